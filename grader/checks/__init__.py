@@ -1,0 +1,1 @@
+"""The checks of every exercise: pytest tests that read recordings."""

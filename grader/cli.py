@@ -1,0 +1,261 @@
+"""The command `course`: list the exercises, grade, drive, and check recordings."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from grader.errors import GraderError, InputError
+
+if TYPE_CHECKING:
+    from grader.grading import Grading
+    from grader.recording import Recording
+
+FULL, LESS, FAULT = 0, 1, 2  # exit codes
+JSON_STDOUT = "-"
+FIRST_GOAL = 0.5  # [s] when `course drive` sends its first goal
+
+LIST_EXAMPLES = """\b
+Examples:
+  course list
+"""
+GRADE_EXAMPLES = """\b
+Examples:
+  course grade obstacle_avoidance my_agent.py
+  course grade goal_seeking my_folder --field --report report.html
+  course grade 1 my_agent.py --only stop_zone --json -
+"""
+DRIVE_EXAMPLES = """\b
+Examples:
+  course drive my_agent.py --scenario demo_wall
+  course drive my_agent.py --scenario demo_wall --lidar lds01 --report drive.html
+  course drive seeker.py --scenario demo_open --goal 5 3 --goal 0 0 --param gain:=0.5
+"""
+CHECK_BAG_EXAMPLES = """\b
+Examples:
+  course grade goal_seeking my_seeker.py --bags bags
+  course check-bag bags/origin_to_5_3 goal_seeking
+  course check-bag bags goal_seeking
+"""
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="rclpy-agents-course", prog_name="course")
+def cli() -> None:
+    """Grade ROS 2 nodes written in Python, in a mock robot, in virtual time."""
+
+
+@cli.command("list", epilog=LIST_EXAMPLES)
+def list_() -> None:
+    """List the exercises."""
+    from rich.console import Console  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+
+    from grader.exercises import all_exercises  # noqa: PLC0415
+
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
+    for heading in ("#", "Exercise", "File", "What it is about"):
+        table.add_column(heading)
+    for exercise in all_exercises():
+        files = ", ".join(exercise.files)
+        table.add_row(str(exercise.number), exercise.slug, files, exercise.summary)
+    Console().print(table)
+
+
+@cli.command(epilog=GRADE_EXAMPLES)
+@click.argument("exercise")
+@click.argument("file", metavar="FILE|FOLDER", type=click.Path(path_type=Path))
+@click.option("--tier", type=click.IntRange(1, 2), default=1, help="1: mock robot, virtual time.")
+@click.option("--field", is_flag=True, help="Run the field checks too (badge, no points).")
+@click.option("--only", multiple=True, metavar="CHECK", help="Run this check and what it needs.")
+@click.option("--seed", type=click.IntRange(0, 10**6), help="Vary worlds and noise.")
+@click.option("--json", "json_", metavar="PATH|-", help="Write the result as JSON; -: to stdout.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report.")
+@click.option("--bags", type=click.Path(path_type=Path), help="Save every trial as a bag here.")
+def grade(
+    exercise: str,
+    file: Path,
+    tier: int,
+    field: bool,
+    only: tuple[str, ...],
+    seed: int | None,
+    json_: str | None,
+    report: Path | None,
+    bags: Path | None,
+) -> int:
+    """Grade a node: EXERCISE by name or number, FILE or a FOLDER that holds it.
+
+    Exit code 0: full core score. 1: less. 2: wrong usage, or the grader's own fault.
+    """
+    from grader.exercises import find_exercise  # noqa: PLC0415
+    from grader.submission import find_submission  # noqa: PLC0415
+
+    if tier == 2:
+        raise InputError("--tier 2 (live ROS 2) is not available yet; use --tier 1")
+    chosen = find_exercise(exercise)
+    submission = find_submission(file, chosen.files[0])
+    _check_writable(report, json_)
+    with _nursery() as nursery:
+        from grader.grading import grade_live  # noqa: PLC0415
+
+        grading = grade_live(
+            chosen, submission, nursery, file=str(file), field=field, only=only, seed=seed, bags=bags
+        )
+    _show(grading, json_, report)
+    return _exit_code(grading)
+
+
+@cli.command(epilog=DRIVE_EXAMPLES)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--scenario", required=True, metavar="NAME|PATH", help="A scenario or its TOML file.")
+@click.option("--lidar", metavar="PROFILE", help="default, lds01, lds02 or wide.")
+@click.option("--duration", type=click.FloatRange(0.1, 3600), metavar="S", help="Simulated time.")
+@click.option(
+    "--goal", "goals", type=(float, float), multiple=True, metavar="X Y",
+    help="Send this goal [m]; several are spread over the drive.",
+)  # fmt: skip
+@click.option("--param", "params", multiple=True, metavar="NAME:=VALUE", help="A ROS parameter.")
+@click.option("--seed", type=click.IntRange(0, 10**6), help="Vary world and noise.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
+@click.option("--bag", type=click.Path(path_type=Path), help="Save the drive as a bag.")
+def drive(
+    file: Path,
+    scenario: str,
+    lidar: str | None,
+    duration: float | None,
+    goals: tuple[tuple[float, float], ...],
+    params: tuple[str, ...],
+    seed: int | None,
+    report: Path | None,
+    bag: Path | None,
+) -> int:
+    """Run any rclpy node in the mock robot, without grading."""
+    from grader.drive import arguments_of, drive_node, print_summary, scenario_for  # noqa: PLC0415
+    from grader.submission import find_submission  # noqa: PLC0415
+
+    submission = find_submission(file)
+    arguments = arguments_of(params)
+    chosen = scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
+    _check_writable(report, None)
+    with _nursery() as nursery:
+        recording = drive_node(submission, chosen, nursery, seed=seed, arguments=arguments)
+    if bag is not None:
+        from grader.bag import save  # noqa: PLC0415
+
+        save(recording, bag)
+    print_summary(recording, file=str(file))
+    if report is not None:
+        _write_report(report, None, [recording], f"Drive of {file.name}")
+    return FULL if recording.outcome.completed else LESS
+
+
+@cli.command("check-bag", epilog=CHECK_BAG_EXAMPLES)
+@click.argument("bag", type=click.Path(path_type=Path))
+@click.argument("exercise")
+@click.option("--only", multiple=True, metavar="CHECK", help="Run this check and what it needs.")
+@click.option("--field", is_flag=True, help="Run the field checks too.")
+@click.option("--json", "json_", metavar="PATH|-", help="Write the result as JSON; -: to stdout.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report.")
+def check_bag(
+    bag: Path,
+    exercise: str,
+    only: tuple[str, ...],
+    field: bool,
+    json_: str | None,
+    report: Path | None,
+) -> int:
+    """Judge saved recordings: BAG is one bag, or a folder of them. No student code runs."""
+    from grader.exercises import find_exercise  # noqa: PLC0415
+    from grader.grading import grade as grade_recordings  # noqa: PLC0415
+    from grader.trials import SavedTrials, load_bags  # noqa: PLC0415
+
+    chosen = find_exercise(exercise)
+    _check_writable(report, json_)
+    trials = SavedTrials(load_bags(bag))
+    grading = grade_recordings(chosen, trials, file=str(bag), field=field, only=only)
+    _show(grading, json_, report)
+    return _exit_code(grading)
+
+
+def main() -> None:
+    """Run the command; errors take one line."""
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    try:
+        code = cli.main(standalone_mode=False)
+    except click.exceptions.Abort:
+        code = _say("interrupted")
+    except click.ClickException as error:
+        context = getattr(error, "ctx", None)
+        command = context.command_path if context else "course"
+        code = _say(f"{error.format_message()} (see {command} --help)")
+    except (InputError, GraderError) as error:
+        code = _say(str(error))
+    except KeyboardInterrupt:
+        code = _say("interrupted")
+    except OSError as error:
+        code = _say(f"{error.filename or 'file'}: {error.strerror}")
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _say(message: str) -> int:
+    line = " ".join(message.split())
+    click.echo(f"course: {line}", err=True)
+    return FAULT
+
+
+def _nursery() -> Any:
+    """Start the process that will run the node, as early as possible: it warms up meanwhile."""
+    from grader.launch import Nursery  # noqa: PLC0415
+    from sim.messages import EPOCH_NS  # noqa: PLC0415
+
+    return Nursery(EPOCH_NS)
+
+
+def _check_writable(report: Path | None, json_: str | None) -> None:
+    """Find out before the work that its result can't be written."""
+    for target in (report, Path(json_) if json_ and json_ != JSON_STDOUT else None):
+        if target is not None and not target.resolve().parent.is_dir():
+            raise InputError(f"{target}: its folder does not exist")
+        if target is not None and target.is_dir():
+            raise InputError(f"{target}: expected a file to write, but this is a folder")
+
+
+def _show(grading: Grading, json_: str | None, report: Path | None) -> None:
+    from grader.report import json_text, render_terminal  # noqa: PLC0415
+
+    result = grading.as_dict()
+    if json_ == JSON_STDOUT:
+        sys.stdout.write(json_text(result))
+    else:
+        from rich.console import Console  # noqa: PLC0415
+
+        render_terminal(result, Console())
+    if json_ and json_ != JSON_STDOUT:
+        Path(json_).write_text(json_text(result), "utf-8")
+    if report is not None:
+        title = f"{grading.exercise.title}: {Path(grading.file).name}"
+        _write_report(report, result, list(grading.recordings), title, quiet=bool(json_))
+
+
+def _write_report(
+    path: Path,
+    grading: dict[str, Any] | None,
+    recordings: list[Recording],
+    title: str,
+    quiet: bool = False,
+) -> None:
+    from grader.report import page_html, page_payload  # noqa: PLC0415
+
+    path.write_text(page_html(page_payload(grading, recordings, title)), "utf-8")
+    if not quiet:
+        click.echo(f"Report with replays: {path}")
+
+
+def _exit_code(grading: Grading) -> int:
+    if grading.faulty:
+        return FAULT
+    return FULL if grading.full else LESS

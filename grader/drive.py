@@ -1,0 +1,175 @@
+"""Drive any rclpy node in the mock robot and say what it did, without judging it."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+import msgspec
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+
+from grader.errors import InputError
+from grader.launch import Nursery
+from grader.recording import Endpoint, Recording
+from grader.submission import Submission
+from grader.terminal import printable
+from grader.trial import run_trial
+from grader.trials import mixed_seed
+from sim.lidar import PROFILES
+from sim.messages import CMD_VEL_TOPIC, TWIST, TWIST_STAMPED
+from sim.scenario import Scenario, ScriptEvent, load_scenario
+
+FIRST_GOAL = 0.5  # [s]
+PARAMETER = re.compile(r"[A-Za-z_][\w.]*:=.+")
+LAST_LINES = 12  # of a traceback
+
+
+def scenario_for(
+    name: str,
+    *,
+    lidar: str | None = None,
+    duration: float | None = None,
+    goals: Sequence[tuple[float, float]] = (),
+) -> Scenario:
+    """Return a scenario with changes.
+
+    Parameters
+    ----------
+    lidar
+        Another lidar profile.
+    duration
+        Another duration [s].
+    goals
+        Goals to send instead of the scenario's own [m]: the first at 0.5 s, the others spread over
+        the drive.
+
+    Raises
+    ------
+    InputError
+        There is no such scenario or profile.
+    """
+    scenario = load_scenario(name)
+    changes: dict[str, object] = {}
+    if lidar is not None:
+        if lidar not in PROFILES:
+            raise InputError(f"unknown lidar profile {lidar!r}; there are: {', '.join(PROFILES)}")
+        changes["lidar"] = msgspec.structs.replace(scenario.lidar, profile=lidar, rate=None)
+    if duration is not None:
+        changes["duration"] = duration
+    if goals:
+        total = duration or scenario.duration
+        kept = tuple(event for event in scenario.script if event.goal is None)
+        sent = tuple(
+            ScriptEvent(at=FIRST_GOAL + i * total / len(goals), goal=(x, y, 0.0))
+            for i, (x, y) in enumerate(goals)
+        )
+        changes["script"] = kept + sent
+    return msgspec.structs.replace(scenario, **changes)
+
+
+def arguments_of(params: Sequence[str]) -> list[str]:
+    """Return the command line that sets ROS parameters given as NAME:=VALUE.
+
+    Raises
+    ------
+    InputError
+        One has another form.
+    """
+    for param in params:
+        if not PARAMETER.fullmatch(param):
+            raise InputError(f"--param {param!r}: expected NAME:=VALUE, such as max_speed:=0.3")
+    flags = [word for param in params for word in ("-p", param)]
+    return ["--ros-args", *flags] if flags else []
+
+
+def drive_node(
+    submission: Submission,
+    scenario: Scenario,
+    nursery: Nursery,
+    *,
+    seed: int | None = None,
+    arguments: Sequence[str] = (),
+) -> Recording:
+    """Run the node once; the robot also takes TwistStamped."""
+    return run_trial(
+        submission,
+        scenario,
+        nursery,
+        seed=mixed_seed(scenario.seed, seed),
+        arguments=arguments,
+        stamped=True,
+    )
+
+
+def print_summary(recording: Recording, *, file: str) -> None:
+    """Print which topics the node used and what happened."""
+    console = Console(highlight=False)
+    say = console.print
+    say(f"[bold]{escape(file)}[/] in [bold]{recording.name}[/], seed {recording.seed}")
+    say()
+    say("[bold]Topics[/]")
+    for line in _topic_lines(recording):
+        say(f"  {escape(printable(line, console))}")
+    say()
+    say("[bold]What happened[/]")
+    for line in _event_lines(recording):
+        say(f"  {escape(printable(line, console))}")
+    for line in recording.outcome.detail.splitlines()[-LAST_LINES:]:
+        say(f"    {escape(printable(line, console))}", style="dim")
+
+
+def _topic_lines(recording: Recording) -> list[str]:
+    if not recording.endpoints:
+        return ["the node created no publisher and no subscription"]
+    sent = Counter(message.topic for message in recording.delivered)
+    said = Counter(message.topic for message in recording.published)
+    return [
+        _topic_line(end, said if end.kind == "publisher" else sent, recording.duration_s)
+        for end in recording.endpoints
+    ]
+
+
+def _topic_line(end: Endpoint, counts: Counter[str], duration: float) -> str:
+    arrow = {"publisher": "->", "subscription": "<-"}.get(end.kind, end.kind)
+    line = f"{arrow} {end.topic}  {end.type}"
+    if end.kind not in ("publisher", "subscription"):
+        return line
+    rate = counts[end.topic] / duration if duration else 0.0
+    line += f"  {end.reliability}  {counts[end.topic]} messages ({rate:.1f} Hz)"
+    if end.mismatch:
+        line += f"  WARNING: nothing arrives: {end.mismatch}"
+    elif end.kind == "publisher" and end.topic == CMD_VEL_TOPIC and end.type == TWIST_STAMPED:
+        line += "  note: the exercises expect Twist here; the robot understood"
+    elif end.kind == "subscription" and not counts[end.topic]:
+        line += "  WARNING: the robot sends nothing on this topic"
+    return line
+
+
+def _event_lines(recording: Recording) -> list[str]:
+    truth = recording.truth
+    lines = [f"{recording.duration_s:.1f} s simulated; {_ending(recording)}"]
+    if len(truth.t):
+        steps = np.hypot(np.diff(truth.x), np.diff(truth.y))
+        nearest = int(np.argmin(truth.clearance))
+        lines += [
+            f"drove {steps.sum():.2f} m, from ({truth.x[0]:.2f}, {truth.y[0]:.2f}) "
+            f"to ({truth.x[-1]:.2f}, {truth.y[-1]:.2f}); fastest {np.abs(truth.v).max():.2f} m/s",
+            f"nearest to an obstacle: {truth.clearance[nearest]:.2f} m "
+            f"at {truth.t[nearest] / 1e9:.1f} s",
+        ]
+        touched = np.flatnonzero(truth.contact)
+        if len(touched):
+            lines.append(f"TOUCHED an obstacle at {truth.t[touched[0]] / 1e9:.1f} s")
+    if not any(m.topic == CMD_VEL_TOPIC for m in recording.published):
+        lines.append("the robot got no command: nothing was published on /cmd_vel")
+    return lines
+
+
+def _ending(recording: Recording) -> str:
+    outcome = recording.outcome
+    if outcome.completed:
+        return "the node lived to the end"
+    return f"the node ended at {outcome.at:.1f} s: {outcome.kind.replace('_', ' ')}: {outcome.text}"

@@ -1,0 +1,11 @@
+"""Errors that the person at the command line can do something about."""
+
+from __future__ import annotations
+
+from sim.errors import InputError
+
+__all__ = ["GraderError", "InputError"]
+
+
+class GraderError(Exception):
+    """The grader's own fault, or the machine's: costs a student nothing."""

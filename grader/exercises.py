@@ -1,0 +1,91 @@
+"""The exercises of the course: their folders and what `exercise.toml` says of them."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from pathlib import Path
+
+import msgspec
+
+from grader.errors import GraderError, InputError
+
+ROOT = Path(__file__).resolve().parent.parent
+EXERCISES = ROOT / "exercises"
+SOLUTIONS = ROOT / "solutions"
+CHECKS = Path(__file__).resolve().parent / "checks"
+
+
+class Topic(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A topic that a node of the exercise uses."""
+
+    name: str
+    type: str  # "geometry_msgs/msg/Twist"
+    direction: str  # "subscribe" or "publish", seen from the node
+
+
+class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One exercise."""
+
+    number: int
+    slug: str
+    title: str
+    summary: str
+    files: tuple[str, ...]
+    node: str
+    max_points: int
+    topics: tuple[Topic, ...] = ()
+
+    @property
+    def folder(self) -> Path:
+        """What students get."""
+        return EXERCISES / self.slug
+
+    @property
+    def solutions(self) -> Path:
+        """The reference solution, variants and mutants."""
+        return SOLUTIONS / self.slug
+
+    @property
+    def checks(self) -> Path:
+        """The exercise's checks."""
+        return CHECKS / self.slug
+
+
+def all_exercises() -> list[Exercise]:
+    """Return the exercises in the order of the lesson.
+
+    Raises
+    ------
+    GraderError
+        The folder of exercises is missing or an `exercise.toml` is broken.
+    """
+    files = sorted(EXERCISES.glob("*/exercise.toml"))
+    if not files:
+        raise GraderError(f"{EXERCISES}: no exercises here; run `course` from a full checkout")
+    return sorted((_read(file) for file in files), key=lambda exercise: exercise.number)
+
+
+def find_exercise(name: str) -> Exercise:
+    """Return the exercise of that name or number.
+
+    Raises
+    ------
+    InputError
+        There is none; the message names the nearest.
+    """
+    exercises = all_exercises()
+    for exercise in exercises:
+        if name in (exercise.slug, str(exercise.number)):
+            return exercise
+    slugs = [exercise.slug for exercise in exercises]
+    near = difflib.get_close_matches(name, slugs, n=1, cutoff=0.4)
+    hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(slugs)}"
+    raise InputError(f"unknown exercise {name!r}; {hint}")
+
+
+def _read(file: Path) -> Exercise:
+    try:
+        return msgspec.convert(tomllib.loads(file.read_text("utf-8")), Exercise)
+    except (tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
+        raise GraderError(f"{file}: {error}") from error

@@ -1,0 +1,202 @@
+"""Grade one submission: run the checks of an exercise over recordings and add up the points."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.metadata
+import os
+import platform
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from grader.errors import GraderError
+from grader.exercises import Exercise
+from grader.launch import Nursery
+from grader.plugin import ERROR, INCONCLUSIVE, PASS, CheckPlugin, CheckResult
+from grader.recording import Recording
+from grader.submission import Submission
+from grader.trials import LiveTrials, Trials
+
+ATTEMPTS = 2
+COURSE = "rclpy-agents-course"
+REPORTED_PACKAGES = ("ros-jazzy-rclpy", "numpy", "pymunk", "rosbags", "pytest")
+
+
+@dataclass(frozen=True)
+class Grading:
+    """The verdict on one submission."""
+
+    exercise: Exercise
+    file: str
+    tier: int
+    checks: tuple[CheckResult, ...]
+    recordings: tuple[Recording, ...]
+    isolation: str = ""
+
+    @property
+    def score(self) -> int:
+        """Core points won."""
+        return sum(check.points for check in self.checks)
+
+    @property
+    def max_score(self) -> int:
+        """Core points that could be won: checks that failed to judge are left out."""
+        judged = (c for c in self.checks if c.outcome not in (ERROR, INCONCLUSIVE))
+        return sum(check.max_points for check in judged)
+
+    @property
+    def field_ready(self) -> bool | None:
+        """All field checks passed (with full core points); None if they were not run."""
+        field = [check for check in self.checks if check.kind == "field"]
+        if not field:
+            return None
+        return self.full and all(check.outcome == PASS for check in field)
+
+    @property
+    def full(self) -> bool:
+        """The full core score, with every core check judged."""
+        core = [check for check in self.checks if check.kind == "core"]
+        return all(check.outcome == PASS for check in core)
+
+    @property
+    def faulty(self) -> bool:
+        """The grader or the machine failed somewhere."""
+        return any(check.outcome in (ERROR, INCONCLUSIVE) for check in self.checks)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the JSON object of this grading."""
+        return {
+            "exercise": self.exercise.slug,
+            "file": self.file,
+            "tier": self.tier,
+            "score": self.score,
+            "max_score": self.max_score,
+            "field_ready": self.field_ready,
+            "checks": [check.as_dict() for check in self.checks],
+            "recordings": [_describe(recording) for recording in self.recordings],
+            "versions": versions(),
+        }
+
+
+def grade(
+    exercise: Exercise,
+    trials: Trials,
+    *,
+    file: str,
+    tier: int = 1,
+    field: bool = False,
+    only: Iterable[str] = (),
+    isolation: str = "",
+) -> Grading:
+    """Run the checks of `exercise` over the recordings of `trials`.
+
+    Raises
+    ------
+    InputError
+        `only` names a check that doesn't exist.
+    GraderError
+        The checks can't be run.
+    """
+    import pytest  # noqa: PLC0415  (0.1 s)
+
+    plugin = CheckPlugin(trials, field=field, only=only)
+    with _undisturbed():
+        code = pytest.main(_arguments(exercise), plugins=[plugin])
+    if plugin.fault is not None:
+        raise plugin.fault
+    if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED) or not plugin.results:
+        raise GraderError(f"the checks of {exercise.slug} can't be run (pytest: {code!r})")
+    return Grading(
+        exercise=exercise,
+        file=file,
+        tier=tier,
+        checks=tuple(plugin.results.values()),
+        recordings=tuple(trials.recordings()),
+        isolation=isolation,
+    )
+
+
+def grade_live(
+    exercise: Exercise,
+    submission: Submission,
+    nursery: Nursery,
+    *,
+    file: str,
+    field: bool = False,
+    only: Iterable[str] = (),
+    seed: int | None = None,
+    bags: Path | None = None,
+) -> Grading:
+    """Run the student's node and judge it; a machine that stalled gets a second try.
+
+    Raises
+    ------
+    InputError
+        `only` names a check that doesn't exist.
+    GraderError
+        The grader or the machine failed; nothing can be said of the submission.
+    """
+    only = tuple(only)
+    for _ in range(ATTEMPTS):
+        with LiveTrials(submission, nursery, seed=seed, bags=bags) as trials:
+            grading = grade(
+                exercise,
+                trials,
+                file=file,
+                field=field,
+                only=only,
+                isolation=nursery.isolation,
+            )
+        if not any(check.outcome == INCONCLUSIVE for check in grading.checks):
+            break
+    return grading
+
+
+def versions() -> dict[str, str]:
+    """Return the versions on which a verdict may depend."""
+    found = {"python": platform.python_version()}
+    for name in (COURSE, *REPORTED_PACKAGES):
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+            found[name] = importlib.metadata.version(name)
+    return found
+
+
+def _arguments(exercise: Exercise) -> list[str]:
+    return [
+        str(exercise.checks),
+        "--quiet",
+        "--import-mode=importlib",
+        "--assert=plain",  # checks speak through fail(); rewriting would cost half a second
+        "--capture=sys",
+        f"--rootdir={exercise.checks}",
+        f"--config-file={os.devnull}",
+        "-p", "no:terminal",
+        "-p", "no:cacheprovider",
+        "-p", "no:faulthandler",
+    ]  # fmt: skip
+
+
+@contextlib.contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Keep the settings of other pytest runs, and other people's plugins, out of the checks."""
+    names = ("PYTEST_ADDOPTS", "PYTEST_PLUGINS", "PYTEST_DISABLE_PLUGIN_AUTOLOAD")
+    before = {name: os.environ.pop(name) for name in names if name in os.environ}
+    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
+    try:
+        yield
+    finally:
+        os.environ.pop("PYTEST_DISABLE_PLUGIN_AUTOLOAD", None)
+        os.environ.update(before)
+
+
+def _describe(recording: Recording) -> dict[str, Any]:
+    return {
+        "scenario": recording.name,
+        "title": recording.scenario.title,
+        "seed": recording.seed,
+        "duration": recording.duration_s,
+        "outcome": recording.outcome.kind,
+        "bag": recording.bag,
+    }

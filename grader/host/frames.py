@@ -1,0 +1,156 @@
+"""The link's frames: what judge and host may say to each other, and how much of it.
+
+One frame is a 4-byte little-endian length and a MessagePack body. The judge decodes every body into
+the typed structures below, so a frame of another shape is refused, not interpreted.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import Annotated
+
+import msgspec
+
+MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
+MAX_PUBLISHED = 5_000  # messages a node may publish between two events of the world
+MAX_TEXT = 20_000  # [characters] of one error text or traceback
+MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
+LENGTH = struct.Struct("<I")
+MARK = "\x1e"  # in stdout and stderr, followed by the time [ns]: what comes next was said then
+
+Name = Annotated[str, msgspec.Meta(max_length=MAX_NAME)]
+Text = Annotated[str, msgspec.Meta(max_length=MAX_TEXT)]
+Nanoseconds = Annotated[int, msgspec.Meta(ge=0, le=2**62)]
+
+
+class Delivery(msgspec.Struct, array_like=True, frozen=True):
+    """One message on its way to the node."""
+
+    topic: Name
+    data: bytes  # CDR
+
+
+class Offer(msgspec.Struct, array_like=True, frozen=True):
+    """A topic that the robot publishes."""
+
+    topic: Name
+    type: Name
+    reliable: bool
+
+
+class Start(msgspec.Struct, frozen=True, tag="start"):
+    """The judge's first frame: what to run and what the robot offers."""
+
+    file: str  # the student's file, relative to the working folder
+    arguments: tuple[str, ...]  # what follows the file name in sys.argv
+    epoch: Nanoseconds  # ROS time of the start
+    seed: int  # for `random`, in case the student uses it
+    offers: tuple[Offer, ...]
+    domain: int = 0
+
+
+class Run(msgspec.Struct, frozen=True, tag="run"):
+    """Deliver these messages now, then let time pass until `until` [ns since the start]."""
+
+    until: Nanoseconds
+    deliver: tuple[Delivery, ...] = ()
+
+
+class Published(msgspec.Struct, array_like=True, frozen=True):
+    """One message that the node published."""
+
+    time: Nanoseconds  # [ns] since the start
+    topic: Name
+    type: Name
+    data: bytes  # CDR
+
+
+class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
+    """A publisher, subscription, service or client that the node created."""
+
+    kind: Annotated[str, msgspec.Meta(pattern="^(publisher|subscription|service|client)$")]
+    node: Name
+    topic: Name
+    type: Name
+    reliability: Name = ""
+    durability: Name = ""
+    depth: int = 0
+    mismatch: Text = ""  # why it and the robot's end of the topic can't talk; "" if they can
+
+
+class Settled(msgspec.Struct, frozen=True, tag="settled"):
+    """All that the node has to do until `now` is done."""
+
+    now: Nanoseconds
+    spinning: bool  # an executor waits for work
+    asleep: bool  # some thread waits for a time
+    published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
+    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
+
+
+class Ended(msgspec.Struct, frozen=True, tag="ended"):
+    """The student's program is over."""
+
+    now: Nanoseconds
+    kind: Annotated[str, msgspec.Meta(pattern="^(returned|exited|exception|syntax_error)$")]
+    text: Text
+    detail: Text  # the traceback, with the student's frames
+    published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
+    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
+
+
+class Request(msgspec.Struct, frozen=True):
+    """What the judge asks for: a host in this folder, as this user (0: the judge's own)."""
+
+    folder: str
+    uid: int
+
+
+class Hello(msgspec.Struct, frozen=True):
+    """The nursery's first words: ready, and whether an unprivileged user can run hosts."""
+
+    unprivileged: bool
+
+
+class Birth(msgspec.Struct, frozen=True):
+    """The answer to a request; the child's pidfd comes with it."""
+
+    pid: int
+
+
+ToHost = Start | Run
+ToJudge = Settled | Ended
+
+_encoder = msgspec.msgpack.Encoder()
+_to_host: msgspec.msgpack.Decoder[ToHost] = msgspec.msgpack.Decoder(ToHost)
+_to_judge: msgspec.msgpack.Decoder[ToJudge] = msgspec.msgpack.Decoder(ToJudge)
+
+
+def encode(frame: ToHost | ToJudge) -> bytes:
+    """Return the frame with its length in front.
+
+    Raises
+    ------
+    ValueError
+        The body is larger than MAX_FRAME.
+    """
+    body = _encoder.encode(frame)
+    if len(body) > MAX_FRAME:
+        raise ValueError(f"a frame of {len(body)} bytes; the link carries {MAX_FRAME}")
+    return LENGTH.pack(len(body)) + body
+
+
+def decode_to_host(body: bytes) -> ToHost:
+    """Decode what the judge said."""
+    return _to_host.decode(body)
+
+
+def decode_to_judge(body: bytes | bytearray) -> ToJudge:
+    """Decode what a host said.
+
+    Raises
+    ------
+    msgspec.DecodeError, msgspec.ValidationError
+        The body isn't one of the frames above.
+    """
+    return _to_judge.decode(body)

@@ -1,0 +1,229 @@
+"""Virtual time for all threads of one process: one runs at a time, time moves when all are parked.
+
+A *baton* goes round: only its holder executes Python. A thread that has to wait parks and hands the
+baton to whoever can run, first come, first served; when nobody can, everything has settled and time
+jumps to the next moment at which something happens. So the same program with the same events gives
+the same run, on any machine.
+"""
+
+from __future__ import annotations
+
+import _thread
+import collections
+import heapq
+import itertools
+from collections.abc import Callable
+from typing import TypeVar
+
+Result = TypeVar("Result")
+
+IDLE_POLLS = 50  # looks with a timeout of zero in which nothing happens ...
+IDLE_STEP = 1_000_000  # [ns] ... after which this much time goes by: a busy loop costs time
+
+# The kernel replaces these for everybody else.
+real_allocate_lock = _thread.allocate_lock
+real_get_ident = _thread.get_ident
+
+
+class VirtualThread:
+    """What the kernel knows of one thread."""
+
+    def __init__(self) -> None:
+        self.gate = real_allocate_lock()  # opened by whoever hands over the baton
+        self.gate.acquire()
+        self.ticket = 0  # goes up at each wake-up, which makes old queue entries void
+        self.woken = False  # woken by somebody (True) or by the deadline (False)
+        self.seen = -1  # epoch at this thread's last look
+        self.idle: dict[object, tuple[int, int]] = {}  # poll key: (epoch, idle looks in it)
+        self.done = False
+        self.joiners: Waiters = collections.deque()
+
+
+Waiter = tuple[VirtualThread, int]
+Waiters = collections.deque[Waiter]
+
+
+class World:
+    """What happens outside the process; the kernel asks it where time may go."""
+
+    until = 0  # [ns] time may go up to here without asking
+
+    def settled(self) -> None:
+        """Everything that can run at this moment has run."""
+
+    def moved(self) -> None:
+        """Time has moved."""
+
+    def exchange(self) -> None:
+        """Time has come to `until`: let the world act and move `until` on."""
+        raise NotImplementedError
+
+
+class Kernel:
+    """The clock and the baton."""
+
+    def __init__(self, world: World | None = None) -> None:
+        self.world = world or World()
+        self.now = 0  # [ns] since the start
+        self.epoch = 0  # goes up whenever anything may have changed for a poller
+        self.pollers: list[Waiter] = []  # executors and selectors: they look for themselves
+        self._ready: collections.deque[VirtualThread] = collections.deque()
+        self._timed: list[tuple[int, int, VirtualThread, int]] = []
+        self._sequence = itertools.count()
+        self.threads = {real_get_ident(): VirtualThread()}
+
+    # --- for the threads -------------------------------------------------------------------------
+
+    def me(self) -> VirtualThread:
+        """Return the calling thread's record."""
+        return self.threads[real_get_ident()]
+
+    def after(self, seconds: float) -> int:
+        """Return the time [ns] that is `seconds` from now."""
+        return self.now + max(0, round(seconds * 1e9))
+
+    def park(self, deadline: int | None = None, waiters: Waiters | None = None) -> bool:
+        """Give the baton away until woken (True) or until the deadline [ns] (False)."""
+        thread = self.me()
+        thread.woken = False
+        if waiters is not None:
+            waiters.append((thread, thread.ticket))
+        if deadline is not None:
+            entry = (deadline, next(self._sequence), thread, thread.ticket)
+            heapq.heappush(self._timed, entry)
+        self._switch(thread)
+        return thread.woken
+
+    def wake(self, waiter: Waiter, woken: bool = True) -> bool:
+        """Make a parked thread runnable; False if something else was faster."""
+        thread, ticket = waiter
+        if thread.ticket != ticket:
+            return False
+        thread.ticket += 1
+        thread.woken = woken
+        self._ready.append(thread)
+        return True
+
+    def sleep(self, seconds: float) -> None:
+        """Park for a time."""
+        self.park(self.after(seconds))
+
+    def poll(
+        self,
+        key: object,
+        look: Callable[[], Result | None],
+        deadline: int | None = None,
+        next_due: Callable[[], int | None] = lambda: None,
+    ) -> Result | None:
+        """Look, each time something has happened, until there is a result.
+
+        `look` never blocks. None comes back at the deadline [ns]. `next_due` tells when `look` may
+        succeed by the passing of time alone (a timer).
+        """
+        thread = self.me()
+        while True:
+            self._let_others_run(thread)
+            thread.seen = self.epoch
+            result = look()
+            if result is not None:
+                thread.idle.pop(key, None)
+                return result
+            if deadline is not None and deadline <= self.now:
+                if not self._too_idle(thread, key):
+                    return None
+                deadline = self.now + IDLE_STEP
+            self.pollers.append((thread, thread.ticket))
+            times = [time for time in (deadline, next_due()) if time is not None]
+            self.park(min(times, default=None))
+
+    # --- for those who start threads -------------------------------------------------------------
+
+    def add(self) -> VirtualThread:
+        """Announce a thread; it runs when its turn comes."""
+        thread = VirtualThread()
+        self._ready.append(thread)
+        return thread
+
+    def enter(self, thread: VirtualThread) -> None:
+        """Wait, in the new thread, for its first turn."""
+        self.threads[real_get_ident()] = thread
+        thread.gate.acquire()
+
+    def leave(self, thread: VirtualThread) -> None:
+        """End the thread: the baton goes on for good."""
+        thread.done = True
+        thread.ticket += 1
+        del self.threads[real_get_ident()]
+        for joiner in thread.joiners:
+            self.wake(joiner)
+        self._pick().gate.release()
+
+    # --- the baton -------------------------------------------------------------------------------
+
+    @property
+    def spinning(self) -> bool:
+        """Some executor or event loop waits for work."""
+        return any(thread.ticket == ticket for thread, ticket in self.pollers)
+
+    @property
+    def asleep(self) -> bool:
+        """Some thread waits for a time."""
+        return any(thread.ticket == ticket for _, _, thread, ticket in self._timed)
+
+    def _let_others_run(self, thread: VirtualThread) -> None:
+        if self._ready:
+            self._ready.append(thread)
+            self._switch(thread)
+
+    def _switch(self, thread: VirtualThread) -> None:
+        chosen = self._pick()
+        if chosen is not thread:
+            chosen.gate.release()
+            thread.gate.acquire()
+
+    def _pick(self) -> VirtualThread:
+        while True:
+            if self._ready:
+                self.epoch += 1
+                return self._ready.popleft()
+            poller = self._curious_poller()
+            if poller is not None:
+                return poller
+            self._advance()
+
+    def _curious_poller(self) -> VirtualThread | None:
+        """Return a poller that has not yet looked at the present state of things."""
+        self.pollers = [(t, ticket) for t, ticket in self.pollers if t.ticket == ticket]
+        for index, (thread, _) in enumerate(self.pollers):
+            if thread.seen != self.epoch:
+                del self.pollers[index]
+                thread.ticket += 1
+                return thread
+        return None
+
+    def _advance(self) -> None:
+        """Move time: to the next wake-up, or to the world's next event."""
+        self.world.settled()
+        while self._timed and self._timed[0][2].ticket != self._timed[0][3]:
+            heapq.heappop(self._timed)
+        until = self.world.until
+        due = self._timed[0][0] if self._timed else until
+        self.epoch += 1
+        if due < until:
+            self._move_to(due)
+            _, _, thread, ticket = heapq.heappop(self._timed)
+            self.wake((thread, ticket), woken=False)
+        else:
+            self._move_to(until)
+            self.world.exchange()
+
+    def _move_to(self, time: int) -> None:
+        if time > self.now:
+            self.now = time
+            self.world.moved()
+
+    def _too_idle(self, thread: VirtualThread, key: object) -> bool:
+        epoch, looks = thread.idle.get(key, (self.epoch, 0))
+        looks = looks + 1 if epoch == self.epoch else 1
+        thread.idle[key] = (self.epoch, looks)
+        return looks >= IDLE_POLLS

@@ -1,0 +1,186 @@
+"""A warm process that forks a host per trial.
+
+It has imported rclpy and the common interfaces (never called `rclpy.init`, started no thread) and
+holds no secret. The judge sends one request per trial, with the descriptors of the link; the answer
+is the child's pidfd, later its wait status.
+"""
+
+from __future__ import annotations
+
+import array
+import contextlib
+import faulthandler
+import gc
+import importlib
+import os
+import select
+import signal
+import socket
+import sys
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from . import kernel as kernel_module
+from . import privileges, threads
+from .frames import Birth, Hello, Request
+
+REQUEST_DESCRIPTORS = 5  # link in, link out, stdout, stderr, status
+PRELOADED = (  # packages whose message types are loaded before the fork
+    "builtin_interfaces.msg",
+    "geometry_msgs.msg",
+    "nav_msgs.msg",
+    "sensor_msgs.msg",
+    "std_msgs.msg",
+)
+TYPE_SUPPORT = (  # the types of every node and of the exercises: their C libraries are opened too
+    ("rcl_interfaces.msg", ("ParameterEvent", "Log")),
+    ("geometry_msgs.msg", ("Twist", "TwistStamped", "PoseStamped")),
+    ("nav_msgs.msg", ("Odometry",)),
+    ("sensor_msgs.msg", ("LaserScan",)),
+    ("std_msgs.msg", ("Bool", "Float64", "String", "UInt32")),
+    (
+        "rcl_interfaces.srv",
+        (
+            "DescribeParameters",
+            "GetParameterTypes",
+            "GetParameters",
+            "ListParameters",
+            "SetParameters",
+            "SetParametersAtomically",
+        ),
+    ),
+    ("type_description_interfaces.srv", ("GetTypeDescription",)),
+)
+
+
+def serve(control: socket.socket, epoch: int) -> None:
+    """Fork hosts until the judge closes `control`."""
+    kernel = kernel_module.Kernel()
+    threads.install(kernel, epoch)
+    _warm_up()
+    unprivileged = os.getuid() == 0 and privileges.open_to_others(_needed_paths())
+    control.sendall(msgspec.json.encode(Hello(unprivileged)))
+    gc.freeze()
+    children: dict[int, tuple[int, int]] = {}  # pidfd: (pid, status descriptor)
+    while True:
+        readable, _, _ = select.select([control, *children], [], [])
+        for pidfd in readable:
+            if pidfd in children:
+                _bury(pidfd, *children.pop(pidfd))
+        if control in readable and not _answer(control, kernel, epoch, children):
+            return
+
+
+def _answer(
+    control: socket.socket,
+    kernel: kernel_module.Kernel,
+    epoch: int,
+    children: dict[int, tuple[int, int]],
+) -> bool:
+    data, descriptors, _, _ = socket.recv_fds(control, 65536, REQUEST_DESCRIPTORS)
+    if not data:
+        return False
+    request = msgspec.json.decode(data, type=Request)
+    pid = os.fork()
+    if pid == 0:
+        control.close()
+        for pidfd, (_, status) in children.items():
+            os.close(pidfd)
+            os.close(status)
+        _become_host(request, descriptors, kernel, epoch)
+    *link, status = descriptors
+    for descriptor in link:
+        os.close(descriptor)
+    pidfd = os.pidfd_open(pid)
+    children[pidfd] = (pid, status)
+    birth = msgspec.json.encode(Birth(pid))
+    rights = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [pidfd]))
+    control.sendmsg([birth], [rights])
+    return True
+
+
+def _bury(pidfd: int, pid: int, status: int) -> None:
+    _, wait_status = os.waitpid(pid, 0)
+    with contextlib.suppress(OSError):
+        os.write(status, str(os.waitstatus_to_exitcode(wait_status)).encode())
+    os.close(status)
+    os.close(pidfd)
+
+
+def _become_host(
+    request: Request, descriptors: list[int], kernel: kernel_module.Kernel, epoch: int
+) -> None:
+    """Turn the forked child into a host and run the student's file; never returns."""
+    try:
+        link_in, link_out, out, err, status = descriptors
+        os.close(status)
+        os.setsid()
+        null = os.open(os.devnull, os.O_RDONLY)
+        for source, target in ((null, 0), (out, 1), (err, 2)):
+            os.dup2(source, target)
+            os.close(source)
+        faulthandler.register(signal.SIGUSR1, file=2, all_threads=True)
+        os.chdir(request.folder)
+        os.environ["HOME"] = os.environ["TMPDIR"] = request.folder
+        os.environ["ROS_LOG_DIR"] = request.folder
+        privileges.set_limits()
+        if request.uid:
+            privileges.drop_to(request.uid)
+        _run_student(kernel, epoch, link_in, link_out)
+    finally:
+        os._exit(70)
+
+
+def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_out: int) -> None:
+    from . import bridge, ros, session, student  # noqa: PLC0415  (rclpy is imported by now)
+
+    trial = session.Session(link_in, link_out)
+    trial.kernel, kernel.world = kernel, trial
+    start = trial.start()
+    trial.bridge = bridge.Bridge(start.offers)
+    trial.bridge.install()
+    trial.clocks = ros.install(kernel, epoch)
+    _steer_init()
+    trial.mark()
+    student.run(trial, start)
+    os._exit(0)
+
+
+def _steer_init() -> None:
+    """Give every context the arguments that keep it inside the process."""
+    import rclpy.context  # noqa: PLC0415
+
+    cls: Any = rclpy.context.Context
+    init = cls.init
+
+    def quiet_init(self: Any, args: Any = None, **kwargs: Any) -> Any:
+        arguments = list(sys.argv if args is None else args)
+        arguments += ["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"]
+        return init(self, arguments, **kwargs)
+
+    cls.init = quiet_init
+
+
+def _warm_up() -> None:
+    from rclpy.type_support import check_for_type_support  # noqa: PLC0415
+
+    for package in PRELOADED:
+        importlib.import_module(package)
+    for package, names in TYPE_SUPPORT:
+        module = importlib.import_module(package)
+        for name in names:
+            check_for_type_support(getattr(module, name))
+    for name in ("numpy", "rclpy.node", "rclpy.executors", "rclpy.action"):
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+    from . import bridge, ros, session, student  # noqa: F401, PLC0415
+
+
+def _needed_paths() -> list[Path]:
+    """Folders that the student's process reads from: the interpreter and its libraries."""
+    paths = [Path(sys.prefix), Path(sys.base_prefix), Path(__file__).parent]
+    paths += [Path(entry) for entry in sys.path if entry]
+    paths += [Path(entry) for entry in os.environ.get("LD_LIBRARY_PATH", "").split(":") if entry]
+    return [path.resolve() for path in paths if path.is_dir()]

@@ -1,0 +1,102 @@
+"""What a host may use: limits and an unprivileged user. The full sandbox will be built on this seam."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import resource
+import stat
+from pathlib import Path
+
+NOBODY = 65534
+LIMITS = {
+    resource.RLIMIT_CORE: 0,
+    resource.RLIMIT_FSIZE: 64 * 1024 * 1024,  # [bytes] of one file
+    resource.RLIMIT_NOFILE: 256,
+    resource.RLIMIT_AS: 8 * 1024 * 1024 * 1024,  # [bytes] address space: numeric libraries map much
+}
+MAX_PROCESSES = 512  # threads count too; of the unprivileged user as a whole
+CLONE_NEWNS = 0x00020000
+MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18
+
+
+def set_limits() -> None:
+    """Lower the limits of this process for good."""
+    for limit, value in LIMITS.items():
+        resource.setrlimit(limit, (value, value))
+
+
+def drop_to(uid: int) -> None:
+    """Become an unprivileged user for good (needs root)."""
+    resource.setrlimit(resource.RLIMIT_NPROC, (MAX_PROCESSES, MAX_PROCESSES))
+    os.setgroups([])
+    os.setresgid(uid, uid, uid)
+    os.setresuid(uid, uid, uid)
+
+
+def open_to_others(paths: list[Path]) -> bool:
+    """Make sure that an unprivileged user can reach `paths`; tell whether that worked.
+
+    An interpreter in root's home is closed to everybody else. Then this process gets a mount
+    namespace of its own in which the closed folder is replaced by an empty one that holds nothing
+    but `paths`. Needs root.
+    """
+    closed = {}
+    for path in paths:
+        folder = _closed_ancestor(path)
+        if folder is not None:
+            closed.setdefault(folder, []).append(path)
+    if not closed:
+        return True
+    try:
+        _unshare_mounts()
+        for folder, inside in closed.items():
+            _expose_only(folder, inside)
+    except OSError:
+        return False
+    return all(_closed_ancestor(path) is None for path in paths)
+
+
+def _closed_ancestor(path: Path) -> Path | None:
+    for folder in reversed([path, *path.parents]):
+        if folder.is_dir() and not folder.stat().st_mode & stat.S_IXOTH:
+            return folder
+    return None
+
+
+def _unshare_mounts() -> None:
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.unshare(CLONE_NEWNS):
+        raise OSError(ctypes.get_errno(), "unshare")
+    _mount("none", "/", None, MS_REC | MS_PRIVATE)
+
+
+def _expose_only(folder: Path, inside: list[Path]) -> None:
+    handles = [(path, os.open(path, os.O_PATH)) for path in _outermost(inside)]
+    _mount("tmpfs", str(folder), "tmpfs", 0, "mode=0755,size=1m")
+    for path, handle in handles:
+        path.mkdir(parents=True, exist_ok=True)
+        _mount(f"/proc/self/fd/{handle}", str(path), None, MS_BIND | MS_REC)
+        os.close(handle)
+
+
+def _outermost(paths: list[Path]) -> list[Path]:
+    chosen: list[Path] = []
+    for path in sorted(set(paths)):
+        if not any(path.is_relative_to(other) for other in chosen):
+            chosen.append(path)
+    return chosen
+
+
+def _mount(source: str, target: str, kind: str | None, flags: int, options: str = "") -> None:
+    libc = ctypes.CDLL(None, use_errno=True)
+    arguments = (
+        source.encode(),
+        target.encode(),
+        kind.encode() if kind else None,
+        ctypes.c_ulong(flags),
+        options.encode() or None,
+    )
+    if libc.mount(*arguments):
+        error = ctypes.get_errno()
+        raise OSError(error, os.strerror(error), target)

@@ -1,0 +1,194 @@
+"""Put the kernel under rclpy: the wait of its executors, its clocks and its timers.
+
+The student's own executor runs unchanged; only the places where it would wait for real are replaced.
+Written against rclpy 7.1 (Jazzy).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rclpy.clock
+import rclpy.executors
+import rclpy.node
+import rclpy.task
+import rclpy.time_source
+from rclpy.clock_type import ClockType
+from rclpy.time import Time
+
+from .kernel import Kernel
+from .threads import STEADY_START
+
+
+class RosClocks:
+    """All ROS clocks of the process, set directly.
+
+    (A /clock message would have to pass through the student's own executor, where it could wait
+    behind the student's own callbacks.)
+    """
+
+    def __init__(self, kernel: Kernel, epoch: int) -> None:
+        self._kernel = kernel
+        self._epoch = epoch
+        self._clocks: list[Any] = []
+
+    def now(self) -> Any:
+        """Return the ROS time."""
+        return Time(
+            nanoseconds=self._epoch + self._kernel.now, clock_type=ClockType.ROS_TIME
+        )
+
+    def add(self, clock: Any) -> None:
+        """Take charge of a clock."""
+        self._clocks.append(clock)
+        clock.set_ros_time_override(self.now())
+        clock._set_ros_time_is_active(True)
+
+    def follow(self) -> None:
+        """Set every clock to the present: timers that are due become ready."""
+        now = self.now()
+        for clock in self._clocks:
+            clock.set_ros_time_override(now)
+
+
+def install(kernel: Kernel, epoch: int) -> RosClocks:
+    """Replace the waiting parts of rclpy; return the clocks, which must follow the kernel."""
+    clocks = RosClocks(kernel, epoch)
+    _install_wait(kernel)
+    _install_tasks(kernel)
+    _install_clocks(kernel, clocks)
+    return clocks
+
+
+def _install_wait(kernel: Kernel) -> None:
+    """Let executors wait in the kernel. They look with a timeout of zero, as often as needed."""
+    cls: Any = rclpy.executors.Executor
+    wait = cls.wait_for_ready_callbacks
+
+    def look(self: Any, nodes: Any, condition: Any) -> Any:
+        while True:
+            try:
+                found = wait(self, 0, nodes, condition)
+            except rclpy.executors.TimeoutException:
+                # With a timeout of 0 rclpy says "timeout" also at the end of a look that gave
+                # work: only a fresh look that gives nothing means there is nothing.
+                if not self.__dict__.pop("_course_gave_work", False):
+                    return None
+                continue
+            if _is_new(kernel, found[0]):
+                self._course_gave_work = True
+                return found
+
+    def virtual_wait(
+        self: Any, timeout_sec: Any = None, nodes: Any = None, condition: Any = lambda: False
+    ) -> Any:
+        seconds = getattr(timeout_sec, "timeout", timeout_sec)
+        deadline = None if seconds is None or seconds < 0 else kernel.after(seconds)
+        found = kernel.poll(
+            self,
+            lambda: look(self, nodes, condition),
+            deadline,
+            lambda: _next_timer(kernel, nodes or self.get_nodes()),
+        )
+        if found is None:
+            raise rclpy.executors.TimeoutException
+        return found
+
+    def nodes_in_order(self: Any) -> list[Any]:
+        """The executor keeps a set, whose order changes from run to run."""
+        return sorted(self._nodes, key=lambda node: node.get_fully_qualified_name())
+
+    cls.wait_for_ready_callbacks = virtual_wait
+    cls.get_nodes = nodes_in_order
+
+
+def _is_new(kernel: Kernel, task: Any) -> bool:
+    """Tell whether a task that an executor offers deserves to be handed out.
+
+    Not if it was handed out and still queues in the thread pool (rclpy#1452 offers it again and
+    again), nor if it is a coroutine that was tried already since anything changed.
+    """
+    if getattr(task, "_course_queued", False):
+        return False
+    if getattr(task, "_course_tried", None) == kernel.epoch:
+        return False
+    if not hasattr(task, "_course_queued"):
+        kernel.epoch += 1
+    task._course_queued = True
+    task._course_tried = kernel.epoch
+    return True
+
+
+def _next_timer(kernel: Kernel, nodes: Any) -> int | None:
+    """Return when the next timer is due [ns]; one that is due already waits for something else."""
+    remaining = (
+        timer.time_until_next_call()
+        for node in nodes
+        for timer in node.timers
+        if not timer.is_canceled()
+    )
+    return min((kernel.now + ns for ns in remaining if ns is not None and ns > 0), default=None)
+
+
+def _install_tasks(kernel: Kernel) -> None:
+    cls: Any = rclpy.task.Task
+    call = cls.__call__
+
+    def virtual_call(self: Any) -> Any:
+        self._course_queued = False
+        return call(self)
+
+    future: Any = rclpy.task.Future
+    notify = future._schedule_or_invoke_done_callbacks
+
+    def virtual_notify(self: Any) -> None:
+        kernel.epoch += 1  # a coroutine may be waiting for this future
+        notify(self)
+
+    cls.__call__ = virtual_call
+    future._schedule_or_invoke_done_callbacks = virtual_notify
+
+
+def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
+    source: Any = rclpy.time_source.TimeSource
+    attach = source.attach_clock
+
+    def virtual_attach(self: Any, clock: Any) -> None:
+        attach(self, clock)
+        clocks.add(clock)
+
+    source.attach_clock = virtual_attach
+
+    clock_cls: Any = rclpy.clock.Clock
+    real_now = clock_cls.now
+
+    def virtual_now(self: Any) -> Any:
+        if self.clock_type == ClockType.ROS_TIME:
+            return real_now(self)
+        start = clocks._epoch if self.clock_type == ClockType.SYSTEM_TIME else STEADY_START
+        return Time(nanoseconds=start + kernel.now, clock_type=self.clock_type)
+
+    def virtual_sleep_until(self: Any, until: Any, context: Any = None) -> bool:
+        remaining = until.nanoseconds - self.now().nanoseconds
+        kernel.park(kernel.now + max(0, remaining))
+        return True
+
+    clock_cls.now = virtual_now
+    clock_cls.sleep_until = virtual_sleep_until
+
+    node_cls: Any = rclpy.node.Node
+    create_timer = node_cls.create_timer
+
+    def virtual_create_timer(
+        self: Any,
+        timer_period_sec: float,
+        callback: Any,
+        callback_group: Any = None,
+        clock: Any = None,
+        **kwargs: Any,
+    ) -> Any:
+        if clock is not None and clock.clock_type != ClockType.ROS_TIME:
+            clock = None  # system and steady time are the same virtual time as the node's clock
+        return create_timer(self, timer_period_sec, callback, callback_group, clock, **kwargs)
+
+    node_cls.create_timer = virtual_create_timer

@@ -1,0 +1,119 @@
+"""One trial in the host: the link's far end, and the world of the kernel.
+
+The judge owns time. It says "deliver these messages and go on until t"; the host lets the student's
+program run until then, and answers with all that was published on the way.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from typing import Any
+
+from . import kernel as kernel_module
+from .frames import LENGTH, MARK, Ended, Run, Settled, Start, ToJudge, decode_to_host, encode
+
+
+class Session(kernel_module.World):
+    """Talks to the judge whenever the kernel comes to the end of the time it may spend."""
+
+    def __init__(self, read_fd: int, write_fd: int) -> None:
+        self._read_fd = read_fd
+        self._write_fd = write_fd
+        self._marked = -1
+        self.kernel: kernel_module.Kernel
+        self.bridge: Any = None
+        self.clocks: Any = None
+
+    def start(self) -> Start:
+        """Return the judge's first frame."""
+        frame = self._receive()
+        if not isinstance(frame, Start):
+            raise ValueError("the first frame must say what to run")
+        return frame
+
+    def settled(self) -> None:
+        """Collect what was published at this moment."""
+        self.bridge.collect(self.kernel.now)
+
+    def moved(self) -> None:
+        """Time has moved: tell the clocks, and mark the output."""
+        self.clocks.follow()
+        self.mark()
+
+    def exchange(self) -> None:
+        """Report to the judge; wait for its messages and its next moment."""
+        bridge = self.bridge
+        published, bridge.published = bridge.published, []
+        self._flush()
+        self._send(
+            Settled(
+                now=self.kernel.now,
+                spinning=self.kernel.spinning,
+                asleep=self.kernel.asleep,
+                published=published,
+                endpoints=bridge.new_endpoints(),
+            )
+        )
+        run = self._receive()
+        if not isinstance(run, Run):
+            raise ValueError("the judge can only say how to go on")
+        for delivery in run.deliver:
+            bridge.deliver(delivery.topic, delivery.data)
+        self.until = run.until
+
+    def end(self, kind: str, text: str, detail: str = "") -> None:
+        """Say that the student's program is over."""
+        published = []
+        endpoints = []
+        if self.bridge is not None:
+            with contextlib.suppress(Exception):
+                self.bridge.collect(self.kernel.now)
+            published, endpoints = self.bridge.published, self.bridge.new_endpoints()
+        self._flush()
+        self._send(
+            Ended(
+                now=self.kernel.now,
+                kind=kind,
+                text=text[:2_000],
+                detail=detail[-18_000:],
+                published=published,
+                endpoints=endpoints,
+            )
+        )
+
+    def mark(self) -> None:
+        """Note the time in stdout and stderr, if it has changed."""
+        if self.kernel.now == self._marked:
+            return
+        self._marked = self.kernel.now
+        self._flush()
+        line = f"{MARK}{self._marked}\n".encode()
+        for fd in (1, 2):
+            with contextlib.suppress(OSError):
+                os.write(fd, line)
+
+    def _flush(self) -> None:
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(Exception):
+                stream.flush()
+
+    def _receive(self) -> Start | Run:
+        (length,) = LENGTH.unpack(self._read_exactly(LENGTH.size))
+        return decode_to_host(self._read_exactly(length))
+
+    def _read_exactly(self, size: int) -> bytes:
+        chunks = []
+        while size:
+            chunk = os.read(self._read_fd, size)
+            if not chunk:
+                os._exit(0)  # the judge is gone
+            chunks.append(chunk)
+            size -= len(chunk)
+        return b"".join(chunks)
+
+    def _send(self, frame: ToJudge) -> None:
+        data = memoryview(encode(frame))
+        while data:
+            data = data[os.write(self._write_fd, data) :]

@@ -1,0 +1,204 @@
+"""Start hosts: the untrusted processes in which students' nodes run.
+
+This is the seam for the sandbox: whatever isolates a host from the judge belongs here and in
+`grader.host.privileges`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from grader.errors import GraderError
+from grader.host.frames import Birth, Hello, Request
+from grader.host.privileges import NOBODY
+from grader.ros import RosEnvironment, find_ros
+
+ROOT = Path(__file__).resolve().parent.parent
+START_LIMIT = 60.0  # [s] for the imports of a cold machine
+
+
+@dataclass
+class HostProcess:
+    """The judge's handle on one host: its pipes and how to end it."""
+
+    pid: int
+    pidfd: int
+    link_out: int  # judge writes frames here
+    link_in: int  # judge reads frames here
+    stdout: int
+    stderr: int
+    status: int  # the exit status arrives here, as text, when the host has ended
+
+    def kill(self) -> None:
+        """End the host and what it started."""
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self.pid, signal.SIGKILL)
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
+
+    def dump_stacks(self) -> None:
+        """Ask the host to write the stacks of its threads to stderr."""
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self.pidfd, signal.SIGUSR1)
+
+    def wait(self) -> str:
+        """Wait for the end of the host; return its exit status ("-9": killed by signal 9)."""
+        return os.read(self.status, 16).decode("ascii", "replace")
+
+    def close(self) -> None:
+        """Close the judge's ends of the pipes."""
+        for fd in (self.pidfd, self.link_out, self.link_in, self.stdout, self.stderr, self.status):
+            os.close(fd)
+
+
+class Nursery:
+    """A warm process that forks hosts (see grader.host.nursery)."""
+
+    def __init__(self, epoch: int, ros: RosEnvironment | None = None) -> None:
+        self._epoch = epoch
+        self.ros = ros or find_ros()
+        self._lock = threading.Lock()
+        self._uid = 0
+        self._ready = False
+        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._log = tempfile.TemporaryFile()
+        with theirs:
+            self._process = subprocess.Popen(
+                self._command(theirs.fileno()),
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=self._log,
+                stderr=self._log,
+                env=self._environment(),
+                cwd="/",
+            )
+
+    def __enter__(self) -> Nursery:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._control.close()
+        try:
+            self._process.wait(timeout=5)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._log.close()
+
+    @property
+    def isolation(self) -> str:
+        """Say who the student's code runs as."""
+        self._await_ready()
+        if self._uid:
+            return f"unprivileged user {self._uid}, resource limits"
+        return "resource limits only (same user as the grader)"
+
+    @contextlib.contextmanager
+    def host(self, folder: Path) -> Iterator[HostProcess]:
+        """Fork a host that works in `folder`; it is dead when the block ends."""
+        self._await_ready()
+        if self._uid:
+            _give(folder, self._uid)
+        host = self._fork(folder)
+        try:
+            yield host
+        finally:
+            shared_memory = _shared_memory_of(host.pid)
+            host.kill()
+            host.wait()
+            host.close()
+            for file in shared_memory:
+                file.unlink(missing_ok=True)
+
+    def _command(self, control: int) -> list[str]:
+        paths = [str(ROOT), *map(str, self.ros.python_path)]
+        boot = (
+            f"import sys; sys.path[:0] = {paths!r}; sys.argv[1:] = ['{control}', '{self._epoch}'];"
+            "import runpy; runpy.run_module('grader.host', run_name='__main__')"
+        )
+        # -s, -B: nothing from the user's site, no files beside the sources
+        return [sys.executable, "-s", "-B", "-X", "utf8", "-c", boot]
+
+    def _environment(self) -> dict[str, str]:
+        return {
+            "PATH": "/usr/bin:/bin",
+            "LANG": "C.UTF-8",
+            "PYTHONHASHSEED": "0",
+            "PYTHONUNBUFFERED": "1",
+            "OMP_NUM_THREADS": "1",  # one thread of numeric libraries: the same sums everywhere
+            "OPENBLAS_NUM_THREADS": "1",
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
+            "ROS_LOG_DIR": tempfile.gettempdir(),
+            "FASTDDS_BUILTIN_TRANSPORTS": "SHM",
+            "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
+            "RCUTILS_CONSOLE_OUTPUT_FORMAT": "[{severity}] [{name}]: {message}",
+            "RCUTILS_COLORIZED_OUTPUT": "0",
+            **self.ros.variables(),
+        }
+
+    def _await_ready(self) -> None:
+        with self._lock:
+            if self._ready:
+                return
+            self._control.settimeout(START_LIMIT)
+            try:
+                hello = msgspec.json.decode(self._control.recv(4096), type=Hello)
+            except (OSError, msgspec.DecodeError) as error:
+                raise GraderError(f"the host for students' nodes did not start: {self._last_words()}") from error
+            self._uid = NOBODY if hello.unprivileged else 0
+            self._ready = True
+
+    def _last_words(self) -> str:
+        self._log.seek(0)
+        lines = self._log.read().decode("utf-8", "replace").strip().splitlines()
+        return lines[-1] if lines else "it said nothing"
+
+    def _fork(self, folder: Path) -> HostProcess:
+        their_in, link_out = os.pipe()
+        link_in, their_out = os.pipe()
+        stdout, their_stdout = os.pipe()
+        stderr, their_stderr = os.pipe()
+        status, their_status = os.pipe()
+        theirs = [their_in, their_out, their_stdout, their_stderr, their_status]
+        request = msgspec.json.encode(Request(str(folder), self._uid))
+        try:
+            with self._lock:
+                socket.send_fds(self._control, [request], theirs)
+                data, fds, _, _ = socket.recv_fds(self._control, 4096, 1)
+            birth = msgspec.json.decode(data, type=Birth)
+        except (OSError, msgspec.DecodeError) as error:
+            raise GraderError(f"no host for the node: {self._last_words()}") from error
+        finally:
+            for fd in theirs:
+                os.close(fd)
+        for fd in (link_in, stdout, stderr):
+            os.set_blocking(fd, False)
+        return HostProcess(birth.pid, fds[0], link_out, link_in, stdout, stderr, status)
+
+
+def _give(folder: Path, uid: int) -> None:
+    for path in [folder, *folder.rglob("*")]:
+        os.chown(path, uid, uid, follow_symlinks=False)
+
+
+def _shared_memory_of(pid: int) -> list[Path]:
+    """Return the shared memory files of Fast DDS, which a killed process leaves behind."""
+    try:
+        maps = Path(f"/proc/{pid}/maps").read_text()
+    except OSError:
+        return []
+    names = {line.split(maxsplit=5)[5] for line in maps.splitlines() if "/dev/shm/fastrtps_" in line}
+    files = {Path(name.removesuffix(" (deleted)")) for name in names}
+    return sorted(files | {file.with_name(f"{file.name}_el") for file in files})

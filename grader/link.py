@@ -1,0 +1,229 @@
+"""The judge's end of the link: frames to and from one host, and what the host prints.
+
+Everything that comes from the host is hostile: sizes are checked before anything is read, frames are
+decoded into fixed structures, text is capped, and nothing makes the judge wait for ever.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import time
+from dataclasses import dataclass, field
+
+import msgspec
+
+from grader.host.frames import (
+    LENGTH,
+    MARK,
+    MAX_FRAME,
+    Ended,
+    Run,
+    Settled,
+    Start,
+    ToHost,
+    decode_to_judge,
+    encode,
+)
+from grader.launch import HostProcess
+
+MAX_OUTPUT = 512 * 1024  # [bytes] of stdout and stderr each that are kept
+CHUNK = 65536
+STACK_TIME = 0.3  # [s] a hung host gets for writing its stacks
+ROS_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
+
+
+class HostDied(Exception):
+    """The process ended without saying so (`os._exit`, a crash of native code, killed)."""
+
+
+class HostHung(Exception):
+    """The host did not answer within its wall time; `stacks` says where it was."""
+
+    def __init__(self, stacks: str) -> None:
+        super().__init__("no answer")
+        self.stacks = stacks
+
+
+class HostForged(Exception):
+    """The host sent what no node can say."""
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """One line that the node printed or logged."""
+
+    time: int  # [ns] since the start
+    level: str  # debug, info, warn, error, fatal, stdout or stderr
+    text: str
+
+    @property
+    def t(self) -> float:
+        """When it was said [s]."""
+        return self.time / 1e9
+
+
+@dataclass
+class Output:
+    """What came through one of the host's output pipes."""
+
+    stream: str
+    lines: list[LogLine] = field(default_factory=list)
+    truncated: bool = False
+    _partial: bytes = b""
+    _time: int = 0
+    _size: int = 0
+
+    def feed(self, data: bytes) -> None:
+        """Take in a piece of output; past the cap it is dropped."""
+        self._size += len(data)
+        if self._size > MAX_OUTPUT:
+            self.truncated = True
+            return
+        *lines, self._partial = (self._partial + data).split(b"\n")
+        for line in lines:
+            self._line(line.decode("utf-8", "replace"))
+
+    def finish(self) -> None:
+        """Take the last, unfinished line."""
+        if self._partial:
+            self._line(self._partial.decode("utf-8", "replace"))
+            self._partial = b""
+
+    def _line(self, text: str) -> None:
+        head, mark, tail = text.rpartition(MARK)
+        if mark and tail.isdigit() and len(tail) < 20:
+            if head:
+                self._keep(head)
+            self._time = int(tail)
+        else:
+            self._keep(text)
+
+    def _keep(self, text: str) -> None:
+        match = ROS_LINE.match(text)
+        level, said = (match[1].lower(), match[3]) if match else (self.stream, text)
+        self.lines.append(LogLine(self._time, level, said.rstrip("\r")[:2_000]))
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one exchange cost the host."""
+
+    wall: float  # [s]
+    cpu: float  # [s]; nan where the system doesn't tell
+
+
+class Link:
+    """Frames to and from one host."""
+
+    def __init__(self, host: HostProcess) -> None:
+        self._host = host
+        self._buffer = bytearray()
+        self.stdout = Output("stdout")
+        self.stderr = Output("stderr")
+        self._pipes = {host.stdout: self.stdout, host.stderr: self.stderr}
+        self._poll = select.poll()
+        for fd in (host.link_in, *self._pipes):
+            self._poll.register(fd, select.POLLIN)
+        self._cpu_clock = ~host.pid << 3 | 2  # the clock of another process (clock_getcpuclockid)
+
+    def start(self, frame: Start, limit: float) -> tuple[Settled | Ended, Cost]:
+        """Run the student's file up to the point where it waits; limit [s] of wall time."""
+        self._send(frame)
+        return self._answer(limit)
+
+    def run(self, frame: Run, limit: float) -> tuple[Settled | Ended, Cost]:
+        """Let the node go on; limit [s] of wall time.
+
+        Raises
+        ------
+        HostDied, HostHung, HostForged
+            The process ended, did not answer in time, or sent nonsense.
+        """
+        self._send(frame)
+        return self._answer(limit)
+
+    def log(self) -> tuple[LogLine, ...]:
+        """Return what the node said so far, in order of time."""
+        for fd in list(self._pipes):
+            self._drain(fd)
+        for output in (self.stdout, self.stderr):
+            output.finish()
+        return tuple(sorted(self.stdout.lines + self.stderr.lines, key=lambda line: line.time))
+
+    def _send(self, frame: ToHost) -> None:
+        data = memoryview(encode(frame))
+        try:
+            while data:
+                data = data[os.write(self._host.link_out, data) :]
+        except BrokenPipeError:
+            raise HostDied from None
+
+    def _answer(self, limit: float) -> tuple[Settled | Ended, Cost]:
+        started, cpu = time.perf_counter(), self._cpu()
+        body = self._receive(started + limit)
+        cost = Cost(time.perf_counter() - started, self._cpu() - cpu)
+        try:
+            return decode_to_judge(body), cost
+        except (msgspec.DecodeError, RecursionError) as error:
+            raise HostForged(str(error)) from None
+
+    def _receive(self, deadline: float) -> bytes:
+        while (body := self._take_frame()) is None:
+            remaining = deadline - time.perf_counter()
+            if remaining <= 0:
+                raise HostHung(self._stacks())
+            for fd, event in self._poll.poll(remaining * 1e3):
+                if fd == self._host.link_in:
+                    self._read(fd)
+                elif event & select.POLLIN:
+                    self._drain(fd)
+                else:
+                    self._poll.unregister(fd)
+        return body
+
+    def _read(self, fd: int) -> None:
+        chunk = os.read(fd, CHUNK)
+        if not chunk:
+            raise HostDied
+        self._buffer += chunk
+
+    def _take_frame(self) -> bytes | None:
+        if len(self._buffer) < LENGTH.size:
+            return None
+        (length,) = LENGTH.unpack_from(self._buffer)
+        if length > MAX_FRAME:
+            raise HostForged(f"a frame of {length} bytes")
+        end = LENGTH.size + length
+        if len(self._buffer) < end:
+            return None
+        body = bytes(self._buffer[LENGTH.size : end])
+        del self._buffer[:end]
+        return body
+
+    def _drain(self, fd: int) -> None:
+        try:
+            while data := os.read(fd, CHUNK):
+                self._pipes[fd].feed(data)
+                if len(data) < CHUNK:
+                    return
+        except BlockingIOError:
+            return
+
+    def _stacks(self) -> str:
+        """Return where the hung host is, in the student's terms."""
+        before = len(self.stderr.lines)
+        self._host.dump_stacks()
+        deadline = time.perf_counter() + STACK_TIME
+        while (remaining := deadline - time.perf_counter()) > 0:
+            for fd, event in self._poll.poll(remaining * 1e3):
+                if fd in self._pipes and event & select.POLLIN:
+                    self._drain(fd)
+        return "\n".join(line.text for line in self.stderr.lines[before:])
+
+    def _cpu(self) -> float:
+        try:
+            return time.clock_gettime(self._cpu_clock)
+        except OSError:
+            return float("nan")

@@ -1,0 +1,1 @@
+"""The replay player: one HTML page without dependencies."""

@@ -1,0 +1,201 @@
+// The page around the player: score, badge, checks. Without a grading only the replay.
+
+const OUTCOMES = {
+  pass: 'Passed', fail: 'Failed', skip: 'Skipped', error: 'Grader error', inconclusive: 'Inconclusive',
+};
+const outcomeOf = (check) => (Object.hasOwn(OUTCOMES, text(check.outcome)) ? check.outcome : 'error');
+const isPoints = (value) => (Number.isFinite(value) ? String(Math.round(value * 100) / 100) : '0');
+const isCore = (check) => check.kind !== 'field';
+
+function buildTop(payload) {
+  const grading = payload.grading || {};
+  const facts = [grading.file, grading.tier !== undefined && grading.tier !== null ? `Tier ${grading.tier}` : '']
+    .map(text).filter(Boolean);
+  const name = text(payload.title) || text(grading.exercise) || 'Replay';
+  return el('header', { class: 'top' },
+    el('div', { class: 'top-words' },
+      el('p', { class: 'eyebrow' }, payload.grading ? 'Grading report' : 'Replay'),
+      el('h1', { dir: 'auto' }, name),
+      facts.length ? el('p', { class: 'top-facts' }, facts.map((fact) => el('span', { dir: 'auto' }, fact))) : null),
+    iconButton('theme', 'Switch between light and dark', toggleTheme));
+}
+
+function toggleTheme() {
+  const root = document.documentElement;
+  const dark = root.dataset.theme ? root.dataset.theme === 'dark'
+    : matchMedia('(prefers-color-scheme: dark)').matches;
+  root.dataset.theme = dark ? 'light' : 'dark';
+  document.dispatchEvent(new CustomEvent('themechange'));
+}
+
+// --- the score -------------------------------------------------------------------------------
+
+function buildScore(grading, checks) {
+  const score = Number(grading.score) || 0;
+  const most = Number(grading.max_score) || 0;
+  const counts = Object.keys(OUTCOMES)
+    .map((outcome) => [outcome, checks.filter((check) => outcomeOf(check) === outcome).length])
+    .filter(([, n]) => n);
+  return el('section', { class: 'score', 'aria-label': 'Score' },
+    el('p', { class: 'score-figure' }, el('strong', {}, isPoints(score)),
+      el('span', {}, `/${isPoints(most)}`), el('span', { class: 'score-unit' }, 'points')),
+    el('div', { class: 'score-middle' },
+      buildBar(checks.filter(isCore), score, most),
+      el('ul', { class: 'counts' }, counts.map(([outcome, n]) => el('li', { class: `is-${outcome}` },
+        sign(outcome), `${n} ${OUTCOMES[outcome].toLowerCase()}`)))),
+    buildBadge(grading, checks.filter((check) => !isCore(check))));
+}
+
+/** The bar has one segment a core check, as wide as its points, filled as far as it earned them. */
+function buildBar(core, score, most) {
+  const bar = el('div', { class: 'bar', role: 'img', 'aria-label': `${isPoints(score)} of ${isPoints(most)} points` });
+  for (const check of core) {
+    const share = Number(check.max_points) || 0;
+    if (share <= 0) continue;
+    const fill = el('i', {});
+    fill.style.width = `${clamp((Number(check.points) || 0) / share, 0, 1) * 100}%`;
+    const segment = el('span', { class: `bar-part is-${outcomeOf(check)}`, title: `${text(check.title).slice(0, 200)}\n${
+      OUTCOMES[outcomeOf(check)]}, ${isPoints(check.points)} of ${isPoints(share)} points` }, fill);
+    segment.style.flexGrow = String(share);
+    bar.append(segment);
+  }
+  return bar;
+}
+
+function buildBadge(grading, field) {
+  const passed = field.filter((check) => outcomeOf(check) === 'pass').length;
+  const ready = grading.field_ready;
+  const missing = ready === null || ready === undefined;
+  const word = ready ? 'Field-ready' : missing ? 'Field checks not run' : 'Not field-ready yet';
+  const fact = ready ? 'Works on other sensors and networks too' : missing ? 'They carry no points'
+    : `${passed} of ${field.length} field checks passed`;
+  return el('div', { class: `badge ${ready ? 'is-earned' : ''}` }, icon(ready ? 'badge' : 'badgeEmpty'),
+    el('p', {}, el('strong', {}, word), el('span', {}, fact)));
+}
+
+const sign = (outcome) => el('span', { class: `sign is-${outcome}` }, icon(outcome));
+
+// --- the checks ------------------------------------------------------------------------------
+
+function buildGroup(name, fact, checks, links) {
+  if (!checks.length) return null;
+  return el('section', { class: 'group', 'aria-label': `${name} checks` },
+    el('div', { class: 'group-head' }, el('h2', {}, name), el('p', {}, fact)),
+    el('ol', { class: 'checks' }, checks.map((check) => buildCheck(check, links))));
+}
+
+function buildCheck(check, links) {
+  const outcome = outcomeOf(check);
+  const head = [
+    sign(outcome),
+    el('span', { class: 'check-title', dir: 'auto' }, text(check.title) || text(check.id)),
+    el('span', { class: 'check-points' }, pointsOf(check)),
+    el('span', { class: `check-word is-${outcome}` }, OUTCOMES[outcome]),
+  ];
+  const body = buildCheckBody(check, links);
+  if (!body.length) return el('li', { class: `check is-${outcome}` }, el('div', { class: 'check-head' }, head));
+  return el('li', { class: `check is-${outcome}` },
+    el('details', { open: outcome !== 'pass' },
+      el('summary', { class: 'check-head' }, head), el('div', { class: 'check-body' }, body)));
+}
+
+/** What the grader or the machine could not judge counts neither for nor against. */
+function pointsOf(check) {
+  if (!isCore(check) || !(Number(check.max_points) > 0)) return '';
+  if (['error', 'inconclusive'].includes(outcomeOf(check))) return 'not counted';
+  return `${isPoints(Number(check.points))}/${isPoints(Number(check.max_points))}`;
+}
+
+function buildCheckBody(check, links) {
+  const long = (value, name) => (value.length > 600
+    ? { class: `${name} is-long`, dir: 'auto', tabindex: '0' } : { class: name, dir: 'auto' });
+  const message = text(check.message);
+  const facts = [['Expected', check.expected], ['Actual', check.actual]].map(([name, value]) => [name, text(value)])
+    .filter(([, value]) => value);
+  return [
+    message && el('p', long(message, 'message'), message),
+    facts.length > 0 && el('dl', { class: 'facts' }, facts.map(([name, value]) => el('div', { class: `fact is-${name.toLowerCase()}` },
+      el('dt', {}, name), el('dd', long(value, 'value'), value)))),
+    text(check.help) && el('p', { class: 'next' }, el('strong', {}, 'Look at next '),
+      el('span', { dir: 'auto' }, text(check.help))),
+    ...buildLinks(check, links),
+  ].filter(Boolean);
+}
+
+/** Buttons to the failing moments of a check, or to its run; else words for when and where. */
+function buildLinks(check, { runs, show }) {
+  if (outcomeOf(check) !== 'fail') return [];
+  const jump = (label, run, k) => el('button', { type: 'button', class: 'jump', onclick: () => show(run, k) },
+    icon('play'), label, el('span', { class: 'jump-run', dir: 'auto' }, runs[run].name));
+  const buttons = runs.flatMap(({ moments }, run) => moments.map((moment, k) => [moment, k])
+    .filter(([moment]) => moment.check === text(check.id))
+    .map(([moment, k]) => jump(`Show ${seconds(moment.t)}`, run, k)));
+  const run = runs.findIndex(({ scenario }) => scenario && scenario === text(check.scenario));
+  if (!buttons.length && run >= 0) buttons.push(jump('Open the run', run, -1));
+  if (buttons.length) return [el('div', { class: 'jumps' }, buttons)];
+  const when = Number.isFinite(check.time) ? `at ${seconds(check.time)}` : '';
+  const where = text(check.scenario) ? `in the run ${text(check.scenario)}` : '';
+  return when || where ? [el('p', { class: 'quiet' }, `Happened ${when} ${where}`.trim())] : [];
+}
+
+/** What the checks need to know of a raw replay to link to it. */
+function toRun(replay) {
+  const { scenario, title, moments } = replay || {};
+  return { scenario: text(scenario), name: (text(title) || text(scenario)).slice(0, 80),
+    moments: toMoments(moments, Infinity) };
+}
+
+// --- the whole -------------------------------------------------------------------------------
+
+function buildFooter(payload) {
+  const versions = Object.entries((payload.grading && payload.grading.versions) || {})
+    .map(([name, version]) => `${name} ${text(version)}`);
+  const parts = [text(payload.generated_by) && `Made by ${text(payload.generated_by)}`, ...versions].filter(Boolean);
+  return el('footer', { class: 'foot' }, parts.map((part) => el('span', { dir: 'auto' }, part)));
+}
+
+function buildChecks(grading, checks, links) {
+  const core = checks.filter(isCore);
+  const field = checks.filter((check) => !isCore(check));
+  const passed = field.filter((check) => outcomeOf(check) === 'pass').length;
+  return el('main', { class: 'grading' },
+    buildGroup('Core', `${isPoints(Number(grading.score))} of ${isPoints(Number(grading.max_score))} points`, core, links),
+    buildGroup('Field', `${passed} of ${field.length} passed, no points`, field, links),
+    checks.length ? null : el('p', { class: 'quiet' }, 'No check was run.'));
+}
+
+function buildPage(page, payload) {
+  const root = el('div', { class: 'player-root' });
+  const grading = payload.grading;
+  const show = (run, moment) => {
+    if (!window.replayPlayer) return;
+    if (moment < 0) window.replayPlayer.selectRun(run);
+    else window.replayPlayer.jumpTo(run, moment);
+    bringIntoView(root);
+  };
+  const checks = grading ? toArray(grading.checks).filter(Boolean) : [];
+  page.className = grading ? 'page has-grading' : 'page';
+  replaceChildren(page, buildTop(payload), grading ? buildScore(grading, checks) : null,
+    el('div', { class: 'columns' },
+      grading ? buildChecks(grading, checks, { runs: toArray(payload.replays).map(toRun), show }) : null,
+      grading ? el('aside', { class: 'replay-column', 'aria-label': 'Replay' }, root)
+        : el('main', { class: 'replay-column' }, root)),
+    buildFooter(payload));
+  window.replayPlayer = mountPlayer(root, payload);
+}
+
+/** On a narrow page the player is below the check that was pressed. */
+function bringIntoView(root) {
+  const stage = root.querySelector('.stage') || root;
+  const { top, bottom } = stage.getBoundingClientRect();
+  if (top >= 0 && bottom <= window.innerHeight) return;
+  root.scrollIntoView({ behavior: calmMotion() ? 'auto' : 'smooth', block: 'start' });
+}
+
+function start() {
+  const source = document.getElementById('payload');
+  const page = document.getElementById('page');
+  if (source && page) buildPage(page, JSON.parse(source.textContent));
+}
+
+start();

@@ -1,0 +1,86 @@
+// The slider under the map, with marks for contacts, goals and failing moments.
+
+const NEAR_MARKS = 0.012; // of the duration: marks closer than this become one
+
+class Timeline {
+  constructor(onseek, onmoment) {
+    this.onmoment = onmoment;
+    this.fill = el('div', { class: 'timeline-fill' });
+    this.thumb = el('div', { class: 'timeline-thumb' });
+    this.bands = el('div', { class: 'timeline-bands' });
+    this.slider = el('div', { class: 'timeline-slider', role: 'slider', tabindex: '0',
+      'aria-label': 'Time in the run', 'aria-valuemin': '0' },
+    el('div', { class: 'timeline-track' }, this.fill, this.bands), this.thumb);
+    this.marks = el('div', { class: 'timeline-marks' });
+    this.element = el('div', { class: 'timeline' }, this.marks, this.slider);
+    this.listen(onseek);
+  }
+
+  listen(onseek) {
+    const seek = (event) => {
+      const { left, width } = this.slider.getBoundingClientRect();
+      onseek(clamp((event.clientX - left) / Math.max(1, width), 0, 1) * this.replay.duration);
+    };
+    this.slider.addEventListener('pointerdown', (event) => {
+      this.slider.setPointerCapture(event.pointerId);
+      seek(event);
+    });
+    this.slider.addEventListener('pointermove', (event) => {
+      if (this.slider.hasPointerCapture(event.pointerId)) seek(event);
+    });
+  }
+
+  setReplay(replay) {
+    this.replay = replay;
+    this.slider.setAttribute('aria-valuemax', replay.duration.toFixed(2));
+    replaceChildren(this.bands, replay.contacts.map(({ from, to }) => this.band(from, to)));
+    replaceChildren(this.marks, this.goalMarks(), this.momentMarks());
+  }
+
+  percent(t) {
+    return `${(100 * clamp(t / Math.max(this.replay.duration, 1e-3), 0, 1)).toFixed(3)}%`;
+  }
+
+  band(from, to) {
+    const band = el('div', { class: 'timeline-contact' });
+    band.style.left = this.percent(from);
+    band.style.width = `max(4px, ${this.percent(to - from)})`;
+    return band;
+  }
+
+  goalMarks() {
+    return this.replay.goals.map((goal) => {
+      const mark = el('span', { class: 'mark mark-goal', title: `Goal at ${seconds(goal.t)}` });
+      mark.style.left = this.percent(goal.t);
+      return mark;
+    });
+  }
+
+  momentMarks() {
+    const groups = [];
+    for (const moment of this.replay.moments) {
+      const last = groups[groups.length - 1];
+      if (last && moment.t - last[0].t < NEAR_MARKS * this.replay.duration) last.push(moment);
+      else groups.push([moment]);
+    }
+    return groups.map((group) => {
+      const name = group.map((m) => `Failed at ${seconds(m.t)}: ${m.title.slice(0, 200)}`).join('\n');
+      const mark = el('button', { type: 'button', class: 'mark mark-moment', tabindex: '-1',
+        'aria-label': name, title: name, onclick: () => this.onmoment(group[0]) },
+      group.length > 1 ? el('span', {}, group.length) : null);
+      mark.style.left = this.percent(group[0].t);
+      return mark;
+    });
+  }
+
+  /** Screen readers hear the value change only while nothing plays. */
+  update(time, playing) {
+    const at = this.percent(time);
+    this.fill.style.width = at;
+    this.thumb.style.left = at;
+    if (playing) return;
+    this.slider.setAttribute('aria-valuenow', time.toFixed(2));
+    this.slider.setAttribute('aria-valuetext',
+      `${seconds(time)} of ${seconds(this.replay.duration)}`.replaceAll('\u00a0', ' '));
+  }
+}

@@ -1,0 +1,206 @@
+"""The pytest plugin that turns tests into checks: points, core and field, needs, five outcomes.
+
+A check is a test under `grader/checks/<exercise>/` with a `check` mark::
+
+    @pytest.mark.check(points=10, scenarios=("zones",), needs=("one_command_per_scan",))
+    def test_slow_zone(recordings):
+        \"\"\"Between 0.5 m and 1.0 m the robot drives at 0.15 m/s.\"\"\"
+
+Its docstring's first line is what the student reads; it fails through `grader.verdict.fail`. Any
+other exception is the grader's own fault (ERROR).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import pytest
+
+from grader.errors import GraderError, InputError
+from grader.recording import Recording
+from grader.trials import NoRecording, Trials
+from grader.verdict import CheckFailed, Inconclusive
+
+PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
+MAX_MESSAGE = 4_000  # [characters]: messages quote what students wrote
+
+
+@dataclass(frozen=True)
+class Check:
+    """What the mark and the docstring of a check say."""
+
+    id: str
+    title: str
+    points: int
+    field: bool
+    scenarios: tuple[str, ...]
+    needs: tuple[str, ...]
+
+    @property
+    def kind(self) -> str:
+        """`core` (points) or `field` (the badge)."""
+        return "field" if self.field else "core"
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """The verdict of one check; its fields are the JSON's."""
+
+    id: str
+    title: str
+    kind: str
+    points: int
+    max_points: int
+    outcome: str
+    message: str = ""
+    expected: str = ""
+    actual: str = ""
+    time: float | None = None  # [s]
+    help: str = ""
+    scenario: str | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the JSON object of this result."""
+        return asdict(self)
+
+
+class CheckPlugin:
+    """Collects the checks, feeds them recordings and writes down their outcomes."""
+
+    def __init__(self, trials: Trials, *, field: bool, only: Iterable[str] = ()) -> None:
+        self._trials = trials
+        self._field = field
+        self._only = tuple(only)
+        self._checks: dict[str, Check] = {}  # by node id
+        self.results: dict[str, CheckResult] = {}  # by check id
+        self.fault: Exception | None = None  # what kept the checks from being collected
+
+    def pytest_configure(self, config: pytest.Config) -> None:
+        """Make the mark known."""
+        config.addinivalue_line("markers", "check(points, field, scenarios, needs): a check")
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Keep the checks asked for, order them after what they need, start their trials."""
+        try:
+            checks = {item.nodeid: _read_check(item) for item in items}
+            chosen = self._choose(list(checks.values()))
+        except (GraderError, InputError) as error:
+            self.fault, items[:] = error, []
+            return
+        by_id = {checks[item.nodeid].id: item for item in items}
+        items[:] = [by_id[check.id] for check in chosen]
+        self._checks = {item.nodeid: checks[item.nodeid] for item in items}
+        self._trials.prepare(list(dict.fromkeys(s for c in chosen for s in c.scenarios)))
+
+    @pytest.fixture
+    def recordings(self, request: pytest.FixtureRequest) -> tuple[Recording, ...]:
+        """The recordings of the check's scenarios, in the order of the mark."""
+        check = self._checks[request.node.nodeid]
+        return tuple(self._trials.get(name) for name in check.scenarios)
+
+    def pytest_runtest_setup(self, item: pytest.Item) -> None:
+        """Skip a check if one that it needs did not pass."""
+        for need in self._checks[item.nodeid].needs:
+            result = self.results[need]
+            if result.outcome != PASS:
+                raise _Unmet(f"not judged, because “{result.title}” did not pass")
+
+    @pytest.hookimpl(hookwrapper=True)
+    def pytest_runtest_makereport(
+        self, item: pytest.Item, call: pytest.CallInfo[None]
+    ) -> Generator[None, Any, None]:
+        """Write down the outcome."""
+        yield
+        check = self._checks[item.nodeid]
+        if call.when == "teardown" or check.id in self.results:
+            return
+        if call.excinfo is not None:
+            self.results[check.id] = _judge(check, call.excinfo.value)
+        elif call.when == "call":
+            self.results[check.id] = _result(check, PASS)
+
+    def _choose(self, checks: list[Check]) -> list[Check]:
+        by_id = {check.id: check for check in checks}
+        if len(by_id) != len(checks):
+            raise GraderError("two checks of one exercise have the same name")
+        for wanted in self._only:
+            if wanted not in by_id:
+                raise InputError(f"unknown check {wanted!r}; there are: {', '.join(by_id)}")
+        wanted_ids = self._only or [c.id for c in checks if self._field or not c.field]
+        chosen: dict[str, Check] = {}
+        for check_id in wanted_ids:
+            _add_with_needs(check_id, by_id, chosen)
+        return list(chosen.values())
+
+
+class _Unmet(Exception):
+    """A check that this one needs did not pass."""
+
+
+def _add_with_needs(check_id: str, by_id: dict[str, Check], chosen: dict[str, Check]) -> None:
+    if check_id in chosen:
+        return
+    if check_id not in by_id:
+        raise GraderError(f"a check needs {check_id!r}, which does not exist")
+    for need in by_id[check_id].needs:
+        _add_with_needs(need, by_id, chosen)
+    chosen[check_id] = by_id[check_id]
+
+
+def _read_check(item: pytest.Item) -> Check:
+    mark = item.get_closest_marker("check")
+    if mark is None or not isinstance(item, pytest.Function):
+        raise GraderError(f"{item.nodeid} has no check mark")
+    doc = (item.function.__doc__ or "").strip()
+    if not doc:
+        raise GraderError(f"{item.nodeid} has no docstring: nothing for the student to read")
+    return Check(
+        id=item.name.removeprefix("test_"),
+        title=doc.splitlines()[0].strip(),
+        points=mark.kwargs.get("points", 0),
+        field=mark.kwargs.get("field", False),
+        scenarios=tuple(mark.kwargs["scenarios"]),
+        needs=tuple(mark.kwargs.get("needs", ())),
+    )
+
+
+def _judge(check: Check, error: BaseException) -> CheckResult:
+    match error:
+        case CheckFailed():
+            return _result(
+                check,
+                FAIL,
+                message=error.message,
+                expected=error.expected,
+                actual=error.actual,
+                time=error.at,
+                help=error.help,
+                scenario=error.scenario,
+            )
+        case Inconclusive():
+            return _result(check, INCONCLUSIVE, message=str(error))
+        case _Unmet() | NoRecording():
+            return _result(check, SKIP, message=str(error))
+        case KeyboardInterrupt() | SystemExit():
+            raise error
+        case _:
+            said = f"{type(error).__name__}: {error}"
+            return _result(check, ERROR, message=f"the grader failed here: {said}")
+
+
+def _result(check: Check, outcome: str, **details: Any) -> CheckResult:
+    texts = {
+        key: value[:MAX_MESSAGE] if isinstance(value, str) else value
+        for key, value in details.items()
+    }
+    return CheckResult(
+        id=check.id,
+        title=check.title,
+        kind=check.kind,
+        points=check.points if outcome == PASS else 0,
+        max_points=check.points,
+        outcome=outcome,
+        **texts,
+    )

@@ -1,0 +1,138 @@
+"""Show a grading: a self-contained HTML page, a terminal table, or JSON. Knows no checks."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from grader.replay import moments_of, replay_payload
+from grader.terminal import render_terminal
+
+if TYPE_CHECKING:
+    from grader.recording import Recording
+
+__all__ = ["json_text", "page_html", "page_payload", "render_terminal", "replay_payload"]
+
+JsonDict = dict[str, Any]
+
+PLAYER = Path(__file__).parent / "player"
+STYLES = ("tokens.css", "page.css", "player.css")
+# Concatenated in this order; a file uses only what stands before it.
+SCRIPTS = (
+    "dom.js",
+    "replay.js",
+    "playback.js",
+    "camera.js",
+    "draw.js",
+    "world.js",
+    "plot.js",
+    "timeline.js",
+    "account.js",
+    "log.js",
+    "layout.js",
+    "player.js",
+    "page.js",
+)
+
+GENERATED_BY = "rclpy agents course"
+
+
+def page_payload(
+    grading: Mapping[str, Any] | None, recordings: Sequence[Recording], title: str
+) -> JsonDict:
+    """What `page_html` shows: a grading (None for `course drive`) and its recordings."""
+    checks = grading["checks"] if grading else []
+    return {
+        "grading": dict(grading) if grading else None,
+        "replays": [
+            replay_payload(recording, moments_of(checks, recording.scenario.name))
+            for recording in recordings
+        ],
+        "title": title,
+        "generated_by": GENERATED_BY,
+    }
+
+
+def page_html(payload: Mapping[str, Any]) -> str:
+    """One HTML file that needs no network; hostile text in the payload stays text.
+
+    The file is pure ASCII outside our own template, so it survives any transport.
+    """
+    style = "\n".join(_asset(name) for name in STYLES)
+    sources = "\n".join(_asset(name) for name in SCRIPTS)
+    script = f"(() => {{\n'use strict';\n{sources}\n}})();\n"
+    title = _valid_text(str(payload.get("title") or "Report"))
+    parts = {
+        "CSP": _content_security_policy(script, style),
+        "TITLE": html.escape(title).encode("ascii", "xmlcharrefreplace").decode("ascii"),
+        "STYLE": style,
+        "PAYLOAD": _inline_json(payload),
+        "SCRIPT": script,
+    }
+    pieces = _asset("page.html").split("@@")  # text, NAME, text, NAME, … text
+    return "".join(parts[piece] if i % 2 else piece for i, piece in enumerate(pieces))
+
+
+def json_text(grading: Mapping[str, Any]) -> str:
+    """The grading as JSON: the same order of keys every time, null for NaN and infinity."""
+    return json.dumps(_plain(grading), indent=2, sort_keys=True, allow_nan=False) + "\n"
+
+
+def _asset(name: str) -> str:
+    # Line ends must be \n: browsers normalise them before they hash a script.
+    return (PLAYER / name).read_text(encoding="utf-8").replace("\r\n", "\n")
+
+
+def _content_security_policy(script: str, style: str) -> str:
+    """Only our own inline script and style, by hash; no request to anywhere."""
+    return "; ".join(
+        (
+            "default-src 'none'",
+            f"script-src '{_hash(script)}'",
+            f"style-src '{_hash(style)}'",
+            "img-src data:",
+            "base-uri 'none'",
+            "form-action 'none'",
+        )
+    )
+
+
+def _hash(text: str) -> str:
+    digest = hashlib.sha256(text.encode("utf-8")).digest()
+    return "sha256-" + base64.b64encode(digest).decode("ascii")
+
+
+def _inline_json(payload: Mapping[str, Any]) -> str:
+    """JSON that can't close its <script> element: pure ASCII without <, > and &."""
+    text = json.dumps(_plain(payload), ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    for character in "<>&":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return text
+
+
+def _plain(value: Any) -> Any:
+    """Only what JSON knows: numpy becomes Python, NaN and infinity become None."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    return str(value)
+
+
+def _valid_text(text: str) -> str:
+    """Lone surrogates (undecodable file names) can't be written as UTF-8."""
+    return text.encode("utf-8", "replace").decode("utf-8")

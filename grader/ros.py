@@ -1,0 +1,106 @@
+"""Find the real ROS 2 on this machine and describe the environment in which Python can import it.
+
+Three layouts are known: apt's ROS 2 that has been sourced; the wheels in the interpreter's own
+site-packages (a venv, conda); and the wheels under a Debian or Ubuntu system Python, where pip puts
+them in `/usr/local/lib/pythonX.Y/site-packages`, which is not on `sys.path`.
+"""
+
+from __future__ import annotations
+
+import os
+import site
+import sys
+import sysconfig
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.errors import InputError
+
+DISTRO = "jazzy"
+HOW_TO_INSTALL = (
+    "install the wheels with `pip install '.[ros]'`, or source /opt/ros/jazzy/setup.bash"
+)
+
+
+@dataclass(frozen=True)
+class RosEnvironment:
+    """Where ROS is and what a child process needs to import it."""
+
+    kind: str  # "apt", "wheels" or "system wheels"
+    python_path: tuple[Path, ...]  # folders to add to sys.path
+    library_path: tuple[Path, ...]  # folders of shared libraries
+    prefixes: tuple[Path, ...]  # AMENT_PREFIX_PATH
+
+    def variables(self) -> dict[str, str]:
+        """Return the environment variables of a process that imports rclpy."""
+        return {
+            "AMENT_PREFIX_PATH": os.pathsep.join(map(str, self.prefixes)),
+            "LD_LIBRARY_PATH": os.pathsep.join(map(str, self.library_path)),
+            "ROS_DISTRO": DISTRO,
+            # The wheels' start-up hook would execute Python a second time to set these.
+            "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",
+        }
+
+
+def find_ros(
+    environ: dict[str, str] | None = None, folders: Iterable[Path] | None = None
+) -> RosEnvironment:
+    """Return the ROS 2 installation of this machine.
+
+    Parameters
+    ----------
+    environ
+        Environment variables to look at; the process's own by default.
+    folders
+        Folders in which the wheels may lie; by default those of this interpreter.
+
+    Raises
+    ------
+    InputError
+        There is none; the message says how to install it.
+    """
+    variables = dict(os.environ) if environ is None else environ
+    found = _from_wheels(_site_folders() if folders is None else folders) or _from_apt(variables)
+    if found is None:
+        raise InputError(f"ROS 2 {DISTRO.capitalize()} was not found: {HOW_TO_INSTALL}")
+    return found
+
+
+def _from_apt(environ: dict[str, str]) -> RosEnvironment | None:
+    prefixes = [Path(p) for p in environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+    paths = [Path(p) for p in environ.get("PYTHONPATH", "").split(os.pathsep) if p]
+    if not prefixes or not any(_has_rclpy(path) for path in paths):
+        return None
+    libraries = [Path(p) for p in environ.get("LD_LIBRARY_PATH", "").split(os.pathsep) if p]
+    return RosEnvironment("apt", tuple(paths), tuple(libraries), tuple(prefixes))
+
+
+def _from_wheels(folders: Iterable[Path]) -> RosEnvironment | None:
+    for folder in folders:
+        bundled = sorted(folder.glob("ros_*.libs"))
+        if not bundled or not _has_rclpy(folder):
+            continue
+        prefix = folder.parents[2]  # PREFIX/lib/pythonX.Y/site-packages
+        kind = "wheels" if str(folder) in sys.path else "system wheels"
+        return RosEnvironment(kind, (folder,), (*bundled, prefix / "lib"), (prefix,))
+    return None
+
+
+def _has_rclpy(folder: Path) -> bool:
+    # `dist-packages/rclpy` of the Debian layout is an empty shell
+    return (folder / "rclpy" / "__init__.py").is_file()
+
+
+def _site_folders() -> list[Path]:
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    candidates = [
+        sysconfig.get_path("purelib"),
+        sysconfig.get_path("platlib"),
+        *site.getsitepackages(),
+        f"{sys.prefix}/lib/{version}/site-packages",
+        f"{sys.prefix}/local/lib/{version}/site-packages",
+        f"/usr/local/lib/{version}/site-packages",
+        site.getusersitepackages(),
+    ]
+    return list(dict.fromkeys(Path(candidate) for candidate in candidates))

@@ -1,0 +1,151 @@
+"""Make the students' skeletons out of the reference solutions, and hold the two in step.
+
+A solution marks what students write, and what they get in its place::
+
+    ### BEGIN SOLUTION
+    return min(usable, default=None)
+    ### SKELETON
+    # # TODO(task 2): return the smallest usable distance.
+    # return None
+    ### END SOLUTION
+
+Everything from BEGIN to END goes; the comment lines below SKELETON stay, each without its first
+``# ``. Without a SKELETON part a block becomes one ``# TODO``, and the code around it has to stand
+on its own. ``python -m grader.skeletons`` writes the skeletons, ``--check`` only compares.
+"""
+
+import re
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+
+from sim.errors import InputError
+
+ROOT = Path(__file__).resolve().parent.parent
+
+_MARKER = re.compile(r"^\s*### (BEGIN SOLUTION|SKELETON|END SOLUTION)\s*$")
+_MISSPELT = re.compile(r"^\s*#+\s*(BEGIN[ _]SOLUTION|SKELETON|END[ _]SOLUTION)\b", re.IGNORECASE)
+_COMMENT = re.compile(r"^(\s*)# ?(.*)$")
+
+
+def strip_solution(source: str, where: str = "solution") -> str:
+    """Return the skeleton of a solution's source text.
+
+    Parameters
+    ----------
+    source
+        Python source with ``### BEGIN SOLUTION`` … ``### END SOLUTION`` blocks.
+    where
+        The file's name, for error messages.
+
+    Raises
+    ------
+    InputError
+        A marker without its partner, misspelt or nested; code below ``### SKELETON`` that is no
+        comment; no block at all.
+    """
+    kept: list[str] = []
+    begin = 0  # line number of the open block, 0: outside
+    skeleton: list[str] | None = None  # lines of the SKELETON part, None: not reached
+    blocks = 0
+    for number, line in enumerate(source.splitlines(), start=1):
+        place = f"{where}, line {number}"
+        match _marker(line, place):
+            case "BEGIN SOLUTION":
+                if begin:
+                    raise InputError(
+                        f"{place}: BEGIN SOLUTION inside the block that began on line {begin}; "
+                        "close that one with ### END SOLUTION first"
+                    )
+                begin, skeleton = number, None
+            case "SKELETON":
+                if not begin or skeleton is not None:
+                    raise InputError(
+                        f"{place}: SKELETON belongs once between ### BEGIN SOLUTION "
+                        "and ### END SOLUTION"
+                    )
+                skeleton = []
+            case "END SOLUTION":
+                if not begin:
+                    raise InputError(f"{place}: END SOLUTION without a BEGIN SOLUTION above it")
+                indent = line[: len(line) - len(line.lstrip())]
+                kept += [f"{indent}# TODO: your code"] if skeleton is None else skeleton
+                begin, blocks = 0, blocks + 1
+            case _ if not begin:
+                kept.append(line)
+            case _ if skeleton is not None:
+                skeleton.append(_uncomment(line, place))
+    if begin:
+        raise InputError(f"{where}, line {begin}: BEGIN SOLUTION is never closed")
+    if not blocks:
+        raise InputError(f"{where}: no ### BEGIN SOLUTION block, so nothing to leave to a student")
+    return "\n".join(kept) + "\n"
+
+
+def _marker(line: str, place: str) -> str | None:
+    """Return which marker a line is; None for any other line."""
+    if found := _MARKER.match(line):
+        return found[1]
+    if _MISSPELT.match(line):
+        raise InputError(
+            f"{place}: {line.strip()!r} looks like a marker; write ### BEGIN SOLUTION, "
+            "### SKELETON or ### END SOLUTION"
+        )
+    return None
+
+
+def _uncomment(line: str, place: str) -> str:
+    """Return a line of a SKELETON part without its leading ``# ``."""
+    if not line.strip():
+        return ""
+    if found := _COMMENT.match(line):
+        return (found[1] + found[2]).rstrip()
+    raise InputError(
+        f"{place}: below ### SKELETON every line is a comment ('# return None'), "
+        f"this one is {line.strip()!r}"
+    )
+
+
+def skeletons(root: Path = ROOT) -> Iterator[tuple[Path, str]]:
+    """Yield (path, text) of every skeleton: the files that the exercise.toml files list."""
+    for description in sorted((root / "exercises").glob("*/exercise.toml")):
+        exercise = description.parent.name
+        for name in tomllib.loads(description.read_text(encoding="utf-8"))["files"]:
+            solution = root / "solutions" / exercise / name
+            where = solution.relative_to(root).as_posix()
+            if not solution.is_file():
+                raise InputError(
+                    f"{description.relative_to(root).as_posix()}, key files: {name!r} has no "
+                    f"solution; expected {where}"
+                )
+            text = strip_solution(solution.read_text(encoding="utf-8"), where)
+            yield description.parent / name, text
+
+
+@click.command()
+@click.option("--check", is_flag=True, help="Write nothing; exit 1 if a skeleton is out of step.")
+def main(check: bool) -> None:
+    """Write exercises/*/FILE from solutions/*/FILE."""
+    stale = 0
+    try:
+        for path, text in skeletons():
+            if path.is_file() and path.read_text(encoding="utf-8") == text:
+                continue
+            stale += 1
+            name = path.relative_to(ROOT).as_posix()
+            if check:
+                click.echo(f"{name} is out of step: run python -m grader.skeletons", err=True)
+            else:
+                path.write_text(text, encoding="utf-8")
+                click.echo(f"wrote {name}")
+    except InputError as error:
+        click.echo(str(error), err=True)
+        sys.exit(2)
+    sys.exit(1 if check and stale else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+"""A student's submission: find the file, check what can be checked without running it."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.errors import InputError
+
+MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
+
+
+@dataclass(frozen=True)
+class Submission:
+    """One runnable file and why it can't be run, if so."""
+
+    path: Path
+    problem: str = ""  # the student's mistake, found before running; "" if none
+
+    @contextlib.contextmanager
+    def folder(self) -> Iterator[Path]:
+        """Copy the file into a fresh folder that may be given away."""
+        with tempfile.TemporaryDirectory(prefix="course-", ignore_cleanup_errors=True) as name:
+            folder = Path(name).resolve()
+            shutil.copyfile(self.path, folder / self.path.name)
+            yield folder
+
+
+def find_submission(path: Path, expected: str | None = None) -> Submission:
+    """Return the submission at `path`: a file, or a folder that holds the file `expected`.
+
+    Raises
+    ------
+    InputError
+        There is no such file.
+    """
+    if path.is_dir():
+        path = _in_folder(path, expected)
+    elif not path.exists():
+        raise InputError(f"{path}: no such file; expected a Python file or a folder with one")
+    elif not path.is_file():
+        raise InputError(f"{path}: expected a Python file, but this is not a regular file")
+    return Submission(path.resolve(), _problem(path))
+
+
+def _in_folder(folder: Path, expected: str | None) -> Path:
+    if expected is None:
+        raise InputError(f"{folder}: expected a Python file, but this is a folder")
+    path = folder / expected
+    if not path.is_file():
+        there = sorted(file.name for file in folder.glob("*.py"))[:5]
+        found = f"it holds {', '.join(there)}" if there else "it holds no Python file"
+        raise InputError(f"{folder}: expected a file {expected} in this folder; {found}")
+    return path
+
+
+def _problem(path: Path) -> str:
+    try:
+        size = path.stat().st_size
+        if size > MAX_SIZE:
+            return f"the file has {size:,} bytes; at most {MAX_SIZE:,} are read"
+        if not path.read_bytes().strip():
+            return "the file is empty"
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    return ""

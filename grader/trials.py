@@ -1,0 +1,141 @@
+"""Where the checks of one grading get their recordings: run now, or loaded from bags."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol
+
+from grader import bag
+from grader.launch import Nursery
+from grader.recording import Recording
+from grader.submission import Submission
+from grader.trial import Limits, run_trial
+from sim.scenario import load_scenario
+
+IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
+
+
+class NoRecording(Exception):
+    """There is no recording of this scenario, and none can be made."""
+
+
+class Trials(Protocol):
+    """A source of recordings, by the name of the scenario."""
+
+    def prepare(self, scenarios: Sequence[str]) -> None:
+        """Say which will be asked for."""
+
+    def get(self, scenario: str) -> Recording:
+        """Return a recording; NoRecording if there can be none."""
+
+    def recordings(self) -> list[Recording]:
+        """Return all that were asked for, in order."""
+
+
+@dataclass
+class LiveTrials:
+    """Runs the student's node, a few scenarios at a time."""
+
+    submission: Submission
+    nursery: Nursery
+    seed: int | None = None  # mixed into every scenario's own
+    bags: Path | None = None
+    limits: Limits = field(default_factory=Limits)
+    _futures: dict[str, Future[Recording]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._pool = ThreadPoolExecutor(max(2, min(4, os.cpu_count() or 2)))
+        self._hung = False
+
+    def __enter__(self) -> LiveTrials:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._pool.shutdown(cancel_futures=True)
+
+    def prepare(self, scenarios: Sequence[str]) -> None:
+        """Start the trials in the background."""
+        for name in scenarios:
+            if name not in self._futures:
+                self._futures[name] = self._pool.submit(self._run, name)
+
+    def get(self, scenario: str) -> Recording:
+        """Return the recording of a scenario, when its trial is over."""
+        self.prepare([scenario])
+        return self._futures[scenario].result()
+
+    def recordings(self) -> list[Recording]:
+        """Return the recordings made, in order."""
+        return [future.result() for future in self._futures.values() if not future.cancelled()]
+
+    def _run(self, name: str) -> Recording:
+        scenario = load_scenario(name)
+        limits = IMPATIENT if self._hung else self.limits
+        recording = run_trial(
+            self.submission,
+            scenario,
+            self.nursery,
+            seed=mixed_seed(scenario.seed, self.seed),
+            limits=limits,
+        )
+        self._hung = self._hung or recording.outcome.kind == "hung"
+        if self.bags is not None:
+            folder = bag.save(recording, self.bags / name)
+            recording = with_bag(recording, folder)
+        return recording
+
+
+class SavedTrials:
+    """Recordings from bags; no student's code runs."""
+
+    def __init__(self, recordings: Iterable[Recording]) -> None:
+        self._recordings = {recording.name: recording for recording in recordings}
+
+    def prepare(self, scenarios: Sequence[str]) -> None:
+        """Nothing to prepare: what is there is there."""
+
+    def get(self, scenario: str) -> Recording:
+        """Return the recording of a scenario; NoRecording if no bag has it."""
+        with contextlib.suppress(KeyError):
+            return self._recordings[scenario]
+        raise NoRecording(f"no recording of the scenario {scenario}")
+
+    def recordings(self) -> list[Recording]:
+        """Return all recordings."""
+        return list(self._recordings.values())
+
+
+def with_bag(recording: Recording, folder: Path) -> Recording:
+    """Return the recording with a note of where it is saved."""
+    return replace(recording, bag=str(folder))
+
+
+def mixed_seed(own: int, chosen: int | None) -> int:
+    """Return the seed of a trial: the scenario's own, or another for each `--seed`."""
+    return own if chosen is None else (own + 1_000_003 * (chosen + 1)) % 2**31
+
+
+def load_bags(path: Path) -> list[Recording]:
+    """Load one bag, or every bag in a folder.
+
+    Raises
+    ------
+    InputError
+        There is none, or one can't be read.
+    """
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        folders = sorted(file.parent for file in path.glob("*/metadata.yaml"))
+        if folders:
+            return [bag.load(folder) for folder in folders]
+    return [bag.load(path)]

@@ -1,0 +1,90 @@
+"""What a check says when it isn't content.
+
+    fail(
+        "drove at 0.50 m/s with a wall 0.42 m ahead",
+        expected="0.00 m/s", actual="0.50 m/s", at=scan.t, recording=recording,
+        help="compare the distance with 0.5 m before you publish",
+    )
+"""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+from grader.recording import Recording
+
+
+class CheckFailed(AssertionError):
+    """The student's mistake."""
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        expected: str = "",
+        actual: str = "",
+        at: float | None = None,
+        scenario: str | None = None,
+        help: str = "",
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.expected = expected
+        self.actual = actual
+        self.at = at  # [s]
+        self.scenario = scenario
+        self.help = help
+
+
+class Inconclusive(Exception):
+    """The machine's fault: nothing can be said."""
+
+
+def fail(
+    message: str,
+    *,
+    expected: str = "",
+    actual: str = "",
+    at: float | None = None,
+    recording: Recording | None = None,
+    help: str = "",
+) -> NoReturn:
+    """Fail the check.
+
+    Parameters
+    ----------
+    message
+        What happened, in a sentence for the student.
+    expected, actual
+        What the contract asks for, and what came, with units.
+    at
+        When, in scenario time [s]; the replay jumps there.
+    recording
+        The trial in which it happened.
+    help
+        What to look at next.
+
+    Raises
+    ------
+    CheckFailed
+        Always.
+    """
+    raise CheckFailed(
+        message,
+        expected=expected,
+        actual=actual,
+        at=None if at is None else float(at),
+        scenario=recording.name if recording else None,
+        help=help,
+    )
+
+
+def inconclusive(message: str) -> NoReturn:
+    """Say that the machine did not allow a verdict.
+
+    Raises
+    ------
+    Inconclusive
+        Always.
+    """
+    raise Inconclusive(message)

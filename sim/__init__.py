@@ -1,0 +1,1 @@
+"""The mock robot: worlds, physics and sensors, without ROS."""

@@ -1,0 +1,297 @@
+"""ROS 2 messages as CDR bytes, without ROS: what travels between the robot and a node.
+
+Every message is little-endian CDR with its 4-byte encapsulation header, serialised by rosbags from
+the definitions of ROS 2 Jazzy. The two messages that are sent many times a second, LaserScan and
+Odometry, are serialised once as a template; after that only the bytes that change are written.
+A test holds both ways to the same bytes.
+
+Units and frames follow REP-103 and REP-105: metres, radians, x ahead, y to the left.
+"""
+
+import math
+import struct
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+EPOCH_NS = 1_700_000_000 * 10**9  # ROS time at scenario time 0 [ns]
+
+SCAN_TOPIC = "/scan"
+ODOM_TOPIC = "/odom"
+GOAL_TOPIC = "/goal_pose"
+CMD_VEL_TOPIC = "/cmd_vel"
+
+LASER_SCAN = "sensor_msgs/msg/LaserScan"
+ODOMETRY = "nav_msgs/msg/Odometry"
+POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
+TWIST = "geometry_msgs/msg/Twist"
+TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
+FLOAT64 = "std_msgs/msg/Float64"
+BOOL = "std_msgs/msg/Bool"
+STRING = "std_msgs/msg/String"
+UINT32 = "std_msgs/msg/UInt32"
+
+LASER_FRAME = "laser"
+ODOM_FRAME = "odom"
+BASE_FRAME = "base_link"
+
+_STAMP = struct.Struct("<iI")  # both headers begin with it, right after the encapsulation
+_STAMP_AT = 4
+_SEVEN = struct.Struct("<7d")
+_SIX = struct.Struct("<6d")
+_SIX_BIG_ENDIAN = struct.Struct(">6d")
+_TWIST_BYTES = 4 + _SIX.size
+_TWIST_STAMPED_LEAST = _TWIST_BYTES + 8 + 8  # stamp, and an empty frame with its padding
+# Odometry ends with pose (7 doubles), its covariance (36), twist (6) and its covariance (36).
+_POSE_FROM_END = (7 + 36 + 6 + 36) * 8
+_TWIST_FROM_END = (6 + 36) * 8
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One message on a topic."""
+
+    topic: str  # "/scan"
+    type: str  # "sensor_msgs/msg/LaserScan"
+    time: int  # when it is delivered, since the scenario's start [ns]
+    data: bytes  # CDR, little endian, with the 4-byte encapsulation header
+
+
+@lru_cache(maxsize=1)
+def typestore() -> Any:
+    """Return rosbags' type store for ROS 2 Jazzy (made on first use: it takes 60 ms)."""
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
+
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+def encode(value: Any, type: str) -> bytes:
+    """Return the CDR bytes of a rosbags message object of that type."""
+    return bytes(typestore().serialize_cdr(value, type))
+
+
+def decode(data: bytes, type: str) -> Any:
+    """Return the rosbags message object in these CDR bytes.
+
+    Raises
+    ------
+    ValueError
+        The type is not known, or the bytes are not a message of it.
+    """
+    if type not in typestore().fielddefs:
+        raise ValueError(f"unknown message type {type!r}")
+    try:
+        return typestore().deserialize_cdr(data, type)
+    except Exception as error:  # rosbags raises whatever the broken bytes lead to
+        raise ValueError(f"{len(data)} bytes are not a {type}: {error}") from error
+
+
+def laser_scan(
+    *,
+    time: int,
+    ranges: NDArray[np.float32],
+    angle_min: float,
+    angle_increment: float,
+    range_min: float,
+    range_max: float,
+    scan_time: float = 0.1,
+    stamp: int | None = None,
+    topic: str = SCAN_TOPIC,
+) -> Message:
+    """Return a sensor_msgs/LaserScan in frame `laser` with no intensities.
+
+    Parameters
+    ----------
+    time, stamp
+        Delivery and measurement since the scenario's start [ns]; `stamp` is `time` by default.
+    ranges
+        (n_beams,) float32 [m], readings as REP-117 defines them.
+    angle_min, angle_increment
+        Angle of the first beam and between beams [rad].
+    range_min, range_max
+        Limits of a valid reading [m].
+    scan_time
+        Between two scans [s].
+    """
+    beams = len(ranges)
+    geometry = (angle_min, angle_increment, range_min, range_max, scan_time)
+    data = bytearray(_scan_template(beams, geometry))
+    _write_stamp(data, time if stamp is None else stamp)
+    end = len(data) - 4  # the empty intensities are one 4-byte length
+    data[end - 4 * beams : end] = np.asarray(ranges, dtype="<f4").tobytes()
+    return Message(topic, LASER_SCAN, time, bytes(data))
+
+
+def odometry(
+    *,
+    time: int,
+    x: float,
+    y: float,
+    yaw: float,
+    v: float = 0.0,
+    w: float = 0.0,
+    stamp: int | None = None,
+    topic: str = ODOM_TOPIC,
+) -> Message:
+    """Return a nav_msgs/Odometry of `base_link` in `odom` with zero covariances.
+
+    Parameters
+    ----------
+    time, stamp
+        Delivery and measurement since the scenario's start [ns]; `stamp` is `time` by default.
+    x, y, yaw
+        Pose [m, m, rad]; values that are not finite are sent as they are.
+    v, w
+        Forward and turning speed in base_link [m/s, rad/s].
+    """
+    data = bytearray(_odometry_template())
+    _write_stamp(data, time if stamp is None else stamp)
+    z, qw = half_angle(yaw)
+    _SEVEN.pack_into(data, len(data) - _POSE_FROM_END, x, y, 0.0, 0.0, 0.0, z, qw)
+    _SIX.pack_into(data, len(data) - _TWIST_FROM_END, v, 0.0, 0.0, 0.0, 0.0, w)
+    return Message(topic, ODOMETRY, time, bytes(data))
+
+
+def pose_stamped(
+    *,
+    time: int,
+    x: float,
+    y: float,
+    yaw: float = 0.0,
+    frame_id: str = ODOM_FRAME,
+    topic: str = GOAL_TOPIC,
+) -> Message:
+    """Return a geometry_msgs/PoseStamped at that pose [m, m, rad], stamped with `time` [ns]."""
+    types = typestore().types
+    pose = types["geometry_msgs/msg/Pose"](
+        position=types["geometry_msgs/msg/Point"](x=x, y=y, z=0.0), orientation=_quaternion(yaw)
+    )
+    value = types[POSE_STAMPED](header=_header(time, frame_id), pose=pose)
+    return Message(topic, POSE_STAMPED, time, encode(value, POSE_STAMPED))
+
+
+def twist(
+    *, time: int, linear_x: float = 0.0, angular_z: float = 0.0, topic: str = CMD_VEL_TOPIC
+) -> Message:
+    """Return a geometry_msgs/Twist with these two fields [m/s, rad/s], the others zero."""
+    data = b"\0\1\0\0" + _SIX.pack(linear_x, 0.0, 0.0, 0.0, 0.0, angular_z)
+    return Message(topic, TWIST, time, data)
+
+
+def twist_from_cdr(data: bytes) -> tuple[float, float, float, float, float, float]:
+    """Return linear x, y, z [m/s] and angular x, y, z [rad/s] of a geometry_msgs/Twist.
+
+    Raises
+    ------
+    ValueError
+        The bytes are not a Twist: wrong length or not plain CDR.
+    """
+    if len(data) != _TWIST_BYTES or data[0] != 0 or data[1] not in (0, 1):
+        start = bytes(data[:4]).hex()
+        raise ValueError(
+            f"not a Twist: expected {_TWIST_BYTES} bytes of plain CDR, "
+            f"got {len(data)} bytes that begin with {start or 'nothing'}"
+        )
+    form = _SIX if data[1] else _SIX_BIG_ENDIAN
+    lx, ly, lz, ax, ay, az = form.unpack_from(data, 4)
+    return lx, ly, lz, ax, ay, az
+
+
+def twist_stamped_from_cdr(data: bytes) -> tuple[float, float, float, float, float, float]:
+    """Return the same as `twist_from_cdr` of a geometry_msgs/TwistStamped, which ends with a Twist.
+
+    Raises
+    ------
+    ValueError
+        The bytes are too few or not plain CDR.
+    """
+    if len(data) < _TWIST_STAMPED_LEAST:
+        raise ValueError(f"not a TwistStamped: {len(data)} bytes are too few")
+    return twist_from_cdr(data[:4] + data[-_SIX.size :])
+
+
+def float64(topic: str, time: int, value: float) -> Message:
+    """Return a std_msgs/Float64."""
+    return _std(topic, FLOAT64, time, float(value))
+
+
+def bool_(topic: str, time: int, value: bool) -> Message:
+    """Return a std_msgs/Bool."""
+    return _std(topic, BOOL, time, bool(value))
+
+
+def string(topic: str, time: int, value: str) -> Message:
+    """Return a std_msgs/String."""
+    return _std(topic, STRING, time, value)
+
+
+def uint32(topic: str, time: int, value: int) -> Message:
+    """Return a std_msgs/UInt32."""
+    return _std(topic, UINT32, time, int(value))
+
+
+def half_angle(yaw: float) -> tuple[float, float]:
+    """Return z and w of the quaternion of that yaw [rad]; NaN for a yaw that is not finite."""
+    if not math.isfinite(yaw):
+        return math.nan, math.nan
+    return math.sin(yaw / 2), math.cos(yaw / 2)
+
+
+def _std(topic: str, type: str, time: int, value: float | bool | int | str) -> Message:
+    return Message(topic, type, time, encode(typestore().types[type](data=value), type))
+
+
+def _write_stamp(data: bytearray, time: int) -> None:
+    seconds, nanoseconds = divmod(EPOCH_NS + time, 10**9)
+    _STAMP.pack_into(data, _STAMP_AT, seconds, nanoseconds)
+
+
+def _header(time: int, frame_id: str) -> Any:
+    types = typestore().types
+    seconds, nanoseconds = divmod(EPOCH_NS + time, 10**9)
+    stamp = types["builtin_interfaces/msg/Time"](sec=seconds, nanosec=nanoseconds)
+    return types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame_id)
+
+
+def _quaternion(yaw: float) -> Any:
+    z, w = half_angle(yaw)
+    return typestore().types["geometry_msgs/msg/Quaternion"](x=0.0, y=0.0, z=z, w=w)
+
+
+@lru_cache(maxsize=64)
+def _scan_template(beams: int, geometry: tuple[float, float, float, float, float]) -> bytes:
+    angle_min, angle_increment, range_min, range_max, scan_time = geometry
+    value = typestore().types[LASER_SCAN](
+        header=_header(0, LASER_FRAME),
+        angle_min=angle_min,
+        angle_max=angle_min + max(beams - 1, 0) * angle_increment,
+        angle_increment=angle_increment,
+        time_increment=0.0,  # the mock lidar measures all beams at once
+        scan_time=scan_time,
+        range_min=range_min,
+        range_max=range_max,
+        ranges=np.zeros(beams, np.float32),
+        intensities=np.zeros(0, np.float32),
+    )
+    return encode(value, LASER_SCAN)
+
+
+@lru_cache(maxsize=1)
+def _odometry_template() -> bytes:
+    types = typestore().types
+    vector = types["geometry_msgs/msg/Vector3"](x=0.0, y=0.0, z=0.0)
+    pose = types["geometry_msgs/msg/Pose"](
+        position=types["geometry_msgs/msg/Point"](x=0.0, y=0.0, z=0.0), orientation=_quaternion(0.0)
+    )
+    value = types[ODOMETRY](
+        header=_header(0, ODOM_FRAME),
+        child_frame_id=BASE_FRAME,
+        pose=types["geometry_msgs/msg/PoseWithCovariance"](pose=pose, covariance=np.zeros(36)),
+        twist=types["geometry_msgs/msg/TwistWithCovariance"](
+            twist=types[TWIST](linear=vector, angular=vector), covariance=np.zeros(36)
+        ),
+    )
+    return encode(value, ODOMETRY)

@@ -1,0 +1,69 @@
+"""The lidar on the robot: casts a scan from a pose, spoils it as the scenario says, packs it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.bench import bench_ranges
+from sim.caster import Caster, faces, static_faces
+from sim.faults import is_frozen, measured, speckle
+from sim.layout import Floats, Layout, Pose
+from sim.lidar import PROFILES, bench_readings, readings
+from sim.messages import Message, laser_scan
+from sim.scenario import Scenario
+from sim.schedule import Event, scan_rate
+
+
+class Scanner:
+    """Makes the scans of one run, one after another.
+
+    Parameters
+    ----------
+    scenario, layout
+        Profile, faults and bench; what can be seen.
+    rng
+        This sensor's own generator.
+    """
+
+    def __init__(self, scenario: Scenario, layout: Layout, rng: np.random.Generator) -> None:
+        self._scenario, self._carts, self._rng = scenario, layout.carts, rng
+        self._profile = profile = PROFILES[scenario.lidar.profile]
+        self._scan_time = 1.0 / scan_rate(scenario)
+        self._last: NDArray[np.float32] | None = None
+        self._caster = Caster(
+            static_faces(layout),
+            beams=profile.beams,
+            per_turn=profile.per_turn,
+            angle_min=profile.angle_min,
+            range_max=profile.range_max,
+        )
+
+    def scan(self, event: Event, pose: Pose) -> Message:
+        """Return the scan of this event, measured at the pose [m, m, rad]."""
+        profile = self._profile
+        return laser_scan(
+            time=event.delivery,
+            stamp=event.time,
+            ranges=self._readings(event, pose),
+            angle_min=profile.angle_min,
+            angle_increment=profile.angle_increment,
+            range_min=profile.range_min,
+            range_max=profile.range_max,
+            scan_time=self._scan_time,
+        )
+
+    def _readings(self, event: Event, pose: Pose) -> NDArray[np.float32]:
+        if self._scenario.bench:
+            scan = self._scenario.bench_scans[event.index]
+            return bench_readings(bench_ranges(scan, self._profile.angles), self._profile)
+        faults = self._scenario.faults
+        if self._last is None or not is_frozen(event.time, faults):
+            ranges = self._caster.cast(*pose, moving=self._moving(event.time))
+            ranges = measured(ranges, faults, self._rng)
+            self._last = speckle(readings(ranges, self._profile), faults, self._rng)
+        return self._last
+
+    def _moving(self, time: int) -> Floats | None:
+        if not self._carts:
+            return None
+        seconds = np.array([time / 1e9])
+        return np.concatenate([faces(cart.corners(seconds)[0]) for cart in self._carts])

@@ -1,0 +1,262 @@
+"""Scenario files: a world, a robot in it, its sensors and faults, a script, a seed and a duration.
+
+The keys are the fields of the structs below. A scenario says everything about a run but the node:
+the same scenario and seed give the same run, byte for byte.
+"""
+
+import json
+import math
+from functools import cached_property
+from itertools import chain, repeat
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
+
+from sim.bench import BenchScan
+from sim.errors import InputError
+from sim.lidar import PROFILES
+from sim.toml_input import convert, nearest, parse_toml, read_toml
+from sim.world import Degrees, Metres, World, load_world, world_from_doc, world_names
+
+SCENARIOS = Path(__file__).parent / "scenarios"
+MAX_BENCH_SCANS = 20_000
+_MAY_BE_INFINITE = ("script.goal", "script.odom", "bench.fill", "bench.patches.range")
+
+Probability = Annotated[float, Meta(ge=0, le=1)]
+Delay = Annotated[float, Meta(ge=0, le=10)]  # [s]
+Noise = Annotated[float, Meta(ge=0, le=10)]  # standard deviation
+Rate = Annotated[float, Meta(gt=0, le=200)]  # [Hz]
+Time = Annotated[float, Meta(gt=0, le=3600)]  # since the scenario's start [s]
+Scale = Annotated[float, Meta(gt=0, le=10)]
+Interval = tuple[Annotated[float, Meta(ge=0, le=3600)], Annotated[float, Meta(ge=0, le=3600)]]
+PoseDeg = tuple[float, float, float]  # x [m], y [m], yaw [°]
+
+
+class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    pass
+
+
+class RobotSpec(_Table, frozen=True):
+    """[robot] The defaults are those of a TurtleBot 4 (create 3 base), as in EXERCISES.md."""
+
+    start: tuple[Metres, Metres, Degrees] = (0.0, 0.0, 0.0)  # x [m], y [m], yaw [°]
+    start_jitter: tuple[
+        Annotated[float, Meta(ge=0, le=100)],
+        Annotated[float, Meta(ge=0, le=100)],
+        Annotated[float, Meta(ge=0, le=180)],
+    ] = (0.0, 0.0, 0.0)  # uniform ±, by the seed
+    radius: Annotated[float, Meta(ge=0.05, le=1)] = 0.17  # [m]
+    max_linear: Annotated[float, Meta(gt=0, le=2)] = 0.5  # [m/s]
+    max_angular: Annotated[float, Meta(gt=0, le=10)] = 1.9  # [rad/s]
+    max_acceleration: Annotated[float, Meta(gt=0, le=20)] = 0.9  # [m/s²]
+    max_angular_acceleration: Annotated[float, Meta(gt=0, le=100)] = 7.0  # [rad/s²]
+    command_timeout: Annotated[float, Meta(gt=0, le=3600)] = 0.5  # [s]; then it comes to a stop
+
+
+class LidarSpec(_Table, frozen=True):
+    """[lidar]"""
+
+    profile: str = "default"  # a key of sim.lidar.PROFILES
+    enabled: bool = True
+    rate: Rate | None = None  # [Hz]; None: the profile's
+    phase: Time = 0.013  # time of the first scan [s]
+
+    def __post_init__(self) -> None:
+        """Refuse a profile that is not there."""
+        if self.profile not in PROFILES:
+            hint = nearest(self.profile, PROFILES)
+            raise ValueError(f"profile: no lidar profile is called that{hint}")
+
+
+class OdometrySpec(_Table, frozen=True):
+    """[odometry]"""
+
+    enabled: bool = True
+    rate: Rate = 20.0  # [Hz]
+    phase: Time = 0.007  # time of the first message [s]
+    linear_scale: Scale = 1.0  # measured / true distance: drift
+    angular_scale: Scale = 1.0  # measured / true angle: drift
+    position_noise: Noise = 0.0  # of every reported x and y [m]
+    yaw_noise: Noise = 0.0  # of every reported yaw [rad]
+
+
+class Faults(_Table, frozen=True):
+    """[faults] What sensors and the link do wrong; all zero by default."""
+
+    range_noise: Noise = 0.0  # of every reading [m]
+    range_bias: Annotated[float, Meta(ge=-10, le=10)] = 0.0  # added to every reading [m]
+    beam_dropout: Probability = 0.0  # of a beam to see nothing
+    nan_speckle: Probability = 0.0  # of a beam to read NaN
+    scan_latency: Delay = 0.0  # from measurement to delivery [s]
+    scan_jitter: Delay = 0.0  # up to this much more [s]
+    scan_loss: Probability = 0.0  # of a scan never to arrive
+    odom_loss: Probability = 0.0
+    odom_latency: Delay = 0.0  # [s]
+    freeze: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # readings repeat [s]
+    blackout: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # no scans [s]
+    wheel_slip: Annotated[float, Meta(ge=0, le=0.9)] = 0.0  # part of the wheels' motion lost
+
+    def __post_init__(self) -> None:
+        """Refuse intervals that end before they begin."""
+        for name in ("freeze", "blackout"):
+            for begin, end in getattr(self, name):
+                if begin >= end:
+                    raise ValueError(f"{name}: expected [begin, end] with begin < end")
+
+
+class Qos(_Table, frozen=True):
+    """[qos]"""
+
+    sensors: Literal["reliable", "sensor_data"] = "reliable"
+
+
+class ScriptEvent(_Table, frozen=True):
+    """[[script]] Something that happens at a time."""
+
+    at: Time  # [s]
+    goal: PoseDeg | None = None  # sent as a PoseStamped; may be nan or inf
+    odom: PoseDeg | None = None  # sent as one extra Odometry; may be nan or inf
+    teleport: tuple[Metres, Metres, Degrees] | None = None  # moves the real robot and stops it
+
+    def __post_init__(self) -> None:
+        """Refuse an event that is nothing or two things."""
+        if sum(x is not None for x in (self.goal, self.odom, self.teleport)) != 1:
+            raise ValueError("expected exactly one of goal, odom and teleport beside at")
+
+
+class Scenario(_Table, frozen=True, dict=True):
+    """Everything about a run but the node."""
+
+    title: str
+    world: World
+    name: str = ""  # the file's stem; not a key of the file
+    description: str = ""
+    seed: Annotated[int, Meta(ge=0, le=2**53)] = 1
+    duration: Time = 20.0  # [s]
+    mirror: bool = False  # world, start, goals and scripted poses: y → -y …
+    rotate_deg: Degrees = 0.0  # … then rotated about the origin [°]
+    robot: RobotSpec = RobotSpec()
+    lidar: LidarSpec = LidarSpec()
+    odometry: OdometrySpec = OdometrySpec()
+    faults: Faults = Faults()
+    qos: Qos = Qos()
+    script: Annotated[tuple[ScriptEvent, ...], Meta(max_length=1000)] = ()
+    bench: Annotated[tuple[BenchScan, ...], Meta(max_length=MAX_BENCH_SCANS)] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse a bench that would take for ever."""
+        if (count := sum(b.repeat for b in self.bench)) > MAX_BENCH_SCANS:
+            raise ValueError(f"expected at most {MAX_BENCH_SCANS} bench scans, got {count}")
+
+    @cached_property
+    def bench_scans(self) -> tuple[BenchScan, ...]:
+        """The bench with `repeat` applied: the i-th entry is the i-th scan that is sent."""
+        return tuple(chain.from_iterable(repeat(scan, scan.repeat) for scan in self.bench))
+
+    @property
+    def duration_ns(self) -> int:
+        """The duration [ns]."""
+        return round(self.duration * 1e9)
+
+
+def scenario_names() -> dict[str, Path]:
+    """Return all scenarios that come with the course: name → file, sorted by name.
+
+    Raises
+    ------
+    InputError
+        Two files have the same name.
+    """
+    names: dict[str, Path] = {}
+    for path in sorted(SCENARIOS.glob("*/*.toml"), key=lambda path: (path.stem, path)):
+        if other := names.get(path.stem):
+            raise InputError(f"two scenarios are called '{path.stem}': {other} and {path}")
+        names[path.stem] = path
+    return names
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """Return a scenario by its name (`demo_wall`) or from a file (`mine/wall.toml`).
+
+    Raises
+    ------
+    InputError
+        There is no such scenario, or its file is wrong.
+    """
+    path = _find(name_or_path)
+    scenario = scenario_from_toml(read_toml(path), str(path))
+    return msgspec.structs.replace(scenario, name=path.stem)
+
+
+def scenario_from_toml(text: str, where: str) -> Scenario:
+    """Return the scenario in a TOML text; `where` names the text in errors.
+
+    Raises
+    ------
+    InputError
+        The text is not a scenario.
+    """
+    doc = parse_toml(text, where)
+    if "name" in doc:
+        raise InputError(f"{where}: unknown key 'name': a scenario is called as its file is")
+    return _scenario(doc, where)
+
+
+def scenario_to_json(scenario: Scenario) -> str:
+    """Return the scenario, its world included, as JSON (with NaN and Infinity, as Python does)."""
+    return json.dumps(msgspec.to_builtins(scenario))
+
+
+def scenario_from_json(text: str) -> Scenario:
+    """Return the scenario that `scenario_to_json` wrote.
+
+    Raises
+    ------
+    InputError
+        The text is not such JSON.
+    """
+    try:
+        doc = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"scenario: not valid JSON: {error}") from None
+    if not isinstance(doc, dict):
+        raise InputError("scenario: expected a JSON object")
+    return _scenario(doc, "scenario")
+
+
+def _find(name_or_path: str | Path) -> Path:
+    text = str(name_or_path)
+    if isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text:
+        return Path(name_or_path)
+    names = scenario_names()
+    if text not in names:
+        raise InputError(f"no scenario is called '{text}'{nearest(text, names)}")
+    return names[text]
+
+
+def _scenario(doc: dict[str, Any], where: str) -> Scenario:
+    """Resolve the world first: it is a name or a table, and has errors of its own."""
+    if "world" not in doc:
+        raise InputError(f"{where}: missing key 'world' (a world's name, or a table)")
+    world = _world(doc["world"], where)
+    empty = {**doc, "world": {}}
+    scenario = convert(empty, Scenario, where, may_be_infinite=_MAY_BE_INFINITE)
+    return msgspec.structs.replace(scenario, world=world)
+
+
+def _world(value: Any, where: str) -> World:
+    if not isinstance(value, str | dict):
+        raise InputError(f"{where}: world = {value}: expected a world's name or a table")
+    if isinstance(value, dict):
+        return world_from_doc(value, where, at=("world",))
+    if value not in world_names():
+        hint = nearest(value, world_names())
+        raise InputError(f'{where}: world = "{value}": no world is called that{hint}')
+    return load_world(value)
+
+
+def yaw_in_radians(pose: PoseDeg) -> tuple[float, float, float]:
+    """Return x, y [m] and yaw [rad] of a pose whose yaw is in degrees."""
+    return pose[0], pose[1], math.radians(pose[2])

@@ -1,0 +1,93 @@
+"""When everything happens in a run: known from scenario and seed before it begins.
+
+So the next event can be named without simulating up to it, and how a run is cut into pieces cannot
+change it.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from sim.faults import Times, deliveries, sensor_rng, survivors
+from sim.lidar import PROFILES
+from sim.scenario import Scenario
+
+
+class Kind(IntEnum):
+    """What happens; at equal times the lower number comes first."""
+
+    TELEPORT = 0
+    GOAL = 1
+    SCRIPTED_ODOM = 2
+    ODOM = 3
+    SCAN = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One message or scripted event."""
+
+    time: int  # when it is measured or done [ns]
+    kind: Kind
+    index: int  # of the script entry, or counted among those of its kind that arrive
+    delivery: int  # when it arrives [ns]
+
+
+def schedule(scenario: Scenario, seed: int) -> list[Event]:
+    """Return everything that arrives within the scenario's duration, by time of measurement."""
+    events = _scripted(scenario)
+    if scenario.odometry.enabled:
+        events += _odometry(scenario, seed)
+    if scenario.lidar.enabled:
+        events += _scans(scenario, seed)
+    arriving = (event for event in events if event.delivery <= scenario.duration_ns)
+    return sorted(arriving, key=lambda event: (event.time, event.kind, event.index))
+
+
+def scan_rate(scenario: Scenario) -> float:
+    """Return the lidar's scans per second [Hz]."""
+    return scenario.lidar.rate or PROFILES[scenario.lidar.profile].rate
+
+
+def _scripted(scenario: Scenario) -> list[Event]:
+    events = []
+    for index, entry in enumerate(scenario.script):
+        time = round(entry.at * 1e9)
+        kind = Kind.TELEPORT
+        if entry.goal is not None:
+            kind = Kind.GOAL
+        elif entry.odom is not None:
+            kind = Kind.SCRIPTED_ODOM
+        events.append(Event(time, kind, index, time))
+    return events
+
+
+def _odometry(scenario: Scenario, seed: int) -> list[Event]:
+    spec, faults = scenario.odometry, scenario.faults
+    rng = sensor_rng(seed, "odometry link")
+    times = _times(spec.phase, spec.rate, scenario.duration)
+    times = times[survivors(times, faults.odom_loss, rng, ())]
+    return _events(Kind.ODOM, times, deliveries(times, faults.odom_latency, 0.0, rng))
+
+
+def _scans(scenario: Scenario, seed: int) -> list[Event]:
+    faults = scenario.faults
+    rng = sensor_rng(seed, "lidar link")
+    times = _times(scenario.lidar.phase, scan_rate(scenario), scenario.duration)
+    times = times[survivors(times, faults.scan_loss, rng, faults.blackout)]
+    if scenario.bench:
+        times = times[: len(scenario.bench_scans)]
+    late = deliveries(times, faults.scan_latency, faults.scan_jitter, rng)
+    return _events(Kind.SCAN, times, late)
+
+
+def _times(phase: float, rate: float, duration: float) -> Times:
+    """Return the times of a periodic sensor [ns]; each from its own number, so none drifts."""
+    count = max(int((duration - phase) * rate) + 2, 0)
+    return np.rint((phase + np.arange(count) / rate) * 1e9).astype(np.int64)
+
+
+def _events(kind: Kind, times: Times, late: Times) -> list[Event]:
+    pairs = zip(times.tolist(), late.tolist(), strict=True)
+    return [Event(time, kind, index, delivery) for index, (time, delivery) in enumerate(pairs)]

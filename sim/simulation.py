@@ -1,0 +1,270 @@
+"""The mock robot: one scenario, moved on from event to event.
+
+Observations (messages that `advance` returns)
+
+| message       | topic      | content                        | unit       | range              |
+|---------------|------------|--------------------------------|------------|--------------------|
+| LaserScan     | /scan      | ranges, 360 beams from -π up   | m          | 0.15 … 12, ±inf    |
+| Odometry      | /odom      | pose x, y                      | m          | any                |
+|               |            | pose yaw, as a quaternion      | rad        | -π … π             |
+|               |            | twist linear.x, angular.z      | m/s, rad/s | ±0.5, ±1.9         |
+| PoseStamped   | /goal_pose | a goal of the script           | m, rad     | any, also nan, inf |
+
+Actions (`commands` of `advance`)
+
+| field         | meaning                        | unit       | limited to         |
+|---------------|--------------------------------|------------|--------------------|
+| linear.x      | forward speed                  | m/s        | ±0.5               |
+| angular.z     | turning speed, left positive   | rad/s      | ±1.9               |
+
+Ranges and limits are the defaults; `[lidar]` and `[robot]` of the scenario change them.
+
+Dynamics
+    A differential drive in steps of 10 ms. A command counts from the first step that begins at or
+    after its time; the wheels ramp toward it by at most 0.9 m/s² and 7 rad/s². 0.5 s after the last
+    command they ramp to zero. A command that is not finite counts as zero. Contacts are inelastic:
+    the robot stops at what it hits. Sensors measure between steps by linear interpolation.
+
+Start
+    `[robot] start`, plus a uniform jitter that the seed draws. The robot is at rest.
+
+End
+    `next_event` is None once everything that arrives within `duration` has arrived. Nothing that
+    the robot does ends a run early.
+
+Determinism
+    Scenario and seed fix every byte; how `advance` is cut into pieces does not matter.
+
+Units and frames follow REP-103 and REP-105, readings REP-117.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.clearance import clearance, is_inside
+from sim.errors import InputError
+from sim.faults import sensor_rng
+from sim.layout import Floats, Layout, Pose
+from sim.messages import Message, odometry, pose_stamped
+from sim.odometry import Odometry
+from sim.placement import build_layout, place
+from sim.robot import STEP_NS, Robot
+from sim.scanner import Scanner
+from sim.scenario import Scenario, ScriptEvent, yaw_in_radians
+from sim.schedule import Event, Kind, schedule
+
+TRUTH_NS = 20_000_000  # between two samples of the truth [ns]
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """What the robot really did: (n,) samples every 20 ms from time 0 on."""
+
+    t: NDArray[np.int64]  # since the scenario's start [ns]
+    x: Floats  # [m]
+    y: Floats  # [m]
+    yaw: Floats  # -π … π [rad]
+    v: Floats  # forward speed [m/s]
+    w: Floats  # turning speed [rad/s]
+    clearance: Floats  # from the robot's edge to the nearest thing, 0 in contact, at most 10 [m]
+    contact: NDArray[np.bool_]  # touched anything since the sample before
+
+
+class Simulation:
+    """One run of a scenario.
+
+    Raises
+    ------
+    InputError
+        The robot's start is not free, or the clutter does not fit.
+    """
+
+    scenario: Scenario
+    layout: Layout
+    seed: int
+    now: int  # since the scenario's start [ns]
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+        self.reset()
+
+    def reset(self, *, seed: int | None = None) -> None:
+        """Start over, with this seed or else the scenario's: the only door for randomness."""
+        scenario = self.scenario
+        self.seed = scenario.seed if seed is None else seed
+        self.now = 0
+        self.layout = _layout(scenario, self.seed)
+        slip = scenario.faults.wheel_slip
+        self._robot = Robot(scenario.robot, self.layout, wheel_slip=slip)
+        self._odometry = Odometry(
+            scenario.odometry,
+            self.layout.start,
+            sensor_rng(self.seed, "odometry"),
+            wheel_slip=slip,
+        )
+        self._scanner = Scanner(scenario, self.layout, sensor_rng(self.seed, "lidar"))
+        self._plan(schedule(scenario, self.seed))
+        self._stepped = 0  # the physics has come to here [ns]
+        self._commands: list[tuple[int, float, float]] = []  # not yet in force, by time
+        self._command = (-(10**18), 0.0, 0.0)
+        self._samples = [self._sample(contact=False)]
+        self._touched = False
+
+    def next_event(self) -> int | None:
+        """Return when the next message or scripted event comes after `now` [ns], if one does."""
+        if self._arrived == len(self._arrivals):
+            return None
+        return self._arrivals[self._arrived].delivery
+
+    def advance(
+        self, until: int, commands: Sequence[tuple[int, float, float]] = ()
+    ) -> list[Message]:
+        """Move on to `until` [ns] and return the messages that arrive after `now` and by then.
+
+        Parameters
+        ----------
+        until
+            Since the scenario's start [ns], not before `now`.
+        commands
+            Time [ns], linear.x [m/s] and angular.z [rad/s] of each; one before `now` counts from
+            the next step on, one after `until` is kept until its time has come.
+
+        Raises
+        ------
+        ValueError
+            `until` is before `now`.
+        """
+        if until < self.now:
+            raise ValueError(f"cannot advance to {until} ns: it is already {self.now} ns")
+        if commands:
+            self._commands = sorted([*self._commands, *commands], key=lambda command: command[0])
+        while self._stepped < until:
+            self._step()
+        self.now = until
+        return self._arrive()
+
+    def truth(self) -> Truth:
+        """Return what the robot really did up to `now`."""
+        rows = np.array(self._samples[: self.now // TRUTH_NS + 1], float)
+        x, y, yaw, v, w, contact = rows.T
+        t = np.arange(len(rows), dtype=np.int64) * TRUTH_NS
+        touched = contact > 0
+        free = clearance(self.layout, t / 1e9, rows[:, :2], self.scenario.robot.radius)
+        free[touched] = 0.0
+        yaw = (yaw + math.pi) % math.tau - math.pi
+        return Truth(t, x.copy(), y.copy(), yaw, v.copy(), w.copy(), free, touched)
+
+    def _plan(self, events: list[Event]) -> None:
+        teleports = [event for event in events if event.kind is Kind.TELEPORT]
+        measurements = [event for event in events if event.kind is not Kind.TELEPORT]
+        self._teleports = teleports[::-1]  # the next one last
+        self._measurements = measurements[::-1]
+        self._arrivals = sorted(events, key=lambda e: (e.delivery, e.kind, e.index))
+        self._arrived = 0  # so many of them
+        self._messages: dict[tuple[Kind, int], Message] = {}  # measured, under way
+
+    def _step(self) -> None:
+        """Do one step of physics, and measure whatever is measured during it."""
+        start = self._stepped
+        while self._teleports and self._teleports[-1].time <= start:
+            self._teleport(self._script(self._teleports.pop()))
+        robot = self._robot
+        before, v, w = robot.pose, robot.v, robot.w
+        robot.step(start / 1e9, *self._wheel_speeds(start))
+        self._stepped = end = start + STEP_NS
+        self._touched |= robot.touched
+        if end % TRUTH_NS == 0:
+            self._samples.append(self._sample(contact=self._touched))
+            self._touched = False
+        while self._measurements and self._measurements[-1].time <= end:
+            event = self._measurements.pop()
+            part = (event.time - start) / STEP_NS
+            pose = _between(before, robot.pose, part)
+            speeds = v + part * (robot.v - v), w + part * (robot.w - w)
+            self._messages[event.kind, event.index] = self._measure(event, pose, speeds)
+
+    def _wheel_speeds(self, start: int) -> tuple[float, float]:
+        """Return the command in force at this time [ns], zero once it is too old."""
+        while self._commands and self._commands[0][0] <= start:
+            self._command = self._commands.pop(0)
+        time, linear, angular = self._command
+        if start - time > self.scenario.robot.command_timeout * 1e9:
+            return 0.0, 0.0
+        if not (math.isfinite(linear) and math.isfinite(angular)):
+            return 0.0, 0.0
+        return linear, angular
+
+    def _sample(self, *, contact: bool) -> tuple[float, ...]:
+        robot = self._robot
+        return (*robot.pose, robot.v, robot.w, contact)
+
+    def _measure(self, event: Event, pose: Pose, speeds: tuple[float, float]) -> Message:
+        if event.kind is Kind.SCAN:
+            return self._scanner.scan(event, pose)
+        if event.kind is Kind.ODOM:
+            x, y, yaw = self._odometry.measure(pose)
+            v, w = self._odometry.speeds(*speeds)
+            return odometry(time=event.delivery, stamp=event.time, x=x, y=y, yaw=yaw, v=v, w=w)
+        x, y, yaw = self._scripted_pose(self._script(event))
+        if event.kind is Kind.GOAL:
+            return pose_stamped(time=event.time, x=x, y=y, yaw=yaw)
+        return odometry(time=event.time, x=x, y=y, yaw=yaw)
+
+    def _script(self, event: Event) -> ScriptEvent:
+        return self.scenario.script[event.index]
+
+    def _scripted_pose(self, entry: ScriptEvent) -> Pose:
+        pose = entry.goal or entry.odom or entry.teleport
+        assert pose is not None  # ScriptEvent has exactly one of them
+        scenario = self.scenario
+        return place(yaw_in_radians(pose), mirror=scenario.mirror, rotate_deg=scenario.rotate_deg)
+
+    def _teleport(self, entry: ScriptEvent) -> None:
+        pose = self._scripted_pose(entry)
+        self._robot.teleport(pose)
+        self._odometry.jump(pose)
+
+    def _arrive(self) -> list[Message]:
+        """Return the messages that have arrived by `now`, in order."""
+        messages = []
+        while self._arrived < len(self._arrivals):
+            event = self._arrivals[self._arrived]
+            if event.delivery > self.now:
+                break
+            self._arrived += 1
+            if event.kind is not Kind.TELEPORT:
+                messages.append(self._messages.pop((event.kind, event.index)))
+        return messages
+
+
+def _layout(scenario: Scenario, seed: int) -> Layout:
+    """Place the scenario's world and robot, and make sure that the robot stands free."""
+    spec = scenario.robot
+    jitter = sensor_rng(seed, "start").uniform(-1, 1, 3) * yaw_in_radians(spec.start_jitter)
+    x, y, yaw = (jitter + yaw_in_radians(spec.start)).tolist()
+    layout = build_layout(
+        scenario.world,
+        start=(x, y, yaw),
+        radius=spec.radius,
+        rng=sensor_rng(seed, "clutter"),
+        mirror=scenario.mirror,
+        rotate_deg=scenario.rotate_deg,
+    )
+    here = np.array([layout.start[:2]])
+    free = clearance(layout, np.zeros(1), here, spec.radius)[0]
+    if free <= 0.0 or is_inside(layout, layout.start[:2]):
+        x, y, _ = layout.start
+        raise InputError(
+            f"{scenario.name or scenario.title}: robot.start: the robot would stand in something "
+            f"at ({x:.3g}, {y:.3g}) with seed {seed}; expected a free place of radius {spec.radius}"
+        )
+    return layout
+
+
+def _between(before: Pose, after: Pose, part: float) -> Pose:
+    (x0, y0, yaw0), (x1, y1, yaw1) = before, after
+    return x0 + part * (x1 - x0), y0 + part * (y1 - y0), yaw0 + part * (yaw1 - yaw0)

@@ -1,0 +1,57 @@
+"""Takes index 0 for straight ahead, but this lidar starts counting at the back (angle_min = -π).
+
+fails: slow_zone, stop_zone, ignores_behind, sees_sides
+"""
+
+import math
+
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+
+class Agent(Node):
+    def __init__(self):
+        super().__init__("obstacle_avoidance_agent")
+        self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.create_subscription(LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data)
+        self.get_logger().info("Obstacle avoidance agent started")
+
+    def perceive(self, scan):
+        quarter = len(scan.ranges) // 4
+        front = list(scan.ranges[:quarter]) + list(scan.ranges[-quarter:])
+        readings = [0.0 if r == -math.inf else r for r in front]
+        readings = [
+            r for r in readings if r in (0.0, math.inf) or scan.range_min <= r <= scan.range_max
+        ]
+        return min(readings, default=None)
+
+    def decide(self, distance):
+        if distance is None or distance < 0.5:
+            return 0.0
+        if distance < 1.0:
+            return 0.15
+        return 0.5
+
+    def scan_callback(self, scan):
+        twist = Twist()
+        twist.linear.x = self.decide(self.perceive(scan))
+        self.publisher.publish(twist)
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    node = Agent()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()
