@@ -103,7 +103,14 @@ def grade(
         from grader.grading import grade_live  # noqa: PLC0415
 
         grading = grade_live(
-            chosen, submission, nursery, file=str(file), field=field, only=only, seed=seed, bags=bags
+            chosen,
+            submission,
+            nursery,
+            file=str(file),
+            field=field,
+            only=only,
+            seed=seed,
+            bags=bags,
         )
     _show(grading, json_, report)
     return _exit_code(grading)

@@ -166,7 +166,6 @@ def versions() -> dict[str, str]:
 def _arguments(exercise: Exercise) -> list[str]:
     return [
         str(exercise.checks),
-        "--quiet",
         "--import-mode=importlib",
         "--assert=plain",  # checks speak through fail(); rewriting would cost half a second
         "--capture=sys",

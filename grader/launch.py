@@ -71,6 +71,7 @@ class Nursery:
         self.ros = ros or find_ros()
         self._lock = threading.Lock()
         self._uid = 0
+        self._private_shm = False
         self._ready = False
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._log = tempfile.TemporaryFile()
@@ -115,7 +116,7 @@ class Nursery:
         try:
             yield host
         finally:
-            shared_memory = _shared_memory_of(host.pid)
+            shared_memory = [] if self._private_shm else shared_memory_of(host.pid)
             host.kill()
             host.wait()
             host.close()
@@ -156,8 +157,9 @@ class Nursery:
             try:
                 hello = msgspec.json.decode(self._control.recv(4096), type=Hello)
             except (OSError, msgspec.DecodeError) as error:
-                raise GraderError(f"the host for students' nodes did not start: {self._last_words()}") from error
+                raise GraderError(f"no host for students' nodes: {self._last_words()}") from error
             self._uid = NOBODY if hello.unprivileged else 0
+            self._private_shm = hello.private_shm
             self._ready = True
 
     def _last_words(self) -> str:
@@ -172,7 +174,7 @@ class Nursery:
         stderr, their_stderr = os.pipe()
         status, their_status = os.pipe()
         theirs = [their_in, their_out, their_stdout, their_stderr, their_status]
-        request = msgspec.json.encode(Request(str(folder), self._uid))
+        request = msgspec.json.encode(Request(str(folder), self._uid, self._private_shm))
         try:
             with self._lock:
                 socket.send_fds(self._control, [request], theirs)
@@ -193,12 +195,14 @@ def _give(folder: Path, uid: int) -> None:
         os.chown(path, uid, uid, follow_symlinks=False)
 
 
-def _shared_memory_of(pid: int) -> list[Path]:
+def shared_memory_of(pid: int) -> list[Path]:
     """Return the shared memory files of Fast DDS, which a killed process leaves behind."""
     try:
         maps = Path(f"/proc/{pid}/maps").read_text()
     except OSError:
         return []
-    names = {line.split(maxsplit=5)[5] for line in maps.splitlines() if "/dev/shm/fastrtps_" in line}
+    names = {
+        line.split(maxsplit=5)[5] for line in maps.splitlines() if "/dev/shm/fastrtps_" in line
+    }
     files = {Path(name.removesuffix(" (deleted)")) for name in names}
     return sorted(files | {file.with_name(f"{file.name}_el") for file in files})

@@ -92,7 +92,7 @@ class CheckPlugin:
         by_id = {checks[item.nodeid].id: item for item in items}
         items[:] = [by_id[check.id] for check in chosen]
         self._checks = {item.nodeid: checks[item.nodeid] for item in items}
-        self._trials.prepare(list(dict.fromkeys(s for c in chosen for s in c.scenarios)))
+        self._prepare(field=False)
 
     @pytest.fixture
     def recordings(self, request: pytest.FixtureRequest) -> tuple[Recording, ...]:
@@ -101,11 +101,16 @@ class CheckPlugin:
         return tuple(self._trials.get(name) for name in check.scenarios)
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
-        """Skip a check if one that it needs did not pass."""
-        for need in self._checks[item.nodeid].needs:
+        """Skip a check if one that it needs did not pass; field checks need all of the core."""
+        check = self._checks[item.nodeid]
+        for need in check.needs:
             result = self.results[need]
             if result.outcome != PASS:
                 raise _Unmet(f"not judged, because “{result.title}” did not pass")
+        if check.field:
+            if any(r.kind == "core" and r.outcome != PASS for r in self.results.values()):
+                raise _Unmet("not judged, because not every core check passed")
+            self._prepare(field=True)
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_makereport(
@@ -121,6 +126,10 @@ class CheckPlugin:
         elif call.when == "call":
             self.results[check.id] = _result(check, PASS)
 
+    def _prepare(self, *, field: bool) -> None:
+        checks = [check for check in self._checks.values() if check.field == field]
+        self._trials.prepare(list(dict.fromkeys(s for check in checks for s in check.scenarios)))
+
     def _choose(self, checks: list[Check]) -> list[Check]:
         by_id = {check.id: check for check in checks}
         if len(by_id) != len(checks):
@@ -128,7 +137,8 @@ class CheckPlugin:
         for wanted in self._only:
             if wanted not in by_id:
                 raise InputError(f"unknown check {wanted!r}; there are: {', '.join(by_id)}")
-        wanted_ids = self._only or [c.id for c in checks if self._field or not c.field]
+        in_order = sorted(checks, key=lambda check: check.field)
+        wanted_ids = self._only or [c.id for c in in_order if self._field or not c.field]
         chosen: dict[str, Check] = {}
         for check_id in wanted_ids:
             _add_with_needs(check_id, by_id, chosen)

@@ -20,7 +20,15 @@ from numpy.typing import NDArray
 
 from grader.link import LogLine
 from sim.layout import Layout, layout_to_json
-from sim.messages import EPOCH_NS, LASER_SCAN, ODOMETRY, POSE_STAMPED, Message, decode, twist_from_cdr
+from sim.messages import (
+    EPOCH_NS,
+    LASER_SCAN,
+    ODOMETRY,
+    POSE_STAMPED,
+    Message,
+    decode,
+    twist_from_cdr,
+)
 from sim.scenario import Scenario
 from sim.simulation import Truth
 
@@ -35,7 +43,7 @@ class Outcome:
 
     `kind` is `completed` (the scenario ran to its end with the node alive) or one of
     `unreadable`, `syntax_error`, `exception`, `returned`, `exited` (sys.exit), `died` (the process
-    vanished), `hung` (no answer within the wall time), `never_spun`, `flooded`, `forged`.
+    vanished), `hung` (no answer within the wall time), `stuck` (a deadlock), `never_spun`, `flooded`, `forged`.
     """
 
     kind: str
@@ -259,7 +267,14 @@ def _odometry_row(message: Message) -> tuple[float, ...]:
     pose, twist = odometry.pose.pose, odometry.twist.twist
     q = pose.orientation
     yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
-    return message.time / 1e9, pose.position.x, pose.position.y, yaw, twist.linear.x, twist.angular.z
+    return (
+        message.time / 1e9,
+        pose.position.x,
+        pose.position.y,
+        yaw,
+        twist.linear.x,
+        twist.angular.z,
+    )
 
 
 def _seconds(stamp: object) -> float:

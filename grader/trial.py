@@ -13,7 +13,16 @@ from pathlib import Path
 
 import numpy as np
 
-from grader.host.frames import Delivery, Ended, EndpointReport, Offer, Published, Run, Settled, Start
+from grader.host.frames import (
+    Delivery,
+    Ended,
+    EndpointReport,
+    Offer,
+    Published,
+    Run,
+    Settled,
+    Start,
+)
 from grader.launch import HostProcess, Nursery
 from grader.link import Cost, HostDied, HostForged, HostHung, Link, LogLine
 from grader.recording import COMPLETED, Compute, Endpoint, Outcome, Recording
@@ -39,6 +48,10 @@ from sim.simulation import Simulation
 MAX_BYTES = 64 * 1024 * 1024  # a node may publish in one trial
 MAX_ENDPOINTS = 1_000
 AFTERMATH_NS = 10**9  # the robot rolls on for this long when its node is gone
+STUCK = (
+    "the node stopped for good: every thread waits for something that can't come any more (a blocking "
+    "call() or wait in a callback waits for an answer that only the executor it blocks could deliver)"
+)
 OFFERED = {SCAN_TOPIC: LASER_SCAN, ODOM_TOPIC: ODOMETRY, GOAL_TOPIC: POSE_STAMPED}
 
 
@@ -63,7 +76,9 @@ class _Trial:
     endpoints: list[Endpoint] = field(default_factory=list)
     compute: list[tuple[float, float, float]] = field(default_factory=list)
     bytes: int = 0
+    at: float = 0.0  # [s] the time that the node has come to
     spun: bool = False
+    stuck: float | None = None  # [s] since when nothing in the node can ever run again
 
 
 def run_trial(
@@ -122,6 +137,7 @@ def _conduct(trial: _Trial, start: Start, host: HostProcess, limits: Limits) -> 
             if time.perf_counter() > clock_end:
                 raise HostHung("")
             began = simulation.now
+            trial.at = began / 1e9
             until = min(simulation.next_event() or end, end)
             frame = Run(until, tuple(Delivery(m.topic, m.data) for m in pending))
             trial.delivered += pending
@@ -141,6 +157,8 @@ def _conduct(trial: _Trial, start: Start, host: HostProcess, limits: Limits) -> 
         return _outcome(trial, answer.kind, answer.text, answer.detail)
     if not trial.spun:
         return _outcome(trial, "never_spun", "the program runs, but its node never spins")
+    if trial.stuck is not None:
+        return Outcome("stuck", STUCK, trial.stuck)
     return _outcome(trial, COMPLETED, "")
 
 
@@ -154,6 +172,7 @@ def _take(
     """Note an answer, let the robot follow it; return the robot's next messages."""
     simulation = trial.simulation
     reached = _reached(answer, began, agreed)
+    trial.at = reached / 1e9
     for report in answer.endpoints:
         trial.endpoints.append(_endpoint(report))
     if len(trial.endpoints) > MAX_ENDPOINTS:
@@ -168,6 +187,10 @@ def _take(
     trial.compute.append((began / 1e9, cost.wall, cost.cpu))
     if isinstance(answer, Settled):
         trial.spun = trial.spun or answer.spinning
+        if answer.spinning or answer.asleep:
+            trial.stuck = None
+        elif trial.stuck is None:
+            trial.stuck = reached / 1e9
         return simulation.advance(reached, commands)
     simulation.advance(min(reached + AFTERMATH_NS, _end(simulation)), commands)
     return []
@@ -213,7 +236,7 @@ def _command(message: Message, stamped: bool) -> tuple[int, float, float] | None
 
 
 def _outcome(trial: _Trial, kind: str, text: str, detail: str = "") -> Outcome:
-    return Outcome(kind, text, trial.simulation.now / 1e9, detail)
+    return Outcome(kind, text, trial.at, detail)
 
 
 def _status_text(status: str) -> str:

@@ -1,10 +1,10 @@
 """What a check says when it isn't content.
 
-    fail(
-        "drove at 0.50 m/s with a wall 0.42 m ahead",
-        expected="0.00 m/s", actual="0.50 m/s", at=scan.t, recording=recording,
-        help="compare the distance with 0.5 m before you publish",
-    )
+fail(
+    "drove at 0.50 m/s with a wall 0.42 m ahead",
+    expected="0.00 m/s", actual="0.50 m/s", at=scan.t, recording=recording,
+    help="compare the distance with 0.5 m before you publish",
+)
 """
 
 from __future__ import annotations

@@ -16,6 +16,10 @@ from numpy.typing import NDArray
 
 from sim.layout import Floats, Layout
 
+Indices = NDArray[np.intp]
+Complexes = NDArray[np.complex128]  # points and directions of the plane as x + iy
+Ends = Complexes  # (2, n): first and second ends of n faces
+
 CELL = 0.25  # of the grid of visible faces [m]
 _EDGE_ON = 1e-7  # faces seen under less than this (length x distance [m²]) are lines: invisible
 _CORNER = 1e-11  # beams that a face reaches beyond its ends, so that no beam slips through a corner
@@ -55,15 +59,17 @@ class Caster:
     def __init__(
         self, segments: Floats, *, beams: int, per_turn: int, angle_min: float, range_max: float
     ) -> None:
-        self._a, self._b = segments[:, 0], segments[:, 1]
-        self._beams, self._turn = beams, per_turn
-        self._angle_min, self._range_max = angle_min, range_max
+        self._ends = _complex(segments)
+        self._beams, self._angle_min, self._range_max = beams, angle_min, range_max
+        self._nothing = np.full(per_turn, _FAR)
+        angles = np.arange(per_turn) * (math.tau / per_turn)
+        self._mirrored = np.cos(angles) - 1j * np.sin(angles)  # conjugate directions of the beams
         self._per_radian = per_turn / math.tau
-        directions = np.arange(per_turn) * (math.tau / per_turn)
-        self._cos, self._sin = np.cos(directions), np.sin(directions)
+        # A turn is added to all beam numbers, which makes them positive: truncating is flooring.
+        self._reach = np.array([[per_turn - _CORNER], [per_turn + _CORNER]])
         self._lap = np.tile(np.arange(per_turn), 4)  # beam numbers, modulo a turn
         self._count = np.arange(4 * per_turn)
-        self._cells: dict[tuple[int, int], Floats] = {}
+        self._cells: dict[tuple[int, int], Ends] = {}
 
     def cast(self, x: float, y: float, yaw: float, moving: Floats | None = None) -> Floats:
         """Return the (beams,) exact ranges [m] from a pose [m, m, rad]; inf: nothing in range.
@@ -72,75 +78,80 @@ class Caster:
         """
         ends = self._visible(x, y)
         if moving is not None:
-            ends = np.concatenate((ends, moving.transpose(2, 1, 0)), axis=2)
-        inverse = np.full(self._turn, _FAR)
-        self._sweep(ends, x, y, yaw + self._angle_min, inverse)
-        ranges = 1.0 / inverse[: self._beams]
-        ranges[ranges > self._range_max] = math.inf
+            ends = np.concatenate((ends, _complex(moving)), axis=1)
+        first_beam = yaw + self._angle_min
+        turn = complex(math.cos(first_beam), -math.sin(first_beam))
+        inverse = self._nothing.copy()
+        self._sweep(ends - complex(x, y), turn, inverse)
+        ranges: Floats = 1.0 / inverse[: self._beams]
+        np.putmask(ranges, ranges > self._range_max, math.inf)
         return ranges
 
-    def _sweep(self, ends: Floats, x: float, y: float, yaw: float, inverse: Floats) -> None:
-        """Raise `inverse` (per_turn,) to the inverse ranges of these (2, 2, n) ends [xy, ab, n]."""
-        ax, bx = ends[0] - x
-        ay, by = ends[1] - y
-        cross = ax * by
-        cross -= ay * bx
-        front = (cross > _EDGE_ON).nonzero()[0]
+    def _sweep(self, ends: Ends, turn: complex, inverse: Floats) -> None:
+        """Raise `inverse` (per_turn,) to the inverse ranges of faces relative to the sensor.
+
+        `turn` turns the first beam onto the x axis. With a and b a face's ends, conj(a) b is
+        their dot product + i times their cross product, and its argument the angle between them.
+        """
+        begin, end = ends
+        product = begin.conj()
+        product *= end
+        front = (product.imag > _EDGE_ON).nonzero()[0]
         if not len(front):
             return
-        cross, ax, ay = cross.take(front), ax.take(front), ay.take(front)
-        bx, by = bx.take(front), by.take(front)
-        c, s = math.cos(yaw), math.sin(yaw)  # the first beam's direction is the x axis from here on
-        first = np.arctan2(ay * c - ax * s, ax * c + ay * s)
-        last = np.arctan2(cross, ax * bx + ay * by)
-        bx -= ax
-        by -= ay
-        bx /= cross
-        by /= cross
-        which, beam = self._pairs(first, last)
-        candidates = (by * c - bx * s).take(which)
-        candidates *= self._cos.take(beam)
-        rest = (by * s + bx * c).take(which)
-        rest *= self._sin.take(beam)
-        candidates -= rest
-        np.maximum.at(inverse, beam, candidates)
+        if len(front) < len(begin):
+            begin, end, product = begin.take(front), end.take(front), product.take(front)
+        slope = end - begin
+        slope *= turn
+        slope /= product.imag
+        which, beam = self._pairs(begin * turn, product)
+        candidates = slope.take(which)
+        candidates *= self._mirrored.take(beam)
+        np.maximum.at(inverse, beam, candidates.imag)
 
-    def _pairs(self, first: Floats, span: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Return face and beam of every pair to test, for faces from angle `first` over `span`."""
-        first *= self._per_radian
-        span *= self._per_radian
-        span += first
-        span += _CORNER
-        first -= _CORNER
-        begin = np.ceil(first)
-        count = (np.floor(span) - begin + 1.0).astype(np.intp)
+    def _pairs(self, begin: Complexes, product: Complexes) -> tuple[Indices, Indices]:
+        """Return face and beam of every pair to test: the beams within each face's angle."""
+        limits = np.empty((2, len(begin)))
+        np.arctan2(begin.imag, begin.real, out=limits[0])
+        np.arctan2(product.imag, product.real, out=limits[1])
+        limits[1] += limits[0]
+        limits *= self._per_radian
+        limits += self._reach
+        before, last = limits.astype(np.intp)  # the beams of a face are before + 1 … last
+        count = last - before
         ends = count.cumsum()
-        which = np.arange(len(count)).repeat(count)
-        shift = begin.astype(np.intp) - ends + count + self._turn
-        beam = shift.take(which)
-        beam += self._numbers(int(ends[-1]))
-        return which, self._lap.take(beam)
+        pairs = self._numbers(int(ends[-1]) + 1)
+        last -= ends
+        beam = last.repeat(count)
+        beam += pairs[1:]
+        return self._numbers(len(count)).repeat(count), self._lap.take(beam)
 
-    def _numbers(self, count: int) -> NDArray[np.intp]:
+    def _numbers(self, count: int) -> Indices:
         if count > len(self._count):
             self._count = np.arange(2 * count)
         return self._count[:count]
 
-    def _visible(self, x: float, y: float) -> Floats:
-        """Return the (2, 2, n) ends [xy, ab, n] of the faces visible from around (x, y)."""
+    def _visible(self, x: float, y: float) -> Ends:
+        """Return the (2, n) ends of the faces that can be seen from around (x, y)."""
         cell = (math.floor(x / CELL), math.floor(y / CELL))
         ends = self._cells.get(cell)
         if ends is None:
             ends = self._cells[cell] = self._visible_from(cell)
         return ends
 
-    def _visible_from(self, cell: tuple[int, int]) -> Floats:
-        center = (np.array(cell) + 0.5) * CELL
-        reach = CELL * math.sqrt(0.5) * 1.001  # from the centre to the cell's corners
-        a, along = self._a - center, self._b - self._a
-        length = np.hypot(*along.T)
-        nearest = np.clip(-(a * along).sum(1) / length**2, 0.0, 1.0)
-        distance = np.hypot(*(a + nearest[:, None] * along).T)
-        height = (a[:, 0] * along[:, 1] - a[:, 1] * along[:, 0]) / length
-        seen = (distance < self._range_max + reach) & (height > -reach)
-        return np.ascontiguousarray(np.stack((self._a[seen], self._b[seen])).transpose(2, 0, 1))
+    def _visible_from(self, cell: tuple[int, int]) -> Ends:
+        middle = complex(cell[0] + 0.5, cell[1] + 0.5) * CELL
+        reach = CELL * math.sqrt(0.5) * 1.001  # from the middle to the cell's corners
+        begin, along = self._ends[0] - middle, self._ends[1] - self._ends[0]
+        length = np.abs(along)
+        product = begin.conj() * along
+        nearest = np.clip(-product.real / length**2, 0.0, 1.0)
+        in_range = np.abs(begin + nearest * along) < self._range_max + reach
+        in_front = product.imag / length > -reach
+        return np.ascontiguousarray(self._ends[:, in_range & in_front])
+
+
+def _complex(segments: Floats) -> Ends:
+    """Return the (2, n) ends x + iy of (n, 2, 2) segments."""
+    ends: Ends = (segments[..., 0] + 1j * segments[..., 1]).T
+    return ends

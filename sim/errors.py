@@ -6,3 +6,6 @@ class InputError(Exception):
 
     Its text is written for the person who wrote the file, and is shown without a traceback.
     """
+
+    def __init__(self, line: str) -> None:
+        super().__init__(" ".join(line.splitlines()))  # keys and file names may hold line breaks

@@ -127,7 +127,8 @@ def _explain(error: str, doc: Any, type_: type, at: Key) -> str:
     if (ours := _OURS.fullmatch(what)) and isinstance(came, dict) and ours["key"] in came:
         key, what, came = (*key, ours["key"]), ours["what"], came[ours["key"]]
     expected = _expected(what, type_, key, came)
-    return f"{_dotted(at + key)} = {_short(came)}: {expected}" if at + key else expected
+    shown = "" if isinstance(came, dict) else f" = {_short(came)}"
+    return f"{_dotted(at + key)}{shown}: {expected}" if at + key else expected
 
 
 def _expected(what: str, type_: type, key: Key, came: Any) -> str:

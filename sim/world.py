@@ -43,12 +43,13 @@ __all__ += ["world_from_doc", "world_names"]
 WORLDS = Path(__file__).parent / "worlds"
 
 Metres = Annotated[float, Meta(ge=-1000, le=1000)]
-Size = Annotated[float, Meta(gt=0, le=1000)]
+Size = Annotated[float, Meta(ge=0.001, le=1000)]
 Degrees = Annotated[float, Meta(ge=-3600, le=3600)]
 Seconds = Annotated[float, Meta(ge=0, le=3600)]
 Count = Annotated[int, Meta(ge=0, le=2000)]
 Point = tuple[Metres, Metres]
 
+LEAST = 0.001  # length of a segment [m]: what the lidar resolves
 MAX_OBSTACLES = 2000  # walls' segments, boxes, pillars, clutter and carts together
 MAX_CART_SPEED = 2.0  # [m/s]; faster ones could jump through a robot within a physics step
 
@@ -65,8 +66,8 @@ class Wall(_Table, frozen=True):
 
     def __post_init__(self) -> None:
         """Refuse a wall that is a point somewhere."""
-        if any(a == b for a, b in pairwise(self.outline())):
-            raise ValueError("expected points that differ from the one before")
+        if any(math.dist(a, b) < LEAST for a, b in pairwise(self.outline())):
+            raise ValueError(f"points: expected each at least {LEAST} m from the one before")
 
     def outline(self) -> tuple[Point, ...]:
         """Return the points, with the first one again at the end of a closed wall."""

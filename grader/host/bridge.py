@@ -177,7 +177,9 @@ class Bridge:
             node = self._node(context)
             self._speakers[key] = node.create_publisher(subscription.msg_type, topic, qos)
         verdict, reason = qos_check_compatible(qos, subscription.qos_profile)
-        return reason if verdict == QoSCompatibility.ERROR else ""
+        if verdict != QoSCompatibility.ERROR:
+            return ""
+        return str(reason).removeprefix("ERROR: ").rstrip("; ").lower()
 
 
 def type_name(ros_type: Any, kind: str) -> str:

@@ -82,7 +82,7 @@ class Settled(msgspec.Struct, frozen=True, tag="settled"):
     """All that the node has to do until `now` is done."""
 
     now: Nanoseconds
-    spinning: bool  # an executor waits for work
+    spinning: bool  # an executor waits for work, or has looked for some
     asleep: bool  # some thread waits for a time
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
@@ -104,12 +104,14 @@ class Request(msgspec.Struct, frozen=True):
 
     folder: str
     uid: int
+    private_shm: bool  # with a /dev/shm of its own
 
 
 class Hello(msgspec.Struct, frozen=True):
-    """The nursery's first words: ready, and whether an unprivileged user can run hosts."""
+    """The nursery's first words: ready, and what it can do for isolation."""
 
-    unprivileged: bool
+    unprivileged: bool  # hosts can run as another user
+    private_shm: bool  # hosts can have a /dev/shm of their own
 
 
 class Birth(msgspec.Struct, frozen=True):

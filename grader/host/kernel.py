@@ -17,7 +17,7 @@ from typing import TypeVar
 
 Result = TypeVar("Result")
 
-IDLE_POLLS = 50  # looks with a timeout of zero in which nothing happens ...
+IDLE_POLLS = 3  # looks with a timeout of zero in which nothing happens ...
 IDLE_STEP = 1_000_000  # [ns] ... after which this much time goes by: a busy loop costs time
 
 # The kernel replaces these for everybody else.
@@ -67,6 +67,7 @@ class Kernel:
         self.now = 0  # [ns] since the start
         self.epoch = 0  # goes up whenever anything may have changed for a poller
         self.pollers: list[Waiter] = []  # executors and selectors: they look for themselves
+        self.looks = 0  # how often they looked
         self._ready: collections.deque[VirtualThread] = collections.deque()
         self._timed: list[tuple[int, int, VirtualThread, int]] = []
         self._sequence = itertools.count()
@@ -79,8 +80,8 @@ class Kernel:
         return self.threads[real_get_ident()]
 
     def after(self, seconds: float) -> int:
-        """Return the time [ns] that is `seconds` from now."""
-        return self.now + max(0, round(seconds * 1e9))
+        """Return the time [ns] that is `seconds` from now; any wait at all takes 1 ns."""
+        return self.now + (max(1, round(seconds * 1e9)) if seconds > 0 else 0)
 
     def park(self, deadline: int | None = None, waiters: Waiters | None = None) -> bool:
         """Give the baton away until woken (True) or until the deadline [ns] (False)."""
@@ -124,6 +125,7 @@ class Kernel:
         while True:
             self._let_others_run(thread)
             thread.seen = self.epoch
+            self.looks += 1
             result = look()
             if result is not None:
                 thread.idle.pop(key, None)
@@ -161,7 +163,7 @@ class Kernel:
     # --- the baton -------------------------------------------------------------------------------
 
     @property
-    def spinning(self) -> bool:
+    def waiting(self) -> bool:
         """Some executor or event loop waits for work."""
         return any(thread.ticket == ticket for thread, ticket in self.pollers)
 

@@ -60,8 +60,9 @@ def serve(control: socket.socket, epoch: int) -> None:
     kernel = kernel_module.Kernel()
     threads.install(kernel, epoch)
     _warm_up()
+    mounts = os.getuid() == 0 and privileges.own_mounts()
     unprivileged = os.getuid() == 0 and privileges.open_to_others(_needed_paths())
-    control.sendall(msgspec.json.encode(Hello(unprivileged)))
+    control.sendall(msgspec.json.encode(Hello(unprivileged, private_shm=mounts)))
     gc.freeze()
     children: dict[int, tuple[int, int]] = {}  # pidfd: (pid, status descriptor)
     while True:
@@ -125,6 +126,8 @@ def _become_host(
         os.chdir(request.folder)
         os.environ["HOME"] = os.environ["TMPDIR"] = request.folder
         os.environ["ROS_LOG_DIR"] = request.folder
+        if request.private_shm:
+            privileges.private_shared_memory()
         privileges.set_limits()
         if request.uid:
             privileges.drop_to(request.uid)

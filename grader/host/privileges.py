@@ -34,12 +34,26 @@ def drop_to(uid: int) -> None:
     os.setresuid(uid, uid, uid)
 
 
+def own_mounts() -> bool:
+    """Give this process a mount namespace of its own; tell whether that worked (needs root)."""
+    try:
+        _unshare_mounts()
+    except OSError:
+        return False
+    return True
+
+
+def private_shared_memory() -> None:
+    """Cover /dev/shm with an empty one that vanishes with this process (needs own mounts)."""
+    _unshare_mounts()
+    _mount("tmpfs", "/dev/shm", "tmpfs", 0, "mode=1777,size=64m")
+
+
 def open_to_others(paths: list[Path]) -> bool:
     """Make sure that an unprivileged user can reach `paths`; tell whether that worked.
 
-    An interpreter in root's home is closed to everybody else. Then this process gets a mount
-    namespace of its own in which the closed folder is replaced by an empty one that holds nothing
-    but `paths`. Needs root.
+    An interpreter in root's home is closed to everybody else. Then, in this process's own mounts,
+    the closed folder is replaced by an empty one that holds nothing but `paths`.
     """
     closed = {}
     for path in paths:
@@ -49,7 +63,6 @@ def open_to_others(paths: list[Path]) -> bool:
     if not closed:
         return True
     try:
-        _unshare_mounts()
         for folder, inside in closed.items():
             _expose_only(folder, inside)
     except OSError:

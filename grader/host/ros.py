@@ -34,9 +34,7 @@ class RosClocks:
 
     def now(self) -> Any:
         """Return the ROS time."""
-        return Time(
-            nanoseconds=self._epoch + self._kernel.now, clock_type=ClockType.ROS_TIME
-        )
+        return Time(nanoseconds=self._epoch + self._kernel.now, clock_type=ClockType.ROS_TIME)
 
     def add(self, clock: Any) -> None:
         """Take charge of a clock."""

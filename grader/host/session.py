@@ -22,6 +22,7 @@ class Session(kernel_module.World):
         self._read_fd = read_fd
         self._write_fd = write_fd
         self._marked = -1
+        self._looks = 0
         self.kernel: kernel_module.Kernel
         self.bridge: Any = None
         self.clocks: Any = None
@@ -50,12 +51,13 @@ class Session(kernel_module.World):
         self._send(
             Settled(
                 now=self.kernel.now,
-                spinning=self.kernel.spinning,
+                spinning=self.kernel.waiting or self.kernel.looks > self._looks,
                 asleep=self.kernel.asleep,
                 published=published,
                 endpoints=bridge.new_endpoints(),
             )
         )
+        self._looks = self.kernel.looks
         run = self._receive()
         if not isinstance(run, Run):
             raise ValueError("the judge can only say how to go on")

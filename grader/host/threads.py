@@ -144,9 +144,7 @@ def _install_threads(kernel: Kernel) -> None:
     ) -> int:
         thread = kernel.add()
         keywords = kwargs or {}
-        return _real_start_new_thread(
-            _run, (kernel, thread, lambda: function(*args, **keywords))
-        )
+        return _real_start_new_thread(_run, (kernel, thread, lambda: function(*args, **keywords)))
 
     cls.start, cls.join, cls.is_alive = virtual_start, virtual_join, virtual_is_alive
     cls._bootstrap = virtual_bootstrap

@@ -194,14 +194,13 @@ function drawGoals({ ctx, camera, colours }, replay, time) {
   });
 }
 
-/** The newest scan: a fan to each return, dots at the hits, faint rays where nothing came back. */
-function drawScan({ ctx, camera, colours }, replay, time) {
+/** Where the beams of the newest scan end on the map, seen from where it was taken; or null. */
+function scanAt({ camera }, replay, time) {
   const { scans } = replay;
   const k = scans ? indexAt(scans.t, time) : -1;
   const pose = k < 0 ? null : poseAt(replay.truth, scans.stamp[k]);
-  if (!pose) return;
+  if (!pose) return null;
   const [c, s] = [Math.cos(pose.yaw), Math.sin(pose.yaw)];
-  const centre = camera.toScreen(pose.x, pose.y);
   const ends = scans.directions.map(([dx, dy], i) => {
     const mm = scans.mm[k * scans.beams + i];
     const hit = mm > 0 && mm < MM_NAN;
@@ -212,15 +211,23 @@ function drawScan({ ctx, camera, colours }, replay, time) {
     const y = pose.y + range * (s * dx + c * dy);
     return { hit, at: camera.toScreen(x, y) };
   });
-  const fan = { centre, ends, allAround: scans.allAround };
-  fillFan(ctx, fan, (end) => end.hit, colours.accent, 0.12);
-  fillFan(ctx, fan, (end) => end.at && !end.hit, colours.ray, 0.08);
+  return { centre: camera.toScreen(pose.x, pose.y), ends, allAround: scans.allAround };
+}
+
+/** A fan to each return; a fainter one where nothing came back. */
+function drawFan({ ctx, colours }, scan) {
+  fillFan(ctx, scan, (end) => end.hit, colours.accent, 0.12);
+  fillFan(ctx, scan, (end) => end.at && !end.hit, colours.ray, 0.08);
+}
+
+/** Dots at the hits; a dotted ring where something is closer than the lidar can measure. */
+function drawHits({ ctx, camera, colours }, scan, radius) {
   ctx.fillStyle = colours.accent;
-  for (const end of ends) {
+  for (const end of scan.ends) {
     if (end && end.hit) ctx.fillRect(end.at[0] - 1.5, end.at[1] - 1.5, 3, 3);
   }
-  if (ends.some((end) => end && end.near)) {
-    ring(ctx, centre, (replay.radius + 0.06) * camera.scale, colours.accent, 2, [2, 3]);
+  if (scan.ends.some((end) => end && end.near)) {
+    ring(ctx, scan.centre, (radius + 0.06) * camera.scale, colours.accent, 2, [2, 3]);
   }
 }
 

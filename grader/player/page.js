@@ -165,8 +165,10 @@ function buildChecks(grading, checks, links) {
 }
 
 function buildPage(page, payload) {
-  const root = el('div', { class: 'player-root' });
   const grading = payload.grading;
+  const replays = toArray(payload.replays);
+  const titled = replays.length === 1 && text(replays[0] && replays[0].title) === text(payload.title);
+  const root = el('div', { class: `player-root ${titled ? 'is-titled' : ''}` });
   const show = (run, moment) => {
     if (!window.replayPlayer) return;
     if (moment < 0) window.replayPlayer.selectRun(run);
@@ -177,7 +179,7 @@ function buildPage(page, payload) {
   page.className = grading ? 'page has-grading' : 'page';
   replaceChildren(page, buildTop(payload), grading ? buildScore(grading, checks) : null,
     el('div', { class: 'columns' },
-      grading ? buildChecks(grading, checks, { runs: toArray(payload.replays).map(toRun), show }) : null,
+      grading ? buildChecks(grading, checks, { runs: replays.map(toRun), show }) : null,
       grading ? el('aside', { class: 'replay-column', 'aria-label': 'Replay' }, root)
         : el('main', { class: 'replay-column' }, root)),
     buildFooter(payload));

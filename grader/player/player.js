@@ -155,11 +155,12 @@ class Player {
     this.plot.draw(this.playback.time);
   }
 
-  showReadout({ v, w, commandV, clearance, touching }) {
+  showReadout({ v, w, commandV, commandW, clearance, touching }) {
     const { values } = this.parts.readout;
     values.speed.textContent = withUnit(v, 'm/s').replace('unknown', '\u2013');
     values.turn.textContent = withUnit(w, 'rad/s').replace('unknown', '\u2013');
-    values.command.textContent = withUnit(commandV, 'm/s').replace('unknown', 'none yet');
+    const command = this.plot.angular ? withUnit(commandW, 'rad/s') : withUnit(commandV, 'm/s');
+    values.command.textContent = command.replace('unknown', '\u2013');
     values.clearance.textContent = touching ? 'contact'
       : clearance >= 10 ? 'over 10\u00a0m' : withUnit(clearance, 'm').replace('unknown', '\u2013');
     values.clearance.classList.toggle('is-bad', touching);
@@ -217,7 +218,7 @@ class Player {
     this.plot.setAngular(angular);
     this.parts.plot.linear.setAttribute('aria-pressed', String(!angular));
     this.parts.plot.angular.setAttribute('aria-pressed', String(angular));
-    this.draw();
+    this.update();
   }
 
   // --- events -------------------------------------------------------------------------------

@@ -100,11 +100,12 @@ class Plot {
     const axis = axisOf([...actual, ...commanded], 0.1);
     this.drawLane(ctx, lane, axis, [
       { name: 'actual', colour: this.colours.accent },
-      { name: 'commanded', colour: this.colours.command, dash: [4, 3] },
+      { name: 'commanded', colour: this.colours.command, width: 5, alpha: 0.45 },
     ], this.angular ? `turning, ${unit}` : `speed, ${unit}`);
-    this.line(ctx, lane, axis, truth.t, actual, { colour: this.colours.accent, width: 2 });
+    // A broad pale line under a thin one: both show where they agree.
     this.line(ctx, lane, axis, commands.t, commanded,
-      { colour: this.colours.command, width: 1.5, dash: [4, 3], steps: true });
+      { colour: this.colours.command, width: 5, alpha: 0.45, steps: true });
+    this.line(ctx, lane, axis, truth.t, actual, { colour: this.colours.accent, width: 1.75 });
   }
 
   drawClearance(ctx, lane) {
@@ -140,22 +141,22 @@ class Plot {
   drawKeys(ctx, y, left, keys) {
     ctx.font = '11px system-ui, sans-serif';
     let x = left;
-    for (const { name, colour, dash } of keys) {
+    for (const { name, colour, width = 2, alpha = 1 } of keys) {
       ctx.strokeStyle = colour;
-      ctx.lineWidth = 2;
-      ctx.setLineDash(dash || []);
+      ctx.lineWidth = width;
+      ctx.globalAlpha = alpha;
       ctx.beginPath();
       ctx.moveTo(x, y);
       ctx.lineTo(x + 18, y);
       ctx.stroke();
-      ctx.setLineDash([]);
+      ctx.globalAlpha = 1;
       ctx.fillStyle = this.colours.muted;
       ctx.fillText(name, x + 24, y);
       x += 24 + ctx.measureText(name).width + 16;
     }
   }
 
-  line(ctx, lane, axis, times, values, { colour, width, dash = [], steps = false, area = false }) {
+  line(ctx, lane, axis, times, values, { colour, width, alpha = 1, steps = false, area = false }) {
     ctx.save();
     ctx.beginPath();
     ctx.rect(GUTTER, lane.top - 2, this.width - GUTTER - RIGHT, lane.height + 4);
@@ -166,7 +167,7 @@ class Plot {
     for (const run of runsOf(times, values)) {
       const points = run.map(([t, v]) => [this.xOf(t), yOf(lane, axis, v)]);
       const end = steps ? this.xOf(this.span) : points[points.length - 1][0];
-      ctx.setLineDash(dash);
+      ctx.globalAlpha = alpha;
       tracePlot(ctx, points, steps, end);
       ctx.stroke();
       if (!area) continue;
@@ -215,7 +216,7 @@ class Plot {
     ctx.lineWidth = 1;
     ctx.setLineDash([2, 3]);
     ctx.beginPath();
-    ctx.moveTo(x, 4);
+    ctx.moveTo(x, LANE_TOP);
     ctx.lineTo(x, this.height - AXIS);
     ctx.stroke();
     ctx.setLineDash([]);

@@ -66,8 +66,10 @@ class WorldView {
     ctx.fillStyle = this.colours.map;
     ctx.fillRect(0, 0, camera.width, camera.height);
     drawGrid(brush);
-    if (this.showLidar) drawScan(brush, replay, time);
+    const scan = this.showLidar ? scanAt(brush, replay, time) : null;
+    if (scan) drawFan(brush, scan);
     drawWorld(brush, replay);
+    if (scan) drawHits(brush, scan, replay.radius);
     drawTrail(brush, replay, time);
     drawGoals(brush, replay, time);
     drawCarts(brush, replay, time);

@@ -33,8 +33,9 @@ class Agent(Node):
 
     def goal_callback(self, message):
         p = message.pose.position
-        if self.pose and math.isfinite(p.x) and math.isfinite(p.y):
-            self.goal = (self.pose[0] + p.x, self.pose[1] + p.y)
+        if math.isfinite(p.x) and math.isfinite(p.y):
+            x, y, _ = self.pose or (0.0, 0.0, 0.0)
+            self.goal = (x + p.x, y + p.y)
         else:
             self.get_logger().warning("goal is not finite")
 

@@ -1,6 +1,6 @@
 """Compares an angle in degrees with π/2, so "ahead" is a sliver of ±1.6°.
 
-fails: sees_sides
+fails: slow_zone, stop_zone, sees_sides, invalid_readings, minus_infinity
 """
 
 import math

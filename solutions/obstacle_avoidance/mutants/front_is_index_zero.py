@@ -1,6 +1,6 @@
 """Takes index 0 for straight ahead, but this lidar starts counting at the back (angle_min = -π).
 
-fails: slow_zone, stop_zone, ignores_behind, sees_sides
+fails: slow_zone, stop_zone, ignores_behind, sees_sides, infinite_readings, invalid_readings, minus_infinity, no_contact, drives_on
 """
 
 import math
@@ -22,11 +22,8 @@ class Agent(Node):
     def perceive(self, scan):
         quarter = len(scan.ranges) // 4
         front = list(scan.ranges[:quarter]) + list(scan.ranges[-quarter:])
-        readings = [0.0 if r == -math.inf else r for r in front]
-        readings = [
-            r for r in readings if r in (0.0, math.inf) or scan.range_min <= r <= scan.range_max
-        ]
-        return min(readings, default=None)
+        usable = [r for r in front if math.isinf(r) or scan.range_min <= r <= scan.range_max]
+        return min(usable, default=None)  # -inf is the smallest of all
 
     def decide(self, distance):
         if distance is None or distance < 0.5:

@@ -1,6 +1,6 @@
 """Commands 1.0 m/s when the way is free and leaves it to the robot to clip that to 0.5 m/s.
 
-fails: clear_zone, infinite_readings
+fails: clear_zone, ignores_behind, infinite_readings, invalid_readings, blind
 """
 
 import math

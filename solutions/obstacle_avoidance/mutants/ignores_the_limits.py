@@ -1,6 +1,6 @@
 """Believes finite readings outside range_min … range_max, which the sensor does not vouch for.
 
-fails: invalid_readings
+fails: invalid_readings, blind
 """
 
 import math

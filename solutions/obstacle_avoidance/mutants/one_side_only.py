@@ -1,6 +1,6 @@
 """Thinks of 0° … 180° as ahead and so looks only to the left and back.
 
-fails: sees_sides
+fails: slow_zone, stop_zone, ignores_behind, sees_sides, invalid_readings, drives_on
 """
 
 import math

@@ -1,6 +1,6 @@
 """Publishes only when the decision changes; a robot that hears nothing for 0.5 s stops.
 
-fails: one_command_per_scan
+fails: one_command_per_scan, drives_on
 """
 
 import math

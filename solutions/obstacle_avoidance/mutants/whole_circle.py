@@ -20,11 +20,8 @@ class Agent(Node):
         self.get_logger().info("Obstacle avoidance agent started")
 
     def perceive(self, scan):
-        readings = [0.0 if r == -math.inf else r for r in scan.ranges]
-        readings = [
-            r for r in readings if r in (0.0, math.inf) or scan.range_min <= r <= scan.range_max
-        ]
-        return min(readings, default=None)
+        usable = [r for r in scan.ranges if math.isinf(r) or scan.range_min <= r <= scan.range_max]
+        return min(usable, default=None)  # -inf is the smallest of all
 
     def decide(self, distance):
         if distance is None or distance < 0.5:

@@ -1,0 +1,60 @@
+# Every command a person needs. `make` alone lists them.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/pip --disable-pip-version-check --quiet
+REPORT ?= report.html
+SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
+
+.DEFAULT_GOAL := help
+.PHONY: help grade test lint format prove bench skeletons goldens constraints clean
+
+help: ## list the commands
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
+
+grade: $(VENV)/.course ## set up, grade a reference solution, print the table, write report.html
+	$(BIN)/course grade obstacle_avoidance $(SOLUTION) --field --report $(REPORT)
+
+test: $(VENV)/.dev ## set up, run the tests
+	$(BIN)/pytest
+
+lint: $(VENV)/.dev ## ruff, mypy, skeletons in step with the solutions
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/python -m grader.skeletons --check
+
+format: $(VENV)/.dev ## let ruff format and fix what it can
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which check kills which
+	$(BIN)/python -m grader.proof
+
+bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
+	$(BIN)/python benchmarks/lidar.py
+	$(BIN)/python benchmarks/lockstep.py
+	$(BIN)/python benchmarks/determinism.py
+
+skeletons: $(VENV)/.dev ## make the skeletons anew from the solutions
+	$(BIN)/python -m grader.skeletons
+
+constraints: ## pin the newest versions that fit pyproject.toml
+	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,dev]' \
+	  | $(PYTHON) .ci/constraints.py > constraints.txt
+
+clean: ## remove what can be made again
+	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache report.html
+
+$(VENV)/bin/python:
+	$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' \
+	  || { echo "expected Python 3.11 - 3.13; try: make PYTHON=python3.12" >&2; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt
+	$(PIP) install --constraint constraints.txt --editable '.[ros]'
+	touch $@
+
+$(VENV)/.dev: $(VENV)/.course
+	$(PIP) install --constraint constraints.txt --editable '.[ros,ml,dev]'
+	touch $@

@@ -1,0 +1,121 @@
+"""How fast the mock robot is: `python benchmarks/lidar.py`.
+
+In one run, so that the ratio does not depend on the machine: scans per second of our caster and of
+pymunk's own ray query (one call a beam); the greatest difference between our caster and the dense
+computation; and how many times faster than real time a whole simulation runs.
+"""
+
+import math
+import sys
+import time
+from collections.abc import Callable
+from itertools import cycle
+from pathlib import Path
+
+import numpy as np
+import pymunk
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "sim"))
+
+from dense_oracle import dense_ranges
+
+from sim.caster import Caster, static_faces
+from sim.layout import Layout
+from sim.lidar import PROFILES
+from sim.placement import build_layout
+from sim.scenario import load_scenario
+from sim.simulation import Simulation
+from sim.world import Clutter, Wall, World
+
+ROOM = World(  # 4 walls and 24 boxes: 100 segments
+    walls=(Wall(((-5, -5), (5, -5), (5, 5), (-5, 5)), closed=True),),
+    clutter=(Clutter(((-4.5, -4.5), (4.5, 4.5)), 24, keep_clear=((0, 0, 1.5),)),),
+)
+PROFILE = PROFILES["default"]
+SECONDS = 1.0  # for each measurement
+
+
+def main() -> None:
+    """Measure and print everything."""
+    layout = build_layout(ROOM, rng=np.random.default_rng(7))
+    angles = np.linspace(0, math.tau, 500, endpoint=False)
+    poses = np.column_stack((1.2 * np.cos(angles), 1.2 * np.sin(angles), 5 * angles)).tolist()
+    caster = Caster(
+        static_faces(layout),
+        beams=PROFILE.beams,
+        per_turn=PROFILE.per_turn,
+        angle_min=PROFILE.angle_min,
+        range_max=PROFILE.range_max,
+    )
+    ours = per_second(caster.cast, poses)
+    theirs = per_second(ray_queries(layout), poses)
+    print(f"lidar, {PROFILE.beams} beams, {len(layout.segments())} segments")
+    print(f"  angular sweep       {ours:10,.0f} scans/s")
+    print(f"  pymunk, ray by ray  {theirs:10,.0f} scans/s")
+    print(f"  ratio               {ours / theirs:10.1f}")
+    print(f"  max error against the dense computation {max_error(caster, layout, poses):.1e} m")
+    print(f"simulation, demo_wall {real_time_factor('demo_wall'):,.0f} x real time")
+
+
+def per_second(scan: Callable[[float, float, float], object], poses: list[list[float]]) -> float:
+    """Return how many scans a second it makes, going round the poses [m, m, rad]."""
+    for x, y, yaw in poses:  # the first round fills caches
+        scan(x, y, yaw)
+    count, begin = 0, time.perf_counter()
+    for x, y, yaw in cycle(poses):
+        scan(x, y, yaw)
+        count += 1
+        if count % 10 == 0 and time.perf_counter() - begin > SECONDS:
+            break
+    return count / (time.perf_counter() - begin)
+
+
+def ray_queries(layout: Layout) -> Callable[[float, float, float], list[float]]:
+    """Return a scan of pymunk's: `segment_query_first` for every beam."""
+    space = pymunk.Space()
+    for a, b in layout.segments().tolist():
+        space.add(pymunk.Segment(space.static_body, tuple(a), tuple(b), 0.0))
+    space.step(0.01)
+    everything = pymunk.ShapeFilter()
+    reach = PROFILE.range_max
+    beams = PROFILE.angles.tolist()
+
+    def scan(x: float, y: float, yaw: float) -> list[float]:
+        ranges = []
+        for beam in beams:
+            end = x + reach * math.cos(beam + yaw), y + reach * math.sin(beam + yaw)
+            hit = space.segment_query_first((x, y), end, 0.0, everything)
+            ranges.append(hit.alpha * reach if hit else math.inf)
+        return ranges
+
+    return scan
+
+
+def max_error(caster: Caster, layout: Layout, poses: list[list[float]]) -> float:
+    """Return the greatest difference between a cast and the dense computation [m]."""
+    segments, worst = layout.segments(), 0.0
+    for x, y, yaw in poses:
+        dense = dense_ranges(segments, (x, y), PROFILE.angles + yaw, PROFILE.range_max)
+        cast = caster.cast(x, y, yaw)
+        assert np.array_equal(np.isinf(cast), np.isinf(dense))
+        seen = np.isfinite(dense)
+        worst = max(worst, float(np.abs(cast[seen] - dense[seen]).max()))
+    return worst
+
+
+def real_time_factor(name: str) -> float:
+    """Return simulated over real time for a robot that drives in circles through a scenario."""
+    simulation = Simulation(load_scenario(name))
+    best = math.inf
+    for _ in range(5):
+        simulation.reset()
+        begin = time.perf_counter()
+        while (event := simulation.next_event()) is not None:
+            simulation.advance(event, [(simulation.now, 0.3, 0.5)])
+        simulation.truth()
+        best = min(best, time.perf_counter() - begin)
+    return simulation.scenario.duration / best
+
+
+if __name__ == "__main__":
+    main()

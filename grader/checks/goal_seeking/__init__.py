@@ -1,0 +1,1 @@
+"""Checks of exercise 3, goal_seeking."""

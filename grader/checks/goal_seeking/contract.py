@@ -1,0 +1,90 @@
+"""The oracle of goal_seeking: what its contract asks for, from recorded poses and goals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.recording import Recording
+
+TOLERANCE = 0.5  # [m] within this distance a goal is reached
+MAX_SPEED = 0.3  # [m/s]
+MAX_TURN_RATE = 1.9  # [rad/s]
+SPEED_GAIN = 0.5  # [1/s]
+PERIOD = 0.1  # [s] of the control loop
+HAIR = 0.001  # [m] distances this near to the tolerance may count either way
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A pose as the node was told it."""
+
+    t: float  # [s] since when
+    x: float  # [m]
+    y: float  # [m]
+    yaw: float  # [rad]
+
+
+@dataclass(frozen=True)
+class Quest:
+    """A goal and the time in which it was the newest one."""
+
+    begin: float  # [s]
+    end: float  # [s] when the next goal came, or the scenario ended
+    x: float  # [m]
+    y: float  # [m]
+
+    @property
+    def what(self) -> str:
+        """The goal in words, for a student."""
+        return f"the goal ({self.x:.2f}, {self.y:.2f})"
+
+    def distance(self, pose: Pose) -> float:
+        """Return how far the goal is from a pose [m]."""
+        return math.hypot(self.x - pose.x, self.y - pose.y)
+
+    def heading_error(self, pose: Pose) -> float:
+        """Return by how much to turn to face the goal [rad], in [-π, π], left positive."""
+        bearing = math.atan2(self.y - pose.y, self.x - pose.x)
+        return math.remainder(bearing - pose.yaw, math.tau)
+
+
+def quests(recording: Recording) -> list[Quest]:
+    """Return the finite goals in order; goals that are not finite count for nothing."""
+    goals = recording.goals()
+    finite = np.isfinite(goals.x) & np.isfinite(goals.y)
+    rows = np.column_stack((goals.t, goals.x, goals.y))[finite].tolist()
+    ends = [row[0] for row in rows[1:]] + [recording.duration_s]
+    return [Quest(t, end, x, y) for (t, x, y), end in zip(rows, ends, strict=True)]
+
+
+def poses(recording: Recording) -> list[Pose]:
+    """Return the finite poses in order; poses that are not finite count for nothing."""
+    odom = recording.odometry()
+    finite = np.isfinite(odom.x) & np.isfinite(odom.y) & np.isfinite(odom.yaw)
+    rows = np.column_stack((odom.t, odom.x, odom.y, odom.yaw))[finite]
+    return [Pose(*row) for row in rows.tolist()]
+
+
+def ready_at(recording: Recording) -> float:
+    """Return when the node had both a pose and a goal [s]; inf: never."""
+    goals, told = quests(recording), poses(recording)
+    return max(goals[0].begin, told[0].t) if goals and told else math.inf
+
+
+def arrival(recording: Recording, quest: Quest) -> float | None:
+    """Return from when on the node knew itself within the tolerance of a goal [s], if ever."""
+    known = poses(recording)
+    before = [pose for pose in known if pose.t <= quest.begin][-1:]
+    during = [pose for pose in known if quest.begin < pose.t < quest.end]
+    for pose in before + during:
+        if quest.distance(pose) <= TOLERANCE - HAIR:
+            return max(pose.t, quest.begin)
+    return None
+
+
+def speed_law(distance: float) -> float:
+    """Return the forward speed [m/s] that belongs to a distance to go [m]."""
+    return min(MAX_SPEED, SPEED_GAIN * distance)

@@ -1,0 +1,182 @@
+"""The core checks of exercise 1; they sum to 100 points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grader.checks.obstacle_avoidance.evidence import (
+    FIELDS,
+    ZERO,
+    garbage,
+    require_distance,
+    require_moving_when_free,
+    require_one_command_each,
+    require_speeds,
+    spell,
+)
+from grader.checks.wiring import require_alive, require_wiring
+from grader.recording import Recording
+from grader.verdict import fail, inconclusive
+
+BENCH = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
+DRIVES = ("avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store")
+CALLBACK_LIMIT = 0.1  # [s], p99
+
+Recordings = tuple[Recording, ...]
+
+
+@pytest.mark.check(points=5, scenarios=("avoid_zones",))
+def test_wiring(recordings: Recordings) -> None:
+    """The node starts, spins, listens to /scan and speaks on /cmd_vel."""
+    for recording in recordings:
+        require_wiring(recording, "obstacle_avoidance")
+
+
+@pytest.mark.check(points=5, scenarios=("avoid_zones", *DRIVES), needs=("wiring",))
+def test_one_command_per_scan(recordings: Recordings) -> None:
+    """Each scan is answered by exactly one Twist, and nothing is said before the first scan."""
+    for recording in recordings:
+        require_one_command_each(recording)
+
+
+@pytest.mark.check(points=5, scenarios=("avoid_zones", "avoid_wall"), needs=("wiring",))
+def test_only_linear_x(recordings: Recordings) -> None:
+    """Every field of the Twist but linear.x is zero."""
+    for recording in recordings:
+        require_alive(recording)
+        twists = recording.twists()
+        if not len(twists.t):
+            fail("not a single Twist came on /cmd_vel", recording=recording)
+        for column in range(1, 6):
+            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
+            if len(wrong):
+                value = float(twists.values[wrong[0], column])
+                fail(
+                    f"{FIELDS[column]} is not zero",
+                    expected=f"{FIELDS[column]} = 0.0",
+                    actual=f"{FIELDS[column]} = {spell(value)}",
+                    at=float(twists.t[wrong[0]]),
+                    recording=recording,
+                    help=garbage(value) or "This agent only drives straight ahead.",
+                )
+
+
+@pytest.mark.check(points=10, scenarios=("avoid_zones",), needs=("wiring",))
+def test_clear_zone(recordings: Recordings) -> None:
+    """From 1.0 m on the robot drives at 0.50 m/s."""
+    for recording in recordings:
+        require_speeds(recording, "clear", "1.0 m itself belongs to the clear zone.")
+
+
+@pytest.mark.check(points=10, scenarios=("avoid_zones",), needs=("wiring",))
+def test_slow_zone(recordings: Recordings) -> None:
+    """From 0.5 m to below 1.0 m the robot drives at 0.15 m/s."""
+    for recording in recordings:
+        require_speeds(
+            recording, "slow", "0.5 m itself belongs to the slow zone; 30 % of 0.5 m/s is 0.15."
+        )
+
+
+@pytest.mark.check(points=10, scenarios=("avoid_zones",), needs=("wiring",))
+def test_stop_zone(recordings: Recordings) -> None:
+    """Below 0.5 m the robot stands still."""
+    for recording in recordings:
+        require_speeds(recording, "stop", "Which beam is ahead? angle_min + i · angle_increment.")
+
+
+@pytest.mark.check(points=5, scenarios=("avoid_zones",), needs=("wiring",))
+def test_ignores_behind(recordings: Recordings) -> None:
+    """What is behind the robot (beyond ±90°) does not matter."""
+    for recording in recordings:
+        require_speeds(recording, "behind", "Only beams within ±90° (±π/2 rad) of ahead count.")
+
+
+@pytest.mark.check(points=5, scenarios=("avoid_zones",), needs=("wiring",))
+def test_sees_sides(recordings: Recordings) -> None:
+    """What is ahead but far to one side (up to ±90°) counts."""
+    for recording in recordings:
+        require_speeds(
+            recording, "side", "All beams within ±90° count, to the left and to the right."
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("avoid_infinity",), needs=("wiring",))
+def test_infinite_readings(recordings: Recordings) -> None:
+    """+inf means that nothing is within range: the way is free."""
+    for recording in recordings:
+        require_speeds(
+            recording, "infinite", "Do not throw +inf away: it is a distance, a big one."
+        )
+
+
+@pytest.mark.check(points=10, scenarios=("avoid_invalid",), needs=("wiring",))
+def test_invalid_readings(recordings: Recordings) -> None:
+    """NaN, and finite readings outside range_min … range_max, are ignored; the others count."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            "invalid",
+            "Drop NaN (every comparison with it is false) and what is outside the limits; "
+            "then decide on the rest.",
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("avoid_too_close",), needs=("wiring",))
+def test_minus_infinity(recordings: Recordings) -> None:
+    """-inf means closer than the sensor can measure: distance 0."""
+    for recording in recordings:
+        require_speeds(recording, "minus_infinity", "-inf is not free: it is as near as can be.")
+
+
+@pytest.mark.check(points=5, scenarios=("avoid_blind",), needs=("wiring",))
+def test_blind(recordings: Recordings) -> None:
+    """Without any usable reading ahead the robot stands, and it drives on when it sees again."""
+    for recording in recordings:
+        require_speeds(recording, "blind", "No usable reading: the robot cannot know, so 0.0.")
+        require_speeds(recording, "lives_on", "After blindness a good scan counts again.")
+
+
+@pytest.mark.check(points=10, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"))
+def test_no_contact(recordings: Recordings) -> None:
+    """In five worlds the robot touches nothing and keeps 0.2 m clear."""
+    for recording in recordings:
+        require_distance(recording)
+
+
+@pytest.mark.check(points=5, scenarios=DRIVES, needs=("wiring",))
+def test_drives_on(recordings: Recordings) -> None:
+    """The robot drives whenever the way ahead is free, also after a stop."""
+    for recording in recordings:
+        require_moving_when_free(recording)
+
+
+@pytest.mark.check(points=5, scenarios=(*BENCH, *DRIVES), needs=("wiring", "one_command_per_scan"))
+def test_callback_time(recordings: Recordings) -> None:
+    """A scan is dealt with in 100 ms, at least 99 times in 100."""
+    wall, cpu = (np.concatenate(part) for part in zip(*map(_costs, recordings), strict=True))
+    if len(wall) < 200:
+        fail(
+            f"only {len(wall)} scans were dealt with before the node ended",
+            expected="at least 200 callbacks to measure",
+            actual=f"{len(wall)}",
+        )
+    p99 = float(np.percentile(wall, 99))
+    if p99 <= CALLBACK_LIMIT:
+        return
+    own = float(np.percentile(np.fmin(wall, cpu), 99))  # without the time spent waiting for a CPU
+    if own <= CALLBACK_LIMIT:
+        inconclusive("the machine stalled while the callbacks were being measured")
+    fail(
+        "the scan callback takes too long",
+        expected=f"at most {1000 * CALLBACK_LIMIT:.0f} ms (p99)",
+        actual=f"{1000 * own:.0f} ms (p99 of {len(wall)} calls)",
+        help="At 10 Hz the next scan comes after 100 ms. What in the callback costs the time?",
+    )
+
+
+def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Return wall and CPU time [s] of each exchange that began with a scan."""
+    compute = recording.compute
+    with_scan = np.isin(compute.time, recording.times("/scan"))
+    return compute.wall[with_scan], compute.cpu[with_scan]

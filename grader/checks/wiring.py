@@ -1,0 +1,141 @@
+"""Is the node alive and on the right topics? A diagnosis for each way in which it may not be.
+
+The other checks need this one, so that a misspelt topic is called a misspelt topic and not fifteen
+failures without a cause.
+"""
+
+from __future__ import annotations
+
+import difflib
+
+from grader.exercises import Topic, find_exercise
+from grader.recording import Endpoint, Recording
+from grader.verdict import fail
+
+_ENDS = {
+    "unreadable": "Open the file in an editor and look at the line.",
+    "syntax_error": "Python cannot read the file. Run `python3 FILE` yourself: it shows the line.",
+    "returned": "main() has to stay in rclpy.spin(node) (or an executor's spin) until Ctrl-C.",
+    "exited": "Something called exit(); a node runs until Ctrl-C.",
+    "died": "The whole process ended. Did native code crash, or did it run out of memory?",
+    "hung": "A callback must return; a loop inside one that waits for the next message never ends.",
+    "never_spun": "Call rclpy.spin(node): without it ROS calls no callback, however long it waits.",
+    "flooded": "Does something publish in a loop without waiting?",
+}
+
+
+def require_wiring(recording: Recording, slug: str) -> None:
+    """Fail unless the node ran to the end and has the topics of its exercise."""
+    require_alive(recording)
+    for topic in find_exercise(slug).topics:
+        _require_topic(recording, topic)
+
+
+def require_alive(recording: Recording) -> None:
+    """Fail if the node's program did not run to the scenario's end, and say why."""
+    outcome = recording.outcome
+    if outcome.completed:
+        return
+    text = outcome.text or f"the node's program ended ({outcome.kind})"
+    last = _last_delivery(recording)
+    if outcome.kind == "exception":
+        where = f"a callback, after {last}" if last else "the start-up, before any message came"
+        fail(
+            f"the node died of an exception in {where}: {text}",
+            expected="a node that never dies of a message",
+            actual=text,
+            at=_time_of_end(recording),
+            recording=recording,
+            help=_last_line_of(outcome.detail) or "Read the traceback from its last line upwards.",
+        )
+    fail(
+        text,
+        expected="a node that runs until the end of the scenario",
+        actual=outcome.kind.replace("_", " "),
+        at=_time_of_end(recording),
+        recording=recording,
+        help=_ENDS.get(outcome.kind, ""),
+    )
+
+
+def _time_of_end(recording: Recording) -> float:
+    """Return when the node ended [s]: the robot rolls on for a while after that."""
+    times = [m.time for m in (*recording.delivered[-1:], *recording.published[-1:])]
+    return max(times, default=0) / 1e9
+
+
+def _last_delivery(recording: Recording) -> str:
+    """Return what the node was given last, in words; empty if nothing."""
+    if not recording.delivered:
+        return ""
+    message = recording.delivered[-1]
+    text = f"the message on {message.topic} at {message.time / 1e9:.3f} s"
+    bench = recording.scenario.bench_scans
+    index = len(recording.scans()) - 1
+    if message.topic == "/scan" and index < len(bench) and bench[index].label:
+        text += f" (“{bench[index].label}”)"
+    return text
+
+
+def _last_line_of(traceback: str) -> str:
+    """Return the line of the student's code on which it happened."""
+    places = [line.strip() for line in traceback.splitlines() if line.strip().startswith("File ")]
+    own = [place for place in places if "/rclpy/" not in place and "/lib/python" not in place]
+    return f"Look at {own[-1][0].lower()}{own[-1][1:]}." if own else ""
+
+
+def _require_topic(recording: Recording, topic: Topic) -> None:
+    """Fail unless an endpoint of the node can talk on this topic."""
+    kind = "publisher" if topic.direction == "publish" else "subscription"
+    ends = [end for end in recording.endpoints if end.kind == kind]
+    here = [end for end in ends if end.topic == topic.name]
+    if not here:
+        _fail_missing(recording, topic, kind, ends)
+    typed = [end for end in here if end.type == topic.type]
+    if not typed:
+        _fail_type(recording, topic, kind, here[0])
+    if not any(end.matched for end in typed):
+        end = typed[0]
+        fail(
+            f"the {kind} of {topic.name} and the robot cannot talk: their QoS does not match",
+            expected="a profile that the robot's can serve, such as a plain depth of 10",
+            actual=f"{end.reliability}, {end.durability}, depth {end.depth}: {end.mismatch}",
+            recording=recording,
+            help="ROS 2 says so only in a warning of the log. Compare with `ros2 topic info -v`.",
+        )
+
+
+def _fail_missing(recording: Recording, topic: Topic, kind: str, ends: list[Endpoint]) -> None:
+    names = list(dict.fromkeys(end.topic for end in ends))
+    near = difflib.get_close_matches(topic.name, names, n=1, cutoff=0.5)
+    near = near or [end.topic for end in ends if end.type == topic.type][:1]
+    others = [end for end in recording.endpoints if end.topic == topic.name]
+    if near:
+        problem = f"there is no {kind} on {topic.name}, but one on {near[0]}"
+        actual, advice = f"a {kind} on {near[0]}", f"Is {near[0]} misspelt? It is {topic.name}."
+    elif others:
+        problem = f"there is a {others[0].kind} on {topic.name} where a {kind} is needed"
+        actual = f"a {others[0].kind} on {topic.name}"
+        advice = "A publisher sends, a subscription receives."
+    else:
+        problem = f"there is no {kind} on {topic.name}"
+        actual = f"{kind}s on {', '.join(names)}" if names else f"no {kind} at all"
+        advice = f"Create it in the constructor: self.create_{kind}(…)."
+    fail(
+        problem,
+        expected=f"a {kind} of {topic.type} on {topic.name}",
+        actual=actual,
+        recording=recording,
+        help=advice,
+    )
+
+
+def _fail_type(recording: Recording, topic: Topic, kind: str, end: Endpoint) -> None:
+    wanted, got = topic.type.split("/")[-1], end.type.split("/")[-1]
+    fail(
+        f"the {kind} on {topic.name} has the type {got}; the robot's end of it is {wanted}",
+        expected=topic.type,
+        actual=end.type,
+        recording=recording,
+        help="ROS 2 never connects two ends of different types, and says nothing about it.",
+    )

@@ -1,0 +1,467 @@
+"""The host: students' programs on the real rclpy, in virtual time."""
+
+import os
+import signal
+
+import numpy as np
+import pytest
+from conftest import RunNode, short
+
+from grader.link import MAX_OUTPUT
+from grader.trial import Limits
+
+SPINNING = {
+    "rclpy.spin": "rclpy.init(); rclpy.spin(Echo())",
+    "spin_once": """
+        rclpy.init(); node = Echo()
+        while rclpy.ok():
+            rclpy.spin_once(node)
+    """,
+    "spin_once with a timeout": """
+        rclpy.init(); node = Echo()
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=0.03)
+    """,
+    "spin_once without waiting": """
+        rclpy.init(); node = Echo()
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=0)
+    """,
+    "spin_once without waiting, then sleep": """
+        rclpy.init(); node = Echo()
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=0)
+            time.sleep(0.01)
+    """,
+    "executor.spin": """
+        rclpy.init(); executor = SingleThreadedExecutor(); executor.add_node(Echo()); executor.spin()
+    """,
+    "MultiThreadedExecutor": """
+        rclpy.init(); executor = MultiThreadedExecutor(); executor.add_node(Echo()); executor.spin()
+    """,
+    "MultiThreadedExecutor(2)": """
+        rclpy.init(); executor = MultiThreadedExecutor(2); executor.add_node(Echo()); executor.spin()
+    """,
+    "spin_until_future_complete": """
+        rclpy.init(); node = Echo()
+        rclpy.spin_until_future_complete(node, rclpy.task.Future())
+    """,
+    "spin in a thread": """
+        rclpy.init(); node = Echo()
+        threading.Thread(target=rclpy.spin, args=(node,)).start()
+    """,
+    "spin in a daemon thread, rate in main": """
+        rclpy.init(); node = Echo()
+        threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+        rate = node.create_rate(10)
+        while rclpy.ok():
+            rate.sleep()
+    """,
+    "closures": """
+        rclpy.init(); node = rclpy.create_node('echo')
+        publisher = node.create_publisher(Twist, 'cmd_vel', 1)
+        node.create_subscription(LaserScan, 'scan', lambda _: publisher.publish(Twist()),
+                                 qos_profile_sensor_data)
+        rclpy.spin(node)
+    """,
+    "worker thread and queue": """
+        import queue
+        class Worker(Echo):
+            def __init__(self):
+                super().__init__()
+                self.queue = queue.Queue()
+                threading.Thread(target=self.work, daemon=True).start()
+            def on_scan(self, scan):
+                self.queue.put(scan)
+            def work(self):
+                while True:
+                    self.queue.get()
+                    self.publisher.publish(Twist())
+        rclpy.init(); rclpy.spin(Worker())
+    """,
+    "condition variable": """
+        class Worker(Echo):
+            def __init__(self):
+                super().__init__()
+                self.fresh, self.condition = 0, threading.Condition()
+                threading.Thread(target=self.work, daemon=True).start()
+            def on_scan(self, scan):
+                with self.condition:
+                    self.fresh += 1
+                    self.condition.notify()
+            def work(self):
+                while True:
+                    with self.condition:
+                        while not self.fresh:
+                            self.condition.wait(timeout=0.7)
+                        self.fresh -= 1
+                    self.publisher.publish(Twist())
+        rclpy.init(); rclpy.spin(Worker())
+    """,
+    "ThreadPoolExecutor": """
+        from concurrent.futures import ThreadPoolExecutor
+        class Pooled(Echo):
+            pool = ThreadPoolExecutor(2)
+            def on_scan(self, scan):
+                self.pool.submit(self.publisher.publish, Twist())
+        rclpy.init(); rclpy.spin(Pooled())
+    """,
+    "asyncio": """
+        import asyncio
+        async def main():
+            rclpy.init(); node = Echo()
+            while rclpy.ok():
+                rclpy.spin_once(node, timeout_sec=0)
+                await asyncio.sleep(0.01)
+        asyncio.run(main())
+    """,
+    "coroutine callback": """
+        class Coroutine(Echo):
+            async def on_scan(self, scan):
+                self.publisher.publish(Twist())
+        rclpy.init(); rclpy.spin(Coroutine())
+    """,
+    "arguments of its own": "rclpy.init(args=[]); rclpy.spin(Echo())",
+    "two nodes": """
+        rclpy.init(); executor = SingleThreadedExecutor()
+        other = Node('other')
+        other.create_timer(0.07, lambda: None)
+        executor.add_node(other); executor.add_node(Echo()); executor.spin()
+    """,
+}
+
+
+@pytest.mark.parametrize("style", SPINNING)
+def test_every_way_of_spinning_answers_every_scan(style: str, run_node: RunNode) -> None:
+    recording = run_node(SPINNING[style])
+
+    assert recording.outcome.completed, recording.outcome
+    assert len(recording.times("/scan")) == 20
+    assert len(recording.times("/cmd_vel")) == 20
+    delay = recording.times("/cmd_vel") - recording.times("/scan")
+    assert delay.min() >= 0
+    assert delay.max() <= 0.011
+
+
+def test_same_node_same_recording(run_node: RunNode) -> None:
+    styles = ("worker thread and queue", "MultiThreadedExecutor", "ThreadPoolExecutor")
+    for style in styles:
+        digests = {run_node(SPINNING[style]).digest() for _ in range(4)}
+        assert len(digests) == 1, style
+
+
+SLEEPY = """
+    class Sleepy(Node):
+        def __init__(self, *groups):
+            super().__init__('sleepy')
+            group = lambda: MutuallyExclusiveCallbackGroup() if groups else None
+            self.publisher = self.create_publisher(Twist, 'cmd_vel', 10)
+            self.create_subscription(LaserScan, 'scan', self.on_scan, 1, callback_group=group())
+            self.create_timer(0.05, self.on_timer, callback_group=group())
+        def on_scan(self, scan):
+            start = time.perf_counter()
+            time.sleep(0.2)
+            print(time.perf_counter() - start)
+        def on_timer(self):
+            self.publisher.publish(Twist())
+    rclpy.init()
+"""
+
+
+def test_sleep_blocks_a_single_threaded_executor(run_node: RunNode) -> None:
+    recording = run_node(SLEEPY + "    rclpy.spin(Sleepy())", short(10.0))
+
+    np.testing.assert_allclose(np.diff(recording.times("/cmd_vel")), 0.2, atol=1e-9)
+
+
+def test_callback_groups_keep_the_control_rate(run_node: RunNode) -> None:
+    source = """
+        executor = MultiThreadedExecutor()
+        executor.add_node(Sleepy('groups'))
+        executor.spin()
+    """
+    recording = run_node(SLEEPY + source.replace("        ", "    "), short(10.0))
+
+    np.testing.assert_allclose(np.diff(recording.times("/cmd_vel")), 0.05, atol=1e-9)
+
+
+def test_a_profiler_reads_virtual_time(run_node: RunNode) -> None:
+    recording = run_node(SLEEPY + "    rclpy.spin(Sleepy())")
+
+    measured = [float(line.text) for line in recording.log if line.level == "stdout"]
+    assert len(measured) >= 8
+    np.testing.assert_allclose(measured, 0.2, atol=1e-9)
+
+
+def test_timers_are_exact(run_node: RunNode) -> None:
+    recording = run_node("""
+        class Ticker(Node):
+            def __init__(self):
+                super().__init__('ticker')
+                publisher = self.create_publisher(Twist, 'cmd_vel', 10)
+                self.create_timer(0.1, lambda: publisher.publish(Twist()))
+        rclpy.init(); rclpy.spin(Ticker())
+    """)
+
+    np.testing.assert_allclose(recording.times("/cmd_vel"), np.arange(1, 20) / 10, atol=1e-9)
+
+
+def test_all_clocks_agree(run_node: RunNode) -> None:
+    recording = run_node("""
+        from rclpy.clock import Clock, ClockType
+        class Clocks(Echo):
+            def on_scan(self, scan):
+                ros = self.get_clock().now().nanoseconds
+                stamp = scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec
+                system = Clock(clock_type=ClockType.SYSTEM_TIME).now().nanoseconds
+                print(ros - stamp, system - ros, time.time_ns() - ros)
+        rclpy.init(); rclpy.spin(Clocks())
+    """)
+
+    lines = [line.text for line in recording.log if line.level == "stdout"]
+    assert lines == ["0 0 0"] * 20
+
+
+def test_a_busy_wait_costs_time(run_node: RunNode) -> None:
+    recording = run_node("""
+        class Busy(Echo):
+            def on_scan(self, scan):
+                end = time.monotonic() + 0.05
+                while time.monotonic() < end:
+                    pass
+                self.publisher.publish(Twist())
+        rclpy.init(); rclpy.spin(Busy())
+    """)
+
+    delay = recording.times("/cmd_vel") - recording.times("/scan")
+    np.testing.assert_allclose(delay, 0.05, atol=0.002)
+
+
+def test_parameters_and_remapping_come_from_the_command_line(run_node: RunNode) -> None:
+    source = """
+        class Parametrised(Echo):
+            def on_scan(self, scan):
+                twist = Twist()
+                twist.linear.x = self.get_parameter('speed').value
+                self.publisher.publish(twist)
+        rclpy.init()
+        node = Parametrised()
+        node.declare_parameter('speed', 0.1)
+        rclpy.spin(node)
+    """
+    arguments = ["--ros-args", "-p", "speed:=0.25", "-r", "__node:=renamed"]
+    recording = run_node(source, arguments=arguments)
+
+    assert set(recording.twists().linear_x) == {0.25}
+    assert {endpoint.node for endpoint in recording.endpoints} == {"/renamed"}
+
+
+def test_nodes_of_one_process_use_topics_and_services(run_node: RunNode) -> None:
+    recording = run_node("""
+        from std_srvs.srv import Trigger
+        class Server(Node):
+            def __init__(self):
+                super().__init__('server')
+                self.create_service(Trigger, 'ask', self.on_ask)
+            def on_ask(self, request, response):
+                response.success, response.message = True, 'yes'
+                return response
+        class Client(Echo):
+            def __init__(self):
+                super().__init__('client')
+                self.client = self.create_client(Trigger, 'ask')
+            def on_scan(self, scan):
+                self.client.call_async(Trigger.Request()).add_done_callback(self.on_answer)
+            def on_answer(self, future):
+                twist = Twist()
+                twist.linear.x = 0.1 if future.result().message == 'yes' else 0.0
+                self.publisher.publish(twist)
+        rclpy.init(); executor = SingleThreadedExecutor()
+        executor.add_node(Server()); executor.add_node(Client()); executor.spin()
+    """)
+
+    assert list(recording.twists().linear_x) == [0.1] * 20
+    kinds = {(endpoint.kind, endpoint.topic) for endpoint in recording.endpoints}
+    assert {("service", "/ask"), ("client", "/ask")} <= kinds
+
+
+# --- how a program can end -----------------------------------------------------------------------
+
+ENDS = {
+    "syntax_error": ("def broken(:\n    pass", "SyntaxError in line"),
+    "exception": ("rclpy.init(); Echo().nonsense", "no attribute 'nonsense' (line"),
+    "returned": ("rclpy.init(); Echo()", "the program ran to its end"),
+    "exited": ("rclpy.init(); sys.exit(3)", "sys.exit(3)"),
+    "died": ("rclpy.init(); os._exit(5)", "exit code 5"),
+    "never_spun": ("rclpy.init(); Echo()\nwhile True: time.sleep(1)", "never spins"),
+}
+
+
+@pytest.mark.parametrize("kind", ENDS)
+def test_each_end_has_a_name(kind: str, run_node: RunNode) -> None:
+    source, text = ENDS[kind]
+    outcome = run_node(source).outcome
+
+    assert (outcome.kind, text in outcome.text) == (kind, True), outcome
+
+
+def test_an_exception_in_a_callback_shows_the_students_lines_only(run_node: RunNode) -> None:
+    outcome = run_node("""
+        class Fragile(Echo):
+            def on_scan(self, scan):
+                1 / 0
+        rclpy.init(); rclpy.spin(Fragile())
+    """).outcome
+
+    assert outcome.kind == "exception"
+    assert outcome.text.startswith("ZeroDivisionError: division by zero (line ")
+    assert outcome.text.endswith("in on_scan)")
+    assert outcome.at < 0.2
+    assert 'File "node.py"' in outcome.detail
+    assert "grader" not in outcome.detail
+
+
+def test_a_callback_that_never_returns_is_located(run_node: RunNode) -> None:
+    source = """
+        class Hanging(Echo):
+            def on_scan(self, scan):
+                while True:
+                    pass
+        rclpy.init(); rclpy.spin(Hanging())
+    """
+    outcome = run_node(source, limits=Limits(start=20, step=0.5, total=30)).outcome
+
+    assert outcome.kind == "hung"
+    assert "in on_scan" in outcome.detail
+
+
+def test_a_crash_of_native_code_is_a_death(run_node: RunNode) -> None:
+    outcome = run_node("import ctypes; ctypes.string_at(0)").outcome
+
+    assert (outcome.kind, f"signal {int(signal.SIGSEGV)}" in outcome.text) == ("died", True)
+
+
+def test_a_blocking_call_in_a_callback_is_a_deadlock(run_node: RunNode) -> None:
+    outcome = run_node("""
+        from std_srvs.srv import Trigger
+        class Server(Node):
+            def __init__(self):
+                super().__init__('server')
+                self.create_service(Trigger, 'ask', lambda request, response: response)
+        class Blocking(Echo):
+            def on_scan(self, scan):
+                self.create_client(Trigger, 'ask').call(Trigger.Request())
+        rclpy.init(); executor = SingleThreadedExecutor()
+        executor.add_node(Server()); executor.add_node(Blocking()); executor.spin()
+    """).outcome
+
+    assert outcome.kind == "stuck"
+    assert "call()" in outcome.text
+
+
+def test_odd_encodings_run(run_node: RunNode) -> None:
+    source = "import rclpy\r\nfrom rclpy.node import Node\r\nrclpy.init()\r\nrclpy.spin(Node('ü'[:0] + 'n'))\r\n"
+    assert run_node(b"\xef\xbb\xbf" + source.encode()).outcome.completed
+    assert run_node(b"# coding: latin-1\n" + source.encode("latin-1")).outcome.completed
+    assert run_node(b"name = '\xff'\n").outcome.kind == "syntax_error"
+
+
+# --- what the judge gets to know -----------------------------------------------------------------
+
+
+def test_the_log_has_levels_and_times(run_node: RunNode) -> None:
+    recording = run_node("""
+        class Talkative(Echo):
+            def on_scan(self, scan):
+                self.get_logger().warning('careful')
+                print('printed')
+                print('complained', file=sys.stderr)
+        rclpy.init(); rclpy.spin(Talkative())
+    """)
+
+    said = {(line.level, line.text) for line in recording.log}
+    assert said == {("warn", "careful"), ("stdout", "printed"), ("stderr", "complained")}
+    np.testing.assert_allclose(
+        [line.t for line in recording.log if line.level == "warn"], recording.times("/scan")
+    )
+
+
+def test_endless_output_is_cut(run_node: RunNode) -> None:
+    recording = run_node("""
+        class Flood(Echo):
+            def on_scan(self, scan):
+                print('x' * 100_000)
+                super().on_scan(scan)
+        rclpy.init(); rclpy.spin(Flood())
+    """)
+
+    assert recording.outcome.completed
+    assert recording.log_truncated
+    assert sum(len(line.text) for line in recording.log) <= MAX_OUTPUT
+    assert len(recording.published) == 20
+
+
+def test_a_wrong_type_is_silence_and_is_reported(run_node: RunNode) -> None:
+    recording = run_node("""
+        rclpy.init(); node = Node('stamped')
+        node.create_publisher(TwistStamped, '/cmd_vel', 10)
+        node.create_subscription(String, '/scan', print, 10)
+        rclpy.spin(node)
+    """)
+
+    assert recording.outcome.completed
+    publisher, subscription = recording.endpoints
+    assert publisher.type == "geometry_msgs/msg/TwistStamped"
+    assert "sensor_msgs/msg/LaserScan" in subscription.mismatch
+    assert recording.log == ()
+
+
+def test_incompatible_qos_is_silence_and_is_reported(run_node: RunNode) -> None:
+    recording = run_node("""
+        from rclpy.qos import DurabilityPolicy, QoSProfile
+        rclpy.init(); node = Node('picky')
+        qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        node.create_subscription(LaserScan, '/scan', print, qos)
+        rclpy.spin(node)
+    """)
+
+    (subscription,) = recording.endpoints
+    assert subscription.mismatch == "volatile publisher and transient local subscription"
+    assert [line.level for line in recording.log] == ["warn"]  # rclpy's own
+
+
+def test_a_node_that_speaks_for_the_robot_is_kept_apart(run_node: RunNode) -> None:
+    recording = run_node("""
+        class Ventriloquist(Echo):
+            def __init__(self):
+                super().__init__()
+                self.create_publisher(LaserScan, '/scan', 10).publish(LaserScan())
+        rclpy.init(); rclpy.spin(Ventriloquist())
+    """)
+
+    assert [message.topic for message in recording.published][0] == "/from_node/scan"
+    assert len(recording.scans()) == 20
+
+
+def test_hosts_leave_no_shared_memory_behind(run_node: RunNode) -> None:
+    recording = run_node("""
+        rclpy.init(); node = Echo()
+        print(*(f for f in sorted(os.listdir('/dev/shm')) if 'port' not in f))
+        rclpy.spin(node)
+    """)
+
+    (line,) = [line.text for line in recording.log if line.level == "stdout"]
+    assert "fastrtps_" in line
+    assert not set(line.split()) & set(os.listdir("/dev/shm"))
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
+def test_students_code_is_not_root(run_node: RunNode) -> None:
+    recording = run_node("""
+        import json
+        rclpy.init()
+        print(os.getuid(), sorted(os.environ.get('HOME', '')) == [], os.access('/etc/shadow', os.R_OK))
+        rclpy.spin(Echo())
+    """)
+
+    assert [line.text for line in recording.log if line.level == "stdout"] == ["65534 False False"]

@@ -1,0 +1,157 @@
+"""The kernel alone, in a process of its own: it replaces Python's locks for good."""
+
+import json
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+PREAMBLE = """
+import json, queue, sys, threading, time
+from grader.host import kernel as k, threads
+
+class Alone(k.World):
+    '''A world with an event every 10 ms and nothing in it.'''
+    def exchange(self):
+        self.until += 10_000_000
+        if self.until > 10**10:
+            raise SystemExit('time ran away')
+
+kernel = k.Kernel(Alone())
+threads.install(kernel, 1_700_000_000 * 10**9)
+said = []
+def say(*words): said.append([kernel.now / 1e9, *words])
+"""
+
+
+def run(source: str) -> list[list[object]]:
+    """Run some lines; return what they said, with the time rounded to a microsecond."""
+    program = PREAMBLE + textwrap.dedent(source) + "\nprint(json.dumps(said))"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    return [[round(now, 6), *words] for now, *words in json.loads(done.stdout)]
+
+
+def test_sleep_takes_virtual_time() -> None:
+    assert run("time.sleep(0.25); say('awake')") == [[0.25, "awake"]]
+
+
+def test_sleepers_wake_in_order_of_time_then_of_arrival() -> None:
+    assert run("""
+        def sleeper(name, seconds):
+            time.sleep(seconds)
+            say(name)
+        plan = [('c', 0.3), ('a', 0.1), ('b1', 0.2), ('b2', 0.2)]
+        all = [threading.Thread(target=sleeper, args=entry) for entry in plan]
+        for thread in all: thread.start()
+        for thread in all: thread.join()
+        say('joined')
+    """) == [[0.1, "a"], [0.2, "b1"], [0.2, "b2"], [0.3, "c"], [0.3, "joined"]]
+
+
+def test_locks_are_handed_on_in_order() -> None:
+    assert run("""
+        lock = threading.Lock()
+        def worker(name):
+            with lock:
+                time.sleep(0.1)
+                say(name)
+        all = [threading.Thread(target=worker, args=(n,)) for n in 'abc']
+        for thread in all: thread.start()
+        for thread in all: thread.join()
+    """) == [[0.1, "a"], [0.2, "b"], [0.3, "c"]]
+
+
+def test_timeouts_of_locks_queues_events_and_joins() -> None:
+    assert run("""
+        lock = threading.Lock(); lock.acquire()
+        say(lock.acquire(timeout=0.1))
+        say(threading.Event().wait(0.1))
+        try: queue.Queue().get(timeout=0.1)
+        except queue.Empty: say('empty')
+        try: queue.SimpleQueue().get(timeout=0.1)
+        except queue.Empty: say('empty')
+        thread = threading.Thread(target=time.sleep, args=(1,)); thread.start()
+        thread.join(0.1); say(thread.is_alive())
+        thread.join(); say(thread.is_alive())
+    """) == [
+        [0.1, False],
+        [0.2, False],
+        [0.3, "empty"],
+        [0.4, "empty"],
+        [0.5, True],
+        [1.4, False],
+    ]
+
+
+def test_an_event_wakes_its_waiter_at_once() -> None:
+    assert run("""
+        event = threading.Event()
+        def waiter():
+            event.wait()
+            say('woken')
+        thread = threading.Thread(target=waiter); thread.start()
+        time.sleep(0.35); event.set(); thread.join()
+    """) == [[0.35, "woken"]]
+
+
+def test_asyncio_runs_in_virtual_time() -> None:
+    assert run("""
+        import asyncio
+        async def nap(name, seconds):
+            await asyncio.sleep(seconds)
+            say(name)
+        async def main():
+            await asyncio.gather(nap('b', 0.2), nap('a', 0.1))
+        asyncio.run(main())
+    """) == [[pytest.approx(0.1, abs=0.002), "a"], [pytest.approx(0.2, abs=0.002), "b"]]
+
+
+def test_clocks_start_where_a_robots_would_and_agree() -> None:
+    ((_, wall, steady, same),) = run("""
+        time.sleep(1.5)
+        say(time.time(), time.monotonic(), time.perf_counter() == time.monotonic())
+    """)
+    assert (wall, steady, same) == (1_700_000_001.5, 1001.5, True)
+
+
+def test_a_busy_wait_ends() -> None:
+    ((now,),) = run("""
+        end = time.monotonic() + 0.02
+        while time.monotonic() < end: pass
+        say()
+    """)
+    assert now == pytest.approx(0.02, abs=0.001)
+
+
+def test_misuse_is_refused_as_usual() -> None:
+    assert run("""
+        try: time.sleep(-1)
+        except ValueError as error: say(str(error))
+        try: threading.Lock().release()
+        except RuntimeError as error: say(str(error))
+        try: threading.current_thread().join()
+        except RuntimeError as error: say(str(error))
+    """) == [
+        [0.0, "sleep length must be non-negative"],
+        [0.0, "release unlocked lock"],
+        [0.0, "cannot join current thread"],
+    ]
+
+
+def test_rlock_condition_barrier_semaphore() -> None:
+    assert run("""
+        rlock = threading.RLock()
+        with rlock, rlock: say('in twice')
+        barrier = threading.Barrier(2)
+        def other():
+            time.sleep(0.1)
+            barrier.wait()
+        threading.Thread(target=other).start()
+        barrier.wait(); say('met')
+        semaphore = threading.Semaphore(1)
+        semaphore.acquire(); say(semaphore.acquire(timeout=0.1))
+    """) == [[0.0, "in twice"], [0.1, "met"], [0.2, False]]

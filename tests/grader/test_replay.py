@@ -1,0 +1,158 @@
+from __future__ import annotations
+
+import base64
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from grader.link import LogLine
+from grader.recording import Outcome, Recording
+from grader.replay import MAX_BEAMS, MAX_LOG_LINES, millimetres, moments_of, replay_payload
+from grader.report import page_html, page_payload
+from sim.messages import pose_stamped, twist
+from sim.scenario import scenario_from_toml
+from sim.simulation import Simulation
+
+SECOND = 10**9
+
+WORLD = """
+title = "Towards a wall"
+duration = {duration}
+[world]
+description = "a wall"
+[[world.walls]]
+points = [[2.0, -2.0], [2.0, 2.0]]
+[[world.boxes]]
+center = [1.0, 1.5]
+size = [0.4, 0.4]
+[[world.carts]]
+size = [0.4, 0.3]
+path = [[0.0, -1.0, -1.5], [2.0, -1.0, 1.5]]
+[robot]
+start = [0.0, 0.0, 0.0]
+[lidar]
+profile = "{profile}"
+"""
+
+
+def drive(duration: float = 6.0, profile: str = "default") -> Recording:
+    """The robot drives straight into the wall."""
+    text = WORLD.format(duration=duration, profile=profile)
+    scenario = scenario_from_toml(text, "test.toml")
+    simulation = Simulation(scenario)
+    commands = [(t, 0.5, 0.0) for t in range(0, int(duration * SECOND), SECOND // 10)]
+    delivered = simulation.advance(int(duration * SECOND), commands)
+    return Recording(
+        scenario=scenario,
+        layout=simulation.layout,
+        seed=simulation.seed,
+        duration_s=duration,
+        delivered=tuple(delivered),
+        published=tuple(twist(time=t, linear_x=v, angular_z=w) for t, v, w in commands),
+        truth=simulation.truth(),
+        outcome=Outcome("completed", at=duration),
+        endpoints=(),
+        log=(LogLine(time=SECOND, level="info", text="hello"),),
+    )
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    return drive()
+
+
+def test_a_run_is_told_by_its_payload(recording: Recording) -> None:
+    payload = replay_payload(recording, [])
+    truth = payload["truth"]
+    assert len(truth["t"]) == pytest.approx(6.0 * 20, abs=2)
+    assert np.diff(truth["t"]) == pytest.approx(0.05, abs=0.011)
+    assert truth["x"][-1] == pytest.approx(2.0 - 0.17, abs=0.01)
+    assert max(truth["contact"]) == 1
+    assert min(truth["clearance"]) == 0.0
+    assert payload["world"]["walls"] == [[[2.0, -2.0], [2.0, 2.0]]]
+    assert payload["carts"][0]["y"][0] == -1.5
+    assert payload["commands"]["v"] == [0.5] * 60
+    assert payload["log"] == [{"t": 1.0, "level": "info", "text": "hello"}]
+    json.dumps(payload, allow_nan=False)
+
+
+def test_contact_and_least_clearance_survive_the_thinning(recording: Recording) -> None:
+    touched = np.zeros(len(recording.truth.t), dtype=bool)
+    touched[7] = True
+    clearance = np.ones(len(touched))
+    clearance[7] = 0.123
+    blip = replace(recording.truth, contact=touched, clearance=clearance)
+    truth = replay_payload(replace(recording, truth=blip), [])["truth"]
+    assert sum(truth["contact"]) == 1
+    assert min(truth["clearance"]) == 0.123
+
+
+def test_scans_can_be_read_back(recording: Recording) -> None:
+    scans = replay_payload(recording, [])["scans"]
+    mm = np.frombuffer(base64.b64decode(scans["mm"]), dtype="<u2").reshape(-1, scans["beams"])
+    assert len(mm) == len(scans["t"]) == len(recording.scans())
+    ahead = round(-scans["angle_min"] / scans["angle_increment"])
+    assert mm[0, ahead] == pytest.approx(2000, abs=5)
+    assert np.any(mm[0] == 65535)
+
+
+def test_a_wide_fast_lidar_is_thinned() -> None:
+    recording = drive(2.0, "wide")
+    scans = replay_payload(recording, [])["scans"]
+    assert scans["beams"] <= MAX_BEAMS
+    assert len(scans["t"]) <= 2.0 * 10 + 1
+    whole = recording.scans()[0]
+    covered = scans["beams"] * scans["angle_increment"]
+    assert covered == pytest.approx(len(whole.ranges) * whole.angle_increment, abs=0.02)
+
+
+def test_a_report_of_fourteen_runs_stays_small() -> None:
+    payload = page_payload(None, [drive(20.0)] * 14, "Fourteen")
+    assert len(page_html(payload)) < 6_000_000
+
+
+def test_millimetres() -> None:
+    ranges = np.array([0.0, 1.234, math.inf, -math.inf, math.nan, 99.0, -1.0], dtype=np.float32)
+    assert millimetres(ranges).tolist() == [0, 1234, 65535, 65534, 65533, 65532, 0]
+
+
+def test_goals_may_be_no_numbers(recording: Recording) -> None:
+    goals = (
+        pose_stamped(time=SECOND, x=1.0, y=2.0),
+        pose_stamped(time=2 * SECOND, x=math.nan, y=math.inf),
+    )
+    payload = replay_payload(replace(recording, delivered=goals), [])
+    assert payload["goals"] == [{"t": 1.0, "x": 1.0, "y": 2.0}, {"t": 2.0, "x": None, "y": None}]
+    assert payload["scans"] is None
+
+
+def test_a_log_without_end_is_cut(recording: Recording) -> None:
+    lines = (LogLine(time=SECOND, level="info", text="x" * 5000),) * (MAX_LOG_LINES + 10)
+    log = replay_payload(replace(recording, log=lines), [])["log"]
+    assert len(log) == MAX_LOG_LINES + 1
+    assert len(log[0]["text"]) == 2000
+    assert "logged more" in log[-1]["text"]
+
+
+def test_a_node_that_said_nothing(recording: Recording) -> None:
+    silent = replace(recording, published=(), delivered=(), log=())
+    payload = replay_payload(silent, [])
+    assert payload["commands"] == {"t": [], "v": [], "w": []}
+    page_html(page_payload(None, [silent], "Silent"))
+
+
+def test_failing_moments_are_those_of_the_scenario() -> None:
+    common = {"title": "T", "message": "m", "expected": "e", "actual": "a", "help": "h"}
+    checks = [
+        {"id": "late", "outcome": "fail", "scenario": "one", "time": 3.0, **common},
+        {"id": "early", "outcome": "fail", "scenario": "one", "time": 1.0, **common},
+        {"id": "passed", "outcome": "pass", "scenario": "one", "time": 1.0, **common},
+        {"id": "elsewhere", "outcome": "fail", "scenario": "two", "time": 1.0, **common},
+        {"id": "whenever", "outcome": "fail", "scenario": "one", "time": None, **common},
+    ]
+    moments = moments_of(checks, "one")
+    assert [moment["check"] for moment in moments] == ["early", "late"]
+    assert moments[0] == {"t": 1.0, "check": "early", "outcome": "fail", **common}

@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+from grader.report import render_terminal
+
+
+def check(outcome: str = "pass", **parts: Any) -> dict[str, Any]:
+    points = 10 if outcome == "pass" else 0
+    return {
+        "id": "slow_zone",
+        "title": "Between 0.5 m and 1.0 m the robot drives at 0.15 m/s.",
+        "kind": "core",
+        "points": points,
+        "max_points": 10,
+        "outcome": outcome,
+        "message": "",
+        "expected": "",
+        "actual": "",
+        "time": None,
+        "help": "",
+        "scenario": None,
+        **parts,
+    }
+
+
+def failure(**parts: Any) -> dict[str, Any]:
+    return check("fail", message="The robot drove on.", expected="0.15 m/s", actual="0.50 m/s") | {
+        "time": 3.21,
+        "help": "Look at the boundary.",
+        "scenario": "bench",
+        **parts,
+    }
+
+
+def grading(*checks: dict[str, Any], **parts: Any) -> dict[str, Any]:
+    score = sum(c["points"] for c in checks)
+    return {
+        "exercise": "obstacle_avoidance",
+        "file": "agent.py",
+        "tier": 1,
+        "score": score,
+        "max_score": 100,
+        "field_ready": None,
+        "checks": list(checks),
+        **parts,
+    }
+
+
+def render(graded: dict[str, Any], width: int = 80, encoding: str = "utf-8", **options: Any) -> str:
+    stream = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
+    console = Console(file=stream, width=width, legacy_windows=False, **options)
+    render_terminal(graded, console)
+    stream.flush()
+    stream.seek(0)
+    return stream.read()
+
+
+def words(text: str) -> str:
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize("width", [40, 80, 120, 200])
+def test_no_line_is_wider_than_the_terminal(width: int) -> None:
+    long = failure(message="word " * 100, expected="x" * 300)
+    shown = render(grading(check(), long, failure(kind="field")), width=width)
+    assert max(map(len, shown.splitlines())) <= width
+
+
+def test_a_failure_says_all_that_is_known() -> None:
+    shown = words(render(grading(failure())))
+    for part in (
+        "✗ FAIL",
+        "The robot drove on.",
+        "expected 0.15 m/s",
+        "actual 0.50 m/s",
+        "when 3.21 s in bench",
+        "next Look at the boundary.",
+        "0/10",
+    ):
+        assert part in shown
+
+
+def test_outcomes_can_be_told_without_colour() -> None:
+    outcomes = ("pass", "fail", "skip", "error", "inconclusive", "unheard-of")
+    shown = render(grading(*(check(outcome) for outcome in outcomes)))
+    for word in ("pass", "FAIL", "skip", "ERROR", "unsure"):
+        assert word in shown
+    assert "\x1b" not in shown
+
+
+def test_score_and_field_line() -> None:
+    assert "Score 10 / 100" in words(render(grading(check())))
+    assert "not run" in render(grading(check()))
+    assert "field-ready: works" in render(grading(check(), field_ready=True))
+    field = (check(kind="field"), failure(kind="field"))
+    assert "1 of 2 field checks" in render(grading(*field, field_ready=False))
+
+
+def test_what_could_not_be_judged_is_not_counted() -> None:
+    shown = words(render(grading(check(), check("error"), check("inconclusive"))))
+    assert "10 of 10 points" in shown
+    assert "0/10" not in shown.replace("10/10", "")
+
+
+def test_student_text_is_only_text() -> None:
+    hostile = "[red]x[/red] [/] \x1b[31mred\x1b[0m \x1b]0;title\x07bell\x07 \u202eback\x9b2J {0}"
+    shown = render(grading(failure(title=hostile, message=hostile)), force_terminal=True)
+    assert "[red]x[/red] [/]" in words(shown)
+    for control in ("\x1b[31m", "\x1b]", "\x07", "\u202e", "\x9b", "title"):
+        assert control not in shown
+
+
+def test_an_ascii_terminal_gets_ascii() -> None:
+    graded = grading(check(), failure(message="naïve \U0001f916"), file="ä.py")
+    assert render(graded, encoding="ascii").isascii()
+
+
+def test_a_huge_message_is_cut() -> None:
+    assert len(render(grading(failure(message="x" * 100_000)))) < 5000
+
+
+def test_nothing_graded() -> None:
+    assert "Score 0 / 0" in words(render({"exercise": "x", "checks": []}))

@@ -1,0 +1,142 @@
+import math
+
+import numpy as np
+import pytest
+from dense_oracle import dense_ranges
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+
+from sim.caster import Caster, faces, static_faces
+from sim.clearance import clearance, is_inside
+from sim.layout import Layout
+from sim.lidar import PROFILES
+from sim.placement import build_layout
+from sim.world import Box, Pillar, Wall, World, load_world
+
+SETTINGS = settings(derandomize=True, deadline=None, max_examples=120)
+START = (0.0, 0.0, 0.0)
+coordinates = st.floats(-8, 8)
+points = st.tuples(coordinates, coordinates)
+sizes = st.floats(0.05, 4)
+worlds = st.builds(
+    World,
+    walls=st.lists(
+        st.builds(
+            lambda ends: Wall(points=ends),
+            st.tuples(points, points).filter(lambda ends: math.dist(*ends) > 0.01),
+        ),
+        max_size=6,
+    ).map(tuple),
+    boxes=st.lists(
+        st.builds(Box, center=points, size=st.tuples(sizes, sizes), yaw_deg=st.floats(-180, 180)),
+        max_size=6,
+    ).map(tuple),
+    pillars=st.lists(st.builds(Pillar, center=points, radius=st.floats(0.05, 1)), max_size=4).map(
+        tuple
+    ),
+)
+
+
+def caster_for(layout, profile):
+    return Caster(
+        static_faces(layout),
+        beams=profile.beams,
+        per_turn=profile.per_turn,
+        angle_min=profile.angle_min,
+        range_max=profile.range_max,
+    )
+
+
+def assert_exact(ranges, segments, place, angles, range_max):
+    """Compare with the oracle; beams that just graze an end may go either way."""
+    long = dense_ranges(segments, place, angles, range_max, reach=1e-9)
+    short = dense_ranges(segments, place, angles, range_max, reach=-1e-9)
+    with np.errstate(invalid="ignore"):
+        off = [np.where(ranges == o, 0.0, abs(ranges - o)) for o in (long, short)]
+    wrong = np.flatnonzero(np.minimum(*off) > 1e-9)
+    near_limit = abs(np.where(np.isfinite(long), long, ranges) - range_max) < 1e-9
+    assert not [i for i in wrong if not near_limit[i]]
+
+
+@SETTINGS
+@given(worlds, points, st.floats(-10, 10), st.sampled_from(sorted(PROFILES)))
+@example(World(), (0.0, 0.0), 0.0, "default")
+def test_casts_what_the_dense_oracle_casts(world, place, yaw, name):
+    layout, profile = build_layout(world), PROFILES[name]
+    segments = layout.segments()
+    here = np.array([place])
+    assume(not is_inside(layout, place))
+    assume(not len(segments) or clearance(layout, np.zeros(1), here, 0.0)[0] > 0.01)
+    ranges = caster_for(layout, profile).cast(*place, yaw)
+    assert ranges.shape == (profile.beams,)
+    assert_exact(ranges, segments, place, profile.angles + yaw, profile.range_max)
+
+
+@pytest.mark.parametrize("name", ["hall", "corridor", "store", "open"])
+def test_casts_the_worlds_of_the_course_as_the_oracle_does(name):
+    layout = build_layout(load_world(name), rng=np.random.default_rng(3))
+    profile = PROFILES["wide"]
+    caster = caster_for(layout, profile)
+    for x, y, yaw in [(0, 0, 0), (0, 0, math.pi / 2), (0.5, -0.25, math.pi), (1.0, 0.7, -3.1)]:
+        ranges = caster.cast(x, y, yaw)
+        assert_exact(ranges, layout.segments(), (x, y), profile.angles + yaw, profile.range_max)
+
+
+@SETTINGS
+@given(st.integers(0, 3), st.integers(0, 359))
+def test_no_beam_slips_through_a_corner(quarter, turn):
+    hall = build_layout(load_world("hall"), rotate_deg=90.0 * quarter)
+    ranges = caster_for(hall, PROFILES["default"]).cast(0.0, 0.0, math.radians(turn))
+    assert np.isfinite(ranges).all()
+
+
+def test_beams_exactly_through_the_corners_of_a_square_see_them():
+    square = build_layout(World(walls=(Wall(((-1, -1), (1, -1), (1, 1), (-1, 1)), closed=True),)))
+    ranges = caster_for(square, PROFILES["default"]).cast(0.0, 0.0, 0.0)
+    assert ranges[[45, 135, 225, 315]] == pytest.approx([math.sqrt(2)] * 4, abs=1e-9)
+    assert ranges[[0, 90, 180, 270]] == pytest.approx([1.0] * 4, abs=1e-12)
+
+
+def test_walls_are_seen_from_both_sides_and_solids_from_outside():
+    wall = build_layout(World(walls=(Wall(((1, -1), (1, 1))),)))
+    caster = caster_for(wall, PROFILES["default"])
+    assert caster.cast(0.0, 0.0, 0.0)[180] == pytest.approx(1.0)
+    assert caster.cast(2.0, 0.0, math.pi)[180] == pytest.approx(1.0)
+    box = build_layout(World(boxes=(Box((0, 0), (1, 1)),)))
+    inside = caster_for(box, PROFILES["default"]).cast(0.0, 0.0, 0.0)
+    assert np.isinf(inside).all()
+
+
+def test_a_wall_seen_edge_on_is_a_line_and_invisible():
+    wall = build_layout(World(walls=(Wall(((1, 0), (3, 0))),)))
+    assert np.isinf(caster_for(wall, PROFILES["default"]).cast(0.0, 0.0, 0.0)).all()
+
+
+def test_moving_faces_count_for_one_scan_only():
+    caster = caster_for(build_layout(World()), PROFILES["default"])
+    cart = np.array([[2.0, -0.5], [3.0, -0.5], [3.0, 0.5], [2.0, 0.5]])
+    assert caster.cast(0.0, 0.0, 0.0, moving=faces(cart))[180] == pytest.approx(2.0)
+    assert np.isinf(caster.cast(0.0, 0.0, 0.0)).all()
+
+
+def test_moving_faces_equal_static_ones():
+    box = np.array([[2.0, -0.5], [3.0, -0.5], [3.0, 0.5], [2.0, 0.5]])
+    hall = build_layout(load_world("hall"))
+    both = Layout(hall.walls, (box,), (), START)
+    profile = PROFILES["lds02"]
+    moving = caster_for(hall, profile).cast(0.3, 0.4, 0.5, moving=faces(box))
+    assert np.array_equal(moving, caster_for(both, profile).cast(0.3, 0.4, 0.5))
+
+
+def test_nothing_beyond_range_max_is_seen():
+    far = build_layout(World(walls=(Wall(((3.6, -9), (3.6, 9))),)))
+    assert np.isinf(caster_for(far, PROFILES["lds01"]).cast(0.0, 0.0, 0.0)).all()
+    assert caster_for(far, PROFILES["lds01"]).cast(0.2, 0.0, 0.0)[0] == pytest.approx(3.4)
+
+
+def test_the_same_pose_gives_the_same_ranges_whatever_was_cast_before():
+    layout = build_layout(load_world("store"))
+    fresh, used = (caster_for(layout, PROFILES["default"]) for _ in range(2))
+    for step in range(40):
+        used.cast(0.1 * step, 0.05 * step, 0.2 * step)
+    assert np.array_equal(fresh.cast(0.5, 0.5, 1.0), used.cast(0.5, 0.5, 1.0))

@@ -1,0 +1,185 @@
+import math
+import struct
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim import messages
+from sim.lidar import PROFILES
+from sim.messages import EPOCH_NS, Message, decode, encode, twist_from_cdr
+
+SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
+times = st.integers(0, 3600 * 10**9)
+numbers = st.floats(allow_nan=True, allow_infinity=True)
+
+
+def scan(ranges, time=1_500_000_007, **changes):
+    geometry = {
+        "angle_min": -math.pi,
+        "angle_increment": math.tau / 360,
+        "range_min": 0.15,
+        "range_max": 12.0,
+    }
+    return messages.laser_scan(time=time, ranges=ranges, **{**geometry, **changes})
+
+
+@SETTINGS
+@given(times, st.lists(st.floats(width=32), max_size=400))
+def test_a_patched_scan_has_the_bytes_of_rosbags(time, values):
+    message = scan(np.array(values, np.float32), time=time, stamp=time, scan_time=0.2)
+    types = messages.typestore().types
+    seconds, nanoseconds = divmod(EPOCH_NS + time, 10**9)
+    stamp = types["builtin_interfaces/msg/Time"](sec=seconds, nanosec=nanoseconds)
+    whole = types[messages.LASER_SCAN](
+        header=types["std_msgs/msg/Header"](stamp=stamp, frame_id="laser"),
+        angle_min=-math.pi,
+        angle_max=-math.pi + max(len(values) - 1, 0) * (math.tau / 360),
+        angle_increment=math.tau / 360,
+        time_increment=0.0,
+        scan_time=0.2,
+        range_min=0.15,
+        range_max=12.0,
+        ranges=np.array(values, np.float32),
+        intensities=np.array([], np.float32),
+    )
+    assert message.data == encode(whole, messages.LASER_SCAN)
+
+
+@SETTINGS
+@given(times, st.tuples(numbers, numbers, st.floats(-4, 4)), st.tuples(numbers, numbers))
+def test_a_patched_odometry_has_the_bytes_of_rosbags(time, pose, speeds):
+    (x, y, yaw), (v, w) = pose, speeds
+    message = messages.odometry(time=time + 5, stamp=time, x=x, y=y, yaw=yaw, v=v, w=w)
+    value = decode(message.data, message.type)
+    assert encode(value, message.type) == message.data
+    seconds, nanoseconds = divmod(EPOCH_NS + time, 10**9)
+    assert (value.header.stamp.sec, value.header.stamp.nanosec) == (seconds, nanoseconds)
+    assert (value.header.frame_id, value.child_frame_id) == ("odom", "base_link")
+    position, speed = value.pose.pose.position, value.twist.twist
+    sent = [position.x, position.y, speed.linear.x, speed.angular.z]
+    assert np.array_equal(sent, [x, y, v, w], equal_nan=True)
+    turn = value.pose.pose.orientation
+    assert 2 * math.atan2(turn.z, turn.w) == pytest.approx(yaw)
+    assert not value.pose.covariance.any()
+    assert not value.twist.covariance.any()
+
+
+@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
+def test_a_scan_decodes_to_what_went_in(profile):
+    ranges = np.linspace(0.2, 3.0, profile.beams, dtype=np.float32)
+    message = scan(
+        ranges,
+        stamp=1_000_000_000,
+        angle_min=profile.angle_min,
+        angle_increment=profile.angle_increment,
+        range_max=profile.range_max,
+    )
+    value = decode(message.data, message.type)
+    assert (message.topic, message.time) == ("/scan", 1_500_000_007)
+    assert (value.header.frame_id, value.header.stamp.sec) == ("laser", 1_700_000_001)
+    assert value.angle_max == pytest.approx(profile.angles[-1], abs=1e-6)
+    assert np.array_equal(value.ranges, ranges)
+    assert len(value.intensities) == 0
+
+
+def test_an_odometry_pose_that_is_not_finite_has_no_orientation():
+    value = decode(
+        messages.odometry(time=1, x=math.nan, y=1.0, yaw=math.inf).data, messages.ODOMETRY
+    )
+    assert math.isnan(value.pose.pose.position.x)
+    assert math.isnan(value.pose.pose.orientation.z)
+
+
+def test_a_goal_decodes_to_what_went_in():
+    message = messages.pose_stamped(time=10**9, x=5.0, y=3.0, yaw=1.0)
+    value = decode(message.data, "geometry_msgs/msg/PoseStamped")
+    assert (message.topic, value.header.frame_id) == ("/goal_pose", "odom")
+    assert value.header.stamp.sec == 1_700_000_001
+    assert (value.pose.position.x, value.pose.position.y) == (5.0, 3.0)
+    turn = value.pose.orientation
+    assert 2 * math.atan2(turn.z, turn.w) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("message", "value"),
+    [
+        (messages.float64("/closing_speed", 3, 0.25), 0.25),
+        (messages.bool_("/e_stop", 3, True), True),
+        (messages.string("/detection", 3, "grün"), "grün"),
+        (messages.uint32("/heartbeat", 3, 7), 7),
+    ],
+    ids=lambda v: v.type if isinstance(v, Message) else "",
+)
+def test_a_simple_message_decodes_to_what_went_in(message, value):
+    assert decode(message.data, message.type).data == value
+    assert message.time == 3
+
+
+def test_a_twist_has_the_bytes_of_rosbags_and_comes_back():
+    message = messages.twist(time=1, linear_x=0.5, angular_z=-1.25)
+    assert encode(decode(message.data, message.type), message.type) == message.data
+    assert twist_from_cdr(message.data) == (0.5, 0, 0, 0, 0, -1.25)
+
+
+def test_a_big_endian_twist_is_read_too():
+    data = b"\0\0\0\0" + struct.pack(">6d", 1, 2, 3, 4, 5, 6)
+    assert twist_from_cdr(data) == (1, 2, 3, 4, 5, 6)
+
+
+@SETTINGS
+@given(st.binary(max_size=60))
+def test_bytes_that_are_no_twist_are_refused(data):
+    if len(data) == 52 and data[:2] in (b"\0\0", b"\0\1"):
+        assert len(twist_from_cdr(data)) == 6
+        return
+    with pytest.raises(ValueError, match="not a Twist: expected 52 bytes of plain CDR, got"):
+        twist_from_cdr(data)
+
+
+def test_a_stamped_twist_is_read_and_a_short_one_refused():
+    types = messages.typestore().types
+    vector = types["geometry_msgs/msg/Vector3"]
+    for frame in ("", "base_link"):
+        value = types[messages.TWIST_STAMPED](
+            header=types["std_msgs/msg/Header"](
+                stamp=types["builtin_interfaces/msg/Time"](sec=1, nanosec=2), frame_id=frame
+            ),
+            twist=types[messages.TWIST](
+                linear=vector(1.0, 2.0, 3.0), angular=vector(4.0, 5.0, 6.0)
+            ),
+        )
+        data = encode(value, messages.TWIST_STAMPED)
+        assert messages.twist_stamped_from_cdr(data) == (1, 2, 3, 4, 5, 6)
+    with pytest.raises(ValueError, match="too few"):
+        messages.twist_stamped_from_cdr(data[:52])
+
+
+@SETTINGS
+@given(st.binary(max_size=100))
+def test_decode_raises_nothing_but_value_error(data):
+    for type_ in (messages.LASER_SCAN, messages.STRING, messages.ODOMETRY):
+        try:
+            decode(data, type_)
+        except ValueError:
+            continue
+
+
+def test_decode_names_a_type_that_is_unknown():
+    with pytest.raises(ValueError, match="unknown message type 'a/msg/B'"):
+        decode(b"", "a/msg/B")
+
+
+def test_importing_sim_loads_neither_rosbags_nor_pymunk_nor_numpy():
+    code = "import sys, sim; print(sorted({'rosbags', 'pymunk', 'numpy'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_importing_the_simulation_does_not_load_rosbags_or_rclpy():
+    code = "import sys, sim.simulation; print(sorted({'rosbags', 'rclpy'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,60 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim.odometry import Odometry
+from sim.scenario import OdometrySpec
+
+SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
+poses = st.tuples(st.floats(-9, 9), st.floats(-9, 9), st.floats(-9, 9))
+START = (1.0, 2.0, 0.5)
+
+
+def odometry(start=START, slip=0.0, seed=1, **spec):
+    rng = np.random.default_rng(seed)
+    return Odometry(OdometrySpec(**spec), start, rng, wheel_slip=slip)
+
+
+@SETTINGS
+@given(poses, st.lists(poses, min_size=1, max_size=20))
+def test_without_errors_it_reports_the_truth(start, path):
+    sensor = odometry(start)
+    for x, y, yaw in path:
+        found = sensor.measure((x, y, yaw))
+        assert found[:2] == pytest.approx((x, y), abs=1e-9)
+        assert math.remainder(found[2] - yaw, math.tau) == pytest.approx(0.0, abs=1e-9)
+        assert abs(found[2]) <= math.pi
+
+
+def test_the_scales_are_drift():
+    sensor = odometry((0.0, 0.0, 0.0), linear_scale=1.1, angular_scale=0.5)
+    assert sensor.measure((1.0, 0.0, 0.0)) == pytest.approx((1.1, 0.0, 0.0))
+    assert sensor.measure((1.0, 0.0, 1.0)) == pytest.approx((1.1, 0.0, 0.5))
+    x, y, yaw = sensor.measure((1.0 + math.cos(1.0), math.sin(1.0), 1.0))
+    assert (x, y, yaw) == pytest.approx((1.1 + 1.1 * math.cos(0.5), 1.1 * math.sin(0.5), 0.5))
+    assert sensor.speeds(1.0, 1.0) == (1.1, 0.5)
+
+
+def test_slip_makes_it_measure_more_than_was_driven():
+    sensor = odometry((0.0, 0.0, 0.0), slip=0.5)
+    assert sensor.measure((1.0, 0.0, 0.0)) == pytest.approx((2.0, 0.0, 0.0))
+    assert sensor.speeds(0.1, 0.2) == pytest.approx((0.2, 0.4))
+
+
+def test_a_jump_puts_it_right():
+    sensor = odometry(linear_scale=2.0)
+    sensor.measure((3.0, 2.0, 0.5))
+    sensor.jump((7.0, 7.0, 0.0))
+    assert sensor.measure((7.0, 7.0, 0.0)) == (7.0, 7.0, 0.0)
+
+
+def test_noise_is_on_every_report_and_does_not_add_up():
+    sensor = odometry(position_noise=0.1, yaw_noise=0.01)
+    found = np.array([sensor.measure(START) for _ in range(4000)])
+    assert found.mean(axis=0) == pytest.approx(START, abs=0.01)
+    assert found.std(axis=0) == pytest.approx((0.1, 0.1, 0.01), rel=0.05)
+    again = odometry(position_noise=0.1, yaw_noise=0.01)
+    assert again.measure(START) == tuple(found[0])

@@ -1,0 +1,113 @@
+import math
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim.bench import BenchScan, Patch
+from sim.scenario import (
+    Faults,
+    Scenario,
+    ScriptEvent,
+    load_scenario,
+    scenario_from_json,
+    scenario_from_toml,
+    scenario_names,
+    scenario_to_json,
+)
+from sim.simulation import Simulation
+from sim.world import World, load_world, world_names
+
+SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
+anything = st.floats(allow_nan=True, allow_infinity=True)
+scans = st.builds(
+    BenchScan,
+    label=st.text(max_size=5),
+    tags=st.lists(st.text(max_size=5), max_size=2).map(tuple),
+    fill=anything,
+    patches=st.lists(
+        st.builds(Patch, st.floats(-180, 180), st.floats(-180, 180), anything), max_size=2
+    ).map(tuple),
+    repeat=st.integers(1, 5),
+    empty=st.booleans(),
+)
+events = st.builds(ScriptEvent, at=st.floats(0.1, 9), goal=st.tuples(anything, anything, anything))
+scenarios = st.builds(
+    Scenario,
+    title=st.text(max_size=9),
+    world=st.sampled_from([World(), load_world("store"), load_world("hall")]),
+    seed=st.integers(0, 2**53),
+    faults=st.builds(Faults, range_noise=st.floats(0, 1), freeze=st.just(((1.0, 2.0),))),
+    script=st.lists(events, max_size=3).map(tuple),
+    bench=st.lists(scans, max_size=3).map(tuple),
+)
+
+
+@SETTINGS
+@given(scenarios)
+def test_a_scenario_survives_json(scenario):
+    text = scenario_to_json(scenario)
+    again = scenario_from_json(text)
+    assert scenario_to_json(again) == text
+    assert repr(again) == repr(scenario)
+
+
+def test_the_name_survives_json():
+    scenario = load_scenario("demo_wall")
+    assert scenario.name == "demo_wall"
+    assert scenario_from_json(scenario_to_json(scenario)) == scenario
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_scenario_of_the_course_runs(name):
+    simulation = Simulation(load_scenario(name))
+    first = simulation.next_event()
+    assert first is not None
+    assert simulation.advance(first) or simulation.scenario.script
+
+
+@pytest.mark.parametrize("name", world_names())
+def test_every_world_says_what_it_is(name):
+    assert load_world(name).description
+
+
+def test_there_are_the_worlds_that_lessons_name():
+    assert {"corridor", "hall", "open", "store"} <= set(world_names())
+
+
+def test_a_scenario_is_found_by_name_path_and_text_of_a_path(tmp_path):
+    path = scenario_names()["demo_wall"]
+    assert load_scenario("demo_wall") == load_scenario(path) == load_scenario(str(path))
+
+
+def test_defaults_are_the_robot_of_the_exercises():
+    scenario = scenario_from_toml('title = "x"\nworld = "open"', "x")
+    robot = scenario.robot
+    assert (robot.max_linear, robot.max_angular, robot.max_acceleration) == (0.5, 1.9, 0.9)
+    assert (scenario.seed, scenario.duration, scenario.duration_ns) == (1, 20.0, 20 * 10**9)
+    assert (scenario.lidar.profile, scenario.odometry.rate) == ("default", 20.0)
+    assert scenario.qos.sensors == "reliable"
+
+
+def test_the_world_may_stand_in_the_scenario():
+    text = 'title = "x"\n[world]\n[[world.pillars]]\ncenter = [1, 2]\n'
+    assert scenario_from_toml(text, "x").world.pillars[0].center == (1.0, 2.0)
+
+
+def test_a_bench_is_repeated():
+    scenario = scenario_from_toml(
+        'title = "x"\nworld = "open"\n'
+        '[[bench]]\nlabel = "a"\nrepeat = 2\nfill = 0.42\n[[bench]]\nlabel = "b"\nempty = true\n',
+        "x",
+    )
+    assert [scan.label for scan in scenario.bench_scans] == ["a", "a", "b"]
+    assert scenario.bench_scans[0].fill == 0.42
+    assert scenario.bench_scans[1].fill == 0.42
+    assert math.isinf(scenario.bench_scans[2].fill)
+
+
+def test_a_scenario_cannot_be_changed():
+    with pytest.raises(AttributeError):
+        load_scenario("demo_wall").seed = 2
+    assert msgspec.structs.replace(load_scenario("demo_wall"), seed=2).seed == 2

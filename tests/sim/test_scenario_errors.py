@@ -1,0 +1,353 @@
+"""Every mistake in a file gives one line that says where, what came, and what was expected."""
+
+import copy
+import json
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim import scenario as scenario_module
+from sim import world as world_module
+from sim.errors import InputError
+from sim.scenario import load_scenario, scenario_from_json, scenario_from_toml, scenario_names
+from sim.simulation import Simulation
+from sim.world import load_world
+
+HEAD = 'title = "x"\nworld = "hall"\n'
+INLINE = 'title = "x"\n[world]\n'
+CLUTTER = INLINE + "[[world.clutter]]\narea = [[1, -1], [2, 1]]\n"
+
+MISTAKES = {
+    "no title": ('world = "hall"', "missing key 'title'"),
+    "no world": ('title = "x"', "missing key 'world' (a world's name, or a table)"),
+    "misspelt key": (HEAD + "duraton = 3", "unknown key 'duraton'; did you mean 'duration'?"),
+    "misspelt key in a table": (
+        HEAD + "[robot]\nraduis = 1",
+        "unknown key 'robot.raduis'; did you mean 'radius'?",
+    ),
+    "unlike any key": (
+        HEAD + "[qos]\nxyz = 1",
+        "unknown key 'qos.xyz'; there is: sensors",
+    ),
+    "name in the file": (
+        HEAD + 'name = "a"',
+        "unknown key 'name': a scenario is called as its file is",
+    ),
+    "text for a number": (
+        HEAD + 'duration = "long"',
+        'duration = "long": expected a number, got a text',
+    ),
+    "number for a truth value": (
+        HEAD + "mirror = 1",
+        "mirror = 1: expected true or false, got a whole number",
+    ),
+    "fraction for a whole number": (
+        HEAD + "seed = 1.5",
+        "seed = 1.5: expected a whole number, got a number",
+    ),
+    "negative seed": (
+        HEAD + "seed = -1",
+        "seed = -1: expected a whole number >= 0 and <= 9007199254740992",
+    ),
+    "no duration": (HEAD + "duration = 0", "duration = 0: expected a number > 0 and <= 3600"),
+    "endless": (HEAD + "duration = inf", "duration = inf: expected a number > 0 and <= 3600"),
+    "absurd rate": (
+        HEAD + "[lidar]\nrate = 1e6",
+        "lidar.rate = 1000000.0: expected a number > 0 and <= 200",
+    ),
+    "two numbers for three": (
+        HEAD + "[robot]\nstart = [1, 2]",
+        "robot.start = [1, 2]: expected a list of 3 values, got 2",
+    ),
+    "text in a list": (
+        HEAD + '[robot]\nstart = [1, 2, "a"]',
+        'robot.start[2] = "a": expected a number, got a text',
+    ),
+    "number for a table": (HEAD + "robot = 5", "robot = 5: expected a table, got a whole number"),
+    "number for a list": (HEAD + "bench = 3", "bench = 3: expected a list, got a whole number"),
+    "misspelt world": (
+        'title = "x"\nworld = "hal"',
+        "world = \"hal\": no world is called that; did you mean 'hall'?",
+    ),
+    "number for a world": (
+        'title = "x"\nworld = 3',
+        "world = 3: expected a world's name or a table",
+    ),
+    "misspelt profile": (
+        HEAD + '[lidar]\nprofile = "lds1"',
+        "lidar.profile = \"lds1\": no lidar profile is called that; did you mean 'lds01'?",
+    ),
+    "no such quality of service": (
+        HEAD + '[qos]\nsensors = "best"',
+        'qos.sensors = "best": expected one of reliable, sensor_data',
+    ),
+    "event without content": (
+        HEAD + "[[script]]\nat = 1",
+        "script[0]: expected exactly one of goal, odom and teleport beside at",
+    ),
+    "event with two contents": (
+        HEAD + "[[script]]\nat = 1\ngoal = [1, 2, 3]\nodom = [1, 2, 3]",
+        "script[0]: expected exactly one of goal, odom and teleport beside at",
+    ),
+    "event before the start": (
+        HEAD + "[[script]]\nat = 0\ngoal = [1, 2, 3]",
+        "script[0].at = 0: expected a number > 0 and <= 3600",
+    ),
+    "teleport to nowhere": (
+        HEAD + "[[script]]\nat = 1\nteleport = [nan, 0, 0]",
+        "script[0].teleport[0] = nan: expected a number >= -1000 and <= 1000",
+    ),
+    "interval upside down": (
+        HEAD + "[faults]\nfreeze = [[2, 1]]",
+        "faults.freeze = [[2, 1]]: expected [begin, end] with begin < end",
+    ),
+    "probability over one": (
+        HEAD + "[faults]\nscan_loss = 20",
+        "faults.scan_loss = 20: expected a number >= 0 and <= 1",
+    ),
+    "noise that is not a number": (
+        HEAD + "[odometry]\nyaw_noise = nan",
+        "odometry.yaw_noise = nan: expected a number >= 0 and <= 10",
+    ),
+    "patch without an end": (
+        HEAD + "[[bench]]\npatches = [{from_deg = 1, range = 2.0}]",
+        "missing key 'bench[0].patches[0].to_deg'",
+    ),
+    "patch behind ±180°": (
+        HEAD + "[[bench]]\npatches = [{from_deg = 1, to_deg = 270, range = 2.0}]",
+        "bench[0].patches[0].to_deg = 270: expected a number >= -180 and <= 180",
+    ),
+    "endless bench": (
+        HEAD + "[[bench]]\nrepeat = 10000\n" * 3,
+        "expected at most 20000 bench scans, got 30000",
+    ),
+    "a wall of one point": (
+        INLINE + "[[world.walls]]\npoints = [[0, 0]]",
+        "world.walls[0].points = [[0, 0]]: expected a list of at least 2 values, got 1",
+    ),
+    "a wall that stands still": (
+        INLINE + "[[world.walls]]\npoints = [[0, 0], [0, 0]]",
+        "world.walls[0].points = [[0, 0], [0, 0]]: "
+        "expected each at least 0.001 m from the one before",
+    ),
+    "misspelt list of a world": (
+        INLINE + "[[world.boxs]]",
+        "unknown key 'world.boxs'; did you mean 'boxes'?",
+    ),
+    "box without a size": (
+        INLINE + "[[world.boxes]]\ncenter = [1, 1]\nsize = [0, 1]",
+        "world.boxes[0].size[0] = 0: expected a number >= 0.001 and <= 1000",
+    ),
+    "area upside down": (
+        INLINE + "[[world.clutter]]\narea = [[1, 1], [0, 2]]\ncount = 1",
+        "world.clutter[0].area = [[1, 1], [0, 2]]: "
+        "expected [[x0, y0], [x1, y1]] with x0 < x1 and y0 < y1",
+    ),
+    "sizes upside down": (
+        CLUTTER + "count = 1\nsize = [0.6, 0.2]",
+        "world.clutter[0].size = [0.6, 0.2]: expected [least, greatest]",
+    ),
+    "too much clutter": (
+        CLUTTER + "count = 2001",
+        "world.clutter[0].count = 2001: expected a whole number >= 0 and <= 2000",
+    ),
+    "too much in all": (
+        CLUTTER + "count = 2000\n[[world.pillars]]\ncenter = [0, 0]",
+        "world: expected at most 2000 obstacles in a world, got 2001",
+    ),
+    "cart back in time": (
+        INLINE + "[[world.carts]]\nsize = [1, 1]\npath = [[0, 0, 0], [0, 1, 1]]",
+        "world.carts[0].path = [[0, 0, 0], [0, 1, 1]]: expected times that grow, got 0.0 after 0.0",
+    ),
+    "cart too fast": (
+        INLINE + "[[world.carts]]\nsize = [1, 1]\npath = [[0, 0, 0], [1, 9, 0]]",
+        "world.carts[0].path = [[0, 0, 0], [1, 9, 0]]: "
+        "expected at most 2.0 m/s, got 9 m/s at 0.0 s",
+    ),
+    "loop that does not close": (
+        INLINE + "[[world.carts]]\nsize = [1, 1]\npath = [[0, 0, 0], [1, 1, 0]]\nloop = true",
+        "world.carts[0].path = [[0, 0, 0], [1, 1, 0]]: expected a loop to end where it begins",
+    ),
+    "a number too large": (
+        HEAD + "duration = 1" + 400 * "0",
+        "duration = 1" + 58 * "0" + "…: number out of range",
+    ),
+    "broken TOML": (
+        HEAD + "robot = [",
+        "not valid TOML: Invalid value (at end of document)",
+    ),
+    "two values for a key": (
+        HEAD + "seed = 1\nseed = 2",
+        "not valid TOML: Cannot overwrite a value (at end of document)",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), MISTAKES.values(), ids=MISTAKES)
+def test_a_mistake_gives_one_clear_line(text, message):
+    with pytest.raises(InputError) as caught:
+        scenario_from_toml(text, "mine.toml")
+    assert str(caught.value) == f"mine.toml: {message}"
+    assert caught.value.__cause__ is None
+
+
+def test_goals_and_scripted_poses_may_be_infinite_but_nothing_else():
+    text = HEAD + (
+        "[[script]]\nat = 1\ngoal = [nan, inf, 0]\n[[script]]\nat = 2\nodom = [-inf, 0, nan]\n"
+        "[[bench]]\nfill = nan\npatches = [{from_deg = 0, to_deg = 1, range = -inf}]\n"
+    )
+    assert len(scenario_from_toml(text, "x").script) == 2
+
+
+def test_a_missing_file_and_a_folder_are_named(tmp_path):
+    with pytest.raises(InputError) as caught:
+        load_scenario(tmp_path / "none.toml")
+    assert str(caught.value) == (
+        f"{tmp_path / 'none.toml'}: cannot read this file: no such file or directory"
+    )
+    with pytest.raises(InputError) as caught:
+        load_scenario(tmp_path)
+    assert str(caught.value) == f"{tmp_path}: cannot read this file: is a directory"
+
+
+def test_a_file_that_is_not_text_is_named(tmp_path):
+    path = tmp_path / "photo.toml"
+    path.write_bytes(b"\x89PNG\xff")
+    with pytest.raises(InputError) as caught:
+        load_scenario(str(path))
+    assert str(caught.value) == f"{path}: not UTF-8 text (byte 0)"
+
+
+def test_a_file_that_is_huge_is_not_parsed(tmp_path):
+    path = tmp_path / "huge.toml"
+    path.write_bytes(b"#" * 4_000_001)
+    with pytest.raises(InputError) as caught:
+        load_scenario(path)
+    assert str(caught.value) == f"{path}: 4000001 bytes, expected at most 4000000"
+
+
+def test_an_unknown_name_gets_the_nearest_one():
+    with pytest.raises(InputError) as caught:
+        load_scenario("demo_wal")
+    assert str(caught.value) == "no scenario is called 'demo_wal'; did you mean 'demo_wall'?"
+    with pytest.raises(InputError) as caught:
+        load_world("corido")
+    assert str(caught.value) == "no world is called 'corido'; did you mean 'corridor'?"
+
+
+def test_a_broken_world_file_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(world_module, "WORLDS", tmp_path)
+    (tmp_path / "cellar.toml").write_text("pilars = []\n")
+    with pytest.raises(InputError) as caught:
+        scenario_from_toml('title = "x"\nworld = "cellar"', "mine.toml")
+    assert str(caught.value) == (
+        f"{tmp_path / 'cellar.toml'}: unknown key 'pilars'; did you mean 'pillars'?"
+    )
+
+
+def test_two_scenarios_of_one_name_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(scenario_module, "SCENARIOS", tmp_path)
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "wall.toml").write_text(HEAD)
+    with pytest.raises(InputError) as caught:
+        scenario_names()
+    one, two = (tmp_path / folder / "wall.toml" for folder in ("one", "two"))
+    assert str(caught.value) == f"two scenarios are called 'wall': {one} and {two}"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "scenario: not valid JSON: Expecting property name"),
+        ("[]", "scenario: expected a JSON object"),
+        (
+            '{"title": "x", "world": {}, "sead": 1}',
+            "scenario: unknown key 'sead'; did you mean 'seed'?",
+        ),
+    ],
+)
+def test_broken_json_gives_one_line_too(text, message):
+    with pytest.raises(InputError) as caught:
+        scenario_from_json(text)
+    assert str(caught.value).startswith(message)
+
+
+def test_a_start_inside_something_is_refused():
+    text = INLINE + "[[world.boxes]]\ncenter = [0, 0]\nsize = [2, 2]"
+    with pytest.raises(InputError) as caught:
+        Simulation(scenario_from_toml(text, "x"))
+    assert str(caught.value) == (
+        "x: robot.start: the robot would stand in something at (0, 0) with seed 1; "
+        "expected a free place of radius 0.17"
+    )
+
+
+def test_a_start_that_touches_a_wall_is_refused():
+    with pytest.raises(InputError, match="start: the robot would stand in something"):
+        Simulation(scenario_from_toml(HEAD + "[robot]\nstart = [5.9, 0, 0]", "x"))
+
+
+def test_clutter_that_does_not_fit_is_refused():
+    text = CLUTTER + "count = 5\nkeep_clear = [[1.5, 0, 3]]"
+    with pytest.raises(InputError) as caught:
+        Simulation(scenario_from_toml(text, "x"))
+    assert str(caught.value) == (
+        "clutter[0]: only 0 of 5 boxes fit: make the area larger, or keep less of it clear "
+        "(the robot's start is kept clear too)"
+    )
+
+
+RICH = {
+    "title": "x",
+    "seed": 1,
+    "duration": 2.0,
+    "world": {
+        "walls": [{"points": [[0, 1], [2, 3]], "closed": False}],
+        "boxes": [{"center": [1, 1], "size": [1, 1], "yaw_deg": 0}],
+        "clutter": [{"area": [[0, 0], [1, 1]], "count": 1, "size": [0.1, 0.2]}],
+        "carts": [{"size": [1, 1], "path": [[0, 0, 0], [1, 1, 0]], "loop": False}],
+    },
+    "robot": {"start": [0, 0, 0], "radius": 0.2},
+    "lidar": {"profile": "lds01", "rate": 5},
+    "faults": {"freeze": [[0, 1]], "scan_loss": 0.5},
+    "qos": {"sensors": "reliable"},
+    "script": [{"at": 1, "goal": [0, 0, 0]}],
+    "bench": [{"tags": ["slow"], "patches": [{"from_deg": 0, "to_deg": 1, "range": 2}]}],
+}
+
+
+def places(doc, key=()):
+    """Return the keys of everything in a document, itself excepted."""
+    found = []
+    if isinstance(doc, list):
+        doc = dict(enumerate(doc))
+    for name, value in doc.items() if isinstance(doc, dict) else ():
+        found += [(*key, name), *places(value, (*key, name))]
+    return found
+
+
+anything = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=4), inner),
+    max_leaves=5,
+)
+
+
+@settings(derandomize=True, deadline=None, max_examples=300)
+@given(st.sampled_from(places(RICH)), anything, st.text(max_size=4) | st.none())
+def test_whatever_stands_anywhere_gives_a_scenario_or_one_line(key, value, new_key):
+    doc = copy.deepcopy(RICH)
+    place = doc
+    for part in key[:-1]:
+        place = place[part]
+    if isinstance(place, dict) and new_key is not None:
+        place[new_key] = value
+    else:
+        place[key[-1]] = value
+    try:
+        scenario_from_json(json.dumps(doc))
+    except InputError as error:
+        assert len(str(error).splitlines()) == 1
+        assert str(error).startswith("scenario: ")
