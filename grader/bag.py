@@ -1,8 +1,8 @@
 """Save a recording as a rosbag2 bag (MCAP) and load it again.
 
-The bag holds what a robot's own bag would (the topics, the log as `/rosout`), the simulator's ground
-truth as ordinary topics, so that Foxglove and `ros2 bag play` show it, and one JSON document with
-what has no message type (scenario, seed, endpoints, outcome).
+The bag holds what a robot's own bag would (the topics, the log as `/rosout`), the simulator's
+ground truth as ordinary topics, so that Foxglove and `ros2 bag play` show it, and one JSON document
+with what has no message type (scenario, seed, endpoints, outcome).
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ from sim.messages import (
 from sim.scenario import scenario_from_json, scenario_to_json
 from sim.simulation import Truth
 
+METADATA = "metadata.yaml"
 TRIAL_TOPIC = "/course/trial"
 LOG_TOPIC = "/rosout"
 LOG = "rcl_interfaces/msg/Log"
@@ -77,11 +78,12 @@ def save(recording: Recording, folder: Path) -> Path:
     _clear(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        connections: dict[str, Any] = {}
+        connections: dict[tuple[str, str], Any] = {}
         for message in sorted(_all_messages(recording), key=lambda m: m.time):
-            if message.topic not in connections:
-                connections[message.topic] = _connect(writer, message)
-            connection = connections[message.topic]
+            key = (message.topic, message.type)
+            if key not in connections:
+                connections[key] = _connect(writer, message)
+            connection = connections[key]
             if connection is not None:
                 writer.write(connection, EPOCH_NS + message.time, message.data)
     return folder
@@ -98,7 +100,7 @@ def load(path: Path) -> Recording:
     from rosbags.rosbag2 import Reader, ReaderError  # noqa: PLC0415
 
     folder = path.parent if path.suffix == ".mcap" else path
-    if not (folder / "metadata.yaml").is_file():
+    if not (folder / METADATA).is_file():
         raise InputError(f"{path}: expected a bag (a folder with metadata.yaml), found none")
     messages: list[Message] = []
     try:
@@ -137,9 +139,16 @@ def _assemble(messages: list[Message], folder: str) -> Recording:
 def _clear(folder: Path) -> None:
     if not folder.exists():
         return
-    if not (folder / "metadata.yaml").is_file():
+    if not _is_bag(folder):
         raise InputError(f"{folder}: exists and is not a bag; choose another place for the bags")
     shutil.rmtree(folder)
+
+
+def _is_bag(folder: Path) -> bool:
+    """Tell whether the folder holds a bag and nothing else that somebody may miss."""
+    if folder.is_symlink() or not (folder / METADATA).is_file():
+        return False
+    return all(file.name == METADATA or file.suffix == ".mcap" for file in folder.iterdir())
 
 
 def _connect(writer: Any, message: Message) -> Any:

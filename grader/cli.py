@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import signal
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 FULL, LESS, FAULT = 0, 1, 2  # exit codes
 JSON_STDOUT = "-"
-FIRST_GOAL = 0.5  # [s] when `course drive` sends its first goal
 
 LIST_EXAMPLES = """\b
 Examples:
@@ -190,9 +189,15 @@ def check_bag(
 
 def main() -> None:
     """Run the command; errors take one line."""
-    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:
         code = cli.main(standalone_mode=False)
+        sys.stdout.flush()
+    except BrokenPipeError:  # `course … | head`; links to hosts never raise it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = LESS
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message(), err=True)
+        code = FAULT
     except click.exceptions.Abort:
         code = _say("interrupted")
     except click.ClickException as error:
@@ -266,3 +271,7 @@ def _exit_code(grading: Grading) -> int:
     if grading.faulty:
         return FAULT
     return FULL if grading.full else LESS
+
+
+if __name__ == "__main__":
+    main()

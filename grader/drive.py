@@ -19,7 +19,7 @@ from grader.terminal import printable
 from grader.trial import run_trial
 from grader.trials import mixed_seed
 from sim.lidar import PROFILES
-from sim.messages import CMD_VEL_TOPIC, TWIST, TWIST_STAMPED
+from sim.messages import CMD_VEL_TOPIC, TWIST_STAMPED
 from sim.scenario import Scenario, ScriptEvent, load_scenario
 
 FIRST_GOAL = 0.5  # [s]

@@ -104,6 +104,8 @@ def grade(
     plugin = CheckPlugin(trials, field=field, only=only)
     with _undisturbed():
         code = pytest.main(_arguments(exercise), plugins=[plugin])
+    if code == pytest.ExitCode.INTERRUPTED:
+        raise KeyboardInterrupt
     if plugin.fault is not None:
         raise plugin.fault
     if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED) or not plugin.results:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import select
 import signal
 import socket
 import subprocess
@@ -53,8 +54,15 @@ class HostProcess:
         with contextlib.suppress(ProcessLookupError):
             signal.pidfd_send_signal(self.pidfd, signal.SIGUSR1)
 
-    def wait(self) -> str:
-        """Wait for the end of the host; return its exit status ("-9": killed by signal 9)."""
+    def wait(self, patience: float = 0.0) -> str:
+        """Wait for the end of the host; return its exit status ("-9": killed by signal 9).
+
+        After `patience` [s] it is killed: a program can close its pipes and live on.
+        """
+        poll = select.poll()
+        poll.register(self.status, select.POLLIN)
+        if not poll.poll(patience * 1e3):
+            self.kill()
         return os.read(self.status, 16).decode("ascii", "replace")
 
     def close(self) -> None:
@@ -74,7 +82,7 @@ class Nursery:
         self._private_shm = False
         self._ready = False
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._log = tempfile.TemporaryFile()
+        self._log = tempfile.TemporaryFile()  # noqa: SIM115  (closed in __exit__)
         with theirs:
             self._process = subprocess.Popen(
                 self._command(theirs.fileno()),
@@ -185,7 +193,7 @@ class Nursery:
         finally:
             for fd in theirs:
                 os.close(fd)
-        for fd in (link_in, stdout, stderr):
+        for fd in (link_out, link_in, stdout, stderr):
             os.set_blocking(fd, False)
         return HostProcess(birth.pid, fds[0], link_out, link_in, stdout, stderr, status)
 

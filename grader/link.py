@@ -1,11 +1,12 @@
 """The judge's end of the link: frames to and from one host, and what the host prints.
 
-Everything that comes from the host is hostile: sizes are checked before anything is read, frames are
-decoded into fixed structures, text is capped, and nothing makes the judge wait for ever.
+Everything that comes from the host is hostile: sizes are checked before anything is read, frames
+are decoded into fixed structures, text is capped, and nothing makes the judge wait for ever.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import select
@@ -29,8 +30,12 @@ from grader.host.frames import (
 from grader.launch import HostProcess
 
 MAX_OUTPUT = 512 * 1024  # [bytes] of stdout and stderr each that are kept
-CHUNK = 65536
+MAX_LINES = 20_000  # of stdout and stderr each that are kept
+CHUNK = 65536  # [bytes] read at once; as much as a pipe holds
+DRAINS = 16  # chunks read at the end, from a host that may still be writing
+MAX_REASON = 300  # [characters] of why a frame was refused: it may quote the frame
 STACK_TIME = 0.3  # [s] a hung host gets for writing its stacks
+TIME_MARK = re.compile(rf"(.*){MARK}([0-9]{{1,19}})")
 ROS_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
 
 
@@ -71,6 +76,7 @@ class Output:
     stream: str
     lines: list[LogLine] = field(default_factory=list)
     truncated: bool = False
+    limit: int = 0  # [ns] no time mark can be later: the node's time has not gone further
     _partial: bytes = b""
     _time: int = 0
     _size: int = 0
@@ -92,15 +98,18 @@ class Output:
             self._partial = b""
 
     def _line(self, text: str) -> None:
-        head, mark, tail = text.rpartition(MARK)
-        if mark and tail.isdigit() and len(tail) < 20:
-            if head:
-                self._keep(head)
-            self._time = int(tail)
+        mark = TIME_MARK.fullmatch(text)
+        if mark is not None and self._time <= int(mark[2]) <= self.limit:
+            if mark[1]:
+                self._keep(mark[1])
+            self._time = int(mark[2])
         else:
             self._keep(text)
 
     def _keep(self, text: str) -> None:
+        if len(self.lines) >= MAX_LINES:
+            self.truncated = True
+            return
         match = ROS_LINE.match(text)
         level, said = (match[1].lower(), match[3]) if match else (self.stream, text)
         self.lines.append(LogLine(self._time, level, said.rstrip("\r")[:2_000]))
@@ -130,8 +139,7 @@ class Link:
 
     def start(self, frame: Start, limit: float) -> tuple[Settled | Ended, Cost]:
         """Run the student's file up to the point where it waits; limit [s] of wall time."""
-        self._send(frame)
-        return self._answer(limit)
+        return self._exchange(frame, 0, limit)
 
     def run(self, frame: Run, limit: float) -> tuple[Settled | Ended, Cost]:
         """Let the node go on; limit [s] of wall time.
@@ -141,33 +149,51 @@ class Link:
         HostDied, HostHung, HostForged
             The process ended, did not answer in time, or sent nonsense.
         """
-        self._send(frame)
-        return self._answer(limit)
+        return self._exchange(frame, frame.until, limit)
 
     def log(self) -> tuple[LogLine, ...]:
         """Return what the node said so far, in order of time."""
-        for fd in list(self._pipes):
-            self._drain(fd)
+        for fd in self._pipes:
+            for _ in range(DRAINS):
+                self._drain(fd)
         for output in (self.stdout, self.stderr):
             output.finish()
         return tuple(sorted(self.stdout.lines + self.stderr.lines, key=lambda line: line.time))
 
-    def _send(self, frame: ToHost) -> None:
-        data = memoryview(encode(frame))
-        try:
-            while data:
-                data = data[os.write(self._host.link_out, data) :]
-        except BrokenPipeError:
-            raise HostDied from None
-
-    def _answer(self, limit: float) -> tuple[Settled | Ended, Cost]:
+    def _exchange(self, frame: ToHost, until: int, limit: float) -> tuple[Settled | Ended, Cost]:
+        self._expect_silence()
+        self.stdout.limit = self.stderr.limit = until
         started, cpu = time.perf_counter(), self._cpu()
+        self._send(frame, started + limit)
         body = self._receive(started + limit)
         cost = Cost(time.perf_counter() - started, self._cpu() - cpu)
         try:
             return decode_to_judge(body), cost
-        except (msgspec.DecodeError, RecursionError) as error:
-            raise HostForged(str(error)) from None
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+            raise HostForged(str(error)[:MAX_REASON]) from None
+
+    def _expect_silence(self) -> None:
+        """Make sure that the host has not answered before it was asked."""
+        early = bytes(self._buffer)
+        if not early:
+            try:
+                early = os.read(self._host.link_in, 1)
+            except BlockingIOError:
+                return
+        raise HostForged("an answer before the question") if early else HostDied
+
+    def _send(self, frame: ToHost, deadline: float) -> None:
+        data = memoryview(encode(frame))
+        room = select.poll()
+        room.register(self._host.link_out, select.POLLOUT)
+        while data:
+            remaining = deadline - time.perf_counter()
+            if remaining <= 0 or not room.poll(remaining * 1e3):
+                raise HostHung(self._stacks())
+            try:
+                data = data[os.write(self._host.link_out, data) :]
+            except BrokenPipeError:
+                raise HostDied from None
 
     def _receive(self, deadline: float) -> bytes:
         while (body := self._take_frame()) is None:
@@ -203,13 +229,8 @@ class Link:
         return body
 
     def _drain(self, fd: int) -> None:
-        try:
-            while data := os.read(fd, CHUNK):
-                self._pipes[fd].feed(data)
-                if len(data) < CHUNK:
-                    return
-        except BlockingIOError:
-            return
+        with contextlib.suppress(BlockingIOError):
+            self._pipes[fd].feed(os.read(fd, CHUNK))
 
     def _stacks(self) -> str:
         """Return where the hung host is, in the student's terms."""

@@ -193,15 +193,13 @@ def _judge(check: Check, error: BaseException) -> CheckResult:
             return _result(check, INCONCLUSIVE, message=str(error))
         case _Unmet() | NoRecording():
             return _result(check, SKIP, message=str(error))
-        case KeyboardInterrupt() | SystemExit():
-            raise error
         case _:
             said = f"{type(error).__name__}: {error}"
             return _result(check, ERROR, message=f"the grader failed here: {said}")
 
 
 def _result(check: Check, outcome: str, **details: Any) -> CheckResult:
-    texts = {
+    texts: dict[str, Any] = {
         key: value[:MAX_MESSAGE] if isinstance(value, str) else value
         for key, value in details.items()
     }

@@ -43,7 +43,8 @@ class Outcome:
 
     `kind` is `completed` (the scenario ran to its end with the node alive) or one of
     `unreadable`, `syntax_error`, `exception`, `returned`, `exited` (sys.exit), `died` (the process
-    vanished), `hung` (no answer within the wall time), `stuck` (a deadlock), `never_spun`, `flooded`, `forged`.
+    vanished), `hung` (no answer within the wall time), `stuck` (a deadlock), `never_spun`,
+    `flooded`, `forged`.
     """
 
     kind: str
@@ -117,7 +118,7 @@ class Scan:
     @property
     def angles(self) -> Floats:
         """Beam angles, (n_beams,) [rad], as the message says."""
-        return self.angle_min + np.arange(len(self.ranges)) * self.angle_increment
+        return self.angle_min + self.angle_increment * np.arange(len(self.ranges), dtype=float)
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ def find_ros(
         There is none; the message says how to install it.
     """
     variables = dict(os.environ) if environ is None else environ
-    found = _from_wheels(_site_folders() if folders is None else folders) or _from_apt(variables)
+    found = _from_apt(variables) or _from_wheels(_site_folders() if folders is None else folders)
     if found is None:
         raise InputError(f"ROS 2 {DISTRO.capitalize()} was not found: {HOW_TO_INSTALL}")
     return found
@@ -78,7 +78,8 @@ def _from_apt(environ: dict[str, str]) -> RosEnvironment | None:
 
 def _from_wheels(folders: Iterable[Path]) -> RosEnvironment | None:
     for folder in folders:
-        bundled = sorted(folder.glob("ros_*.libs"))
+        # Debian's pip splits a wheel: its bundled libraries go to dist-packages next door
+        bundled = sorted(folder.parent.glob("*-packages/ros_*.libs"))
         if not bundled or not _has_rclpy(folder):
             continue
         prefix = folder.parents[2]  # PREFIX/lib/pythonX.Y/site-packages
@@ -88,8 +89,11 @@ def _from_wheels(folders: Iterable[Path]) -> RosEnvironment | None:
 
 
 def _has_rclpy(folder: Path) -> bool:
-    # `dist-packages/rclpy` of the Debian layout is an empty shell
-    return (folder / "rclpy" / "__init__.py").is_file()
+    """Tell whether this Python can import rclpy from the folder."""
+    if not (folder / "rclpy" / "__init__.py").is_file():
+        return False  # `dist-packages/rclpy` of the Debian layout is an empty shell
+    version = f"{sys.version_info.major}{sys.version_info.minor}"
+    return any((folder / "rclpy").glob(f"_rclpy_pybind11.cpython-{version}-*.so"))
 
 
 def _site_folders() -> list[Path]:

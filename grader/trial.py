@@ -46,12 +46,16 @@ from sim.scenario import Scenario
 from sim.simulation import Simulation
 
 MAX_BYTES = 64 * 1024 * 1024  # a node may publish in one trial
+MESSAGE_BYTES = 128  # what a message takes besides its data and names
 MAX_ENDPOINTS = 1_000
+GRACE = 1.0  # [s] for the end of a process that has hung up
 AFTERMATH_NS = 10**9  # the robot rolls on for this long when its node is gone
 STUCK = (
-    "the node stopped for good: every thread waits for something that can't come any more (a blocking "
-    "call() or wait in a callback waits for an answer that only the executor it blocks could deliver)"
+    "the node stopped for good: every thread waits for something that can't come any more "
+    "(a blocking call() or wait in a callback waits for an answer that only the executor "
+    "it blocks could deliver)"
 )
+OURS = ("/course/", "/ground_truth/", "/rosout")  # topics of our own in a bag
 OFFERED = {SCAN_TOPIC: LASER_SCAN, ODOM_TOPIC: ODOMETRY, GOAL_TOPIC: POSE_STAMPED}
 
 
@@ -147,7 +151,7 @@ def _conduct(trial: _Trial, start: Start, host: HostProcess, limits: Limits) -> 
         text = "the node did not come back from a callback (or from its start-up)"
         return _outcome(trial, "hung", text, hung.stacks)
     except HostDied:
-        status = host.wait()
+        status = host.wait(GRACE)
         text = f"the node's process ended by itself ({_status_text(status)})"
         return _outcome(trial, "died", text)
     except (HostForged, _Flood) as error:
@@ -210,11 +214,12 @@ def _message(trial: _Trial, published: Published, began: int, reached: int) -> M
         raise HostForged(f"a message at {published.time}, between {began} and {reached}")
     if trial.published and published.time < trial.published[-1].time:
         raise HostForged("messages that go back in time")
-    trial.bytes += len(published.data) + 64
+    names = len(published.topic) + len(published.type)
+    trial.bytes += len(published.data) + names + MESSAGE_BYTES
     if trial.bytes > MAX_BYTES:
         raise _Flood(f"more than {MAX_BYTES:,} bytes of messages")
     topic = published.topic
-    if topic in OFFERED:  # a node that speaks in the robot's name
+    if topic in OFFERED or topic.startswith(OURS):  # a node that speaks in the robot's name
         topic = f"/from_node{topic}"
     return Message(topic, published.type, published.time, published.data)
 

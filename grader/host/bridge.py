@@ -1,8 +1,8 @@
 """The host's ends of the student's topics: real DDS endpoints in the student's own participant.
 
 The bridge's end of a topic is made right after the student's, never before: a participant accepts
-one type per topic, and the wrong type must end in a real robot's silence, not in an exception in the
-student's constructor. Within a participant matching and delivery are synchronous, so what was
+one type per topic, and the wrong type must end in a real robot's silence, not in an exception in
+the student's constructor. Within a participant matching and delivery are synchronous, so what was
 published is there to be taken at once, in the order of its source timestamps.
 """
 
@@ -18,9 +18,9 @@ from rclpy.qos import (
     qos_check_compatible,
 )
 
-from .frames import MAX_PUBLISHED, EndpointReport, Offer, Published
+from .frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, Published
 
-DEPTH = MAX_PUBLISHED  # messages the bridge's subscriptions hold between two looks
+DEPTH = MAX_PUBLISHED + 1  # messages the bridge's subscriptions hold between two looks
 ROBOT_DEPTH = 10
 HIDDEN_TOPICS = {"/parameter_events", "/rosout", "/clock"}
 PARAMETER_SERVICES = (
@@ -45,7 +45,8 @@ class Bridge:
         self._speakers: dict[tuple[int, str], Any] = {}
         self._endpoints: list[EndpointReport] = []
         self.published: list[Published] = []
-        self.overflow = False
+        self._bytes = 0  # of what is published
+        self.overflow = False  # the node published more than the link can carry
 
     def install(self) -> None:
         """Watch the student's nodes create their endpoints."""
@@ -62,11 +63,17 @@ class Bridge:
                 data, info = message
                 taken.append((info["source_timestamp"], topic, type_name, data))
         taken.sort(key=lambda item: item[0])
-        room = MAX_PUBLISHED - len(self.published)
-        self.overflow = self.overflow or len(taken) > room
-        self.published += [
-            Published(now, topic, type_name, data) for _, topic, type_name, data in taken[:room]
-        ]
+        for _, topic, type_name, data in taken:
+            self._bytes += len(data) + len(topic) + len(type_name)
+            if len(self.published) == MAX_PUBLISHED or self._bytes > MAX_PUBLISHED_BYTES:
+                self.overflow = True
+                return
+            self.published.append(Published(now, topic, type_name, data))
+
+    def take(self) -> list[Published]:
+        """Return what was collected since the last call."""
+        published, self.published, self._bytes = self.published, [], 0
+        return published
 
     def deliver(self, topic: str, data: bytes) -> None:
         """Publish a message of the robot; nobody hears it where the student has no end."""

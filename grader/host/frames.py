@@ -13,6 +13,7 @@ import msgspec
 
 MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
 MAX_PUBLISHED = 5_000  # messages a node may publish between two events of the world
+MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
 LENGTH = struct.Struct("<I")
@@ -92,7 +93,7 @@ class Ended(msgspec.Struct, frozen=True, tag="ended"):
     """The student's program is over."""
 
     now: Nanoseconds
-    kind: Annotated[str, msgspec.Meta(pattern="^(returned|exited|exception|syntax_error)$")]
+    kind: Annotated[str, msgspec.Meta(pattern="^(returned|exited|exception|syntax_error|flooded)$")]
     text: Text
     detail: Text  # the traceback, with the student's frames
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]

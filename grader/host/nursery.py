@@ -66,11 +66,11 @@ def serve(control: socket.socket, epoch: int) -> None:
     gc.freeze()
     children: dict[int, tuple[int, int]] = {}  # pidfd: (pid, status descriptor)
     while True:
-        readable, _, _ = select.select([control, *children], [], [])
+        readable, _, _ = select.select([control.fileno(), *children], [], [])
         for pidfd in readable:
             if pidfd in children:
                 _bury(pidfd, *children.pop(pidfd))
-        if control in readable and not _answer(control, kernel, epoch, children):
+        if control.fileno() in readable and not _answer(control, kernel, epoch, children):
             return
 
 

@@ -1,4 +1,7 @@
-"""What a host may use: limits and an unprivileged user. The full sandbox will be built on this seam."""
+"""What a host may use: limits and an unprivileged user.
+
+The full sandbox will be built on this seam.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +58,7 @@ def open_to_others(paths: list[Path]) -> bool:
     An interpreter in root's home is closed to everybody else. Then, in this process's own mounts,
     the closed folder is replaced by an empty one that holds nothing but `paths`.
     """
-    closed = {}
+    closed: dict[Path, list[Path]] = {}
     for path in paths:
         folder = _closed_ancestor(path)
         if folder is not None:

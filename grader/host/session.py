@@ -12,7 +12,20 @@ import sys
 from typing import Any
 
 from . import kernel as kernel_module
-from .frames import LENGTH, MARK, Ended, Run, Settled, Start, ToJudge, decode_to_host, encode
+from .frames import (
+    LENGTH,
+    MARK,
+    MAX_PUBLISHED,
+    Ended,
+    Run,
+    Settled,
+    Start,
+    ToJudge,
+    decode_to_host,
+    encode,
+)
+
+FLOODED = f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time"
 
 
 class Session(kernel_module.World):
@@ -46,14 +59,16 @@ class Session(kernel_module.World):
     def exchange(self) -> None:
         """Report to the judge; wait for its messages and its next moment."""
         bridge = self.bridge
-        published, bridge.published = bridge.published, []
+        if bridge.overflow:
+            self.end("flooded", FLOODED)
+            os._exit(0)
         self._flush()
         self._send(
             Settled(
                 now=self.kernel.now,
                 spinning=self.kernel.waiting or self.kernel.looks > self._looks,
                 asleep=self.kernel.asleep,
-                published=published,
+                published=bridge.take(),
                 endpoints=bridge.new_endpoints(),
             )
         )
@@ -72,14 +87,14 @@ class Session(kernel_module.World):
         if self.bridge is not None:
             with contextlib.suppress(Exception):
                 self.bridge.collect(self.kernel.now)
-            published, endpoints = self.bridge.published, self.bridge.new_endpoints()
+            published, endpoints = self.bridge.take(), self.bridge.new_endpoints()
         self._flush()
         self._send(
             Ended(
                 now=self.kernel.now,
                 kind=kind,
-                text=text[:2_000],
-                detail=detail[-18_000:],
+                text=_sendable(text[:2_000]),
+                detail=_sendable(detail[-18_000:]),
                 published=published,
                 endpoints=endpoints,
             )
@@ -119,3 +134,8 @@ class Session(kernel_module.World):
         data = memoryview(encode(frame))
         while data:
             data = data[os.write(self._write_fd, data) :]
+
+
+def _sendable(text: str) -> str:
+    """Replace what UTF-8 can't carry: half characters, such as those in undecodable file names."""
+    return text.encode("utf-8", "replace").decode()

@@ -1,9 +1,9 @@
 """Put the kernel under Python: everything on which Python code can block becomes a parking place.
 
-All blocking comes down to five things: thread locks (Condition, Event, Semaphore, Queue, Future and
-Barrier are built on them) and `join`, `time.sleep`, SimpleQueue (C; ThreadPoolExecutor uses it),
-the wait of an rclpy executor (see ros.py), and the `select` under asyncio. `install` must run before
-rclpy and the student's file are imported.
+All blocking comes down to five things: thread locks (Condition, Event, Semaphore, Queue, Future
+and Barrier are built on them) and `join`, `time.sleep`, SimpleQueue (written in C, used by
+ThreadPoolExecutor), the wait of an rclpy executor (see ros.py), and the `select` under asyncio.
+`install` must run before rclpy and the student's file are imported.
 """
 
 from __future__ import annotations
@@ -89,7 +89,8 @@ class Lock:
         return self._held
 
     def _at_fork_reinit(self) -> None:
-        self.__init__()  # type: ignore[misc]
+        self._held = False
+        self._waiters.clear()
 
     __enter__ = acquire
 
@@ -103,7 +104,7 @@ def install(kernel: Kernel, epoch: int) -> None:
     _install_locks(kernel)
     _install_time(kernel, Clock(kernel, epoch))
     _install_select(kernel)
-    os.sched_getaffinity = lambda _pid: CPUS  # type: ignore[assignment]
+    os.sched_getaffinity = lambda _pid: CPUS
 
 
 def _run(kernel: Kernel, thread: VirtualThread, body: Callable[[], object]) -> None:
@@ -148,14 +149,14 @@ def _install_threads(kernel: Kernel) -> None:
 
     cls.start, cls.join, cls.is_alive = virtual_start, virtual_join, virtual_is_alive
     cls._bootstrap = virtual_bootstrap
-    _thread.start_new_thread = virtual_start_new_thread  # type: ignore[assignment]
+    _thread.start_new_thread = virtual_start_new_thread
 
 
 def _install_locks(kernel: Kernel) -> None:
     Lock.kernel = kernel
     module: Any = threading
     module._allocate_lock = module.Lock = Lock
-    _thread.allocate_lock = Lock  # type: ignore[assignment,misc]
+    _thread.allocate_lock = Lock  # type: ignore[assignment]
     module._CRLock = None  # RLock() is then the Python one, made of a Lock
     queue.SimpleQueue = queue._PySimpleQueue  # type: ignore[attr-defined,misc]
 
@@ -177,7 +178,7 @@ def _sleep(kernel: Kernel, seconds: float) -> None:
 
 
 def _install_select(kernel: Kernel) -> None:
-    """asyncio's loop waits here."""
+    """Asyncio's loop waits here."""
     cls: Any = selectors.DefaultSelector
     select = cls.select
 

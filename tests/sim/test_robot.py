@@ -54,6 +54,14 @@ def test_it_drives_a_circle_of_radius_v_over_w():
     assert np.abs(truth.yaw).max() <= math.pi
 
 
+def test_it_moves_along_its_mean_heading():
+    truth = drive("", held(0, 5, 0.5, 1.9), 5, 'world = "open"')
+    late = slice(100, None)
+    moved = np.arctan2(np.diff(truth.y[late]), np.diff(truth.x[late]))
+    mean = truth.yaw[late][:-1] + 0.01 * 1.9
+    assert np.abs(np.sin(moved - mean)).max() < 1e-6
+
+
 def test_it_stops_half_a_second_after_the_last_command():
     truth = drive("", held(0, 2, 0.45), 4, 'world = "open"')
     last = 1.9

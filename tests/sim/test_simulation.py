@@ -16,6 +16,7 @@ from sim import simulation as simulation_module
 from sim.layout import layout_to_json
 from sim.lidar import PROFILES
 from sim.messages import LASER_SCAN, ODOMETRY, decode
+from sim.robot import Robot
 from sim.scenario import RobotSpec, load_scenario, scenario_from_toml
 from sim.simulation import Simulation
 
@@ -198,6 +199,19 @@ def test_the_truth_is_sampled_every_20_ms_up_to_now():
     assert (truth.clearance == 10.0).all()
 
 
+def test_a_touch_between_two_samples_is_in_the_truth(monkeypatch):
+    class Touchy(Robot):
+        def step(self, start, linear, angular):
+            super().step(start, linear, angular)
+            self.touched = start == 0.04
+
+    monkeypatch.setattr(simulation_module, "Robot", Touchy)
+    simulation, _ = simulate("", seconds=0.1)
+    truth = simulation.truth()
+    assert truth.contact.tolist() == [False, False, False, True, False, False]
+    assert truth.clearance.tolist() == [10.0, 10.0, 10.0, 0.0, 10.0, 10.0]
+
+
 def test_a_command_counts_from_the_next_step_after_its_time():
     simulation, _ = simulate("", [(30_000_001, 0.5, 0.0)], seconds=0.06)
     assert simulation.truth().v.tolist() == pytest.approx([0, 0, 0, 0.018])
@@ -323,7 +337,7 @@ def test_the_script_sends_goals_and_poses_at_their_times():
 
 def test_a_teleport_moves_the_robot_stops_it_and_is_seen_by_the_odometry():
     commands = [(k * 100_000_000, 0.3, 0.0) for k in range(10)]
-    text = "[[script]]\nat = 1.6\nteleport = [-2, 1, 90]"
+    text = "[odometry]\nlinear_scale = 1.5\n[[script]]\nat = 1.6\nteleport = [-2, 1, 90]"
     simulation, messages = simulate(text, commands, seconds=3.0, world="hall")
     truth = simulation.truth()
     after = truth.t > 1_600_000_000

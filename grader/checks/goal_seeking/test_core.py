@@ -136,9 +136,9 @@ def test_speed_law(recordings: Recordings) -> None:
     known, twists = poses(drive), drive.twists()
     heard = np.array([pose.t for pose in known])
     for time, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
-        quest, last = quest_at(drive, time), int(np.searchsorted(heard, time, side="right"))
-        if quest is not None and last:
-            distance = max(quest.distance(pose) for pose in known[max(0, last - 2) : last])
+        goal, last = quest_at(drive, time), int(np.searchsorted(heard, time, side="right"))
+        if goal is not None and last:
+            distance = max(goal.distance(pose) for pose in known[max(0, last - 2) : last])
             _require_law(drive, time, speed, distance, slower=True)
 
 
@@ -227,7 +227,7 @@ def test_bad_input(recordings: Recordings) -> None:
             _fail_bad_input(recording, int(early[0]), "nothing: the only goal was not finite")
         bad = _times_of_bad_input(recording)
         begin, end = ready_at(recording), recording.duration_s
-        first = [time for time in bad if time > begin][0]
+        first = next(time for time in bad if time > begin)
         before = last_command(recording, begin, first)
         if before is None:
             _fail_mute(recording, begin)

@@ -1,6 +1,6 @@
 """Calls atan2(dx, dy); it is atan2(dy, dx).
 
-fails: reaches_goal
+fails: reaches_goal, reaches_any_goal, turns_short_way, stops_once, new_goal
 """
 
 import math

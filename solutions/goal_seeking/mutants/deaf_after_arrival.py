@@ -1,6 +1,6 @@
 """Sets a "done" flag on arrival and never clears it: the first goal is the last.
 
-fails: new_goal
+fails: new_goal, near_goal
 """
 
 import math

@@ -1,6 +1,6 @@
 """Counts odometry messages and acts on every second one: 10 Hz only while they come at 20 Hz.
 
-fails: control_rate
+fails: none
 field: field_fast_odometry, field_lost_odometry
 """
 

@@ -1,6 +1,6 @@
 """Takes the goal for an offset from where the robot is; it is a place in the frame odom.
 
-fails: reaches_any_goal
+fails: reaches_any_goal, new_goal
 """
 
 import math

@@ -1,6 +1,6 @@
 """Steers by the bearing to the goal and forgets to subtract the robot's own yaw.
 
-fails: reaches_goal, reaches_any_goal
+fails: reaches_goal, reaches_any_goal, turns_short_way, stops_once, new_goal
 """
 
 import math

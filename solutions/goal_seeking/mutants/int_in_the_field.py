@@ -1,6 +1,6 @@
 """Turns at "1" or "-1", ints in a float field: what goes out is garbage or NaN.
 
-fails: limits
+fails: reaches_goal, reaches_any_goal, turns_short_way, limits, stops_once, new_goal, bad_input
 """
 
 import math

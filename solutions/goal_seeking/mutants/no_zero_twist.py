@@ -1,6 +1,6 @@
 """Falls silent on arrival without telling the robot to stop.
 
-fails: stops_once
+fails: stops_once, near_goal
 """
 
 import math

@@ -1,6 +1,6 @@
 """Takes the quaternion's z for the yaw; z is sin(yaw / 2).
 
-fails: reaches_goal
+fails: reaches_any_goal, turns_short_way, new_goal
 """
 
 import math

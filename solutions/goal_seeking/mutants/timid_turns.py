@@ -1,4 +1,4 @@
-"""Turns so weakly (gain 0.3) that it drives wide arcs around its goals.
+"""Turns so weakly (gain 0.25) that it drives wide arcs around its goals.
 
 fails: path_efficiency
 """
@@ -50,7 +50,7 @@ class Agent(Node):
         else:
             error = math.remainder(math.atan2(self.goal[1] - y, self.goal[0] - x) - yaw, math.tau)
             twist.linear.x = min(0.3, 0.5 * distance)
-            twist.angular.z = max(-1.9, min(1.9, 0.3 * error))
+            twist.angular.z = max(-1.9, min(1.9, 0.25 * error))
         self.publisher.publish(twist)
 
 

@@ -1,6 +1,6 @@
 """Thinks that it has arrived when it is still 0.8 m away.
 
-fails: reaches_goal, stops_once
+fails: reaches_goal, reaches_any_goal, speed_law, stops_once, new_goal
 """
 
 import math

@@ -1,6 +1,6 @@
 """Subtracts the wrong way round, yaw minus bearing, and turns away from the goal.
 
-fails: turns_short_way
+fails: reaches_goal, reaches_any_goal, turns_short_way, stops_once, new_goal
 """
 
 import math

@@ -1,6 +1,6 @@
 """Turns the yaw into degrees and subtracts it from a bearing in radians.
 
-fails: reaches_goal
+fails: reaches_goal, reaches_any_goal, turns_short_way, stops_once, new_goal
 """
 
 import math

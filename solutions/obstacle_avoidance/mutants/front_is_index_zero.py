@@ -1,7 +1,7 @@
 """Takes index 0 for straight ahead, but this lidar starts counting at the back (angle_min = -π).
 
 fails: slow_zone, stop_zone, ignores_behind, sees_sides, infinite_readings, invalid_readings, minus_infinity, no_contact, drives_on
-"""
+"""  # noqa: E501
 
 import math
 
