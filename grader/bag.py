@@ -46,6 +46,7 @@ TRUTH_CLEARANCE = "/ground_truth/clearance"
 TRUTH_CONTACT = "/ground_truth/contact"
 LEVELS = {"debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 FORMAT = 1
+MAX_REASON = 300  # [characters] of why a bag can't be read
 
 
 class _Document(msgspec.Struct, frozen=True):
@@ -97,7 +98,7 @@ def load(path: Path) -> Recording:
     InputError
         It isn't such a bag.
     """
-    from rosbags.rosbag2 import Reader, ReaderError  # noqa: PLC0415
+    from rosbags.rosbag2 import Reader  # noqa: PLC0415
 
     folder = path.parent if path.suffix == ".mcap" else path
     if not (folder / METADATA).is_file():
@@ -110,8 +111,11 @@ def load(path: Path) -> Recording:
                     Message(connection.topic, connection.msgtype, stamp - EPOCH_NS, bytes(data))
                 )
         return _assemble(messages, str(folder))
-    except (ReaderError, ValueError, KeyError, IndexError, OSError) as error:
-        raise InputError(f"{path}: not a bag that this course has recorded ({error})") from error
+    except InputError:
+        raise
+    except Exception as error:  # rosbags raises whatever the broken bytes lead to
+        said = " ".join(str(error).split())[:MAX_REASON]
+        raise InputError(f"{path}: not a bag that this course has recorded ({said})") from error
 
 
 def _assemble(messages: list[Message], folder: str) -> Recording:
@@ -210,6 +214,8 @@ def _truth(messages: list[Message], yaw: list[float]) -> Truth:
     x, y, v, w = np.array(rows, dtype=float).reshape(-1, 4).T.copy()
     clearance = [decode(m.data, FLOAT64).data for m in messages if m.topic == TRUTH_CLEARANCE]
     contact = [decode(m.data, BOOL).data for m in messages if m.topic == TRUTH_CONTACT]
+    if not len(yaw) == len(poses) == len(clearance) == len(contact):
+        raise ValueError("the ground truth is incomplete")
     return Truth(
         t=np.array([m.time for m in poses], dtype=np.int64),
         x=x,

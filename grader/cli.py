@@ -96,7 +96,7 @@ def grade(
     if tier == 2:
         raise InputError("--tier 2 (live ROS 2) is not available yet; use --tier 1")
     chosen = find_exercise(exercise)
-    submission = find_submission(file, chosen.files[0])
+    submission = find_submission(file, chosen.files[0], chosen.files[1:])
     _check_writable(report, json_)
     with _nursery() as nursery:
         from grader.grading import grade_live  # noqa: PLC0415

@@ -23,7 +23,7 @@ import msgspec
 
 from grader.errors import GraderError
 from grader.host.frames import Birth, Hello, Request
-from grader.host.privileges import NOBODY
+from grader.host.privileges import NOBODY, closed_ancestor
 from grader.ros import RosEnvironment, find_ros
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -199,6 +199,12 @@ class Nursery:
 
 
 def _give(folder: Path, uid: int) -> None:
+    closed = closed_ancestor(folder.parent)
+    if closed is not None:
+        raise GraderError(
+            f"{closed}: closed to the user that runs students' nodes, and holds their temporary "
+            "folders; set TMPDIR to a folder that everybody can enter, such as /tmp"
+        )
     for path in [folder, *folder.rglob("*")]:
         os.chown(path, uid, uid, follow_symlinks=False)
 

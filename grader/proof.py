@@ -60,7 +60,7 @@ def claims(exercise: Exercise) -> Iterator[Claim]:
 
 def grade_claim(claim: Claim, nursery: Nursery) -> Grading:
     """Grade a solution with the core and the field checks."""
-    submission = find_submission(claim.path)
+    submission = find_submission(claim.path, claim.exercise.files[0], claim.exercise.files[1:])
     return grade_live(claim.exercise, submission, nursery, file=claim.path.name, field=True)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,18 +20,24 @@ class Submission:
 
     path: Path
     problem: str = ""  # the student's mistake, found before running; "" if none
+    others: tuple[Path, ...] = ()  # the exercise's other files, beside it
 
     @contextlib.contextmanager
     def folder(self) -> Iterator[Path]:
-        """Copy the file into a fresh folder that may be given away."""
+        """Copy the files into a fresh folder that may be given away."""
         with tempfile.TemporaryDirectory(prefix="course-", ignore_cleanup_errors=True) as name:
             folder = Path(name).resolve()
-            shutil.copyfile(self.path, folder / self.path.name)
+            for path in (self.path, *self.others):
+                shutil.copyfile(path, folder / path.name)
             yield folder
 
 
-def find_submission(path: Path, expected: str | None = None) -> Submission:
+def find_submission(
+    path: Path, expected: str | None = None, others: Sequence[str] = ()
+) -> Submission:
     """Return the submission at `path`: a file, or a folder that holds the file `expected`.
+
+    The exercise's other files, those of `others` that lie beside it, belong to the submission.
 
     Raises
     ------
@@ -44,7 +50,10 @@ def find_submission(path: Path, expected: str | None = None) -> Submission:
         raise InputError(f"{path}: no such file; expected a Python file or a folder with one")
     elif not path.is_file():
         raise InputError(f"{path}: expected a Python file, but this is not a regular file")
-    return Submission(path.resolve(), _problem(path))
+    beside = [path.with_name(name) for name in others]
+    found = tuple(other.resolve() for other in beside if other.is_file())
+    problems = [_problem(file) for file in (path, *found)]
+    return Submission(path.resolve(), next(filter(None, problems), ""), found)
 
 
 def _in_folder(folder: Path, expected: str | None) -> Path:

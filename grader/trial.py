@@ -7,7 +7,7 @@ message, the simulation follows with the commands that came out, and hands over 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -25,10 +25,14 @@ from grader.host.frames import (
 )
 from grader.launch import HostProcess, Nursery
 from grader.link import Cost, HostDied, HostForged, HostHung, Link, LogLine
+from grader.models import write_models
 from grader.recording import COMPLETED, Compute, Endpoint, Outcome, Recording
 from grader.submission import Submission
 from sim.messages import (
+    BOOL,
+    CMD_VEL_RAW_TOPIC,
     CMD_VEL_TOPIC,
+    E_STOP_TOPIC,
     EPOCH_NS,
     GOAL_TOPIC,
     LASER_SCAN,
@@ -56,7 +60,14 @@ STUCK = (
     "it blocks could deliver)"
 )
 OURS = ("/course/", "/ground_truth/", "/rosout")  # topics of our own in a bag
-OFFERED = {SCAN_TOPIC: LASER_SCAN, ODOM_TOPIC: ODOMETRY, GOAL_TOPIC: POSE_STAMPED}
+OFFERED = {
+    SCAN_TOPIC: LASER_SCAN,
+    ODOM_TOPIC: ODOMETRY,
+    GOAL_TOPIC: POSE_STAMPED,
+    CMD_VEL_RAW_TOPIC: TWIST,
+    E_STOP_TOPIC: BOOL,
+}
+SENSORS = {SCAN_TOPIC, ODOM_TOPIC}  # the topics that a scenario's QoS is about
 
 
 @dataclass(frozen=True)
@@ -116,10 +127,37 @@ def run_trial(
         simulation.reset(seed=seed)
     if submission.problem:
         return _unread(simulation, submission.problem)
-    with submission.folder() as folder, nursery.host(folder) as host:
+    with submission.folder() as folder:
+        write_models(scenario.node.models, folder)
+        return _run(submission, simulation, nursery, folder, arguments, limits, stamped)
+
+
+def parameter_arguments(parameters: Mapping[str, str | bool | int | float]) -> list[str]:
+    """Return the command line that sets ROS parameters."""
+    if not parameters:
+        return []
+    texts = {
+        name: str(value).lower() if isinstance(value, bool) else str(value)
+        for name, value in parameters.items()
+    }
+    flags = [word for name, text in texts.items() for word in ("-p", f"{name}:={text}")]
+    return ["--ros-args", *flags]
+
+
+def _run(
+    submission: Submission,
+    simulation: Simulation,
+    nursery: Nursery,
+    folder: Path,
+    arguments: Sequence[str],
+    limits: Limits | None,
+    stamped: bool,
+) -> Recording:
+    scenario = simulation.scenario
+    with nursery.host(folder) as host:
         start = Start(
             file=str(folder / submission.path.name),
-            arguments=tuple(arguments),
+            arguments=(*arguments, *parameter_arguments(scenario.node.parameters)),
             epoch=EPOCH_NS,
             seed=simulation.seed,
             offers=_offers(scenario),
@@ -257,7 +295,7 @@ def _end(simulation: Simulation) -> int:
 def _offers(scenario: Scenario) -> tuple[Offer, ...]:
     reliable = scenario.qos.sensors == "reliable"
     return tuple(
-        Offer(topic, type, reliable or topic == GOAL_TOPIC) for topic, type in OFFERED.items()
+        Offer(topic, type, reliable or topic not in SENSORS) for topic, type in OFFERED.items()
     )
 
 

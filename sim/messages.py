@@ -23,6 +23,8 @@ SCAN_TOPIC = "/scan"
 ODOM_TOPIC = "/odom"
 GOAL_TOPIC = "/goal_pose"
 CMD_VEL_TOPIC = "/cmd_vel"
+CMD_VEL_RAW_TOPIC = "/cmd_vel_raw"
+E_STOP_TOPIC = "/e_stop"
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"

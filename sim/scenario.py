@@ -22,7 +22,14 @@ from sim.world import Degrees, Metres, World, load_world, world_from_doc, world_
 
 SCENARIOS = Path(__file__).parent / "scenarios"
 MAX_BENCH_SCANS = 20_000
-_MAY_BE_INFINITE = ("script.goal", "script.odom", "bench.fill", "bench.patches.range")
+_MAY_BE_INFINITE = (
+    "script.goal",
+    "script.odom",
+    "raw.linear_x",
+    "raw.angular_z",
+    "bench.fill",
+    "bench.patches.range",
+)
 
 Probability = Annotated[float, Meta(ge=0, le=1)]
 Delay = Annotated[float, Meta(ge=0, le=10)]  # [s]
@@ -119,11 +126,45 @@ class ScriptEvent(_Table, frozen=True):
     goal: PoseDeg | None = None  # sent as a PoseStamped; may be nan or inf
     odom: PoseDeg | None = None  # sent as one extra Odometry; may be nan or inf
     teleport: tuple[Metres, Metres, Degrees] | None = None  # moves the real robot and stops it
+    e_stop: bool | None = None  # sent as a Bool on /e_stop
 
     def __post_init__(self) -> None:
         """Refuse an event that is nothing or two things."""
-        if sum(x is not None for x in (self.goal, self.odom, self.teleport)) != 1:
-            raise ValueError("expected exactly one of goal, odom and teleport beside at")
+        choices = (self.goal, self.odom, self.teleport, self.e_stop)
+        if sum(x is not None for x in choices) != 1:
+            raise ValueError("expected exactly one of goal, odom, teleport and e_stop beside at")
+
+
+class RawCommands(_Table, frozen=True, rename={"begin": "from", "end": "to"}):
+    """[[raw]] A stream of Twist on /cmd_vel_raw: what an unchecked model asks for."""
+
+    begin: Time  # time of the first [s]
+    end: Time  # none at or after this [s]
+    linear_x: float = 0.0  # [m/s]; may be nan or inf
+    angular_z: float = 0.0  # [rad/s]; may be nan or inf
+    rate: Rate = 20.0  # [Hz]
+
+    def __post_init__(self) -> None:
+        """Refuse a stream that ends before it begins."""
+        if self.begin >= self.end:
+            raise ValueError("expected from < to")
+
+
+class Model(_Table, frozen=True):
+    """A file that the node will find in its working folder: a model made for the scenario.
+
+    `probe` names a kind of model that the grader knows; the other keys are its settings.
+    """
+
+    probe: str
+    settings: dict[str, float | str | bool | tuple[float, ...]] = {}
+
+
+class NodeSpec(_Table, frozen=True):
+    """[node] What the node is started with."""
+
+    parameters: dict[str, str | bool | int | float] = {}  # ROS parameters
+    models: dict[str, Model] = {}  # file name: what is in it
 
 
 class Scenario(_Table, frozen=True, dict=True):
@@ -142,6 +183,8 @@ class Scenario(_Table, frozen=True, dict=True):
     odometry: OdometrySpec = OdometrySpec()
     faults: Faults = Faults()
     qos: Qos = Qos()
+    node: NodeSpec = NodeSpec()
+    raw: Annotated[tuple[RawCommands, ...], Meta(max_length=1000)] = ()
     script: Annotated[tuple[ScriptEvent, ...], Meta(max_length=1000)] = ()
     bench: Annotated[tuple[BenchScan, ...], Meta(max_length=MAX_BENCH_SCANS)] = ()
 

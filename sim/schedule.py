@@ -11,7 +11,9 @@ import numpy as np
 
 from sim.faults import Times, deliveries, sensor_rng, survivors
 from sim.lidar import PROFILES
-from sim.scenario import Scenario
+from sim.scenario import RawCommands, Scenario
+
+RAW_STREAM = 1_000_000  # messages of one stream, at most: 3600 s at 200 Hz are 720,000
 
 
 class Kind(IntEnum):
@@ -19,9 +21,11 @@ class Kind(IntEnum):
 
     TELEPORT = 0
     GOAL = 1
-    SCRIPTED_ODOM = 2
-    ODOM = 3
-    SCAN = 4
+    E_STOP = 2
+    SCRIPTED_ODOM = 3
+    ODOM = 4
+    SCAN = 5
+    RAW = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +45,8 @@ def schedule(scenario: Scenario, seed: int) -> list[Event]:
         events += _odometry(scenario, seed)
     if scenario.lidar.enabled:
         events += _scans(scenario, seed)
+    for index, stream in enumerate(scenario.raw):
+        events += _raw(stream, index)
     arriving = (event for event in events if event.delivery <= scenario.duration_ns)
     return sorted(arriving, key=lambda event: (event.time, event.kind, event.index))
 
@@ -59,8 +65,19 @@ def _scripted(scenario: Scenario) -> list[Event]:
             kind = Kind.GOAL
         elif entry.odom is not None:
             kind = Kind.SCRIPTED_ODOM
+        elif entry.e_stop is not None:
+            kind = Kind.E_STOP
         events.append(Event(time, kind, index, time))
     return events
+
+
+def _raw(stream: RawCommands, index: int) -> list[Event]:
+    """Return a stream's events; their index counts the stream in the millions."""
+    times = _times(stream.begin, stream.rate, stream.end)
+    times = times[times < round(stream.end * 1e9)]
+    return [
+        Event(time, Kind.RAW, index * RAW_STREAM + i, time) for i, time in enumerate(times.tolist())
+    ]
 
 
 def _odometry(scenario: Scenario, seed: int) -> list[Event]:

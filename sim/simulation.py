@@ -49,13 +49,21 @@ from sim.clearance import clearance, is_inside
 from sim.errors import InputError
 from sim.faults import sensor_rng
 from sim.layout import Floats, Layout, Pose
-from sim.messages import Message, odometry, pose_stamped
+from sim.messages import (
+    CMD_VEL_RAW_TOPIC,
+    E_STOP_TOPIC,
+    Message,
+    bool_,
+    odometry,
+    pose_stamped,
+    twist,
+)
 from sim.odometry import Odometry
 from sim.placement import build_layout, place
 from sim.robot import STEP_NS, Robot
 from sim.scanner import Scanner
 from sim.scenario import Scenario, ScriptEvent, yaw_in_radians
-from sim.schedule import Event, Kind, schedule
+from sim.schedule import RAW_STREAM, Event, Kind, schedule
 
 TRUTH_NS = 20_000_000  # between two samples of the truth [ns]
 
@@ -209,7 +217,18 @@ class Simulation:
             x, y, yaw = self._odometry.measure(pose)
             v, w = self._odometry.speeds(*speeds)
             return odometry(time=event.delivery, stamp=event.time, x=x, y=y, yaw=yaw, v=v, w=w)
-        x, y, yaw = self._scripted_pose(self._script(event))
+        if event.kind is Kind.RAW:
+            stream = self.scenario.raw[event.index // RAW_STREAM]
+            return twist(
+                time=event.time,
+                linear_x=stream.linear_x,
+                angular_z=stream.angular_z,
+                topic=CMD_VEL_RAW_TOPIC,
+            )
+        entry = self._script(event)
+        if event.kind is Kind.E_STOP:
+            return bool_(E_STOP_TOPIC, event.time, bool(entry.e_stop))
+        x, y, yaw = self._scripted_pose(entry)
         if event.kind is Kind.GOAL:
             return pose_stamped(time=event.time, x=x, y=y, yaw=yaw)
         return odometry(time=event.time, x=x, y=y, yaw=yaw)

@@ -20,7 +20,7 @@ from rclpy.qos import (
 
 from .frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, Published
 
-DEPTH = MAX_PUBLISHED + 1  # messages the bridge's subscriptions hold between two looks
+DEPTH = 5_000  # messages a subscription holds: more than MAX_PUBLISHED, and Fast DDS's most
 ROBOT_DEPTH = 10
 HIDDEN_TOPICS = {"/parameter_events", "/rosout", "/clock"}
 PARAMETER_SERVICES = (

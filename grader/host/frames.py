@@ -12,7 +12,7 @@ from typing import Annotated
 import msgspec
 
 MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
-MAX_PUBLISHED = 5_000  # messages a node may publish between two events of the world
+MAX_PUBLISHED = 4_000  # messages a node may publish between two events of the world
 MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)

@@ -60,7 +60,7 @@ def open_to_others(paths: list[Path]) -> bool:
     """
     closed: dict[Path, list[Path]] = {}
     for path in paths:
-        folder = _closed_ancestor(path)
+        folder = closed_ancestor(path)
         if folder is not None:
             closed.setdefault(folder, []).append(path)
     if not closed:
@@ -70,10 +70,11 @@ def open_to_others(paths: list[Path]) -> bool:
             _expose_only(folder, inside)
     except OSError:
         return False
-    return all(_closed_ancestor(path) is None for path in paths)
+    return all(closed_ancestor(path) is None for path in paths)
 
 
-def _closed_ancestor(path: Path) -> Path | None:
+def closed_ancestor(path: Path) -> Path | None:
+    """Return the outermost folder on the way to `path` that is closed to other users."""
     for folder in reversed([path, *path.parents]):
         if folder.is_dir() and not folder.stat().st_mode & stat.S_IXOTH:
             return folder

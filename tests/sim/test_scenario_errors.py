@@ -84,11 +84,11 @@ MISTAKES = {
     ),
     "event without content": (
         HEAD + "[[script]]\nat = 1",
-        "script[0]: expected exactly one of goal, odom and teleport beside at",
+        "script[0]: expected exactly one of goal, odom, teleport and e_stop beside at",
     ),
     "event with two contents": (
         HEAD + "[[script]]\nat = 1\ngoal = [1, 2, 3]\nodom = [1, 2, 3]",
-        "script[0]: expected exactly one of goal, odom and teleport beside at",
+        "script[0]: expected exactly one of goal, odom, teleport and e_stop beside at",
     ),
     "event before the start": (
         HEAD + "[[script]]\nat = 0\ngoal = [1, 2, 3]",

@@ -66,6 +66,26 @@ def require_speeds(recording: Recording, tag: str, help: str = "") -> None:
         fail("the scenario ended before all of its scans were sent", recording=recording)
     for answer in judged:
         require_speed(recording, answer, help)
+    require_reaction(recording)
+
+
+def require_reaction(recording: Recording) -> None:
+    """Fail if the node always says the same, though what it sees asks for different speeds.
+
+    Without this a node that only ever says "stop" would win the points of every stop.
+    """
+    found = answers(recording)
+    same_is_right = bool(set.intersection(*(right_speeds(answer.scan) for answer in found)))
+    said = {round(answer.speed, 3) for answer in found if answer.speed is not None}
+    if same_is_right or len(said) > 1:
+        return
+    fail(
+        "the node says the same whatever it sees",
+        expected="a speed that depends on the distance ahead",
+        actual=", ".join(f"always {speed:.2f} m/s" for speed in said) or "nothing on /cmd_vel",
+        recording=recording,
+        help="Get clear_zone, slow_zone and stop_zone right first.",
+    )
 
 
 def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
@@ -122,6 +142,7 @@ def require_one_command_each(recording: Recording) -> None:
 def require_distance(recording: Recording) -> None:
     """Fail if the robot touched something or came nearer than the contract allows."""
     require_alive(recording)
+    require_reaction(recording)
     truth = recording.truth
     if truth.contact.any():
         at = truth.t[int(np.argmax(truth.contact))] / 1e9
@@ -148,6 +169,7 @@ def require_distance(recording: Recording) -> None:
 def require_moving_when_free(recording: Recording, patience: float = 1.5) -> None:
     """Fail if the robot stands although the way has been free for `patience` [s]."""
     require_alive(recording)
+    require_reaction(recording)
     truth = recording.truth
     free_since: float | None = None
     judged = 0

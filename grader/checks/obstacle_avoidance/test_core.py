@@ -22,6 +22,7 @@ from grader.verdict import fail, inconclusive
 BENCH = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
 DRIVES = ("avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store")
 CALLBACK_LIMIT = 0.1  # [s], p99
+LEAST_WAY = 0.5  # [m]
 
 Recordings = tuple[Recording, ...]
 
@@ -142,6 +143,14 @@ def test_no_contact(recordings: Recordings) -> None:
     """In five worlds the robot touches nothing and keeps 0.2 m clear."""
     for recording in recordings:
         require_distance(recording)
+    if max(map(_way, recordings)) < LEAST_WAY:
+        fail(
+            "the robot never moved, so nothing is shown",
+            expected="a robot that drives where the way is free",
+            actual=f"less than {LEAST_WAY} m driven in each of the worlds",
+            recording=recordings[0],
+            help="Get clear_zone and drives_on right first.",
+        )
 
 
 @pytest.mark.check(points=5, scenarios=DRIVES, needs=("wiring",))
@@ -173,6 +182,12 @@ def test_callback_time(recordings: Recordings) -> None:
         actual=f"{1000 * own:.0f} ms (p99 of {len(wall)} calls)",
         help="At 10 Hz the next scan comes after 100 ms. What in the callback costs the time?",
     )
+
+
+def _way(recording: Recording) -> float:
+    """Return how far the robot drove [m]."""
+    truth = recording.truth
+    return float(np.hypot(np.diff(truth.x), np.diff(truth.y)).sum())
 
 
 def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,6 @@
 """Puts an np.float32 into linear.x; rclpy reads its memory as a double, and garbage goes out.
 
-fails: clear_zone, slow_zone, ignores_behind, infinite_readings, invalid_readings, blind, drives_on
+fails: clear_zone, slow_zone, stop_zone, ignores_behind, sees_sides, infinite_readings, invalid_readings, minus_infinity, blind, no_contact, drives_on
 """
 
 import math

@@ -1,0 +1,115 @@
+"""Models that tell the judge, through `/cmd_vel` alone, what a node does with its model.
+
+They are pickled by the judge (grader.models) and unpickled by the student's node. Every one has
+`predict(X)` for X of shape (n, 5), features in the order of EXERCISES.md: front minimum, mean and
+standard deviation, left minimum, right minimum. None of them is clever; each answers one question.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_loads = 0  # of models that count them, in this process
+_calls = 0  # of predict, in this process
+
+
+class Echo:
+    """Which feature went where? Predicts feature `feature`, times `scale`, plus `offset`."""
+
+    def __init__(self, feature: float = 0, scale: float = 1.0, offset: float = 0.0) -> None:
+        self.feature = int(feature)
+        self.scale = scale
+        self.offset = offset
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) predictions [m/s]."""
+        rows = np.asarray(features, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != 5:
+            raise ValueError(f"expected features of shape (n, 5), got {rows.shape}")
+        return self.offset + self.scale * rows[:, self.feature]
+
+
+class Constant:
+    """What is done with this prediction? `value` may be NaN, infinite, too large or negative."""
+
+    def __init__(self, value: float) -> None:
+        self.value = value
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) times the value [m/s]."""
+        return np.full(len(features), self.value)
+
+
+class Raising:
+    """Does the node outlive a model that raises, from call `first` to before call `last`?"""
+
+    def __init__(self, first: float = 0, last: float = 1e9, value: float = 0.3) -> None:
+        self.first, self.last, self.value = first, last, value
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) times the value [m/s], or raise."""
+        global _calls  # noqa: PLW0603
+        _calls += 1
+        if self.first <= _calls - 1 < self.last:
+            raise RuntimeError("the model can't say anything about these features")
+        return np.full(len(features), self.value)
+
+
+class Sequence:
+    """One prediction per call, in this order, over and over."""
+
+    def __init__(self, values: tuple[float, ...]) -> None:
+        self.values = values
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) times the next value [m/s]."""
+        global _calls  # noqa: PLW0603
+        value = self.values[_calls % len(self.values)]
+        _calls += 1
+        return np.full(len(features), value)
+
+
+class CountsLoads:
+    """How often was the model loaded? Takes `seconds` to unpickle; predicts loads times `scale`."""
+
+    def __init__(self, seconds: float = 0.08, scale: float = 0.1) -> None:
+        self.seconds, self.scale = seconds, scale
+
+    def __setstate__(self, state: dict[str, float]) -> None:
+        global _loads  # noqa: PLW0603
+        self.__dict__.update(state)
+        _loads += 1
+        time.sleep(self.seconds)
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) times the number of loads so far, scaled [m/s]."""
+        return np.full(len(features), _loads * self.scale)
+
+
+class Slow:
+    """Sleeps `seconds` (or one of several, in turn), then answers as Echo does."""
+
+    def __init__(
+        self,
+        seconds: float | tuple[float, ...] = 0.2,
+        feature: float = 0,
+        scale: float = 1.0,
+        offset: float = 0.0,
+    ) -> None:
+        self.seconds = seconds if isinstance(seconds, tuple) else (seconds,)
+        self.echo = Echo(feature, scale, offset)
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) predictions [m/s], late."""
+        global _calls  # noqa: PLW0603
+        seconds = self.seconds[_calls % len(self.seconds)]
+        _calls += 1
+        answer = self.echo.predict(features)  # the features as they were at the start
+        time.sleep(seconds)
+        return answer

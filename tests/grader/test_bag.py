@@ -1,0 +1,403 @@
+"""A saved recording is the recording, and any tool can open it."""
+
+import shutil
+from dataclasses import fields, replace
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from conftest import short
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import Reader
+
+from grader import bag
+from grader.errors import InputError
+from grader.launch import Nursery
+from grader.link import LogLine
+from grader.recording import Compute, Outcome, Recording
+from grader.submission import Submission
+from grader.trial import run_trial
+from sim.messages import EPOCH_NS, Message, decode, typestore
+from sim.scenario import ScriptEvent, load_scenario
+
+NODE = """
+import rclpy, sys
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import String
+rclpy.init()
+node = Node('wanderer')
+drive = node.create_publisher(Twist, '/cmd_vel', 10)
+tell = node.create_publisher(String, 'said', 10)
+def on_scan(scan):
+    twist = Twist(); twist.linear.x, twist.angular.z = 0.3, 0.7
+    drive.publish(twist)
+    tell.publish(String(data='grüß ' + str(scan.header.stamp.nanosec)))
+    node.get_logger().info('scan')
+    print('line \\x00 \\x1b[31m', file=sys.stderr)
+node.create_subscription(LaserScan, '/scan', on_scan, 10)
+node.create_subscription(Odometry, '/odom', lambda _: None, 10)
+rclpy.spin(node)
+"""
+
+
+@pytest.fixture(scope="module")
+def recording(nursery: Nursery, tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    file = tmp_path_factory.mktemp("node") / "wanderer.py"
+    file.write_text(NODE, "utf-8")
+    scenario = msgspec.structs.replace(
+        load_scenario("avoid_store"),
+        duration=1.5,
+        script=(ScriptEvent(at=0.4, goal=(1.0, 2.0, 30.0)),),
+    )
+    recording = run_trial(Submission(file), scenario, nursery)
+    assert recording.outcome.completed
+    assert len(recording.published) >= 20
+    return recording
+
+
+@pytest.fixture
+def saved(recording: Recording, tmp_path: Path) -> Path:
+    return bag.save(recording, tmp_path / "bag")
+
+
+# --- the same again ------------------------------------------------------------------------------
+
+
+def test_what_is_loaded_is_what_was_saved(recording: Recording, saved: Path) -> None:
+    loaded = bag.load(saved)
+
+    for name in ("scenario", "seed", "duration_s", "outcome", "endpoints", "log", "log_truncated"):
+        assert getattr(loaded, name) == getattr(recording, name), name
+    assert loaded.delivered == recording.delivered
+    assert loaded.published == recording.published
+    assert loaded.digest() == recording.digest()
+    assert loaded.bag == str(saved)
+
+
+@pytest.mark.parametrize("part", ["truth", "compute"])
+def test_arrays_are_equal_bit_for_bit(part: str, recording: Recording, saved: Path) -> None:
+    loaded = bag.load(saved)
+
+    for field in fields(getattr(recording, part)):
+        before = getattr(getattr(recording, part), field.name)
+        after = getattr(getattr(loaded, part), field.name)
+        assert before.dtype == after.dtype, field.name
+        assert before.tobytes() == after.tobytes(), field.name
+
+
+def test_what_is_derived_is_equal(recording: Recording, saved: Path) -> None:
+    loaded = bag.load(saved)
+
+    np.testing.assert_array_equal(loaded.twists().values, recording.twists().values)
+    np.testing.assert_array_equal(loaded.odometry().yaw, recording.odometry().yaw)
+    np.testing.assert_array_equal(loaded.goals().x, [1.0])
+    for before, after in zip(recording.scans(), loaded.scans(), strict=True):
+        np.testing.assert_array_equal(before.ranges, after.ranges)
+
+
+def test_the_mcap_file_will_do(recording: Recording, saved: Path) -> None:
+    assert bag.load(saved / "bag.mcap").digest() == recording.digest()
+
+
+def test_saving_again_replaces_the_bag(recording: Recording, saved: Path) -> None:
+    bag.save(replace(recording, seed=99), saved)
+
+    assert bag.load(saved).seed == 99
+
+
+def test_folders_are_made(recording: Recording, tmp_path: Path) -> None:
+    assert bag.load(bag.save(recording, tmp_path / "a" / "b" / "c")).name == recording.name
+
+
+def test_a_loaded_recording_can_be_saved(saved: Path, tmp_path: Path) -> None:
+    first = bag.load(saved)
+    assert bag.load(bag.save(first, tmp_path / "again")).digest() == first.digest()
+
+
+def test_a_trial_that_never_was(recording: Recording, tmp_path: Path) -> None:
+    empty = run_trial(Submission(tmp_path / "x.py", "the file is empty"), short(1.0), None)  # type: ignore[arg-type]
+    loaded = bag.load(bag.save(empty, tmp_path / "empty"))
+
+    assert loaded.outcome == empty.outcome
+    assert loaded.digest() == empty.digest()
+    assert len(loaded.compute.wall) == 0
+
+
+def test_cpu_times_may_be_unknown(recording: Recording, tmp_path: Path) -> None:
+    unknown = Compute(np.array([0.5]), np.array([0.1]), np.array([np.nan]))
+    loaded = bag.load(bag.save(replace(recording, compute=unknown), tmp_path / "bag"))
+
+    np.testing.assert_array_equal(loaded.compute.cpu, [np.nan])
+
+
+text = st.text(st.characters(exclude_categories=["Cs"]), max_size=60)
+
+
+@settings(derandomize=True, deadline=None, max_examples=15)
+@given(
+    st.lists(
+        st.builds(
+            LogLine,
+            time=st.integers(0, 10**9),
+            level=st.sampled_from(["debug", "info", "warn", "error", "fatal", "stdout", "stderr"]),
+            text=text,
+        ),
+        max_size=4,
+    ),
+    text,
+)
+def test_any_text_survives(
+    recording: Recording, tmp_path_factory: pytest.TempPathFactory, log: list[LogLine], said: str
+) -> None:
+    said_all = replace(
+        recording,
+        log=tuple(sorted(log, key=lambda line: line.time)),
+        outcome=Outcome("exception", said, 0.1 + 0.2, said * 3),
+    )
+    folder = tmp_path_factory.mktemp("bags") / "bag"
+    loaded = bag.load(bag.save(said_all, folder))
+
+    assert loaded.log == said_all.log
+    assert loaded.outcome == said_all.outcome
+
+
+# --- for others ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("reader_of", [Reader, lambda path: AnyReader([path])])
+def test_rosbags_reads_every_message(reader_of, recording: Recording, saved: Path) -> None:  # type: ignore[no-untyped-def]
+    topics, last = set(), 0
+    with reader_of(saved) as reader:
+        for connection, stamp, data in reader.messages():
+            assert typestore().deserialize_cdr(data, connection.msgtype) is not None
+            assert last <= stamp
+            assert 0 <= stamp - EPOCH_NS <= recording.duration_s * 1e9
+            topics.add(connection.topic)
+            last = stamp
+
+    said = {message.topic for message in recording.messages}
+    truth = {"/ground_truth/odom", "/ground_truth/clearance", "/ground_truth/contact"}
+    assert topics == said | truth | {"/rosout", "/course/trial"}
+
+
+def test_mcap_reads_it_as_ros2(recording: Recording, saved: Path) -> None:
+    with (saved / "bag.mcap").open("rb") as file:
+        reader = make_reader(file)
+        assert reader.get_header().profile == "ros2"
+        summary = reader.get_summary()
+        assert summary is not None
+        assert {schema.encoding for schema in summary.schemas.values()} == {"ros2msg"}
+        assert {channel.message_encoding for channel in summary.channels.values()} == {"cdr"}
+        named = {schema.name: schema.data for schema in summary.schemas.values()}
+        assert b"float32[] ranges" in named["sensor_msgs/msg/LaserScan"]
+        scans = [message for _, _, message in reader.iter_messages(topics=["/scan"])]
+
+    assert [(m.log_time - EPOCH_NS, m.data) for m in scans] == [
+        (m.time, m.data) for m in recording.of("/scan")
+    ]
+
+
+def test_stamps_are_those_of_the_messages(recording: Recording, saved: Path) -> None:
+    with Reader(saved) as reader:
+        for connection, stamp, data in reader.messages():
+            if connection.topic not in ("/ground_truth/odom", "/rosout", "/odom"):
+                continue
+            value = decode(bytes(data), connection.msgtype)
+            header = value.stamp if connection.topic == "/rosout" else value.header.stamp
+            assert 1.6e9 < header.sec < 1.8e9
+            assert header.sec * 10**9 + header.nanosec == stamp
+
+
+# --- what nodes can do to it ---------------------------------------------------------------------
+
+
+def test_unknown_types_are_left_out(recording: Recording, tmp_path: Path) -> None:
+    strange = Message("/strange", "my_package/msg/Strange", 10, b"\0\1\0\0data")
+    odd = replace(recording, published=(strange, *recording.published))
+    loaded = bag.load(bag.save(odd, tmp_path / "bag"))
+
+    assert loaded.published == recording.published
+
+
+def test_two_types_on_one_topic(recording: Recording, tmp_path: Path) -> None:
+    number = Message("/said", "std_msgs/msg/Float64", 10**9, b"\0\1\0\0" + bytes(8))
+    mixed = tuple(sorted((*recording.published, number), key=lambda message: message.time))
+    loaded = bag.load(bag.save(replace(recording, published=mixed), tmp_path / "bag"))
+
+    assert sorted(loaded.published, key=repr) == sorted(mixed, key=repr)
+
+
+ODD = [
+    "",
+    "no slash",
+    "/a: b\n- c",
+    "/#x",
+    "/'\"",
+    "/\x00",
+    "/\x1b[0m",
+    "/ü",
+    "*",
+    "/{a: 1}",
+    "/" * 256,
+]
+
+
+@pytest.mark.parametrize("topic", ODD)
+def test_odd_topics(topic: str, recording: Recording, tmp_path: Path) -> None:
+    odd = Message(topic, "std_msgs/msg/String", 10, b"\xff" * 5)
+    loaded = bag.load(bag.save(replace(recording, published=(odd,)), tmp_path / "bag"))
+
+    assert loaded.published == (odd,)
+
+
+# --- what is no bag ------------------------------------------------------------------------------
+
+
+def refused(path: Path) -> str:
+    with pytest.raises(InputError) as caught:
+        bag.load(path)
+    said = str(caught.value)
+    assert str(path) in said
+    assert "\n" not in said
+    assert len(said) < 1_000
+    return said
+
+
+@pytest.mark.parametrize("name", ["absent", "absent.mcap"])
+def test_nothing_is_not_a_bag(name: str, tmp_path: Path) -> None:
+    assert "expected a bag" in refused(tmp_path / name)
+
+
+def test_an_empty_folder_is_not_a_bag(tmp_path: Path) -> None:
+    assert "expected a bag" in refused(tmp_path)
+
+
+def test_a_file_is_not_a_bag(tmp_path: Path) -> None:
+    file = tmp_path / "bag.txt"
+    file.write_text("no")
+    assert "expected a bag" in refused(file)
+
+
+def test_a_bag_without_its_messages(saved: Path) -> None:
+    (saved / "bag.mcap").unlink()
+    refused(saved)
+
+
+@pytest.mark.parametrize("part", [0.0, 0.001, 0.3, 0.6, 0.9, 0.99, 0.9999])
+def test_truncated_bags(part: float, saved: Path) -> None:
+    whole = (saved / "bag.mcap").read_bytes()
+    (saved / "bag.mcap").write_bytes(whole[: int(len(whole) * part)])
+    refused(saved)
+
+
+METADATA = ["", "a: [", "- 1", "3", "rosbag2_bagfile_information: 3", "\0"]
+
+
+@pytest.mark.parametrize("content", METADATA)
+def test_broken_metadata(content: str, saved: Path) -> None:
+    (saved / "metadata.yaml").write_text(content)
+    refused(saved)
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(
+    st.lists(
+        st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 255)), min_size=1, max_size=30
+    )
+)
+def test_damaged_bags_are_refused_or_recordings(
+    recording: Recording,
+    tmp_path_factory: pytest.TempPathFactory,
+    damages: list[tuple[float, int]],
+) -> None:
+    folder = tmp_path_factory.getbasetemp() / "damaged"
+    bag.save(recording, folder)
+    file = folder / "damaged.mcap"
+    content = bytearray(file.read_bytes())
+    for where, value in damages:
+        content[int(where * len(content))] = value
+    file.write_bytes(content)
+    try:
+        assert isinstance(bag.load(folder), Recording)
+    except InputError as error:
+        assert "\n" not in str(error)
+
+
+def test_a_bag_of_somebody_else(tmp_path: Path) -> None:
+    from rosbags.rosbag2 import StoragePlugin, Writer
+
+    folder = tmp_path / "foreign"
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/x", "std_msgs/msg/String", typestore=typestore())
+        writer.write(connection, EPOCH_NS, b"\0\1\0\0\1\0\0\0\0")
+
+    assert "not a bag that this course has recorded" in refused(folder)
+
+
+@pytest.mark.parametrize("change", ["format", "missing", "scenario", "yaw"])
+def test_a_document_of_another_form(
+    change: str, recording: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def other(recording: Recording, original=bag._document) -> object:  # type: ignore[no-untyped-def]
+        document = msgspec.to_builtins(original(recording))
+        if change == "missing":
+            del document["outcome"]
+        else:
+            document |= {
+                "format": {"format": 0},
+                "scenario": {"scenario": "{}"},
+                "yaw": {"yaw": []},
+            }[change]
+        return document
+
+    monkeypatch.setattr(bag, "_document", other)
+    folder = bag.save(recording, tmp_path / "bag")
+
+    refused(folder) if change != "scenario" else pytest.raises(InputError, bag.load, folder)
+
+
+# --- what is not to be overwritten ---------------------------------------------------------------
+
+
+def keeps(recording: Recording, place: Path) -> None:
+    with pytest.raises(InputError, match="exists and is not a bag") as caught:
+        bag.save(recording, place)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_folder_of_other_things_is_kept(recording: Recording, tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("years of work")
+    keeps(recording, tmp_path)
+    assert (tmp_path / "thesis.tex").exists()
+
+
+def test_a_folder_with_metadata_and_other_things_is_kept(recording: Recording, saved: Path) -> None:
+    (saved / "thesis.tex").write_text("years of work")
+    keeps(recording, saved)
+    assert (saved / "thesis.tex").exists()
+
+
+def test_a_file_is_kept(recording: Recording, tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("years of work")
+    keeps(recording, file)
+    assert file.read_text() == "years of work"
+
+
+def test_a_link_to_a_bag_is_kept(recording: Recording, saved: Path, tmp_path: Path) -> None:
+    link = tmp_path / "link"
+    link.symlink_to(saved)
+    keeps(recording, link)
+    assert bag.load(saved).digest() == recording.digest()
+
+
+def test_the_bag_may_be_moved(recording: Recording, saved: Path, tmp_path: Path) -> None:
+    moved = Path(shutil.move(saved, tmp_path / "elsewhere"))
+    assert bag.load(moved).digest() == recording.digest()

@@ -1,0 +1,324 @@
+"""The judge's end of the link, against hosts that say whatever they like."""
+
+import os
+import tracemalloc
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+
+import pytest
+from fake_host import FakeHost, frame, settled, talking
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from grader import link as link_module
+from grader.host.frames import (
+    LENGTH,
+    MARK,
+    MAX_FRAME,
+    Delivery,
+    Ended,
+    Published,
+    Run,
+    Settled,
+    Start,
+    encode,
+)
+from grader.link import (
+    MAX_LINES,
+    MAX_OUTPUT,
+    HostDied,
+    HostForged,
+    HostHung,
+    Link,
+    LogLine,
+    Output,
+)
+
+START = Start(file="agent.py", arguments=(), epoch=0, seed=1, offers=())
+LIMIT = 20.0  # [s] for answers that come
+SOON = 0.05  # [s] for answers that don't
+
+
+@pytest.fixture(autouse=True)
+def no_patience_for_stacks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(link_module, "STACK_TIME", 0.01)
+
+
+@contextmanager
+def linked(
+    *answers: bytes, hang_up: bool = True, deaf: bool = False
+) -> Iterator[tuple[Link, FakeHost]]:
+    with FakeHost(answers, hang_up=hang_up, deaf=deaf) as host:
+        yield Link(host), host
+
+
+def test_an_answer_arrives_whole() -> None:
+    message = Published(5, "/cmd_vel", "geometry_msgs/msg/Twist", bytes(range(256)) * 4_000)
+    with linked(settled(), settled(9, published=[message])) as (link, _):
+        first, _ = link.start(START, LIMIT)
+        second, cost = link.run(Run(9, (Delivery("/scan", bytes(300_000)),)), LIMIT)
+
+    assert first == Settled(0, True, False, [])
+    assert isinstance(second, Settled)
+    assert second.published == [message]
+    assert cost.wall > 0
+
+
+def test_an_end_arrives() -> None:
+    end = Ended(0, "exception", "ValueError: no", "Traceback …", [])
+    with linked(encode(end)) as (link, _):
+        assert link.start(START, LIMIT)[0] == end
+
+
+@settings(derandomize=True, deadline=None, max_examples=150)
+@given(st.binary(max_size=400))
+def test_arbitrary_bytes(noise: bytes) -> None:
+    with linked(noise) as (link, _), pytest.raises((HostDied, HostForged)):
+        link.start(START, LIMIT)
+
+
+@settings(derandomize=True, deadline=None, max_examples=150)
+@given(st.binary(max_size=400))
+def test_arbitrary_bodies(noise: bytes) -> None:
+    with linked(frame(noise)) as (link, _), pytest.raises((HostDied, HostForged)):
+        link.start(START, LIMIT)
+
+
+BOMB = b"\x82\xa4type\xa7settled\xa9published"
+FORGERIES = {
+    "an oversized length": LENGTH.pack(MAX_FRAME + 1),
+    "the largest length": b"\xff\xff\xff\xff",
+    "an empty frame": frame(b""),
+    "deep nesting": frame(b"\x91" * 1_000_000),
+    "deep nesting in an unknown field": frame(
+        b"\x82\xa4type\xa7settled\xa1x" + b"\x91" * 1_000_000
+    ),
+    "an array of four billion": frame(BOMB + b"\xdd\xff\xff\xff\xff"),
+    "a map of four billion": frame(b"\xdf\xff\xff\xff\xff"),
+    "a text of four gigabytes": frame(b"\x81\xa4type\xdb\xff\xff\xff\xff"),
+    "text that is not UTF-8": frame(b"\x82\xa4type\xa5ended\xa4text\xa2\xff\xfe"),
+    "a kind that is not UTF-8": frame(b"\x81\xa4type\xa2\xff\xfe"),
+    "a megabyte of kind": frame({"type": "A" * 1_000_000}),
+    "trailing bytes": frame(settled()[LENGTH.size :] + b"\0"),
+    "the judge's own frame": encode(START),
+    "fields of wrong types": frame({"type": "settled", "now": "0", "spinning": 1, "asleep": None}),
+    "a time before the start": frame({"type": "settled", "now": -1}),
+}
+
+
+@pytest.mark.parametrize("what", FORGERIES)
+def test_forgeries(what: str) -> None:
+    with linked(FORGERIES[what], hang_up=False) as (link, _), pytest.raises(HostForged) as caught:
+        link.start(START, LIMIT)
+
+    assert len(str(caught.value)) <= link_module.MAX_REASON
+
+
+@pytest.mark.parametrize("what", FORGERIES)
+def test_forgeries_do_not_fill_the_memory(what: str) -> None:
+    with linked(FORGERIES[what], hang_up=False) as (link, _):
+        tracemalloc.start()
+        with pytest.raises(HostForged):
+            link.start(START, LIMIT)
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+
+    assert peak < 16 * 1024 * 1024
+
+
+def test_a_stream_without_end_is_not_collected() -> None:
+    """The judge reads a frame at most, however much is there to be read."""
+    with linked(settled(), hang_up=False) as (link, host):
+        link.start(START, LIMIT)
+        with talking(host.their_out, bytes(65536)):
+            with pytest.raises(HostForged):
+                link.run(Run(1), LIMIT)
+            assert len(link._buffer) < 2 * link_module.CHUNK
+
+
+@pytest.mark.parametrize("size", [1, LENGTH.size, LENGTH.size + 1, -1])
+def test_a_truncated_frame_is_a_death(size: int) -> None:
+    with linked(settled()[:size]) as (link, _), pytest.raises(HostDied):
+        link.start(START, LIMIT)
+
+
+@pytest.mark.parametrize("size", [0, 1, LENGTH.size, -1])
+def test_half_an_answer_is_waited_for_until_the_limit(size: int) -> None:
+    with linked(settled()[:size], hang_up=False) as (link, _), pytest.raises(HostHung) as caught:
+        link.start(START, SOON)
+
+    assert caught.value.stacks == '  File "agent.py", line 7 in on_scan'
+
+
+def test_a_host_that_is_gone_is_a_death() -> None:
+    with linked() as (link, host):
+        os.close(host.their_in)
+        host.their_in = -1
+        with pytest.raises(HostDied):
+            link.start(START, LIMIT)
+
+
+def test_an_answer_before_the_question_is_forged() -> None:
+    with linked(settled() + settled(9), hang_up=False) as (link, _):
+        link.start(START, LIMIT)
+        with pytest.raises(HostForged, match="before the question"):
+            link.run(Run(9), LIMIT)
+
+
+def test_a_host_that_does_not_read_can_not_block_the_judge() -> None:
+    with linked(hang_up=False) as (link, _), pytest.raises(HostHung):
+        link.run(Run(1, (Delivery("/scan", bytes(1_000_000)),)), SOON)
+
+
+def test_a_host_that_closes_its_pipe_in_the_middle_of_a_frame_is_a_death() -> None:
+    with linked(deaf=True, hang_up=False) as (link, host):
+        os.close(host.their_in)
+        host.their_in = -1
+        with pytest.raises(HostDied):
+            link.run(Run(1, (Delivery("/scan", bytes(1_000_000)),)), LIMIT)
+
+
+@pytest.mark.parametrize("stream", ["their_stdout", "their_stderr"])
+def test_endless_output_does_not_keep_the_judge(stream: str) -> None:
+    with (
+        linked(hang_up=False) as (link, host),
+        talking(getattr(host, stream), b"x" * 65535 + b"\n"),
+    ):
+        with pytest.raises(HostHung):
+            link.start(START, SOON)
+        link.log()
+
+    assert len(link.stdout.lines) + len(link.stderr.lines) < MAX_LINES
+
+
+def test_closed_output_pipes_do_not_matter() -> None:
+    with linked(settled(), settled(1)) as (link, host):
+        for name in ("their_stdout", "their_stderr"):
+            os.write(getattr(host, name), b"last words")
+            os.close(getattr(host, name))
+            setattr(host, name, -1)
+        link.start(START, LIMIT)
+        link.run(Run(1), LIMIT)
+
+        assert [line.text for line in link.log()] == ["last words"] * 2
+
+
+def test_the_log_is_in_order_of_time() -> None:
+    with linked(settled(), settled(30)) as (link, host):
+        link.start(START, LIMIT)
+        link.run(Run(30), LIMIT)
+        os.write(host.their_stdout, f"a\n{MARK}20\nd\n".encode())
+        os.write(host.their_stderr, f"b\n{MARK}10\nc\n".encode())
+
+        assert [(line.time, line.text) for line in link.log()] == [
+            (0, "a"),
+            (0, "b"),
+            (10, "c"),
+            (20, "d"),
+        ]
+
+
+# --- output --------------------------------------------------------------------------------------
+
+
+def said(*pieces: bytes, limit: int = 10**12) -> list[tuple[int, str, str]]:
+    output = Output("stdout", limit=limit)
+    for piece in pieces:
+        output.feed(piece)
+    output.finish()
+    return [(line.time, line.level, line.text) for line in output.lines]
+
+
+def test_marks_say_when_something_was_printed() -> None:
+    assert said(f"one\n{MARK}5\ntwo\n{MARK}7\n".encode()) == [
+        (0, "stdout", "one"),
+        (5, "stdout", "two"),
+    ]
+
+
+def test_a_mark_ends_an_unfinished_line() -> None:
+    assert said(f"no newline{MARK}5\nlater".encode()) == [
+        (0, "stdout", "no newline"),
+        (5, "stdout", "later"),
+    ]
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(st.lists(st.integers(0, 60), max_size=8))
+def test_it_does_not_matter_where_the_output_is_cut(cuts: list[int]) -> None:
+    text = f"grüß\n{MARK}5\n[WARN] [node]: ärger\n{MARK}70\nrest ohne Ende".encode()
+    ends = [0, *sorted(cuts), len(text)]
+    pieces = [text[a:b] for a, b in pairwise(ends)]
+
+    assert said(*pieces) == [
+        (0, "stdout", "grüß"),
+        (5, "warn", "ärger"),
+        (70, "stdout", "rest ohne Ende"),
+    ]
+
+
+@pytest.mark.parametrize("level", ["DEBUG", "INFO", "WARN", "ERROR", "FATAL"])
+def test_ros_lines_have_their_level(level: str) -> None:
+    assert said(f"[{level}] [my.node]: text: [x]\n".encode()) == [(0, level.lower(), "text: [x]")]
+
+
+@pytest.mark.parametrize("text", ["[INFO] no", "[NOTE] [n]: x", "", " ", "[[", "\x1e", "\x1ex"])
+def test_other_lines_are_kept_as_they_are(text: str) -> None:
+    assert said(f"{text}\n".encode()) == [(0, "stdout", text)]
+
+
+def test_invalid_utf8_is_replaced() -> None:
+    assert said(b"\xff\xfe caf\xe9\n") == [(0, "stdout", "\ufffd\ufffd caf\ufffd")]
+
+
+FORGED_MARKS = ["²", "٣", "-1", "1.5", "9" * 19, "9" * 30, "1_000", " 5", "+5", "0x5", "101"]
+
+
+@pytest.mark.parametrize("time", FORGED_MARKS)
+def test_a_forged_mark_is_text(time: str) -> None:
+    """Not a number, or a time that the node can't have come to."""
+    lines = said(f"{MARK}50\n{MARK}{time}\nnext\n".encode(), limit=100)
+
+    assert lines == [(50, "stdout", f"{MARK}{time}"), (50, "stdout", "next")]
+
+
+def test_time_does_not_go_back() -> None:
+    times = [time for time, _, _ in said(f"{MARK}50\na\n{MARK}40\nb\n".encode())]
+    assert times == [50, 50, 50]
+
+
+@settings(derandomize=True, deadline=None, max_examples=200)
+@given(
+    st.lists(st.binary(max_size=60) | st.text(f"{MARK}0123456789\n²", max_size=30).map(str.encode))
+)
+def test_any_output_gives_lines_in_order(pieces: list[bytes]) -> None:
+    times = [time for time, _, _ in said(*pieces, limit=1_000)]
+
+    assert times == sorted(times)
+    assert all(time <= 1_000 for time in times)
+
+
+def test_too_much_output_is_cut() -> None:
+    output = Output("stdout")
+    for _ in range(40):
+        output.feed(b"x" * 32_000 + b"\n")
+
+    assert output.truncated
+    assert sum(len(line.text) for line in output.lines) <= MAX_OUTPUT
+
+
+def test_too_many_lines_are_cut() -> None:
+    output = Output("stdout")
+    output.feed(b"\n" * (MAX_LINES + 1))
+
+    assert output.truncated
+    assert len(output.lines) == MAX_LINES
+
+
+def test_long_lines_are_cut() -> None:
+    assert said(b"x" * 5_000) == [(0, "stdout", "x" * 2_000)]
+
+
+def test_a_line_knows_its_time_in_seconds() -> None:
+    assert LogLine(1_500_000_000, "info", "x").t == 1.5
