@@ -111,8 +111,6 @@ def load(path: Path) -> Recording:
                     Message(connection.topic, connection.msgtype, stamp - EPOCH_NS, bytes(data))
                 )
         return _assemble(messages, str(folder))
-    except InputError:
-        raise
     except Exception as error:  # rosbags raises whatever the broken bytes lead to
         said = " ".join(str(error).split())[:MAX_REASON]
         raise InputError(f"{path}: not a bag that this course has recorded ({said})") from error

@@ -234,6 +234,9 @@ def _check_writable(report: Path | None, json_: str | None) -> None:
             raise InputError(f"{target}: its folder does not exist")
         if target is not None and target.is_dir():
             raise InputError(f"{target}: expected a file to write, but this is a folder")
+        if target is not None and not target.exists():
+            target.touch()  # an OSError says what is wrong
+            target.unlink()
 
 
 def _show(grading: Grading, json_: str | None, report: Path | None) -> None:

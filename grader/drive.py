@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -58,6 +59,8 @@ def scenario_for(
             raise InputError(f"unknown lidar profile {lidar!r}; there are: {', '.join(PROFILES)}")
         changes["lidar"] = msgspec.structs.replace(scenario.lidar, profile=lidar, rate=None)
     if duration is not None:
+        if not math.isfinite(duration) or duration <= 0:
+            raise InputError(f"--duration {duration}: expected a time in seconds, such as 20")
         changes["duration"] = duration
     if goals:
         total = duration or scenario.duration

@@ -104,7 +104,7 @@ def grade(
     plugin = CheckPlugin(trials, field=field, only=only)
     with _undisturbed():
         code = pytest.main(_arguments(exercise), plugins=[plugin])
-    if code == pytest.ExitCode.INTERRUPTED:
+    if plugin.interrupted:
         raise KeyboardInterrupt
     if plugin.fault is not None:
         raise plugin.fault
@@ -173,6 +173,7 @@ def _arguments(exercise: Exercise) -> list[str]:
         "--capture=sys",
         f"--rootdir={exercise.checks}",
         f"--config-file={os.devnull}",
+        "-W", "ignore",
         "-p", "no:terminal",
         "-p", "no:cacheprovider",
         "-p", "no:faulthandler",

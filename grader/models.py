@@ -12,12 +12,15 @@ from grader.host import probes
 from sim.scenario import Model
 
 PROTOCOL = 4  # of pickle; every Python here reads it
+_FOREIGN = b"cmy_training_script\nMyModel\n."  # a pickle whose class lies in a script that is gone
 
 _PROBES: dict[str, Callable[..., Any]] = {
     "echo": probes.Echo,
     "constant": probes.Constant,
     "raising": probes.Raising,
     "sequence": probes.Sequence,
+    "by_distance": probes.ByDistance,
+    "raises_near": probes.RaisesNear,
     "counts_loads": probes.CountsLoads,
     "slow": probes.Slow,
 }
@@ -39,7 +42,20 @@ def model_bytes(model: Model) -> bytes:
     """Return the content of a model file."""
     if model.probe == "garbage":
         return b"this is no model\n"
+    if model.probe == "foreign":
+        return _FOREIGN
+    return pickle.dumps(probe(model), PROTOCOL)
+
+
+def probe(model: Model) -> Any:
+    """Return the probe model itself: checks ask it what it says about a scan.
+
+    Raises
+    ------
+    GraderError
+        There is no such probe, or its settings are wrong.
+    """
     try:
-        return pickle.dumps(_PROBES[model.probe](**model.settings), PROTOCOL)
+        return _PROBES[model.probe](**model.settings)
     except (KeyError, TypeError) as error:
         raise GraderError(f"no model {model.probe!r} with {model.settings}: {error!r}") from error

@@ -76,6 +76,7 @@ class CheckPlugin:
         self._checks: dict[str, Check] = {}  # by node id
         self.results: dict[str, CheckResult] = {}  # by check id
         self.fault: Exception | None = None  # what kept the checks from being collected
+        self.interrupted = False  # by the person at the keyboard
 
     def pytest_configure(self, config: pytest.Config) -> None:
         """Make the mark known."""
@@ -126,6 +127,10 @@ class CheckPlugin:
         elif call.when == "call":
             self.results[check.id] = _result(check, PASS)
 
+    def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo[BaseException]) -> None:
+        """Note an interrupt (pytest's own way out of broken files is a subclass)."""
+        self.interrupted = excinfo.type is KeyboardInterrupt
+
     def _prepare(self, *, field: bool) -> None:
         checks = [check for check in self._checks.values() if check.field == field]
         self._trials.prepare(list(dict.fromkeys(s for check in checks for s in check.scenarios)))
@@ -149,13 +154,17 @@ class _Unmet(Exception):
     """A check that this one needs did not pass."""
 
 
-def _add_with_needs(check_id: str, by_id: dict[str, Check], chosen: dict[str, Check]) -> None:
+def _add_with_needs(
+    check_id: str, by_id: dict[str, Check], chosen: dict[str, Check], way: tuple[str, ...] = ()
+) -> None:
     if check_id in chosen:
         return
+    if check_id in way:
+        raise GraderError(f"the check {check_id!r} needs itself")
     if check_id not in by_id:
         raise GraderError(f"a check needs {check_id!r}, which does not exist")
     for need in by_id[check_id].needs:
-        _add_with_needs(need, by_id, chosen)
+        _add_with_needs(need, by_id, chosen, (*way, check_id))
     chosen[check_id] = by_id[check_id]
 
 
@@ -163,6 +172,8 @@ def _read_check(item: pytest.Item) -> Check:
     mark = item.get_closest_marker("check")
     if mark is None or not isinstance(item, pytest.Function):
         raise GraderError(f"{item.nodeid} has no check mark")
+    if "scenarios" not in mark.kwargs:
+        raise GraderError(f"{item.nodeid} names no scenarios")
     doc = (item.function.__doc__ or "").strip()
     if not doc:
         raise GraderError(f"{item.nodeid} has no docstring: nothing for the student to read")

@@ -68,6 +68,8 @@ def _in_folder(folder: Path, expected: str | None) -> Path:
 
 
 def _problem(path: Path) -> str:
+    if not path.name.isprintable():  # not UTF-8, or with control characters
+        raise InputError(f"{str(path)!r}: give the file a name of ordinary characters")
     try:
         size = path.stat().st_size
         if size > MAX_SIZE:

@@ -12,6 +12,7 @@ from msgspec import Meta
 from numpy.typing import NDArray
 
 Angle = Annotated[float, Meta(ge=-180, le=180)]
+Offset = Annotated[float, Meta(ge=-3600, le=3600)]  # [s]
 _TOLERANCE = 1e-6  # [°]; the ends of an interval belong to it in spite of rounding
 
 
@@ -32,6 +33,7 @@ class BenchScan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     patches: Annotated[tuple[Patch, ...], Meta(max_length=1000)] = ()
     repeat: Annotated[int, Meta(ge=1, le=10_000)] = 1  # this scan so often in a row
     empty: bool = False  # a scan without beams
+    stamp_offset: Offset = 0.0  # added to the header's stamp: a driver whose clock was set [s]
 
 
 def bench_ranges(scan: BenchScan, angles: NDArray[np.float64]) -> NDArray[np.float64]:

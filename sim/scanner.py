@@ -42,7 +42,7 @@ class Scanner:
         profile = self._profile
         return laser_scan(
             time=event.delivery,
-            stamp=event.time,
+            stamp=event.time + self._stamp_offset(event),
             ranges=self._readings(event, pose),
             angle_min=profile.angle_min,
             angle_increment=profile.angle_increment,
@@ -50,6 +50,12 @@ class Scanner:
             range_max=profile.range_max,
             scan_time=self._scan_time,
         )
+
+    def _stamp_offset(self, event: Event) -> int:
+        """Return what a bench scan adds to its stamp [ns]."""
+        if not self._scenario.bench:
+            return 0
+        return round(self._scenario.bench_scans[event.index].stamp_offset * 1e9)
 
     def _readings(self, event: Event, pose: Pose) -> NDArray[np.float32]:
         if self._scenario.bench:

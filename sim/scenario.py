@@ -27,6 +27,7 @@ _MAY_BE_INFINITE = (
     "script.odom",
     "raw.linear_x",
     "raw.angular_z",
+    "node.models",
     "bench.fill",
     "bench.patches.range",
 )

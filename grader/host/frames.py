@@ -39,11 +39,19 @@ class Offer(msgspec.Struct, array_like=True, frozen=True):
     reliable: bool
 
 
+class ProgramStart(msgspec.Struct, frozen=True):
+    """A program to run; on a robot it would be a process of its own."""
+
+    file: str
+    arguments: tuple[str, ...] = ()  # what follows the file name in sys.argv
+    start: Nanoseconds = 0  # [ns] since the start
+    stop: Nanoseconds | None = None  # [ns]; it is killed then
+
+
 class Start(msgspec.Struct, frozen=True, tag="start"):
     """The judge's first frame: what to run and what the robot offers."""
 
-    file: str  # the student's file, relative to the working folder
-    arguments: tuple[str, ...]  # what follows the file name in sys.argv
+    programs: tuple[ProgramStart, ...]
     epoch: Nanoseconds  # ROS time of the start
     seed: int  # for `random`, in case the student uses it
     offers: tuple[Offer, ...]

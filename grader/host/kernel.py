@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import _thread
 import collections
+import contextlib
 import heapq
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TypeVar
 
 Result = TypeVar("Result")
@@ -36,6 +37,7 @@ class VirtualThread:
         self.seen = -1  # epoch at this thread's last look
         self.idle: dict[object, tuple[int, int]] = {}  # poll key: (epoch, idle looks in it)
         self.done = False
+        self.program: object = None  # the emulated process it belongs to
         self.joiners: Waiters = collections.deque()
 
 
@@ -53,6 +55,9 @@ class World:
 
     def moved(self) -> None:
         """Time has moved."""
+
+    def switched(self, before: object, after: object) -> None:
+        """The baton has passed from a thread of one program to one of another."""
 
     def exchange(self) -> None:
         """Time has come to `until`: let the world act and move `until` on."""
@@ -72,6 +77,7 @@ class Kernel:
         self._timed: list[tuple[int, int, VirtualThread, int]] = []
         self._sequence = itertools.count()
         self.threads = {real_get_ident(): VirtualThread()}
+        self.program: object = None  # whose thread holds the baton
 
     # --- for the threads -------------------------------------------------------------------------
 
@@ -143,6 +149,7 @@ class Kernel:
     def add(self) -> VirtualThread:
         """Announce a thread; it runs when its turn comes."""
         thread = VirtualThread()
+        thread.program = self.program
         self._ready.append(thread)
         return thread
 
@@ -150,6 +157,7 @@ class Kernel:
         """Wait, in the new thread, for its first turn."""
         self.threads[real_get_ident()] = thread
         thread.gate.acquire()
+        self._resume(thread)
 
     def leave(self, thread: VirtualThread) -> None:
         """End the thread: the baton goes on for good."""
@@ -159,6 +167,27 @@ class Kernel:
         for joiner in thread.joiners:
             self.wake(joiner)
         self._pick().gate.release()
+
+    # --- for the emulation of processes ----------------------------------------------------------
+
+    @contextlib.contextmanager
+    def acting_as(self, program: object) -> Iterator[None]:
+        """Let the calling thread belong to another program for a while."""
+        thread = self.me()
+        own, thread.program = thread.program, program
+        self._resume(thread)
+        try:
+            yield
+        finally:
+            thread.program = own
+            self._resume(thread)
+
+    def kill(self, program: object) -> None:
+        """Never run the threads of a program again, wherever they wait."""
+        for thread in self.threads.values():
+            if thread.program is program:
+                thread.ticket += 1
+        self._ready = collections.deque(t for t in self._ready if t.program is not program)
 
     # --- the baton -------------------------------------------------------------------------------
 
@@ -182,6 +211,12 @@ class Kernel:
         if chosen is not thread:
             chosen.gate.release()
             thread.gate.acquire()
+            self._resume(thread)
+
+    def _resume(self, thread: VirtualThread) -> None:
+        if thread.program is not self.program:
+            before, self.program = self.program, thread.program
+            self.world.switched(before, self.program)
 
     def _pick(self) -> VirtualThread:
         while True:

@@ -75,6 +75,34 @@ class Sequence:
         return np.full(len(features), value)
 
 
+class ByDistance:
+    """One prediction per distance: `values[i]` where the front minimum is about i metres.
+
+    However often a node asks (some warm their model up), the same scan gives the same answer.
+    """
+
+    def __init__(self, values: tuple[float, ...]) -> None:
+        self.values = values
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) values [m/s]."""
+        nearest = np.rint(np.asarray(features, dtype=float)[:, 0]).astype(int)
+        return np.asarray(self.values, dtype=float)[np.clip(nearest, 0, len(self.values) - 1)]
+
+
+class RaisesNear:
+    """Does the node outlive a model that raises? It does so below `distance` of front minimum."""
+
+    def __init__(self, distance: float, value: float = 0.3) -> None:
+        self.distance, self.value = distance, value
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) times the value [m/s], or raise."""
+        if (np.asarray(features, dtype=float)[:, 0] < self.distance).any():
+            raise RuntimeError("the model can't say anything about these features")
+        return np.full(len(features), self.value)
+
+
 class CountsLoads:
     """How often was the model loaded? Takes `seconds` to unpickle; predicts loads times `scale`."""
 

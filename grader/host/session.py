@@ -39,6 +39,7 @@ class Session(kernel_module.World):
         self.kernel: kernel_module.Kernel
         self.bridge: Any = None
         self.clocks: Any = None
+        self.programs: Any = None  # if there are several
 
     def start(self) -> Start:
         """Return the judge's first frame."""
@@ -55,6 +56,11 @@ class Session(kernel_module.World):
         """Time has moved: tell the clocks, and mark the output."""
         self.clocks.follow()
         self.mark()
+
+    def switched(self, before: object, after: object) -> None:
+        """Give each of several programs its own globals."""
+        if self.programs is not None:
+            self.programs.switch(before, after)
 
     def exchange(self) -> None:
         """Report to the judge; wait for its messages and its next moment."""

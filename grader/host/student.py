@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import linecache
+import os
 import random
 import sys
 import threading
@@ -10,41 +11,64 @@ import traceback
 import types
 from pathlib import Path
 
-from .frames import Start
+from .frames import ProgramStart, Start
 from .session import Session
+
+OURS = Path(__file__).parent
 
 
 def run(session: Session, start: Start) -> None:
-    """Run the file to its end and report that end; a node that spins for ever never returns."""
+    """Run the programs to their end and report it; a node that spins for ever never returns."""
     random.seed(start.seed)
-    sys.argv = [start.file, *start.arguments]
-    sys.path.insert(0, str(Path(start.file).resolve().parent))
-    try:
-        source = Path(start.file).read_bytes()
-        code = compile(source, start.file, "exec")
-    except (SyntaxError, ValueError) as error:  # ValueError: null bytes
-        session.end("syntax_error", _syntax_error_text(error), _own_traceback(error))
+    sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
+    if len(start.programs) == 1 and start.programs[0].start == 0:
+        session.end(*_run_file(start.programs[0]))
         return
-    linecache.checkcache(start.file)
+    from .programs import Programs  # noqa: PLC0415  (needs rclpy)
+
+    session.programs = Programs(
+        session.kernel, start.programs, lambda program: _run_one_of_many(session, program)
+    )
+    session.programs.supervise()
+
+
+def _run_one_of_many(session: Session, program: ProgramStart) -> None:
+    """Run one of several programs; when it ends, the trial does."""
+    kind, text, detail = _run_file(program)
+    session.end(kind, f"{Path(program.file).name}: {text}", detail)
+    os._exit(0)
+
+
+def _run_file(program: ProgramStart) -> tuple[str, str, str]:
+    """Run a file as `__main__`; return how it ended: kind, text and detail."""
+    sys.argv = [program.file, *program.arguments]
+    try:
+        code = compile(Path(program.file).read_bytes(), program.file, "exec")
+    except (SyntaxError, ValueError) as error:  # ValueError: null bytes
+        return "syntax_error", _syntax_error_text(error), _own_traceback(error)
+    linecache.checkcache(program.file)
     main = types.ModuleType("__main__")
-    main.__file__ = start.file
+    main.__file__ = program.file
     sys.modules["__main__"] = main
     try:
         exec(code, main.__dict__)
         _join_threads()
     except SystemExit as error:
-        session.end("exited", f"sys.exit({'' if error.code is None else repr(error.code)})")
+        return "exited", f"sys.exit({'' if error.code is None else repr(error.code)})", ""
     except BaseException as error:  # students may raise anything
-        session.end("exception", _exception_text(error, start.file), _own_traceback(error))
-    else:
-        session.end("returned", "the program ran to its end")
+        return "exception", _exception_text(error, program.file), _own_traceback(error)
+    return "returned", "the program ran to its end", ""
 
 
 def _join_threads() -> None:
-    """Python itself waits at exit for threads that are not daemons."""
+    """Python itself waits at exit for the threads of a program that are not daemons."""
+    own = getattr(threading.current_thread(), "_virtual", None)
+    program = own.program if own else None
     for thread in threading.enumerate():
-        if thread is not threading.current_thread() and not thread.daemon:
-            thread.join()
+        other = getattr(thread, "_virtual", None)
+        if other is None or other is own or other.program is not program or thread.daemon:
+            continue
+        thread.join()
 
 
 def _syntax_error_text(error: SyntaxError | ValueError) -> str:
@@ -71,10 +95,16 @@ def _first_line(error: BaseException) -> str:
 
 def _own_traceback(error: BaseException) -> str:
     """Format the traceback without the frames of this package."""
-    tb = error.__traceback__
-    while tb is not None and tb.tb_frame.f_globals.get("__package__") == __package__:
-        tb = tb.tb_next
     try:
-        return "".join(traceback.format_exception(type(error), error, tb))
+        report = traceback.TracebackException.from_exception(error)
+        _forget_our_frames(report)
+        return "".join(report.format())
     except Exception:
         return f"{type(error).__name__} (its traceback could not be formatted)"
+
+
+def _forget_our_frames(report: traceback.TracebackException) -> None:
+    report.stack[:] = [frame for frame in report.stack if Path(frame.filename).parent != OURS]
+    for other in (report.__cause__, report.__context__, *(report.exceptions or ())):
+        if other is not None:
+            _forget_our_frames(other)

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
 from grader import bag
 from grader.errors import InputError
@@ -306,7 +306,7 @@ def test_broken_metadata(content: str, saved: Path) -> None:
     refused(saved)
 
 
-@settings(derandomize=True, deadline=None, max_examples=60)
+@settings(derandomize=True, deadline=None, max_examples=25)
 @given(
     st.lists(
         st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 255)), min_size=1, max_size=30
@@ -331,8 +331,6 @@ def test_damaged_bags_are_refused_or_recordings(
 
 
 def test_a_bag_of_somebody_else(tmp_path: Path) -> None:
-    from rosbags.rosbag2 import StoragePlugin, Writer
-
     folder = tmp_path / "foreign"
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connection = writer.add_connection("/x", "std_msgs/msg/String", typestore=typestore())
@@ -360,7 +358,7 @@ def test_a_document_of_another_form(
     monkeypatch.setattr(bag, "_document", other)
     folder = bag.save(recording, tmp_path / "bag")
 
-    refused(folder) if change != "scenario" else pytest.raises(InputError, bag.load, folder)
+    refused(folder)
 
 
 # --- what is not to be overwritten ---------------------------------------------------------------

@@ -31,6 +31,7 @@ scans = st.builds(
     ).map(tuple),
     repeat=st.integers(1, 5),
     empty=st.booleans(),
+    stamp_offset=st.floats(-3600, 3600),
 )
 events = st.builds(ScriptEvent, at=st.floats(0.1, 9), goal=st.tuples(anything, anything, anything))
 scenarios = st.builds(

@@ -118,6 +118,10 @@ MISTAKES = {
         HEAD + "[[bench]]\npatches = [{from_deg = 1, to_deg = 270, range = 2.0}]",
         "bench[0].patches[0].to_deg = 270: expected a number >= -180 and <= 180",
     ),
+    "clock set too far": (
+        HEAD + "[[bench]]\nstamp_offset = -1e9",
+        "bench[0].stamp_offset = -1000000000.0: expected a number >= -3600 and <= 3600",
+    ),
     "endless bench": (
         HEAD + "[[bench]]\nrepeat = 10000\n" * 3,
         "expected at most 20000 bench scans, got 30000",

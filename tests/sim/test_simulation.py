@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from sim import simulation as simulation_module
 from sim.layout import layout_to_json
 from sim.lidar import PROFILES
-from sim.messages import LASER_SCAN, ODOMETRY, decode
+from sim.messages import EPOCH_NS, LASER_SCAN, ODOMETRY, decode
 from sim.robot import Robot
 from sim.scenario import RobotSpec, load_scenario, scenario_from_toml
 from sim.simulation import Simulation
@@ -304,6 +304,24 @@ def test_a_bench_is_sent_scan_by_scan():
     assert scans[0][175:186].tolist() == [np.float32(0.42)] * 11
     assert np.isposinf(np.delete(scans[0], range(175, 186))).all()
     assert np.array_equal(scans[0], scans[1])
+
+
+def test_the_clock_of_a_bench_can_be_set():
+    text = """
+    [[bench]]
+    fill = 2.0
+    [[bench]]
+    stamp_offset = -5.0
+    repeat = 2
+    [[bench]]
+    fill = 2.0
+    """
+    _, messages = simulate(text)
+    scans = [decode(m.data, m.type) for m in messages if m.type == LASER_SCAN]
+    stamps = [scan.header.stamp.sec + scan.header.stamp.nanosec / 1e9 for scan in scans]
+    times = [m.time / 1e9 for m in messages if m.type == LASER_SCAN]
+    start = EPOCH_NS / 1e9
+    np.testing.assert_allclose(np.subtract(stamps, start), np.add(times, [0, -5, -5, 0]), atol=1e-6)
 
 
 def test_the_script_sends_goals_and_poses_at_their_times():

@@ -57,7 +57,7 @@ def holds(recording: Recording) -> list[tuple[Pose, Quest, float]]:
     told, goals = poses(recording), quests(recording)
     ends = [pose.t for pose in told[1:]] + [recording.duration_s]
     found = []
-    for pose, end in zip(told, ends, strict=True):
+    for pose, end in zip(told, ends, strict=False):
         newest = [quest for quest in goals if quest.begin <= pose.t]
         if newest and end - pose.t > REACTION:
             found.append((pose, newest[-1], end))

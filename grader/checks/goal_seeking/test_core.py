@@ -172,6 +172,7 @@ def test_limits(recordings: Recordings) -> None:
 def test_stops_once(recordings: Recordings) -> None:
     """On arrival exactly one zero Twist, then silence, even when the robot is moved away."""
     for recording in recordings:
+        require_alive(recording)
         for quest in quests(recording):
             require_one_stop(recording, quest)
 

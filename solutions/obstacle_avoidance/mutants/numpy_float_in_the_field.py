@@ -1,7 +1,7 @@
 """Puts an np.float32 into linear.x; rclpy reads its memory as a double, and garbage goes out.
 
 fails: clear_zone, slow_zone, stop_zone, ignores_behind, sees_sides, infinite_readings, invalid_readings, minus_infinity, blind, no_contact, drives_on
-"""
+"""  # noqa: E501
 
 import math
 

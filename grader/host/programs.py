@@ -1,0 +1,130 @@
+"""Several programs in one host, each as if it were a process of its own.
+
+On a robot a server and its clients are processes. Here they are threads of one process that share
+one DDS participant, because only within a participant are matching and delivery synchronous. What
+Python and rclpy keep once per process (the default context, the global executor, `__main__`,
+`sys.argv`) changes hands whenever the kernel's baton passes from one program to another; a program
+that is killed never runs again, and its nodes disappear.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+import rclpy.context
+import rclpy.node
+
+from .frames import ProgramStart
+from .kernel import Kernel
+
+GLOBAL_EXECUTOR = "__executor"  # of the module rclpy
+
+
+class Program:
+    """One emulated process."""
+
+    def __init__(self, start: ProgramStart | None = None) -> None:
+        self.start = start or ProgramStart("")  # without one: the host itself
+        self.initialised = False  # rclpy.init was called
+        self.shut = False  # rclpy.shutdown was called
+        self.nodes: list[Any] = []
+        self.argv = [self.start.file, *self.start.arguments]
+        self.main: Any = sys.modules["__main__"]
+        self.executor: Any = None
+
+
+class Programs:
+    """Starts and kills the programs of a trial on time."""
+
+    def __init__(
+        self, kernel: Kernel, starts: tuple[ProgramStart, ...], run: Callable[[ProgramStart], None]
+    ) -> None:
+        self._kernel = kernel
+        self._programs = [Program(start) for start in starts]
+        self._run = run
+        self._host = Program()
+
+    def supervise(self) -> None:
+        """Do what is to be done, each at its time; never returns."""
+        kernel = self._kernel
+        kernel.me().program = kernel.program = self._host
+        self._install()
+        never = max(p.start.stop or 0 for p in self._programs) + 1
+        plan = [(p.start.start, i, self._start, p) for i, p in enumerate(self._programs)]
+        plan += [
+            (p.start.stop or never, -1, self._kill, p) for p in self._programs if p.start.stop
+        ]
+        for time, _, act, program in sorted(plan, key=lambda entry: entry[:2]):
+            if time > kernel.now:
+                kernel.park(time)
+            act(program)
+        kernel.park()
+
+    def switch(self, before: Any, after: Any) -> None:
+        """Exchange the globals of two programs."""
+        if before is not None:
+            before.argv, before.main = sys.argv, sys.modules["__main__"]
+            before.executor = rclpy.__dict__[GLOBAL_EXECUTOR]
+        if after is not None:
+            sys.argv, sys.modules["__main__"] = after.argv, after.main
+            rclpy.__dict__[GLOBAL_EXECUTOR] = after.executor
+
+    def _start(self, program: Program) -> None:
+        with self._kernel.acting_as(program):
+            threading.Thread(target=self._run, args=(program.start,), daemon=True).start()
+
+    def _kill(self, program: Program) -> None:
+        self._kernel.kill(program)
+        for node in program.nodes:
+            with contextlib.suppress(Exception):
+                node.destroy_node()
+
+    def _install(self) -> None:
+        """Give every program an rclpy of its own, all on one real context."""
+        kernel = self._kernel
+        cls: Any = rclpy.context.Context
+        real_init, real_ok = cls.init, cls.ok
+
+        def init(self: Any, args: Any = None, **kwargs: Any) -> None:
+            if kernel.program.initialised:  # type: ignore[attr-defined]
+                raise RuntimeError("Context.init() must only be called once")
+            if self.handle is None:
+                real_init(self, ["host"], **kwargs)
+            kernel.program.initialised = True  # type: ignore[attr-defined]
+
+        def ok(self: Any) -> bool:
+            program: Any = kernel.program
+            return program.initialised and not program.shut and bool(real_ok(self))
+
+        def shutdown(self: Any) -> None:
+            if not kernel.program.initialised:  # type: ignore[attr-defined]
+                raise RuntimeError("Context must be initialized before it can be shutdown")
+            kernel.program.shut = True  # type: ignore[attr-defined]
+            kernel.epoch += 1
+
+        def try_shutdown(self: Any) -> None:
+            if kernel.program.initialised:  # type: ignore[attr-defined]
+                shutdown(self)
+
+        cls.init, cls.ok, cls.shutdown, cls.try_shutdown = init, ok, shutdown, try_shutdown
+        self._install_nodes()
+
+    def _install_nodes(self) -> None:
+        kernel = self._kernel
+        cls: Any = rclpy.node.Node
+        create = cls.__init__
+
+        def created(self: Any, node_name: str, **kwargs: Any) -> None:
+            program: Any = kernel.program
+            own = list(kwargs.pop("cli_args", None) or [])
+            if kwargs.get("use_global_arguments", True):
+                own = [*program.start.arguments, *own]
+            create(self, node_name, cli_args=own or None, **kwargs)
+            program.nodes.append(self)
+
+        cls.__init__ = created

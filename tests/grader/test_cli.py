@@ -1,0 +1,408 @@
+"""The command, as people run it: a process, its exit code, what it prints where."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from grader import bag
+from grader.exercises import SOLUTIONS
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
+MUTANT = SOLUTIONS / "obstacle_avoidance" / "mutants" / "narrow_cone.py"
+NODES = ROOT / "tests" / "nodes"
+SHORT = ("--scenario", "demo_wall", "--duration", "0.5")
+
+
+@dataclass(frozen=True)
+class Done:
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> dict:  # type: ignore[type-arg]
+        return json.loads(self.out)
+
+
+def course(*arguments: object, **environment: str) -> Done:
+    done = subprocess.run(
+        [sys.executable, "-m", "grader.cli", *map(os.fsencode, map(str, arguments))],
+        capture_output=True,
+        check=False,
+        cwd=ROOT,
+        env={**os.environ, "COLUMNS": "120", **environment},
+        timeout=120,
+    )
+    return Done(done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
+def complains(done: Done, *words: str) -> None:
+    """One line on stderr that says these words; nothing on stdout; exit code 2."""
+    assert (done.code, done.out) == (2, ""), done
+    assert done.err.startswith("course: "), done.err
+    assert done.err.count("\n") == 1, done.err
+    for word in words:
+        assert word in done.err, done.err
+
+
+# --- help ----------------------------------------------------------------------------------------
+
+
+def test_list() -> None:
+    done = course("list")
+
+    assert (done.code, done.err) == (0, "")
+    assert "obstacle_avoidance_agent.py" in done.out
+    assert "goal_seeking" in done.out
+
+
+@pytest.mark.parametrize("command", ["list", "grade", "drive", "check-bag"])
+def test_every_command_has_help_with_examples(command: str) -> None:
+    done = course(command, "--help")
+
+    assert (done.code, done.err) == (0, "")
+    assert "Examples:" in done.out
+    assert f"  course {command}" in done.out.split("Examples:")[1] or command == "check-bag"
+
+
+def test_without_a_command_it_says_what_there_is() -> None:
+    done = course()
+
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith("Usage:")
+    assert "Traceback" not in done.err
+
+
+def test_version() -> None:
+    assert course("--version").code == 0
+
+
+# --- wrong usage ---------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def given(tmp_path: Path) -> Path:
+    """A folder full of things that are not a submission."""
+    (tmp_path / "empty_folder").mkdir()
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "my_agent.py").write_text("pass")
+    (tmp_path / "broken.toml").write_text("title = [")
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
+    (tmp_path / "unknown_key.toml").write_text('title = "x"\nworld = "hall"\ndurration = 3\n')
+    (tmp_path / "not_a_bag").mkdir()
+    os.mkfifo(tmp_path / "pipe.py")
+    return tmp_path
+
+
+GRADE = ("grade", "obstacle_avoidance", REFERENCE)
+DRIVE = ("drive", REFERENCE)
+WRONG: dict[str, tuple[tuple[object, ...], tuple[str, ...]]] = {
+    "unknown command": (("grad",), ("No such command", "grad")),
+    "unknown option": ((*GRADE, "--fast"), ("--fast",)),
+    "too few arguments": (("grade", "1"), ("FILE|FOLDER", "--help")),
+    "unknown exercise": (("grade", "obstacle_avoid", REFERENCE), ("did you mean obstacle_avoidance",)),
+    "unknown number": (("grade", "99", REFERENCE), ("unknown exercise '99'",)),
+    "missing file": (("grade", "1", "@/no.py"), ("no such file", "no.py")),
+    "a folder without it": (("grade", "1", "@/other"), ("avoidance_agent.py", "my_agent.py")),
+    "an empty folder": (("grade", "1", "@/empty_folder"), ("holds no Python file",)),
+    "a pipe": (("grade", "1", "@/pipe.py"), ("not a regular file",)),
+    "a device": (("grade", "1", "/dev/zero"), ("not a regular file",)),
+    "a name too long": (("grade", "1", "x" * 5_000), ("name too long",)),
+    "unknown check": ((*GRADE, "--only", "stop_zoen"), ("unknown check 'stop_zoen'", "stop_zone")),
+    "tier 2": ((*GRADE, "--tier", "2"), ("--tier 1",)),
+    "tier 3": ((*GRADE, "--tier", "3"), ("--tier",)),
+    "a seed below zero": ((*GRADE, "--seed", "-1"), ("--seed",)),
+    "a seed in words": ((*GRADE, "--seed", "one"), ("--seed",)),
+    "no folder for the report": ((*GRADE, "--report", "@/no/x.html"), ("folder does not exist",)),
+    "a folder as report": ((*GRADE, "--report", "@"), ("this is a folder",)),
+    "no folder for the JSON": ((*GRADE, "--json", "@/no/x.json"), ("folder does not exist",)),
+    "a folder that is no bag": ((*DRIVE, *SHORT, "--bag", "@"), ("is not a bag",)),
+    "unknown scenario": ((*DRIVE, "--scenario", "demo_wal"), ("did you mean 'demo_wall'",)),
+    "missing scenario": (DRIVE, ("--scenario",)),
+    "missing scenario file": ((*DRIVE, "--scenario", "@/no.toml"), ("no.toml",)),
+    "broken TOML": ((*DRIVE, "--scenario", "@/broken.toml"), ("broken.toml", "not valid TOML")),
+    "binary TOML": ((*DRIVE, "--scenario", "@/binary.toml"), ("binary.toml", "not UTF-8")),
+    "unknown key": ((*DRIVE, "--scenario", "@/unknown_key.toml"), ("durration", "duration")),
+    "a folder to drive": (("drive", "@/other", *SHORT), ("this is a folder",)),
+    "unknown lidar": ((*DRIVE, *SHORT, "--lidar", "lds1"), ("'lds1'", "lds01")),
+    "an endless drive": ((*DRIVE, *SHORT, "--duration", "inf"), ("--duration",)),
+    "a drive of no number": ((*DRIVE, *SHORT, "--duration", "nan"), ("--duration nan",)),
+    "no drive": ((*DRIVE, *SHORT, "--duration", "0"), ("--duration",)),
+    "half a goal": ((*DRIVE, *SHORT, "--goal", "1"), ("--goal",)),
+    "a goal in words": ((*DRIVE, *SHORT, "--goal", "over", "there"), ("--goal",)),
+    "a parameter with =": ((*DRIVE, *SHORT, "--param", "speed=3"), ("'speed=3'", "NAME:=VALUE")),
+    "a parameter without value": ((*DRIVE, *SHORT, "--param", "speed:="), ("NAME:=VALUE",)),
+    "a parameter that is an option": ((*DRIVE, *SHORT, "--param", "-r x:=y"), ("NAME:=VALUE",)),
+    "no bag": (("check-bag", "@/no", "1"), ("expected a bag", "no")),
+    "a folder without bags": (("check-bag", "@/not_a_bag", "1"), ("expected a bag",)),
+    "a bag that is text": (("check-bag", "@/broken.toml", "1"), ("expected a bag",)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_wrong_usage_takes_one_line(what: str, given: Path) -> None:
+    arguments, words = WRONG[what]
+    done = course(*(str(argument).replace("@", str(given)) for argument in arguments))
+    complains(done, *words)
+
+
+def test_a_report_that_can_not_be_written() -> None:
+    complains(
+        course(*GRADE, "--only", "wiring", "--json", "/proc/x.json", "--report", "/proc/y"), "/proc"
+    )
+
+
+def test_a_name_that_is_not_utf8(tmp_path: Path) -> None:
+    name = os.fsdecode(os.fsencode(tmp_path) + b"/caf\xe9.py")
+    Path(name).write_text("pass")
+    complains(course("drive", name, *SHORT), "caf", "ordinary characters")
+
+
+def test_without_ros_it_says_how_to_get_it(tmp_path: Path) -> None:
+    source = (
+        "import sys, grader.ros, grader.launch, grader.cli\n"
+        "grader.launch.find_ros = lambda: grader.ros.find_ros({}, [])\n"
+        f"sys.argv = ['course', 'drive', {str(REFERENCE)!r}, '--scenario', 'demo_wall']\n"
+        "grader.cli.main()\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", source], capture_output=True, text=True, check=False, cwd=ROOT
+    )
+    complains(Done(done.returncode, done.stdout, done.stderr), "was not found", "pip install")
+
+
+# --- grade ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def graded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Done, Path]:
+    """The reference of exercise 1, graded once, with everything that can be written."""
+    folder = tmp_path_factory.mktemp("graded")
+    done = course(
+        "grade", "1", REFERENCE.parent,
+        "--bags", folder / "bags", "--json", folder / "result.json", "--report", folder / "r.html",
+    )  # fmt: skip
+    return done, folder
+
+
+def verdicts(result: dict) -> dict[str, str]:  # type: ignore[type-arg]
+    return {check["id"]: check["outcome"] for check in result["checks"]}
+
+
+def test_the_reference_gets_full_marks(graded: tuple[Done, Path]) -> None:
+    done, folder = graded
+    result = json.loads((folder / "result.json").read_text("utf-8"))
+
+    assert (done.code, done.err) == (0, "")
+    assert "100" in done.out
+    assert (result["score"], result["max_score"], result["field_ready"]) == (100, 100, None)
+    assert result["exercise"] == "obstacle_avoidance"
+    assert set(verdicts(result).values()) == {"pass"}
+    assert {"python", "rosbags", "numpy"} <= set(result["versions"])
+    assert {r["outcome"] for r in result["recordings"]} == {"completed"}
+
+
+def test_the_report_is_written(graded: tuple[Done, Path]) -> None:
+    _, folder = graded
+    assert (folder / "r.html").read_text("utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_the_bags_give_the_same_verdicts(graded: tuple[Done, Path]) -> None:
+    _, folder = graded
+    result = json.loads((folder / "result.json").read_text("utf-8"))
+    done = course("check-bag", folder / "bags", "obstacle_avoidance", "--json", "-")
+
+    assert (done.code, done.err) == (0, "")
+    assert done.json["checks"] == result["checks"]
+    assert done.json["score"] == 100
+
+
+def test_one_bag_gives_its_verdicts(graded: tuple[Done, Path]) -> None:
+    _, folder = graded
+    result = json.loads((folder / "result.json").read_text("utf-8"))
+    bags = {r["scenario"]: r["bag"] for r in result["recordings"]}
+    done = course("check-bag", bags["avoid_zones"], "1", "--only", "stop_zone", "--json", "-")
+
+    assert done.code == 0
+    assert verdicts(done.json)["stop_zone"] == "pass"
+    assert set(verdicts(done.json)) < set(verdicts(result))
+    assert set(verdicts(done.json).values()) == {"pass"}
+
+
+def test_a_bag_alone_leaves_other_checks_open(graded: tuple[Done, Path]) -> None:
+    _, folder = graded
+    done = course("check-bag", folder / "bags" / "avoid_zones", "1", "--json", "-")
+
+    assert done.code == 1
+    assert verdicts(done.json)["stop_zone"] == "pass"
+    assert verdicts(done.json)["no_contact"] == "skip"
+
+
+def test_a_mutant_does_not() -> None:
+    done = course("grade", "obstacle_avoidance", MUTANT, "--only", "sees_sides", "--json", "-")
+
+    assert (done.code, done.err) == (1, "")
+    assert verdicts(done.json)["sees_sides"] == "fail"
+    failed = next(c for c in done.json["checks"] if c["id"] == "sees_sides")
+    assert failed["points"] == 0
+    assert failed["message"]
+    assert failed["expected"]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Callable[[bytes], Path]:
+    def write(content: bytes) -> Path:
+        file = tmp_path / "agent.py"
+        file.write_bytes(content)
+        return file
+
+    return write
+
+
+BAD_FILES = {
+    "empty": (b"", "the file is empty"),
+    "blank": (b" \n\t\n", "the file is empty"),
+    "not UTF-8": (b"x = '\xff\xfe'\n", "SyntaxError"),
+    "null bytes": (b"x = 1\0\n", "null bytes"),
+    "a syntax error": (b"def f(:\n", "line 1"),
+    "raises": (b"raise RuntimeError('as I said')\n", "as I said"),
+    "ends": (b"x = 1\n", "ran to its end"),
+    "exits": (b"raise SystemExit('bye')\n", "bye"),
+}
+
+
+@pytest.mark.parametrize("what", BAD_FILES)
+def test_bad_files_cost_points_and_nothing_else(what: str, write: Callable[[bytes], Path]) -> None:
+    content, words = BAD_FILES[what]
+    done = course("grade", "1", write(content), "--only", "wiring", "--json", "-")
+
+    assert (done.code, done.err) == (1, "")
+    assert done.json["score"] == 0
+    check = done.json["checks"][0]
+    assert (check["outcome"], words in check["message"] + check["actual"]) == ("fail", True), check
+
+
+def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
+    file = tmp_path / "huge.py"
+    with file.open("wb") as stream:
+        stream.truncate(100 * 1024 * 1024)
+    done = course("grade", "1", file, "--only", "wiring", "--json", "-")
+
+    assert done.code == 1
+    assert "104,857,600 bytes" in json.dumps(done.json)
+
+
+def test_a_node_that_hangs_up_is_judged_like_any_other(write: Callable[[bytes], Path]) -> None:
+    """The judge writes into a closed pipe, and must not die of it."""
+    node = b"""
+import os, rclpy, threading
+from rclpy.node import Node
+rclpy.init()
+node = Node('obstacle_avoidance_agent')
+def quit():
+    os.closerange(3, 20)
+    while True: pass
+node.create_timer(0.05, quit)
+rclpy.spin(node)
+"""
+    done = course("grade", "1", write(node), "--only", "wiring", "--json", "-")
+
+    assert (done.code, done.err) == (1, "")
+    assert verdicts(done.json) == {"wiring": "fail"}
+
+
+def test_settings_of_pytest_do_not_disturb() -> None:
+    done = course(*GRADE, "--only", "wiring", "--json", "-", PYTEST_ADDOPTS="--no-such-option")
+
+    assert (done.code, done.err) == (0, "")
+
+
+def test_a_seed_changes_the_worlds() -> None:
+    only = ("--only", "wiring", "--json", "-")
+    seeds = [
+        [r["seed"] for r in course(*GRADE, *only, *seed).json["recordings"]]
+        for seed in ((), ("--seed", "1"), ("--seed", "1"), ("--seed", "2"))
+    ]
+
+    assert seeds[1] == seeds[2]
+    assert len({tuple(seed) for seed in seeds}) == 3
+
+
+def test_a_closed_pipe_is_no_crash() -> None:
+    done = subprocess.run(
+        f"{sys.executable} -m grader.cli list | true; exit ${{PIPESTATUS[0]}}",
+        shell=True, executable="/bin/bash", cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+    assert done.stderr == ""
+
+
+# --- drive ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("node", "type"),
+    [
+        ("turtlebot3_burger", "geometry_msgs/msg/Twist "),
+        ("turtlebot3_burger_stamped", "geometry_msgs/msg/TwistStamped "),
+    ],
+)
+def test_other_peoples_nodes_drive(node: str, type: str, tmp_path: Path) -> None:
+    done = course(
+        "drive", NODES / f"{node}.py", "--scenario", "demo_wall", "--lidar", "lds01",
+        "--bag", tmp_path / "bag", "--report", tmp_path / "drive.html",
+    )  # fmt: skip
+    drive = bag.load(tmp_path / "bag")
+
+    assert (done.code, done.err) == (0, "")
+    assert f"-> /cmd_vel  {type}" in done.out
+    assert "<- /scan  sensor_msgs/msg/LaserScan  best_effort" in done.out
+    assert "TOUCHED" not in done.out
+    assert "WARNING" not in done.out
+    assert not drive.truth.contact.any()
+    assert drive.truth.x[-1] - drive.truth.x[0] > 2.0
+    assert drive.truth.v[-1] == pytest.approx(0.0, abs=1e-6)
+    assert 0.2 < drive.truth.clearance[-1] < 0.5
+    assert {len(scan.ranges) for scan in drive.scans()} == {360}
+    assert (tmp_path / "drive.html").stat().st_size > 10_000
+
+
+def test_goals_parameters_and_seed_of_a_drive(tmp_path: Path) -> None:
+    node = tmp_path / "node.py"
+    node.write_text(
+        "import rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import PoseStamped\n"
+        "rclpy.init()\nnode = Node('listener')\n"
+        "print(*(node.declare_parameter(*p).value for p in (('gain', 1.0), ('name', ''))))\n"
+        "node.create_subscription(PoseStamped, 'goal_pose', lambda _: None, 10)\nrclpy.spin(node)\n"
+    )
+    done = course(
+        "drive", node, "--scenario", "demo_open", "--duration", "2", "--goal", "5", "-3",
+        "--goal", "0.5", "0", "--param", "gain:=0.25", "--param", "name:=two words",
+        "--seed", "7", "--bag", tmp_path / "bag",
+    )  # fmt: skip
+    drive = bag.load(tmp_path / "bag")
+
+    assert (done.code, done.err) == (0, "")
+    goals = drive.goals()
+    assert [goals.t.tolist(), goals.x.tolist(), goals.y.tolist()] == [[0.5, 1.5], [5, 0.5], [-3, 0]]
+    assert [line.text for line in drive.log] == ["0.25 two words"]
+    assert drive.duration_s == 2.0
+    assert f"seed {drive.seed}" in done.out
+
+
+def test_a_drive_that_ends_early_says_why(tmp_path: Path) -> None:
+    node = tmp_path / "node.py"
+    node.write_text("def main():\n    raise RuntimeError('as I said')\nmain()\n")
+    done = course("drive", node, *SHORT)
+
+    assert (done.code, done.err) == (1, "")
+    assert "exception: RuntimeError: as I said (line 2, in main)" in done.out
+    assert "created no publisher" in done.out
+    assert str(tmp_path) not in done.out.split("What happened")[1]

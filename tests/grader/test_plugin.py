@@ -1,0 +1,449 @@
+"""Checks that are not checks of anything, to see how they are run and what becomes of them."""
+
+import itertools
+import json
+import os
+import textwrap
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+from grader import exercises
+from grader.errors import GraderError, InputError
+from grader.exercises import Exercise
+from grader.grading import Grading, grade
+from grader.plugin import MAX_MESSAGE
+from grader.recording import Recording
+from grader.trials import NoRecording
+
+PREAMBLE = """\
+import os, sys
+import pytest
+from grader.verdict import fail, inconclusive
+check = pytest.mark.check
+"""
+count = itertools.count()
+
+
+class FakeTrials:
+    """Recordings that are their names; those called `none` don't exist."""
+
+    def __init__(self, fault: Exception | None = None) -> None:
+        self.prepared: list[list[str]] = []
+        self.asked: list[str] = []
+        self._fault = fault
+
+    def prepare(self, scenarios: Sequence[str]) -> None:
+        self.prepared.append(list(scenarios))
+
+    def get(self, scenario: str) -> Recording:
+        self.asked.append(scenario)
+        if self._fault is not None:
+            raise self._fault
+        if scenario == "none":
+            raise NoRecording("no recording of the scenario none")
+        return scenario  # type: ignore[return-value]
+
+    def recordings(self) -> list[Recording]:
+        return []
+
+
+Run = Callable[..., Grading]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Grade with the checks in this source."""
+
+    def run(source: str, trials: FakeTrials | None = None, **options: object) -> Grading:
+        slug = f"fake_{next(count)}"  # a new name: modules of one name are imported once
+        folder = tmp_path / slug
+        folder.mkdir()
+        (folder / "__init__.py").touch()
+        (folder / f"test_{slug}.py").write_text(PREAMBLE + textwrap.dedent(source), "utf-8")
+        monkeypatch.setattr(exercises, "CHECKS", tmp_path)
+        exercise = Exercise(
+            number=0, slug=slug, title="", summary="", files=("x.py",), node="x", max_points=100
+        )
+        return grade(exercise, trials or FakeTrials(), file="x.py", **options)  # type: ignore[arg-type]
+
+    return run
+
+
+def outcomes(grading: Grading) -> dict[str, str]:
+    return {check.id: check.outcome for check in grading.checks}
+
+
+# --- the five outcomes ---------------------------------------------------------------------------
+
+FIVE = """
+    @check(points=10, scenarios=("a", "b"))
+    def test_good(recordings):
+        '''It is good.
+
+        This the student does not read.
+        '''
+        assert recordings == ("a", "b")
+
+    @check(points=20, scenarios=("a",))
+    def test_bad(recordings):
+        '''It is bad.'''
+        fail("drove on", expected="0.00 m/s", actual="0.50 m/s", at=1.25, help="stop")
+
+    @check(points=30, scenarios=("a",), needs=("bad",))
+    def test_skipped(recordings):
+        '''It hangs on the bad one.'''
+
+    @check(points=5, scenarios=("a",))
+    def test_broken(recordings):
+        '''It is the grader's own fault.'''
+        {}["key"]
+
+    @check(points=7, scenarios=("a",))
+    def test_unclear(recordings):
+        '''It can not be told.'''
+        inconclusive("the machine stalled")
+"""
+
+
+def test_the_five_outcomes(run: Run) -> None:
+    grading = run(FIVE)
+
+    assert outcomes(grading) == {
+        "good": "pass",
+        "bad": "fail",
+        "skipped": "skip",
+        "broken": "error",
+        "unclear": "inconclusive",
+    }
+    assert (grading.score, grading.max_score) == (10, 60)
+    assert grading.faulty
+    assert not grading.full
+    assert grading.field_ready is None
+
+
+def test_what_a_result_says(run: Run) -> None:
+    good, bad, skipped, broken, unclear = run(FIVE).checks
+
+    assert (good.title, good.points, good.max_points, good.kind) == ("It is good.", 10, 10, "core")
+    assert bad.as_dict() == {
+        "id": "bad",
+        "title": "It is bad.",
+        "kind": "core",
+        "points": 0,
+        "max_points": 20,
+        "outcome": "fail",
+        "message": "drove on",
+        "expected": "0.00 m/s",
+        "actual": "0.50 m/s",
+        "time": 1.25,
+        "help": "stop",
+        "scenario": None,
+    }
+    assert skipped.message == "not judged, because “It is bad.” did not pass"
+    assert broken.message == "the grader failed here: KeyError: 'key'"
+    assert unclear.message == "the machine stalled"
+
+
+def test_the_result_is_json(run: Run) -> None:
+    result = json.loads(json.dumps(run(FIVE).as_dict()))
+
+    assert {"exercise", "file", "tier", "score", "max_score", "versions"} <= set(result)
+    assert result["checks"][0]["id"] == "good"
+
+
+def test_full_marks(run: Run) -> None:
+    grading = run("""
+        @check(points=60, scenarios=("a",))
+        def test_one(recordings):
+            '''One.'''
+        @check(points=40, scenarios=("b",), needs=("one",))
+        def test_two(recordings):
+            '''Two.'''
+    """)
+
+    assert (grading.score, grading.max_score, grading.full) == (100, 100, True)
+    assert not grading.faulty
+
+
+def test_the_order_is_that_of_the_needs(run: Run) -> None:
+    grading = run("""
+        @check(points=1, scenarios=("a",), needs=("z",))
+        def test_a(recordings):
+            '''A.'''
+        @check(points=1, scenarios=("a",), needs=("b",))
+        def test_z(recordings):
+            '''Z.'''
+        @check(points=1, scenarios=("a",))
+        def test_b(recordings):
+            '''B.'''
+    """)
+
+    assert outcomes(grading) == {"b": "pass", "z": "pass", "a": "pass"}
+    assert list(outcomes(grading)) == ["b", "z", "a"]
+
+
+CHAIN = """
+    @check(points=1, scenarios=("{scenario}",))
+    def test_first(recordings):
+        '''First.'''
+        {body}
+    @check(points=1, scenarios=("b",), needs=("first",))
+    def test_second(recordings):
+        '''Second.'''
+    @check(points=1, scenarios=("c",), needs=("second",))
+    def test_third(recordings):
+        '''Third.'''
+    @check(points=1, scenarios=("d",))
+    def test_alone(recordings):
+        '''Alone.'''
+"""
+
+
+@pytest.mark.parametrize(
+    ("body", "outcome"),
+    [
+        ("fail('no')", "fail"),
+        ("inconclusive('no')", "inconclusive"),
+        ("1 / 0", "error"),
+        ("pytest.skip('no')", "error"),
+    ],
+)
+def test_needs_reach_through(run: Run, body: str, outcome: str) -> None:
+    grading = run(CHAIN.format(scenario="a", body=body))
+
+    assert outcomes(grading) == {
+        "first": outcome,
+        "second": "skip",
+        "third": "skip",
+        "alone": "pass",
+    }
+
+
+def test_without_a_recording_a_check_is_skipped(run: Run) -> None:
+    grading = run(CHAIN.format(scenario="none", body="pass"))
+
+    assert outcomes(grading)["first"] == "skip"
+    assert grading.checks[0].message == "no recording of the scenario none"
+
+
+def test_a_fault_of_the_trials_is_an_error(run: Run) -> None:
+    grading = run(FIVE, FakeTrials(GraderError("no host")))
+
+    assert set(outcomes(grading).values()) == {"error", "skip"}
+    assert grading.checks[0].message == "the grader failed here: GraderError: no host"
+    assert (grading.score, grading.max_score) == (0, 30)
+
+
+# --- field checks --------------------------------------------------------------------------------
+
+FIELD = """
+    @check(field=True, scenarios=("f",))
+    def test_field(recordings):
+        '''In the field.'''
+        {field}
+    @check(points=100, scenarios=("c",))
+    def test_core(recordings):
+        '''At the core.'''
+        {core}
+"""
+
+
+@pytest.mark.parametrize(
+    ("core", "field", "outcome", "ready"),
+    [
+        ("pass", "pass", "pass", True),
+        ("pass", "fail('no')", "fail", False),
+        ("pass", "1 / 0", "error", False),
+        ("fail('no')", "pass", "skip", False),
+        ("inconclusive('no')", "pass", "skip", False),
+        ("1 / 0", "pass", "skip", False),
+    ],
+)
+def test_the_field_comes_after_a_full_core(
+    run: Run, core: str, field: str, outcome: str, ready: bool
+) -> None:
+    trials = FakeTrials()
+    grading = run(FIELD.format(core=core, field=field), trials, field=True)
+
+    assert list(outcomes(grading)) == ["core", "field"]
+    assert outcomes(grading)["field"] == outcome
+    assert grading.field_ready is ready
+    assert trials.prepared == ([["c"], ["f"]] if core == "pass" else [["c"]])
+
+
+def test_without_the_field_nothing_of_it_runs(run: Run) -> None:
+    trials = FakeTrials()
+    grading = run(FIELD.format(core="pass", field="pass"), trials)
+
+    assert outcomes(grading) == {"core": "pass"}
+    assert trials.prepared == [["c"]]
+
+
+def test_a_field_check_can_be_asked_for_alone(run: Run) -> None:
+    grading = run(FIELD.format(core="fail('no')", field="pass"), only=["field"])
+
+    assert outcomes(grading) == {"field": "pass"}
+
+
+# --- a choice of checks --------------------------------------------------------------------------
+
+
+def test_only_brings_what_it_needs(run: Run) -> None:
+    trials = FakeTrials()
+    grading = run(CHAIN.format(scenario="a", body="pass"), trials, only=["third"])
+
+    assert list(outcomes(grading)) == ["first", "second", "third"]
+    assert trials.prepared == [["a", "b", "c"]]
+
+
+def test_only_twice_the_same(run: Run) -> None:
+    grading = run(CHAIN.format(scenario="a", body="pass"), only=["alone", "alone", "first"])
+
+    assert list(outcomes(grading)) == ["alone", "first"]
+
+
+def test_an_unknown_check(run: Run) -> None:
+    with pytest.raises(InputError, match="unknown check 'thrid'; there are: first, second, third"):
+        run(CHAIN.format(scenario="a", body="pass"), only=["thrid"])
+
+
+# --- checks that are none ------------------------------------------------------------------------
+
+BROKEN = {
+    "no mark": ("def test_x(recordings):\n    '''X.'''", "test_x has no check mark"),
+    "no docstring": (
+        "@check(points=1, scenarios=())\ndef test_x(recordings): pass",
+        "test_x has no docstring",
+    ),
+    "an empty docstring": (
+        "@check(points=1, scenarios=())\ndef test_x(recordings):\n    '''  '''",
+        "test_x has no docstring",
+    ),
+    "no scenarios": (
+        "@check(points=1)\ndef test_x(recordings):\n    '''X.'''",
+        "names no scenarios",
+    ),
+    "an unknown need": (
+        "@check(points=1, scenarios=(), needs=('y',))\ndef test_x(recordings):\n    '''X.'''",
+        "a check needs 'y', which does not exist",
+    ),
+    "needs in a circle": (
+        "@check(points=1, scenarios=(), needs=('x',))\ndef test_x(recordings):\n    '''X.'''",
+        "needs itself",
+    ),
+    "two of one name": (
+        "@check(points=1, scenarios=())\nclass TestA:\n    def test_x(self):\n        '''X.'''\n"
+        "@check(points=1, scenarios=())\ndef test_x():\n    '''X.'''",
+        "two checks of one exercise have the same name",
+    ),
+    "no checks": ("", "can't be run"),
+    "a module that can't be imported": ("import no_such_module", "can't be run"),
+    "a syntax error": ("def test_x(:", "can't be run"),
+}
+
+
+@pytest.mark.parametrize("what", BROKEN)
+def test_broken_checks_are_the_graders_fault(run: Run, what: str) -> None:
+    source, message = BROKEN[what]
+    with pytest.raises(GraderError) as caught:
+        run(source)
+
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+# --- what checks may do --------------------------------------------------------------------------
+
+DOES = """
+    @check(points=1, scenarios=("a",))
+    def test_does(recordings):
+        '''Does something.'''
+        {}
+    @check(points=1, scenarios=("a",))
+    def test_next(recordings):
+        '''Comes next.'''
+"""
+
+
+def test_long_messages_are_cut(run: Run) -> None:
+    grading = run(DOES.format("fail('x' * 10**6, expected='y' * 10**6, actual='z', help='h')"))
+    check = grading.checks[0]
+
+    assert (len(check.message), len(check.expected)) == (MAX_MESSAGE, MAX_MESSAGE)
+    assert (check.actual, check.help) == ("z", "h")
+
+
+def test_long_errors_are_cut(run: Run) -> None:
+    assert len(run(DOES.format("raise ValueError('x' * 10**6)")).checks[0].message) == MAX_MESSAGE
+
+
+@pytest.mark.parametrize(
+    "does",
+    [
+        "raise SystemExit(3)",
+        "sys.exit()",
+        "raise BaseException('odd')",
+        "raise GeneratorExit",
+        "pytest.fail('no')",
+        "pytest.xfail('no')",
+        "assert 1 == 2",
+        "raise RecursionError",
+        "os.chdir('/nonexistent')",
+        "def f(): f()\n        f()",
+    ],
+)
+def test_whatever_else_a_check_raises_is_an_error(run: Run, does: str) -> None:
+    grading = run(DOES.format(does))
+
+    assert outcomes(grading) == {"does": "error", "next": "pass"}
+    assert grading.max_score == 1
+
+
+def test_an_interrupt_is_an_interrupt(run: Run) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        run(DOES.format("raise KeyboardInterrupt"))
+
+
+def test_checks_may_print(run: Run, capfd: pytest.CaptureFixture[str]) -> None:
+    assert outcomes(run(DOES.format("print('x' * 1000)")))["does"] == "pass"
+    assert capfd.readouterr() == ("", "")
+
+
+def test_warnings_do_not_matter(run: Run) -> None:
+    grading = run(DOES.format("import warnings; warnings.warn('old')"))
+    assert outcomes(grading)["does"] == "pass"
+
+
+# --- the outside ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("PYTEST_ADDOPTS", "-k nothing --maxfail=1 -p no:python"),
+        ("PYTEST_ADDOPTS", "--no-such-option"),
+        ("PYTEST_PLUGINS", "no_such_plugin"),
+    ],
+)
+def test_settings_of_other_runs_do_not_disturb(
+    run: Run, monkeypatch: pytest.MonkeyPatch, name: str, value: str
+) -> None:
+    monkeypatch.setenv(name, value)
+    grading = run(CHAIN.format(scenario="a", body="pass"))
+
+    assert set(outcomes(grading).values()) == {"pass"}
+    assert os.environ[name] == value
+
+
+def test_configurations_nearby_do_not_disturb(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "pytest.ini").write_text("[pytest]\naddopts = --no-such-option\n")
+    (tmp_path / "pyproject.toml").write_text("[tool.pytest.ini_options]\naddopts = '-k nothing'\n")
+
+    assert outcomes(run(DOES.format("pass")))["does"] == "pass"
+
+
+def test_one_grading_after_the_other(run: Run) -> None:
+    assert outcomes(run(DOES.format("fail('no')")))["does"] == "fail"
+    assert outcomes(run(DOES.format("pass")))["does"] == "pass"
