@@ -43,9 +43,7 @@ class HostProcess:
     status: int  # the exit status arrives here, as text, when the host has ended
 
     def kill(self) -> None:
-        """End the host and what it started."""
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.pid, signal.SIGKILL)
+        """End the host; the nursery ends what it started (see `_bury` there)."""
         with contextlib.suppress(ProcessLookupError):
             signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
 

@@ -6,6 +6,7 @@ message, the simulation follows with the commands that came out, and hands over 
 
 from __future__ import annotations
 
+import shutil
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from grader.host.frames import (
     Ended,
     EndpointReport,
     Offer,
+    ProgramStart,
     Published,
     Run,
     Settled,
@@ -49,6 +51,7 @@ from sim.messages import (
 from sim.scenario import Scenario
 from sim.simulation import Simulation
 
+SUPPLIED = Path(__file__).parent / "host" / "supplied"  # programs of ours that run beside students'
 MAX_BYTES = 64 * 1024 * 1024  # a node may publish in one trial
 MESSAGE_BYTES = 128  # what a message takes besides its data and names
 MAX_ENDPOINTS = 1_000
@@ -132,6 +135,27 @@ def run_trial(
         return _run(submission, simulation, nursery, folder, arguments, limits, stamped)
 
 
+def _programs(
+    scenario: Scenario, submission: Submission, folder: Path, arguments: Sequence[str]
+) -> tuple[ProgramStart, ...]:
+    """Return what to run: the submission's own file, or what the scenario asks for."""
+    common = (*arguments, *parameter_arguments(scenario.node.parameters))
+    if not scenario.program:
+        return (ProgramStart(str(folder / submission.path.name), common),)
+    for spec in scenario.program:
+        if spec.supplied:
+            shutil.copyfile(SUPPLIED / spec.file, folder / spec.file)
+    return tuple(
+        ProgramStart(
+            file=str(folder / spec.file),
+            arguments=(*common, *spec.arguments),
+            start=round(spec.start * 1e9),
+            stop=None if spec.stop is None else round(spec.stop * 1e9),
+        )
+        for spec in scenario.program
+    )
+
+
 def parameter_arguments(parameters: Mapping[str, str | bool | int | float]) -> list[str]:
     """Return the command line that sets ROS parameters."""
     if not parameters:
@@ -156,8 +180,7 @@ def _run(
     scenario = simulation.scenario
     with nursery.host(folder) as host:
         start = Start(
-            file=str(folder / submission.path.name),
-            arguments=(*arguments, *parameter_arguments(scenario.node.parameters)),
+            programs=_programs(scenario, submission, folder, arguments),
             epoch=EPOCH_NS,
             seed=simulation.seed,
             offers=_offers(scenario),

@@ -168,6 +168,21 @@ class NodeSpec(_Table, frozen=True):
     models: dict[str, Model] = {}  # file name: what is in it
 
 
+class ProgramSpec(_Table, frozen=True):
+    """[[program]] One of several programs of a scenario; on a robot, a process of its own."""
+
+    file: Annotated[str, Meta(pattern=r"^\w+\.py$")]
+    supplied: bool = False  # the grader's, not the student's
+    arguments: tuple[str, ...] = ()
+    start: Annotated[float, Meta(ge=0, le=3600)] = 0.0  # [s]
+    stop: Time | None = None  # it is killed then [s]
+
+    def __post_init__(self) -> None:
+        """Refuse a program that ends before it begins."""
+        if self.stop is not None and self.stop <= self.start:
+            raise ValueError("expected start < stop")
+
+
 class Scenario(_Table, frozen=True, dict=True):
     """Everything about a run but the node."""
 
@@ -185,6 +200,7 @@ class Scenario(_Table, frozen=True, dict=True):
     faults: Faults = Faults()
     qos: Qos = Qos()
     node: NodeSpec = NodeSpec()
+    program: Annotated[tuple[ProgramSpec, ...], Meta(max_length=20)] = ()  # none: the node alone
     raw: Annotated[tuple[RawCommands, ...], Meta(max_length=1000)] = ()
     script: Annotated[tuple[ScriptEvent, ...], Meta(max_length=1000)] = ()
     bench: Annotated[tuple[BenchScan, ...], Meta(max_length=MAX_BENCH_SCANS)] = ()

@@ -103,6 +103,8 @@ def _answer(
 
 
 def _bury(pidfd: int, pid: int, status: int) -> None:
+    with contextlib.suppress(OSError):
+        os.killpg(pid, signal.SIGKILL)  # not yet reaped, so the number is still the host's own
     _, wait_status = os.waitpid(pid, 0)
     with contextlib.suppress(OSError):
         os.write(status, str(os.waitstatus_to_exitcode(wait_status)).encode())

@@ -56,9 +56,7 @@ class Programs:
         self._install()
         never = max(p.start.stop or 0 for p in self._programs) + 1
         plan = [(p.start.start, i, self._start, p) for i, p in enumerate(self._programs)]
-        plan += [
-            (p.start.stop or never, -1, self._kill, p) for p in self._programs if p.start.stop
-        ]
+        plan += [(p.start.stop or never, -1, self._kill, p) for p in self._programs if p.start.stop]
         for time, _, act, program in sorted(plan, key=lambda entry: entry[:2]):
             if time > kernel.now:
                 kernel.park(time)

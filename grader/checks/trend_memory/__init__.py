@@ -1,0 +1,1 @@
+"""Checks of exercise 4, trend_memory."""

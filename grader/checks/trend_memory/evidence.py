@@ -1,0 +1,213 @@
+"""What the node said after each scan, and the verdicts that several checks share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.checks.obstacle_avoidance.evidence import Answer, answers, garbage, spell
+from grader.checks.trend_memory.contract import (
+    CLOSING_TOLERANCE,
+    MEMORY_SIZE,
+    Step,
+    steps,
+)
+from grader.checks.wiring import require_alive
+from grader.recording import Recording
+from grader.verdict import fail
+from sim.messages import FLOAT64, decode
+
+TOPIC = "/closing_speed"
+SPEED_TOLERANCE = 1e-3  # [m/s]
+CLEARANCE = 0.2  # [m] to keep from the robot's edge
+LEAST_WAY = 0.5  # [m] that a robot drives if it is not simply standing
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scan, what it asks for, and what the node said until the next one."""
+
+    step: Step
+    answer: Answer
+    number: int  # of the scan, from 1
+    said: tuple[float, ...]  # closing speeds [m/s]
+
+    @property
+    def what(self) -> str:
+        """The scan in words, for a student."""
+        return f"scan {self.number} ({self.answer.what})"
+
+
+def cases(recording: Recording) -> list[Case]:
+    """Return every scan that the node was sent, in order."""
+    found = answers(recording)
+    times, values = closing_speeds(recording)
+    ends = np.append(np.searchsorted(times, [answer.scan.t for answer in found]), len(times))
+    wanted = steps(tuple(answer.scan for answer in found))
+    return [
+        Case(wanted[i], answer, i + 1, tuple(values[int(ends[i]) : int(ends[i + 1])]))
+        for i, answer in enumerate(found)
+    ]
+
+
+def closing_speeds(recording: Recording) -> tuple[list[float], list[float]]:
+    """Return when closing speeds came [s], and their values [m/s]."""
+    messages = [m for m in recording.published if m.topic == TOPIC and m.type == FLOAT64]
+    return [m.time / 1e9 for m in messages], [float(decode(m.data, FLOAT64).data) for m in messages]
+
+
+def require_scans(recording: Recording) -> None:
+    """Fail unless the node lived and every scan of the bench was sent."""
+    require_alive(recording)
+    if len(recording.scans()) < max(1, len(recording.scenario.bench_scans)):
+        fail("the scenario ended before all of its scans were sent", recording=recording)
+
+
+def require_closing_speeds(recording: Recording, help: str = "") -> None:
+    """Fail unless the right closing speed, or nothing, followed every scan."""
+    require_scans(recording)
+    for case in cases(recording):
+        require_silence(recording, case, help)
+        require_one(recording, case, help)
+        require_value(recording, case, help)
+
+
+def require_silence(recording: Recording, case: Case, help: str = "") -> None:
+    """Fail if a closing speed was said where none is to be said."""
+    if not case.step.silent or not case.said:
+        return
+    step = case.step
+    known = f"{step.known} reading{'s' * (step.known != 1)}"
+    why = f"the memory holds {known}" if step.remembered else "it has no reading to remember"
+    if step.remembered and step.known < MEMORY_SIZE and _emptied_before(recording, case):
+        why += " since the stamps jumped"
+    fail(
+        f"a closing speed came after {case.what}, though {why}",
+        expected=f"nothing on {TOPIC}",
+        actual=f"{spell(case.said[0])} m/s",
+        at=step.scan.t,
+        recording=recording,
+        help=help or "Return early: nothing is known yet, not even zero.",
+    )
+
+
+def require_one(recording: Recording, case: Case, help: str = "") -> None:
+    """Fail unless one closing speed was said where one is to be said."""
+    if not case.step.spoken or len(case.said) == 1:
+        return
+    fail(
+        f"{len(case.said) or 'no'} closing speeds came after {case.what}",
+        expected=f"exactly one: the memory holds {MEMORY_SIZE} readings",
+        actual=", ".join(f"{spell(value)} m/s" for value in case.said) or f"nothing on {TOPIC}",
+        at=case.step.scan.t,
+        recording=recording,
+        help=help or "Publish once for each scan that is remembered, from the tenth one on.",
+    )
+
+
+def require_value(recording: Recording, case: Case, help: str = "") -> None:
+    """Fail if the closing speed said is not minus the least-squares slope."""
+    if not case.step.spoken:
+        return
+    least, most = case.step.bounds
+    for value in case.said:
+        if least - CLOSING_TOLERANCE <= value <= most + CLOSING_TOLERANCE:
+            continue
+        fail(
+            f"wrong closing speed after {case.what}",
+            expected=f"{(least + most) / 2:.3f} m/s, minus the slope over the last ten readings",
+            actual=f"{value:.3f} m/s" if abs(value) < 1e6 else f"{value:.3g} m/s",
+            at=case.step.scan.t,
+            recording=recording,
+            help=garbage(value) or help,
+        )
+
+
+def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None:
+    """Fail unless the node drove as the contract says at every scan with this tag."""
+    said: set[float] = set()
+    wanted: set[frozenset[float]] = set()
+    judged = 0
+    for recording in recordings:
+        require_scans(recording)
+        for case in cases(recording):
+            wanted.add(case.step.speeds)
+            if case.answer.speed is not None:
+                said.add(round(case.answer.speed, 3))
+            if tag in case.answer.tags:
+                judged += 1
+                require_speed(recording, case, help)
+    if not judged:
+        fail(f"no scan with the tag {tag} was sent")
+    if len(said) < 2 <= len(wanted):
+        fail(
+            "the node says the same whatever it sees",
+            expected="a speed that depends on what is ahead",
+            actual=", ".join(f"always {speed:.2f} m/s" for speed in said) or "nothing on /cmd_vel",
+            recording=recording,
+            help="Get drives_free and stops_near right first.",
+        )
+
+
+def require_speed(recording: Recording, case: Case, help: str = "") -> None:
+    """Fail unless the command in force after a scan has the right linear.x."""
+    right, speed = case.step.speeds, case.answer.speed
+    if speed is not None and any(abs(speed - value) <= SPEED_TOLERANCE for value in right):
+        return
+    fail(
+        f"wrong speed after {case.what}",
+        expected="linear.x = " + " or ".join(f"{value:.1f} m/s" for value in sorted(right)),
+        actual="nothing on /cmd_vel" if speed is None else f"linear.x = {spell(speed)} m/s",
+        at=case.step.scan.t,
+        recording=recording,
+        help=garbage(speed or 0.0) or _time_left(case) or help,
+    )
+
+
+def require_distance(recording: Recording) -> None:
+    """Fail if the robot touched something or came too near to it."""
+    require_alive(recording)
+    truth = recording.truth
+    nearest = int(np.argmin(truth.clearance))
+    if truth.contact.any() or truth.clearance[nearest] < CLEARANCE:
+        fail(
+            "the robot came too near to something",
+            expected=f"clearance of at least {CLEARANCE} m",
+            actual="contact" if truth.contact.any() else f"{truth.clearance[nearest]:.3f} m",
+            at=truth.t[nearest] / 1e9,
+            recording=recording,
+            help="Watch the replay from two seconds before: what was the closing speed?",
+        )
+
+
+def require_way(recordings: tuple[Recording, ...]) -> None:
+    """Fail if the robot moved in none of these worlds: then nothing is shown."""
+    ways = [
+        float(np.hypot(np.diff(recording.truth.x), np.diff(recording.truth.y)).sum())
+        for recording in recordings
+    ]
+    if min(ways) < LEAST_WAY:
+        fail(
+            "the robot hardly moved, so nothing is shown",
+            expected="a robot that drives at 0.3 m/s where there is room and time",
+            actual=f"{min(ways):.2f} m driven",
+            recording=recordings[int(np.argmin(ways))],
+            help="Get drives_free right first.",
+        )
+
+
+def _time_left(case: Case) -> str:
+    """Return how much time was left before a collision, for a student; empty if that is not it."""
+    if not case.step.spoken or case.step.distance is None:
+        return ""
+    closing = case.step.bounds[1]
+    if closing <= 0.0 or case.step.speeds != {0.0} or case.step.distance < 0.5:
+        return ""
+    left = case.step.distance / closing
+    return f"{case.step.distance:.2f} m at a closing speed of {closing:.2f} m/s are {left:.1f} s."
+
+
+def _emptied_before(recording: Recording, case: Case) -> bool:
+    return any(step.emptied for step in steps(recording.scans()[: case.number]))

@@ -1,0 +1,215 @@
+"""The core checks of exercise 4; they sum to 100 points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grader.checks.obstacle_avoidance.evidence import (
+    FIELDS,
+    ZERO,
+    garbage,
+    require_one_command_each,
+    spell,
+)
+from grader.checks.trend_memory.evidence import (
+    TOPIC,
+    cases,
+    closing_speeds,
+    require_closing_speeds,
+    require_distance,
+    require_one,
+    require_scans,
+    require_silence,
+    require_speeds,
+    require_value,
+    require_way,
+)
+from grader.checks.wiring import require_alive, require_wiring
+from grader.recording import Recording
+from grader.verdict import fail
+
+FIRST = "trend_approach"
+DRIVES = ("trend_wall", "trend_cart")
+
+Recordings = tuple[Recording, ...]
+
+
+@pytest.mark.check(points=5, scenarios=(FIRST,))
+def test_wiring(recordings: Recordings) -> None:
+    """The node starts, spins, listens to /scan and speaks on /closing_speed and /cmd_vel."""
+    for recording in recordings:
+        require_wiring(recording, "trend_memory")
+
+
+@pytest.mark.check(points=5, scenarios=(FIRST, *DRIVES), needs=("wiring",))
+def test_one_command_per_scan(recordings: Recordings) -> None:
+    """Each scan is answered by exactly one Twist, and nothing is said before the first scan."""
+    for recording in recordings:
+        require_one_command_each(recording)
+
+
+@pytest.mark.check(points=5, scenarios=(FIRST, "trend_near"), needs=("wiring",))
+def test_only_linear_x(recordings: Recordings) -> None:
+    """Every field of the Twist but linear.x is zero."""
+    for recording in recordings:
+        require_alive(recording)
+        twists = recording.twists()
+        if not len(twists.t):
+            fail("not a single Twist came on /cmd_vel", recording=recording)
+        for column in range(1, 6):
+            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
+            if len(wrong):
+                value = float(twists.values[wrong[0], column])
+                fail(
+                    f"{FIELDS[column]} is not zero",
+                    expected=f"{FIELDS[column]} = 0.0",
+                    actual=f"{FIELDS[column]} = {spell(value)}",
+                    at=float(twists.t[wrong[0]]),
+                    recording=recording,
+                    help=garbage(value) or "This agent only drives straight ahead.",
+                )
+
+
+@pytest.mark.check(points=5, scenarios=(FIRST,), needs=("wiring",))
+def test_silent_until_ten(recordings: Recordings) -> None:
+    """Nothing on /closing_speed before the tenth reading; then the node speaks."""
+    for recording in recordings:
+        require_scans(recording)
+        times, _ = closing_speeds(recording)
+        if not times:
+            fail(
+                f"not a single message came on {TOPIC}",
+                expected="a closing speed from the tenth reading on",
+                actual=f"{len(recording.scans())} readings and nothing on {TOPIC}",
+                recording=recording,
+                help="A deque(maxlen=10) never holds more than ten: compare with == 10 or >= 10.",
+            )
+        for case in cases(recording):
+            require_silence(recording, case)
+
+
+@pytest.mark.check(points=5, scenarios=(FIRST, "trend_recede"), needs=("wiring",))
+def test_one_speed_per_reading(recordings: Recordings) -> None:
+    """From the tenth reading on, one closing speed follows each."""
+    for recording in recordings:
+        require_scans(recording)
+        for case in cases(recording):
+            require_one(recording, case)
+
+
+@pytest.mark.check(
+    points=10,
+    scenarios=(FIRST, "trend_recede", "trend_rest"),
+    needs=("wiring", "one_speed_per_reading"),
+)
+def test_closing_speed(recordings: Recordings) -> None:
+    """It is minus the least-squares slope of distance over stamp: closer, away, at rest."""
+    for recording in recordings:
+        require_scans(recording)
+        tenth = next(case for case in cases(recording) if case.step.spoken)
+        require_one(recording, tenth)
+        require_value(
+            recording,
+            tenth,
+            "All ten readings count, not only the first and the last; distance over stamp in "
+            "seconds; positive is closer. Subtract the first stamp before you square anything.",
+        )
+
+
+@pytest.mark.check(
+    points=5, scenarios=("trend_ahead",), needs=("wiring", "one_speed_per_reading", "closing_speed")
+)
+def test_looks_ahead(recordings: Recordings) -> None:
+    """The distance is the smallest one within ±90° of ahead, as in exercise 1."""
+    for recording in recordings:
+        require_closing_speeds(
+            recording, "Compute each beam's angle; what is behind the robot does not matter."
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("trend_changes",), needs=("wiring", "closing_speed"))
+def test_forgets_old(recordings: Recordings) -> None:
+    """Only the last ten readings count: what was before is forgotten, one reading at a time."""
+    for recording in recordings:
+        require_closing_speeds(
+            recording, "With each new reading the oldest one goes: deque(maxlen=10)."
+        )
+
+
+@pytest.mark.check(points=10, scenarios=("trend_stamps",), needs=("wiring", "closing_speed"))
+def test_uses_stamps(recordings: Recordings) -> None:
+    """Time is the scan's header stamp: scans may be late, and some may be missing."""
+    for recording in recordings:
+        require_closing_speeds(
+            recording, "header.stamp (sec and nanosec) says when the scan was measured; use that."
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("trend_unusable",), needs=("wiring", "closing_speed"))
+def test_unusable_scans(recordings: Recordings) -> None:
+    """Scans without a usable distance ahead, or with +inf, are not remembered."""
+    for recording in recordings:
+        require_closing_speeds(
+            recording, "Such a scan neither adds a reading nor takes one away, and says nothing."
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("trend_backwards",), needs=("wiring", "closing_speed"))
+def test_clears_backwards(recordings: Recordings) -> None:
+    """A stamp that goes backwards empties the memory first; then ten new readings are needed."""
+    for recording in recordings:
+        require_closing_speeds(
+            recording, "Compare each stamp with the one before; clear, then remember the new one."
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("trend_jump",), needs=("wiring", "closing_speed"))
+def test_clears_jump(recordings: Recordings) -> None:
+    """A stamp that jumps ahead by more than 1 s empties the memory first; 0.9 s does not."""
+    for recording in recordings:
+        require_closing_speeds(
+            recording, "Compare each stamp with the one before; clear, then remember the new one."
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("trend_near",), needs=("wiring",))
+def test_stops_near(recordings: Recordings) -> None:
+    """Below 0.5 m the robot stands, whether or not a closing speed is known."""
+    require_speeds(recordings, "near", "Below 0.5 m: 0.0 m/s, from the first scan on.")
+
+
+@pytest.mark.check(points=10, scenarios=("trend_in_time",), needs=("wiring",))
+def test_stops_in_time(recordings: Recordings) -> None:
+    """The robot stands when less than 2 s are left: distance / closing speed < 2.0 s."""
+    require_speeds(recordings, "in_time", "Something comes: does the newest closing speed count?")
+
+
+@pytest.mark.check(
+    points=5,
+    scenarios=("trend_near", "trend_in_time", "trend_recede", "trend_rest", "trend_unusable"),
+    needs=("wiring",),
+)
+def test_drives_free(recordings: Recordings) -> None:
+    """Otherwise it drives at 0.3 m/s: enough time, moving away, at rest, nothing in range."""
+    require_speeds(
+        recordings,
+        "free",
+        "Without danger it is 0.3 m/s, before the tenth reading too. A negative closing speed "
+        "is no danger, and at 0.0 m/s there is nothing to divide by.",
+    )
+
+
+@pytest.mark.check(points=5, scenarios=("trend_blind",), needs=("wiring",))
+def test_blind(recordings: Recordings) -> None:
+    """Without any usable reading ahead the robot stands, and it drives on when it sees again."""
+    require_speeds(recordings, "blind", "No usable reading: the robot cannot know, so 0.0.")
+    require_speeds(recordings, "seen", "After blindness a good scan counts again.")
+
+
+@pytest.mark.check(points=5, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"))
+def test_no_contact(recordings: Recordings) -> None:
+    """Before a wall and a cart that comes closer the robot keeps 0.2 m clear."""
+    for recording in recordings:
+        require_distance(recording)
+    require_way(recordings)

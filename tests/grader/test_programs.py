@@ -1,0 +1,126 @@
+"""Several programs in one host: each has its own rclpy, all share one robot and one time."""
+
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from conftest import PREAMBLE, short
+
+from grader.launch import Nursery
+from grader.recording import Recording
+from grader.submission import Submission
+from grader.trial import run_trial
+from sim.scenario import ProgramSpec
+
+SERVER = """
+from std_srvs.srv import Trigger
+class Server(Node):
+    def __init__(self):
+        super().__init__('server')
+        self.create_service(Trigger, '/ask', self.on_ask)
+    def on_ask(self, request, response):
+        response.success, response.message = True, 'yes'
+        return response
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(Server())
+if __name__ == '__main__':
+    main()
+"""
+CLIENT = """
+from std_srvs.srv import Trigger
+class Client(Node):
+    def __init__(self):
+        super().__init__('client')
+        self.role = self.declare_parameter('role', '?').value
+        self.publisher = self.create_publisher(String, f'/{self.role}/answer', 10)
+        self.client = self.create_client(Trigger, '/ask')
+        self.create_timer(0.1, self.on_timer)
+    def on_timer(self):
+        if self.client.service_is_ready():
+            self.client.call_async(Trigger.Request()).add_done_callback(self.on_answer)
+    def on_answer(self, future):
+        self.publisher.publish(String(data=future.result().message))
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(Client())
+if __name__ == '__main__':
+    main()
+"""
+
+
+def client(role: str, **times: float) -> ProgramSpec:
+    words = ("--ros-args", "-r", f"__node:={role}_client", "-p", f"role:={role}")
+    return ProgramSpec("client.py", arguments=words, **times)
+
+
+def run(
+    nursery: Nursery, folder: Path, *programs: ProgramSpec, client_source: str = CLIENT
+) -> Recording:
+    (folder / "server.py").write_text(PREAMBLE + SERVER)
+    (folder / "client.py").write_text(PREAMBLE + client_source)
+    scenario = msgspec.structs.replace(short(3.0), program=programs)
+    submission = Submission(folder / "server.py", others=(folder / "client.py",))
+    return run_trial(submission, scenario, nursery)
+
+
+def test_clients_have_their_own_names_and_parameters(nursery: Nursery, tmp_path: Path) -> None:
+    server = ProgramSpec("server.py")
+    recording = run(nursery, tmp_path, server, client("left"), client("right"))
+
+    assert recording.outcome.completed, recording.outcome
+    assert {e.node for e in recording.endpoints} == {"/server", "/left_client", "/right_client"}
+    for role in ("left", "right"):
+        np.testing.assert_allclose(recording.times(f"/{role}/answer"), np.arange(1, 30) / 10)
+
+
+def test_a_server_can_be_killed_and_come_back(nursery: Nursery, tmp_path: Path) -> None:
+    first, second = ProgramSpec("server.py", stop=0.95), ProgramSpec("server.py", start=2.05)
+    recording = run(nursery, tmp_path, client("left"), first, second)
+
+    assert recording.outcome.completed, recording.outcome
+    times = recording.times("/left/answer")
+    np.testing.assert_allclose(times, [*np.arange(1, 10) / 10, *np.arange(21, 30) / 10])
+
+
+def test_several_programs_are_as_deterministic_as_one(nursery: Nursery, tmp_path: Path) -> None:
+    programs = (ProgramSpec("server.py", stop=1.5), client("left"), client("right", start=0.4))
+
+    assert len({run(nursery, tmp_path, *programs).digest() for _ in range(4)}) == 1
+
+
+def test_a_program_that_ends_by_itself_ends_the_trial(nursery: Nursery, tmp_path: Path) -> None:
+    crash = CLIENT.replace("if self.client.service_is_ready():", "if 1 / 0:")
+    recording = run(nursery, tmp_path, ProgramSpec("server.py"), client("a"), client_source=crash)
+
+    assert recording.outcome.kind == "exception"
+    assert recording.outcome.text.startswith("client.py: ZeroDivisionError")
+
+
+@pytest.mark.parametrize("executor", ["SingleThreadedExecutor", "MultiThreadedExecutor"])
+def test_programs_may_use_executors_of_their_own(
+    executor: str, nursery: Nursery, tmp_path: Path
+) -> None:
+    source = CLIENT.replace(
+        "rclpy.spin(Client())",
+        f"executor = {executor}(); executor.add_node(Client()); executor.spin()",
+    )
+    recording = run(nursery, tmp_path, ProgramSpec("server.py"), client("a"), client_source=source)
+
+    assert len(recording.times("/a/answer")) == 29
+
+
+def test_shutdown_is_a_programs_own(nursery: Nursery, tmp_path: Path) -> None:
+    source = CLIENT.replace(
+        "rclpy.spin(Client())",
+        "node = Client()\n"
+        "    for _ in range(5): rclpy.spin_once(node)\n"
+        "    rclpy.shutdown()\n"
+        "    print('ok is', rclpy.ok())\n"
+        "    time.sleep(100)",
+    )
+    recording = run(nursery, tmp_path, ProgramSpec("server.py"), client("a"), client_source=source)
+
+    assert recording.outcome.completed
+    assert [line.text for line in recording.log if line.level == "stdout"] == ["ok is False"]

@@ -1,0 +1,156 @@
+"""ROS is found in each of the places where it may be installed."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from grader.errors import InputError
+from grader.ros import find_ros
+
+VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
+
+
+def install(folder: Path, version: str = VERSION) -> Path:
+    """Make a folder look as if rclpy had been installed there."""
+    package = folder / "rclpy"
+    package.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    tag = version.replace(".", "")
+    (package / f"_rclpy_pybind11.cpython-{tag}-x86_64-linux-gnu.so").touch()
+    return folder
+
+
+def bundle(folder: Path) -> list[Path]:
+    names = ("ros_jazzy_rcl.libs", "ros_jazzy_rmw_fastrtps_cpp.libs")
+    for name in names:
+        (folder / name).mkdir(parents=True)
+    return [folder / name for name in names]
+
+
+@pytest.fixture
+def venv(tmp_path: Path) -> Path:
+    folder = install(tmp_path / "venv" / "lib" / f"python{VERSION}" / "site-packages")
+    bundle(folder)
+    return folder
+
+
+@pytest.fixture
+def apt(tmp_path: Path) -> dict[str, str]:
+    root = tmp_path / "opt" / "ros" / "jazzy"
+    packages = install(root / "lib" / f"python{VERSION}" / "site-packages")
+    return {
+        "AMENT_PREFIX_PATH": str(root),
+        "PYTHONPATH": str(packages),
+        "LD_LIBRARY_PATH": f"{root}/opt/rviz/lib:{root}/lib",
+    }
+
+
+def test_wheels_in_a_venv(venv: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "path", [str(venv), *sys.path])
+    ros = find_ros({}, [venv])
+
+    assert ros.kind == "wheels"
+    assert ros.python_path == (venv,)
+    prefix = venv.parents[2]
+    assert ros.prefixes == (prefix,)
+    assert ros.library_path == (
+        venv / "ros_jazzy_rcl.libs",
+        venv / "ros_jazzy_rmw_fastrtps_cpp.libs",
+        prefix / "lib",
+    )
+
+
+def test_wheels_under_debians_python(tmp_path: Path) -> None:
+    lib = tmp_path / "usr" / "local" / "lib" / f"python{VERSION}"
+    wheels = install(lib / "site-packages")
+    libraries = bundle(wheels)
+    (lib / "dist-packages" / "rclpy").mkdir(parents=True)  # the empty shell
+    ros = find_ros({}, [lib / "dist-packages", wheels])
+
+    assert ros.kind == "system wheels"
+    assert ros.python_path == (wheels,)
+    assert ros.prefixes == (tmp_path / "usr" / "local",)
+    assert set(libraries) < set(ros.library_path)
+
+
+def test_wheels_whose_libraries_lie_next_door(tmp_path: Path) -> None:
+    lib = tmp_path / "usr" / "local" / "lib" / f"python{VERSION}"
+    wheels = install(lib / "site-packages")
+    libraries = bundle(lib / "dist-packages")
+    ros = find_ros({}, [wheels])
+
+    assert ros.library_path == (*libraries, tmp_path / "usr" / "local" / "lib")
+
+
+def test_a_sourced_apt_installation(apt: dict[str, str]) -> None:
+    ros = find_ros(apt, [])
+
+    assert ros.kind == "apt"
+    assert [str(path) for path in ros.python_path] == [apt["PYTHONPATH"]]
+    assert ros.variables()["LD_LIBRARY_PATH"] == apt["LD_LIBRARY_PATH"]
+    assert ros.variables()["AMENT_PREFIX_PATH"] == apt["AMENT_PREFIX_PATH"]
+
+
+def test_what_is_sourced_comes_first(apt: dict[str, str], venv: Path) -> None:
+    assert find_ros(apt, [venv]).kind == "apt"
+
+
+def test_a_workspace_on_top(apt: dict[str, str], tmp_path: Path) -> None:
+    workspace = tmp_path / "ws" / "install" / "my_package"
+    overlaid = {
+        **apt,
+        "AMENT_PREFIX_PATH": f"{workspace}:{apt['AMENT_PREFIX_PATH']}",
+        "PYTHONPATH": f"{workspace}/lib:{apt['PYTHONPATH']}:",
+    }
+    ros = find_ros(overlaid, [])
+
+    assert ros.prefixes == (workspace, Path(apt["AMENT_PREFIX_PATH"]))
+    assert len(ros.python_path) == 2
+
+
+def test_the_variables_of_a_child(venv: Path) -> None:
+    variables = find_ros({}, [venv]).variables()
+
+    assert variables["ROS_DISTRO"] == "jazzy"
+    assert variables["_ROS_WHEELS_BOOTSTRAP_COMPLETE"] == "1"
+    assert variables["LD_LIBRARY_PATH"].split(os.pathsep)[-1] == str(venv.parents[2] / "lib")
+
+
+NOTHING = "none", "shell", "no libraries", "another Python", "not sourced", "half sourced"
+
+
+@pytest.mark.parametrize("layout", NOTHING)
+def test_without_ros_it_says_how_to_install_it(
+    layout: str, tmp_path: Path, apt: dict[str, str]
+) -> None:
+    folder = tmp_path / "lib" / "python" / "site-packages"
+    environ: dict[str, str] = {}
+    match layout:
+        case "shell":
+            (folder / "rclpy").mkdir(parents=True)
+            bundle(folder)
+        case "no libraries":
+            install(folder)
+        case "another Python":
+            install(folder, "2.7")
+            bundle(folder)
+        case "not sourced":
+            environ = {"PYTHONPATH": apt["PYTHONPATH"]}
+        case "half sourced":
+            environ = {"AMENT_PREFIX_PATH": apt["AMENT_PREFIX_PATH"], "PYTHONPATH": ""}
+    with pytest.raises(InputError) as caught:
+        find_ros(environ, [folder])
+
+    said = str(caught.value)
+    assert "pip install" in said
+    assert "/opt/ros/jazzy/setup.bash" in said
+    assert "\n" not in said
+
+
+def test_the_real_one() -> None:
+    ros = find_ros()
+
+    assert any((path / "rclpy" / "__init__.py").is_file() for path in ros.python_path)
+    assert all(path.is_dir() for path in ros.library_path)

@@ -1,0 +1,146 @@
+"""Which file is the submission, and what is wrong with it before it runs."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from grader.errors import InputError
+from grader.submission import MAX_SIZE, Submission, find_submission
+
+
+@pytest.fixture
+def agent(tmp_path: Path) -> Path:
+    file = tmp_path / "agent.py"
+    file.write_text("print('hello')\n")
+    return file
+
+
+def refused(path: Path, expected: str | None = None) -> str:
+    with pytest.raises(InputError) as caught:
+        find_submission(path, expected)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_a_file(agent: Path) -> None:
+    assert find_submission(agent) == Submission(agent)
+
+
+def test_a_file_of_another_name_will_do(agent: Path) -> None:
+    assert find_submission(agent, "other.py").path == agent
+
+
+def test_a_folder_with_the_file(agent: Path) -> None:
+    assert find_submission(agent.parent, "agent.py").path == agent
+
+
+def test_a_relative_path(agent: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(agent.parent)
+    assert find_submission(Path("agent.py")).path == agent
+
+
+def test_a_link(agent: Path) -> None:
+    link = agent.with_name("link.py")
+    link.symlink_to(agent)
+    assert find_submission(link).path == agent
+
+
+def test_files_beside_it_belong_to_it(agent: Path) -> None:
+    other = agent.with_name("client.py")
+    other.write_text("pass")
+    submission = find_submission(agent.parent, "agent.py", ("client.py", "absent.py"))
+
+    assert submission.others == (other,)
+    with submission.folder() as folder:
+        assert sorted(file.name for file in folder.iterdir()) == ["agent.py", "client.py"]
+
+
+def test_the_copy_is_gone_afterwards(agent: Path) -> None:
+    with Submission(agent).folder() as folder:
+        assert (folder / "agent.py").read_text() == agent.read_text()
+        (folder / "new.txt").touch()
+    assert not folder.exists()
+    assert agent.exists()
+
+
+def test_two_copies_are_two_folders(agent: Path) -> None:
+    with Submission(agent).folder() as one, Submission(agent).folder() as two:
+        assert one != two
+
+
+def test_nothing_there(tmp_path: Path) -> None:
+    assert "no such file" in refused(tmp_path / "absent.py")
+
+
+def test_a_link_to_nothing(tmp_path: Path) -> None:
+    (tmp_path / "link.py").symlink_to(tmp_path / "absent.py")
+    assert "no such file" in refused(tmp_path / "link.py")
+
+
+def test_a_folder_without_it(agent: Path) -> None:
+    said = refused(agent.parent, "seeker.py")
+    assert "expected a file seeker.py" in said
+    assert "it holds agent.py" in said
+
+
+def test_an_empty_folder(tmp_path: Path) -> None:
+    assert "it holds no Python file" in refused(tmp_path, "seeker.py")
+
+
+def test_a_folder_where_a_file_is_expected(tmp_path: Path) -> None:
+    assert "this is a folder" in refused(tmp_path)
+
+
+def test_a_folder_of_that_name(tmp_path: Path) -> None:
+    (tmp_path / "agent.py").mkdir()
+    assert "expected a file agent.py" in refused(tmp_path, "agent.py")
+
+
+def test_a_pipe(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "agent.py")
+    assert "not a regular file" in refused(tmp_path / "agent.py")
+
+
+@pytest.mark.parametrize("name", [b"caf\xe9.py", b"a\nb.py", b"a\x1b[31m.py"])
+def test_a_name_that_can_not_be_shown(name: bytes, tmp_path: Path) -> None:
+    path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name))
+    path.write_text("pass")
+    assert refused(path).isprintable()
+
+
+@pytest.mark.parametrize("name", ["grüß.py", "node with spaces.py", "no_suffix", "-.py", "节点.py"])
+def test_other_names_are_fine(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("pass")
+    submission = find_submission(tmp_path / name)
+
+    assert submission.problem == ""
+    with submission.folder() as folder:
+        assert (folder / name).is_file()
+
+
+@pytest.mark.skipif(os.getuid() == 0, reason="root can read everything")
+def test_a_file_that_can_not_be_read(agent: Path) -> None:
+    agent.chmod(0)
+    assert "cannot be read" in refused(agent)
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (b"", "the file is empty"),
+        (b"\n \t\r\n", "the file is empty"),
+        (b"#" * (MAX_SIZE + 1), "the file has 1,048,577 bytes; at most 1,048,576 are read"),
+        (b"#" * MAX_SIZE, ""),
+        (b"\xff", ""),
+        (b"def f(:", ""),
+    ],
+)
+def test_problems_are_the_students(content: bytes, problem: str, agent: Path) -> None:
+    agent.write_bytes(content)
+    assert find_submission(agent).problem == problem
+
+
+def test_a_sparse_file_is_not_read(agent: Path) -> None:
+    os.truncate(agent, 10**12)
+    assert "1,000,000,000,000 bytes" in find_submission(agent).problem
