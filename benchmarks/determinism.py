@@ -1,4 +1,4 @@
-"""The same submission graded again and again, also on a loaded machine: are the recordings equal?"""
+"""The same submission graded often, also on a loaded machine: are the recordings equal?"""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 from grader.exercises import Exercise, all_exercises
 from grader.grading import grade_live
@@ -46,7 +45,7 @@ def _grade_often(exercise: Exercise, nursery: Nursery) -> int:
         times[loaded] = (time.perf_counter() - start) / (GRADINGS // 2)
     different = [name for name, digests in seen.items() if len(digests) > 1]
     print(
-        f"{exercise.slug}: {GRADINGS} gradings, {len(seen)} recordings each, scores {sorted(scores)}; "
+        f"{exercise.slug}: {GRADINGS} gradings of {len(seen)} recordings, scores {sorted(scores)}; "
         f"recordings that differ: {different or 'none'}; "
         f"{times[False]:.2f} s each, {times[True]:.2f} s under load "
         f"({times[True] / times[False]:.1f} times)"

@@ -187,6 +187,8 @@ class Nursery:
                 data, fds, _, _ = socket.recv_fds(self._control, 4096, 1)
             birth = msgspec.json.decode(data, type=Birth)
         except (OSError, msgspec.DecodeError) as error:
+            for fd in (link_out, link_in, stdout, stderr, status):
+                os.close(fd)
             raise GraderError(f"no host for the node: {self._last_words()}") from error
         finally:
             for fd in theirs:

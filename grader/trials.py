@@ -16,7 +16,8 @@ from grader.launch import Nursery
 from grader.recording import Recording
 from grader.submission import Submission
 from grader.trial import Limits, run_trial
-from sim.scenario import load_scenario
+from sim.difficulty import comparable_seed
+from sim.scenario import Scenario, load_scenario
 
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
 
@@ -86,7 +87,7 @@ class LiveTrials:
             self.submission,
             scenario,
             self.nursery,
-            seed=mixed_seed(scenario.seed, self.seed),
+            seed=trial_seed(scenario, self.seed),
             limits=limits,
         )
         self._hung = self._hung or recording.outcome.kind == "hung"
@@ -119,6 +120,13 @@ class SavedTrials:
 def with_bag(recording: Recording, folder: Path) -> Recording:
     """Return the recording with a note of where it is saved."""
     return replace(recording, bag=str(folder))
+
+
+def trial_seed(scenario: Scenario, chosen: int | None) -> int:
+    """Return the seed of a graded trial; worlds of other seeds are as hard as the scenario's."""
+    if chosen is None:
+        return scenario.seed
+    return comparable_seed(scenario, mixed_seed(scenario.seed, chosen))
 
 
 def mixed_seed(own: int, chosen: int | None) -> int:

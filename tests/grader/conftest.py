@@ -1,4 +1,4 @@
-"""The real thing for tests: a nursery for the whole session and a way to run a few lines of node."""
+"""The real thing for tests: one nursery for the session, and a way to run a few lines of node."""
 
 import textwrap
 from collections.abc import Callable, Iterator

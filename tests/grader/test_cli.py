@@ -328,11 +328,10 @@ def test_a_seed_changes_the_worlds() -> None:
     only = ("--only", "wiring", "--json", "-")
     seeds = [
         [r["seed"] for r in course(*GRADE, *only, *seed).json["recordings"]]
-        for seed in ((), ("--seed", "1"), ("--seed", "1"), ("--seed", "2"))
+        for seed in ((), ("--seed", "1"), ("--seed", "1"))
     ]
 
-    assert seeds[1] == seeds[2]
-    assert len({tuple(seed) for seed in seeds}) == 3
+    assert seeds[0] != seeds[1] == seeds[2]
 
 
 def test_a_closed_pipe_is_no_crash() -> None:

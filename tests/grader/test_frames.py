@@ -17,6 +17,7 @@ from grader.host.frames import (
     Ended,
     EndpointReport,
     Offer,
+    ProgramStart,
     Published,
     Run,
     Settled,
@@ -58,10 +59,16 @@ ended = st.builds(
     published,
     endpoints,
 )
-starts = st.builds(
-    Start,
+programs = st.builds(
+    ProgramStart,
     file=texts,
     arguments=st.lists(texts, max_size=3).map(tuple),
+    start=times,
+    stop=st.none() | times,
+)
+starts = st.builds(
+    Start,
+    programs=st.lists(programs, max_size=3).map(tuple),
     epoch=times,
     seed=st.integers(0, 2**31),
     offers=st.lists(st.builds(Offer, names, names, st.booleans()), max_size=3).map(tuple),

@@ -34,13 +34,15 @@ SPINNING = {
             time.sleep(0.01)
     """,
     "executor.spin": """
-        rclpy.init(); executor = SingleThreadedExecutor(); executor.add_node(Echo()); executor.spin()
+        rclpy.init(); executor = SingleThreadedExecutor()
+        executor.add_node(Echo()); executor.spin()
     """,
     "MultiThreadedExecutor": """
         rclpy.init(); executor = MultiThreadedExecutor(); executor.add_node(Echo()); executor.spin()
     """,
     "MultiThreadedExecutor(2)": """
-        rclpy.init(); executor = MultiThreadedExecutor(2); executor.add_node(Echo()); executor.spin()
+        rclpy.init(); executor = MultiThreadedExecutor(2)
+        executor.add_node(Echo()); executor.spin()
     """,
     "spin_until_future_complete": """
         rclpy.init(); node = Echo()
@@ -360,7 +362,8 @@ def test_a_blocking_call_in_a_callback_is_a_deadlock(run_node: RunNode) -> None:
 
 
 def test_odd_encodings_run(run_node: RunNode) -> None:
-    source = "import rclpy\r\nfrom rclpy.node import Node\r\nrclpy.init()\r\nrclpy.spin(Node('ü'[:0] + 'n'))\r\n"
+    lines = ("import rclpy", "from rclpy.node import Node", "rclpy.init()")
+    source = "\r\n".join((*lines, "rclpy.spin(Node('ü'[:0] + 'n'))", ""))
     assert run_node(b"\xef\xbb\xbf" + source.encode()).outcome.completed
     assert run_node(b"# coding: latin-1\n" + source.encode("latin-1")).outcome.completed
     assert run_node(b"name = '\xff'\n").outcome.kind == "syntax_error"
@@ -439,7 +442,7 @@ def test_a_node_that_speaks_for_the_robot_is_kept_apart(run_node: RunNode) -> No
         rclpy.init(); rclpy.spin(Ventriloquist())
     """)
 
-    assert [message.topic for message in recording.published][0] == "/from_node/scan"
+    assert recording.published[0].topic == "/from_node/scan"
     assert len(recording.scans()) == 20
 
 
@@ -458,9 +461,8 @@ def test_hosts_leave_no_shared_memory_behind(run_node: RunNode) -> None:
 @pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
 def test_students_code_is_not_root(run_node: RunNode) -> None:
     recording = run_node("""
-        import json
         rclpy.init()
-        print(os.getuid(), sorted(os.environ.get('HOME', '')) == [], os.access('/etc/shadow', os.R_OK))
+        print(os.getuid(), 'SECRET' in os.environ, os.access('/etc/shadow', os.R_OK))
         rclpy.spin(Echo())
     """)
 

@@ -18,6 +18,7 @@ from grader.host.frames import (
     MAX_FRAME,
     Delivery,
     Ended,
+    ProgramStart,
     Published,
     Run,
     Settled,
@@ -35,14 +36,14 @@ from grader.link import (
     Output,
 )
 
-START = Start(file="agent.py", arguments=(), epoch=0, seed=1, offers=())
+START = Start(programs=(ProgramStart("agent.py"),), epoch=0, seed=1, offers=())
 LIMIT = 20.0  # [s] for answers that come
 SOON = 0.05  # [s] for answers that don't
 
 
 @pytest.fixture(autouse=True)
 def no_patience_for_stacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(link_module, "STACK_TIME", 0.01)
+    monkeypatch.setattr(link_module, "STACK_TIME", 0.1)
 
 
 @contextmanager

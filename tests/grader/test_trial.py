@@ -216,6 +216,7 @@ def test_random_numbers_are_the_same_again(run_node: RunNode) -> None:
 
 # --- real nodes that misbehave -------------------------------------------------------------------
 
+PATIENT = Limits(start=60.0, step=60.0, total=120.0)
 FLOODS = {
     "20,000 messages at once": "for _ in range(20_000): self.publisher.publish(Twist())",
     "a message of 10 MB": "self.text.publish(String(data='x' * 10_000_000))",
@@ -233,7 +234,7 @@ def test_floods_end_the_trial(run_node: RunNode, flood: str) -> None:
             def on_scan(self, scan):
                 {FLOODS[flood]}
         rclpy.init(); rclpy.spin(Flooding())
-    """)
+    """, limits=PATIENT)  # fmt: skip
 
     assert recording.outcome.kind == "flooded"
     assert recording.outcome.at < 0.2
@@ -283,7 +284,6 @@ ATTACKS = {
     "stops itself": "os.kill(os.getpid(), 19)",
     "kills itself": "os.kill(os.getpid(), 9)",
     "kills its parent": "kill(os.getppid(), 9)",
-    "kills everybody": "kill(-1, 9)",
     "leaves at once": "os._exit(0)",
 }
 ENDS = {"forged", "died", "hung", "exception"}
@@ -291,8 +291,9 @@ ENDS = {"forged", "died", "hung", "exception"}
 
 @pytest.mark.parametrize("attack", ATTACKS)
 def test_attacks_on_the_link_end_the_trial(run_node: RunNode, attack: str) -> None:
-    if "kill(" in ATTACKS[attack] and "getpid" not in ATTACKS[attack] and os.getuid() != 0:
+    if attack == "kills its parent" and os.getuid() != 0:
         pytest.skip("needs the nursery to be another user's")
+    harmless = attack in ("closes its output", "kills its parent")
     recording = run_node(
         f"""
         def attempt(call):
@@ -307,10 +308,9 @@ def test_attacks_on_the_link_end_the_trial(run_node: RunNode, attack: str) -> No
                 super().on_scan(scan)
         rclpy.init(); rclpy.spin(Hostile())
         """,
-        limits=Limits(start=20.0, step=1.0, total=30.0),
+        limits=PATIENT if harmless else Limits(start=20.0, step=1.0, total=30.0),
     )
 
-    harmless = attack in ("closes its output", "kills its parent", "kills everybody")
     assert recording.outcome.completed if harmless else recording.outcome.kind in ENDS
     assert all(message.type == TWIST for message in recording.published)
 
@@ -380,7 +380,7 @@ class FakeNursery:
 @pytest.fixture
 def forge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
     """Run a trial in which the host gives these answers, one after the other."""
-    monkeypatch.setattr(link, "STACK_TIME", 0.01)
+    monkeypatch.setattr(link, "STACK_TIME", 0.1)
     monkeypatch.setattr(trial, "GRACE", 0.01)
     file = tmp_path / "node.py"
     file.write_text("pass")

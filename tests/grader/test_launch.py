@@ -1,0 +1,292 @@
+"""Hosts and the nursery that they come from: who they run as, and that nothing of them stays."""
+
+import json
+import os
+import select
+import subprocess
+import sys
+import textwrap
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from conftest import PREAMBLE, RunNode, short
+
+from grader.errors import GraderError
+from grader.host.privileges import NOBODY
+from grader.launch import Nursery
+from grader.ros import RosEnvironment
+from grader.submission import Submission
+from grader.trial import run_trial
+from sim.messages import EPOCH_NS
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+ECHO = "rclpy.init(); rclpy.spin(Echo())"
+root_only = pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
+
+
+@pytest.fixture
+def own_nursery() -> Iterator[Nursery]:
+    with Nursery(EPOCH_NS) as nursery:
+        yield nursery
+
+
+@pytest.fixture
+def echo(tmp_path: Path) -> Submission:
+    file = tmp_path / "echo.py"
+    file.write_text(PREAMBLE + ECHO)
+    return Submission(file)
+
+
+def descriptors(pid: int | str = "self") -> int:
+    return len(os.listdir(f"/proc/{pid}/fd"))
+
+
+def children(pid: int) -> list[str]:
+    return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+
+
+def is_over(pid: int) -> bool:
+    """Wait for the end of a process that has been killed."""
+    try:
+        handle = os.pidfd_open(pid)
+    except ProcessLookupError:
+        return True
+    poll = select.poll()
+    poll.register(handle, select.POLLIN)
+    over = bool(poll.poll(10_000))
+    os.close(handle)
+    return over
+
+
+# --- nothing stays -------------------------------------------------------------------------------
+
+ENDS = (
+    ECHO,
+    "rclpy.init(); Echo()",
+    "os._exit(3)",
+    "os.kill(os.getpid(), 9)",
+    "os.closerange(3, 30); time.sleep(0.001)",
+    "1 / 0",
+)
+
+
+def test_fifty_trials_leave_no_process_and_no_descriptor(
+    own_nursery: Nursery, tmp_path: Path
+) -> None:
+    nursery = own_nursery._process.pid
+    submissions = []
+    for number, source in enumerate(ENDS):
+        file = tmp_path / f"node_{number}.py"
+        file.write_text(PREAMBLE + source)
+        submissions.append(Submission(file))
+    folder = tmp_path / "empty"
+    folder.mkdir()
+    counts = []
+    for round_ in range(2):
+        for number in range(50 * round_):
+            run_trial(submissions[number % len(submissions)], short(0.05), own_nursery)
+        with submissions[0].folder() as place, own_nursery.host(place):
+            # within a host: the nursery has buried all those before it
+            counts.append((descriptors(), descriptors(nursery), len(children(nursery))))
+
+    assert counts[0] == counts[1]
+    assert counts[0][2] == 1
+    assert not any(pid in children(os.getpid()) for pid in children(nursery))
+
+
+def test_a_nursery_ends_with_its_block(echo: Submission) -> None:
+    before = descriptors()
+    with Nursery(EPOCH_NS) as nursery:
+        run_trial(echo, short(0.05), nursery)
+        pid = nursery._process.pid
+    assert descriptors() == before
+    assert not Path(f"/proc/{pid}").exists()
+
+
+def test_a_nursery_that_nobody_needed_ends() -> None:
+    with Nursery(EPOCH_NS) as nursery:
+        pid = nursery._process.pid
+    assert not Path(f"/proc/{pid}").exists()
+
+
+def test_what_a_node_starts_ends_with_it(run_node: RunNode) -> None:
+    recording = run_node("""
+        pid = os.fork()
+        if not pid:
+            while True: pass
+        print(pid)
+        rclpy.init(); rclpy.spin(Echo())
+    """)
+
+    (line,) = recording.log
+    assert is_over(int(line.text))
+
+
+# --- many at once --------------------------------------------------------------------------------
+
+
+def test_many_hosts_at_once(nursery: Nursery, echo: Submission) -> None:
+    with ThreadPoolExecutor(8) as pool:
+        trials = [pool.submit(run_trial, echo, short(1.0), nursery) for _ in range(24)]
+        recordings = [trial.result() for trial in trials]
+
+    assert {recording.outcome.kind for recording in recordings} == {"completed"}
+    assert len({recording.digest() for recording in recordings}) == 1
+
+
+def test_a_host_that_says_nothing_does_not_hold_up_others(
+    nursery: Nursery, echo: Submission
+) -> None:
+    with echo.folder() as folder, nursery.host(folder):  # nobody tells it what to run
+        assert run_trial(echo, short(0.2), nursery).outcome.completed
+
+
+# --- faults --------------------------------------------------------------------------------------
+
+
+def faulty(nursery: Nursery, echo: Submission) -> str:
+    with pytest.raises(GraderError) as caught:
+        run_trial(echo, short(0.1), nursery)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_a_dead_nursery_is_the_graders_fault(own_nursery: Nursery, echo: Submission) -> None:
+    run_trial(echo, short(0.05), own_nursery)
+    own_nursery._process.kill()
+    own_nursery._process.wait()
+    before = descriptors()
+
+    assert "no host for the node" in faulty(own_nursery, echo)
+    assert "no host for the node" in faulty(own_nursery, echo)
+    assert descriptors() == before
+
+
+def test_a_nursery_that_dies_young_is_the_graders_fault(
+    own_nursery: Nursery, echo: Submission
+) -> None:
+    own_nursery._process.kill()
+
+    assert "no host for students' nodes" in faulty(own_nursery, echo)
+
+
+def test_ros_that_can_not_be_imported_is_the_graders_fault(
+    echo: Submission, tmp_path: Path
+) -> None:
+    (tmp_path / "rclpy").mkdir()
+    (tmp_path / "rclpy" / "__init__.py").write_text("raise ImportError('as I said')")
+    broken = RosEnvironment("wheels", (tmp_path,), (), ())
+    os.chmod(tmp_path, 0o755)
+    with Nursery(EPOCH_NS, broken) as nursery:
+        assert faulty(nursery, echo).startswith("no host for students' nodes: ")
+
+
+@root_only
+def test_a_closed_folder_for_temporary_files_is_the_machines_fault(
+    nursery: Nursery, echo: Submission, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    os.chmod(tmp_path, 0o700)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+
+    assert "set TMPDIR" in faulty(nursery, echo)
+
+
+# --- who nodes run as ----------------------------------------------------------------------------
+
+WHO = """
+import stat
+files = [f'/proc/self/fd/{fd}' for fd in range(3, 30)]
+sockets = sum(stat.S_ISSOCK(os.stat(file).st_mode) for file in files if os.path.exists(file))
+print(os.getuid(), os.getgid(), os.getgroups(), sorted(os.environ), sockets)
+rclpy.init(); rclpy.spin(Echo())
+"""
+
+
+@root_only
+def test_of_root_nothing_is_left(run_node: RunNode) -> None:
+    recording = run_node(WHO, short(0.1))
+    uid, gid, groups, *rest = recording.log[0].text.split(" ")
+
+    assert (uid, gid, groups) == (str(NOBODY), str(NOBODY), "[]")
+    assert rest[-1] == "0", "a socket to the nursery or the judge is open"
+    assert "SUDO" not in recording.log[0].text
+    assert "PYTEST" not in recording.log[0].text
+
+
+@root_only
+def test_root_says_how_nodes_are_kept_apart(nursery: Nursery) -> None:
+    assert nursery.isolation == "unprivileged user 65534, resource limits"
+
+
+def test_limits_are_set(run_node: RunNode) -> None:
+    recording = run_node(
+        """
+        import resource
+        for name in ('CORE', 'FSIZE', 'NOFILE', 'AS'):
+            print(name, *resource.getrlimit(getattr(resource, f'RLIMIT_{name}')))
+        rclpy.init(); rclpy.spin(Echo())
+        """,
+        short(0.1),
+    )
+
+    limits = {line.text.split()[0]: line.text.split()[1:] for line in recording.log}
+    assert limits["CORE"] == ["0", "0"]
+    assert all(soft == hard != "-1" for soft, hard in limits.values())
+
+
+ORDINARY = """
+import json, os, sys
+from pathlib import Path
+sys.path[:0] = [{root!r}, {tests!r}]
+from grader.host import nursery, privileges
+if os.getuid() == 0:
+    paths = [*nursery._needed_paths(), Path({root!r})]
+    if not (privileges.own_mounts() and privileges.open_to_others(paths)):
+        print(json.dumps('the interpreter is out of reach for another user'))
+        sys.exit()
+    os.setgroups([])
+    os.setresgid(65534, 65534, 65534)
+    os.setresuid(65534, 65534, 65534)
+import tempfile
+from conftest import PREAMBLE, short
+from grader.launch import Nursery
+from grader.submission import Submission
+from grader.trial import run_trial
+from sim.messages import EPOCH_NS
+with tempfile.TemporaryDirectory() as folder, Nursery(EPOCH_NS) as nursery:
+    file = Path(folder) / 'echo.py'
+    file.write_text(PREAMBLE + '''
+before = os.listdir('/dev/shm')
+rclpy.init(); node = Echo(); print(os.getuid())
+print(*(f for f in os.listdir('/dev/shm') if 'port' not in f and f not in before))
+rclpy.spin(node)
+''')
+    runs = [run_trial(Submission(file), short(1.0), nursery) for _ in range(2)]
+    said = [line.text for line in runs[0].log]
+    left = set(said[1].split()) & set(os.listdir('/dev/shm'))
+    outcomes, digests = {{r.outcome.kind for r in runs}}, {{r.digest() for r in runs}}
+    print(json.dumps([nursery.isolation, said[0], list(outcomes), len(digests),
+                      len(runs[0].published), bool(said[1]), sorted(left)]))
+"""
+
+
+def test_an_ordinary_user_can_grade() -> None:
+    """The judge and its nursery without any privilege."""
+    source = textwrap.dedent(ORDINARY).format(root=str(ROOT), tests=str(Path(__file__).parent))
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", source],
+        capture_output=True, text=True, check=False, cwd="/", timeout=120,
+        env={"PATH": "/usr/bin:/bin", "TMPDIR": "/tmp"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout.splitlines()[-1])
+    if isinstance(said, str):
+        pytest.skip(said)
+
+    isolation, uid, outcomes, digests, published, shared, left = said
+    assert isolation == "resource limits only (same user as the grader)"
+    assert uid == str(os.getuid() or NOBODY)
+    assert (outcomes, digests, published) == (["completed"], 1, 10)
+    assert (shared, left) == (True, [])
