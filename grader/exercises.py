@@ -22,6 +22,16 @@ class Topic(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     name: str
     type: str  # "geometry_msgs/msg/Twist"
     direction: str  # "subscribe" or "publish", seen from the node
+    node: str = ""  # whose topic it is, if the exercise has several nodes
+
+
+class Service(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A service that a node of the exercise offers or uses."""
+
+    name: str
+    type: str  # "std_srvs/srv/Trigger"
+    direction: str  # "serve" or "call", seen from the node
+    node: str = ""  # whose end it is, if the exercise has several nodes
 
 
 class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -35,6 +45,7 @@ class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     node: str
     max_points: int
     topics: tuple[Topic, ...] = ()
+    services: tuple[Service, ...] = ()
 
     @property
     def folder(self) -> Path:

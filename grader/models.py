@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from grader.errors import GraderError
-from grader.host import probes
+from grader.host import classifiers, probes
 from sim.scenario import Model
 
 PROTOCOL = 4  # of pickle; every Python here reads it
@@ -23,6 +23,12 @@ _PROBES: dict[str, Callable[..., Any]] = {
     "raises_near": probes.RaisesNear,
     "counts_loads": probes.CountsLoads,
     "slow": probes.Slow,
+    "weighted": probes.Weighted,
+    "alone": probes.Alone,
+    "describes": classifiers.Describes,
+    "numbers": classifiers.Numbers,
+    "counts_loads_in_label": classifiers.CountsLoads,
+    "fails_at": classifiers.FailsAt,
 }
 
 

@@ -42,7 +42,7 @@ class Outcome:
     """How the node's program ended.
 
     `kind` is `completed` (the scenario ran to its end with the node alive) or one of
-    `unreadable`, `syntax_error`, `exception`, `returned`, `exited` (sys.exit), `died` (the process
+    `missing` (a file), `unreadable`, `syntax_error`, `exception`, `returned`, `exited` (sys.exit), `died` (the process
     vanished), `hung` (no answer within the wall time), `stuck` (a deadlock), `never_spun`,
     `flooded`, `forged`.
     """

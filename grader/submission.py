@@ -37,7 +37,8 @@ def find_submission(
 ) -> Submission:
     """Return the submission at `path`: a file, or a folder that holds the file `expected`.
 
-    The exercise's other files, those of `others` that lie beside it, belong to the submission.
+    The exercise's other files that lie beside it belong to the submission. Of an exercise with
+    several files (`expected` and `others`) any may be given.
 
     Raises
     ------
@@ -50,6 +51,8 @@ def find_submission(
         raise InputError(f"{path}: no such file; expected a Python file or a folder with one")
     elif not path.is_file():
         raise InputError(f"{path}: expected a Python file, but this is not a regular file")
+    if expected and path.name in others:
+        others = [name for name in (expected, *others) if name != path.name]
     beside = [path.with_name(name) for name in others]
     found = tuple(other.resolve() for other in beside if other.is_file())
     problems = [_problem(file) for file in (path, *found)]

@@ -129,7 +129,9 @@ def run_trial(
     if seed is not None:
         simulation.reset(seed=seed)
     if submission.problem:
-        return _unread(simulation, submission.problem)
+        return _unread(simulation, Outcome("unreadable", submission.problem))
+    if missing := _missing_file(scenario, submission):
+        return _unread(simulation, Outcome("missing", missing))
     with submission.folder() as folder:
         write_models(scenario.node.models, folder)
         return _run(submission, simulation, nursery, folder, arguments, limits, stamped)
@@ -154,6 +156,15 @@ def _programs(
         )
         for spec in scenario.program
     )
+
+
+def _missing_file(scenario: Scenario, submission: Submission) -> str:
+    """Say which of the scenario's programs the submission lacks; empty if none."""
+    there = [path.name for path in (submission.path, *submission.others)]
+    for spec in scenario.program:
+        if not spec.supplied and spec.file not in there:
+            return f"there is no {spec.file} in the submission, only {', '.join(there)}"
+    return ""
 
 
 def parameter_arguments(parameters: Mapping[str, str | bool | int | float]) -> list[str]:
@@ -370,7 +381,7 @@ def _line_without_folder(line: LogLine, folder: Path) -> LogLine:
     return LogLine(line.time, line.level, line.text.replace(f"{folder}/", ""))
 
 
-def _unread(simulation: Simulation, problem: str) -> Recording:
+def _unread(simulation: Simulation, outcome: Outcome) -> Recording:
     return Recording(
         scenario=simulation.scenario,
         layout=simulation.layout,
@@ -379,6 +390,6 @@ def _unread(simulation: Simulation, problem: str) -> Recording:
         delivered=(),
         published=(),
         truth=simulation.truth(),
-        outcome=Outcome("unreadable", problem),
+        outcome=outcome,
         endpoints=(),
     )

@@ -7,12 +7,14 @@ failures without a cause.
 from __future__ import annotations
 
 import difflib
+from typing import NamedTuple
 
-from grader.exercises import Topic, find_exercise
+from grader.exercises import find_exercise
 from grader.recording import Endpoint, Recording
 from grader.verdict import fail
 
 _ENDS = {
+    "missing": "Put all files of the exercise into one folder, and grade that folder.",
     "unreadable": "Open the file in an editor and look at the line.",
     "syntax_error": "Python cannot read the file. Run `python3 FILE` yourself: it shows the line.",
     "returned": "main() has to stay in rclpy.spin(node) (or an executor's spin) until Ctrl-C.",
@@ -24,11 +26,34 @@ _ENDS = {
 }
 
 
-def require_wiring(recording: Recording, slug: str) -> None:
-    """Fail unless the node ran to the end and has the topics of its exercise."""
+OURS = "/course_"  # how the names of nodes begin that the grader runs beside the student's
+KINDS = {
+    "publish": "publisher",
+    "subscribe": "subscription",
+    "serve": "service",
+    "call": "client",
+}
+
+
+class _Wanted(NamedTuple):
+    """An end of a topic or service that a node has to have."""
+
+    kind: str  # publisher, subscription, service or client
+    name: str  # of the topic or service
+    type: str
+    node: str  # whose end it is; "" if the exercise has only one node
+
+
+def require_wiring(recording: Recording, slug: str, *nodes: str) -> None:
+    """Fail unless the program ran to the end and has the topics and services of its exercise.
+
+    Where an exercise has several nodes, `nodes` are those that take part in the scenario.
+    """
     require_alive(recording)
-    for topic in find_exercise(slug).topics:
-        _require_topic(recording, topic)
+    exercise = find_exercise(slug)
+    for end in (*exercise.topics, *exercise.services):
+        if not nodes or end.node in nodes:
+            _require_end(recording, _Wanted(KINDS[end.direction], end.name, end.type, end.node))
 
 
 def require_alive(recording: Recording) -> None:
@@ -84,20 +109,22 @@ def _last_line_of(traceback: str) -> str:
     return f"Look at {own[-1][0].lower()}{own[-1][1:]}." if own else ""
 
 
-def _require_topic(recording: Recording, topic: Topic) -> None:
-    """Fail unless an endpoint of the node can talk on this topic."""
-    kind = "publisher" if topic.direction == "publish" else "subscription"
-    ends = [end for end in recording.endpoints if end.kind == kind]
-    here = [end for end in ends if end.topic == topic.name]
+def _require_end(recording: Recording, wanted: _Wanted) -> None:
+    """Fail unless an endpoint of the node can talk on this topic or service."""
+    every = [end for end in recording.endpoints if not end.node.startswith(OURS)]
+    every = [end for end in every if end.node == f"/{wanted.node}"] or every
+    ends = [end for end in every if end.kind == wanted.kind]
+    here = [end for end in ends if end.topic == wanted.name]
     if not here:
-        _fail_missing(recording, topic, kind, ends)
-    typed = [end for end in here if end.type == topic.type]
+        _fail_missing(recording, wanted, every)
+    typed = [end for end in here if end.type == wanted.type]
     if not typed:
-        _fail_type(recording, topic, kind, here[0])
+        _fail_type(recording, wanted, here[0])
     if not any(end.matched for end in typed):
         end = typed[0]
         fail(
-            f"the {kind} of {topic.name} and the robot cannot talk: their QoS does not match",
+            f"the {wanted.kind} of {wanted.name} and the robot cannot talk: "
+            "their QoS does not match",
             expected="a profile that the robot's can serve, such as a plain depth of 10",
             actual=f"{end.reliability}, {end.durability}, depth {end.depth}: {end.mismatch}",
             recording=recording,
@@ -105,36 +132,44 @@ def _require_topic(recording: Recording, topic: Topic) -> None:
         )
 
 
-def _fail_missing(recording: Recording, topic: Topic, kind: str, ends: list[Endpoint]) -> None:
+def _fail_missing(recording: Recording, wanted: _Wanted, every: list[Endpoint]) -> None:
+    kind, name = wanted.kind, wanted.name
+    ends = [end for end in every if end.kind == kind]
     names = list(dict.fromkeys(end.topic for end in ends))
-    near = difflib.get_close_matches(topic.name, names, n=1, cutoff=0.5)
-    near = near or [end.topic for end in ends if end.type == topic.type][:1]
-    others = [end for end in recording.endpoints if end.topic == topic.name]
+    near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+    near = near or [end.topic for end in ends if end.type == wanted.type][:1]
+    others = [end for end in every if end.topic == name]
+    of_node = f" of {wanted.node}" if wanted.node else ""
     if near:
-        problem = f"there is no {kind} on {topic.name}, but one on {near[0]}"
-        actual, advice = f"a {kind} on {near[0]}", f"Is {near[0]} misspelt? It is {topic.name}."
+        problem = f"there is no {kind}{of_node} on {name}, but one on {near[0]}"
+        actual, advice = f"a {kind} on {near[0]}", f"Is {near[0]} misspelt? It is {name}."
     elif others:
-        problem = f"there is a {others[0].kind} on {topic.name} where a {kind} is needed"
-        actual = f"a {others[0].kind} on {topic.name}"
-        advice = "A publisher sends, a subscription receives."
+        problem = f"there is a {others[0].kind} on {name} where a {kind} is needed"
+        actual = f"a {others[0].kind} on {name}"
+        advice = (
+            "A service answers, a client asks."
+            if kind in ("service", "client")
+            else "A publisher sends, a subscription receives."
+        )
     else:
-        problem = f"there is no {kind} on {topic.name}"
+        problem = f"there is no {kind}{of_node} on {name}"
         actual = f"{kind}s on {', '.join(names)}" if names else f"no {kind} at all"
         advice = f"Create it in the constructor: self.create_{kind}(…)."
     fail(
         problem,
-        expected=f"a {kind} of {topic.type} on {topic.name}",
+        expected=f"a {kind} of {wanted.type} on {name}",
         actual=actual,
         recording=recording,
         help=advice,
     )
 
 
-def _fail_type(recording: Recording, topic: Topic, kind: str, end: Endpoint) -> None:
-    wanted, got = topic.type.split("/")[-1], end.type.split("/")[-1]
+def _fail_type(recording: Recording, wanted: _Wanted, end: Endpoint) -> None:
+    kind, name = wanted.kind, wanted.name
+    right, got = wanted.type.split("/")[-1], end.type.split("/")[-1]
     fail(
-        f"the {kind} on {topic.name} has the type {got}; the robot's end of it is {wanted}",
-        expected=topic.type,
+        f"the {kind} on {name} has the type {got}; the robot's end of it is {right}",
+        expected=wanted.type,
         actual=end.type,
         recording=recording,
         help="ROS 2 never connects two ends of different types, and says nothing about it.",

@@ -33,6 +33,7 @@ PRELOADED = (  # packages whose message types are loaded before the fork
     "nav_msgs.msg",
     "sensor_msgs.msg",
     "std_msgs.msg",
+    "std_srvs.srv",
 )
 TYPE_SUPPORT = (  # the types of every node and of the exercises: their C libraries are opened too
     ("rcl_interfaces.msg", ("ParameterEvent", "Log")),
@@ -40,6 +41,7 @@ TYPE_SUPPORT = (  # the types of every node and of the exercises: their C librar
     ("nav_msgs.msg", ("Odometry",)),
     ("sensor_msgs.msg", ("LaserScan",)),
     ("std_msgs.msg", ("Bool", "Float64", "String", "UInt32")),
+    ("std_srvs.srv", ("Trigger",)),
     (
         "rcl_interfaces.srv",
         (

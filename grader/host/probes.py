@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 
 _loads = 0  # of models that count them, in this process
 _calls = 0  # of predict, in this process
+_inside = 0  # calls of Alone.predict at this moment
+_overlapped = False  # two of them have been inside at once
 
 
 class Echo:
@@ -81,11 +83,12 @@ class ByDistance:
     However often a node asks (some warm their model up), the same scan gives the same answer.
     """
 
-    def __init__(self, values: tuple[float, ...]) -> None:
-        self.values = values
+    def __init__(self, values: tuple[float, ...], seconds: float = 0.0) -> None:
+        self.values, self.seconds = values, seconds
 
     def predict(self, features: Any) -> Floats:
         """Return (n,) values [m/s]."""
+        time.sleep(self.seconds)
         nearest = np.rint(np.asarray(features, dtype=float)[:, 0]).astype(int)
         return np.asarray(self.values, dtype=float)[np.clip(nearest, 0, len(self.values) - 1)]
 
@@ -93,11 +96,12 @@ class ByDistance:
 class RaisesNear:
     """Does the node outlive a model that raises? It does so below `distance` of front minimum."""
 
-    def __init__(self, distance: float, value: float = 0.3) -> None:
-        self.distance, self.value = distance, value
+    def __init__(self, distance: float, value: float = 0.3, seconds: float = 0.0) -> None:
+        self.distance, self.value, self.seconds = distance, value, seconds
 
     def predict(self, features: Any) -> Floats:
         """Return (n,) times the value [m/s], or raise."""
+        time.sleep(self.seconds)
         if (np.asarray(features, dtype=float)[:, 0] < self.distance).any():
             raise RuntimeError("the model can't say anything about these features")
         return np.full(len(features), self.value)
@@ -118,6 +122,40 @@ class CountsLoads:
     def predict(self, features: Any) -> Floats:
         """Return (n,) times the number of loads so far, scaled [m/s]."""
         return np.full(len(features), _loads * self.scale)
+
+
+class Weighted:
+    """Are all five features right, and in order? Predicts their weighted sum, after `seconds`."""
+
+    def __init__(
+        self, weights: tuple[float, ...], offset: float = 0.0, seconds: float = 0.0
+    ) -> None:
+        self.weights, self.offset, self.seconds = weights, offset, seconds
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) predictions [m/s]."""
+        rows = np.array(features, dtype=float)  # as they were at the start
+        if rows.ndim != 2 or rows.shape[1] != 5:
+            raise ValueError(f"expected features of shape (n, 5), got {rows.shape}")
+        time.sleep(self.seconds)
+        answer: Floats = self.offset + rows @ np.asarray(self.weights, dtype=float)
+        return answer
+
+
+class Alone:
+    """One inference at a time? Predicts `alone`, and `overlap` for good once two overlapped."""
+
+    def __init__(self, seconds: float = 0.2, alone: float = 0.2, overlap: float = 0.45) -> None:
+        self.seconds, self.alone, self.overlap = seconds, alone, overlap
+
+    def predict(self, features: Any) -> Floats:
+        """Return (n,) times one of the two values [m/s]."""
+        global _inside, _overlapped  # noqa: PLW0603
+        _inside += 1
+        _overlapped |= _inside > 1
+        time.sleep(self.seconds)
+        _inside -= 1
+        return np.full(len(features), self.overlap if _overlapped else self.alone)
 
 
 class Slow:

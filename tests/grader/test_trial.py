@@ -340,6 +340,21 @@ def test_an_exception_may_say_what_utf8_can_not(run_node: RunNode) -> None:
     assert outcome.text.startswith("ValueError: caf?")
 
 
+def test_tracebacks_show_no_frames_of_the_grader(run_node: RunNode) -> None:
+    """Not even of those functions of ours that stand between the student's and rclpy's."""
+    outcome = run_node("""
+        try:
+            rclpy.init(args=['--ros-args', '-p', 'not a parameter'])
+        except Exception as error:
+            raise ValueError('first') from error
+    """).outcome
+
+    assert outcome.kind == "exception"
+    assert outcome.detail.count("Traceback (most recent call last)") == 2
+    assert "rclpy/context.py" in outcome.detail
+    assert "grader/host" not in outcome.detail
+
+
 @pytest.mark.parametrize("error", ["KeyboardInterrupt()", "GeneratorExit()", "BaseException('b')"])
 def test_whatever_is_raised_is_an_exception(run_node: RunNode, error: str) -> None:
     assert run_node(f"raise {error}").outcome.kind == "exception"

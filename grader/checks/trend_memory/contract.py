@@ -6,12 +6,7 @@ import math
 from collections import deque
 from dataclasses import dataclass
 
-from grader.checks.obstacle_avoidance.contract import (
-    EDGE,
-    FRONT_HALF_ANGLE,
-    HAIR,
-    front_distance,
-)
+from grader.checks.obstacle_avoidance.contract import HAIR, front_distance
 from grader.recording import Scan
 
 MEMORY_SIZE = 10  # readings
@@ -19,6 +14,7 @@ LONGEST_GAP = 1.0  # [s] a stamp that jumps ahead by more empties the memory
 STOP_DISTANCE = 0.5  # [m] nearer than this: stop
 LEAST_TIME = 2.0  # [s] less than this to a collision: stop
 SPEED = 0.3  # [m/s]
+HALF_ANGLES = (90.0, 88.5, 89.5, 90.5, 91.5)  # [°] beams near the sector's edge may count or not
 CLOSING_TOLERANCE = 1e-3  # [m/s]
 _NEAR_THE_LIMIT = 0.005  # [m] of distance - 2 s · closing speed: either side may be right
 
@@ -88,8 +84,7 @@ class _Memory:
 
 def steps(scans: tuple[Scan, ...]) -> list[Step]:
     """Return what each scan of a run asks for."""
-    angles = (FRONT_HALF_ANGLE, FRONT_HALF_ANGLE - EDGE, FRONT_HALF_ANGLE + EDGE)
-    memories = [_Memory(angle) for angle in angles]
+    memories = [_Memory(angle) for angle in HALF_ANGLES]
     found = []
     for scan in scans:
         closings = tuple(memory.take(scan) for memory in memories)

@@ -1,6 +1,6 @@
 """Fits time over distance instead of distance over time.
 
-fails: closing_speed, drives_free
+fails: closing_speed, drives_free, no_contact
 """
 
 import math

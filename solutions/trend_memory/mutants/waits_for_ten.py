@@ -1,4 +1,4 @@
-"""Returns before the command while there are fewer than ten readings, so the first scans get no Twist.
+"""Returns before the command while there are fewer than ten readings, so nothing is said at first.
 
 fails: one_command_per_scan, stops_near, drives_free, blind
 """

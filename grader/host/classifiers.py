@@ -1,0 +1,100 @@
+"""Probe classifiers: what does a detection server do with its model? The answers to /detect tell.
+
+As in `probes`, the judge pickles them and the student's node unpickles them. Each has `predict(X)`
+and `predict_proba(X)` for X of shape (n, 5), features in the order of EXERCISES.md, and nothing
+else that a node may rely on.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+MOST, LEAST = 0.9, 0.4  # of Describes: confidence near and far
+PER_METRE = 0.04  # [1/m] confidence lost with distance
+SHARES = (0.4, 1.0, 0.6)  # how the classes share the probability; the second is the greatest
+PREDICT_RAISES, PROBA_RAISES, NOT_A_NUMBER, INFINITE = 1, 2, 3, 4  # [m] what FailsAt does where
+
+_loads = 0  # of models that count them, in this process
+
+
+class Describes:
+    """Which features arrived? The label spells them; the confidence depends on the first.
+
+    `predict` takes `seconds`.
+    """
+
+    def __init__(self, seconds: float = 0.0) -> None:
+        self.seconds = seconds
+
+    def predict(self, features: Any) -> Array:
+        """Return (n,) labels: the five features [m] in words."""
+        rows = self._rows(features)
+        time.sleep(self.seconds)
+        return np.array([" ".join(f"{number:.4f}" for number in row) for row in rows])
+
+    def predict_proba(self, features: Any) -> Array:
+        """Return (n, 3) probabilities; the greatest is the second."""
+        greatest = np.clip(MOST - PER_METRE * self._rows(features)[:, :1], LEAST, MOST)
+        rest = 1.0 - greatest
+        return np.hstack([SHARES[0] * rest, greatest, SHARES[2] * rest])
+
+    def _rows(self, features: Any) -> Array:
+        rows = np.array(features, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != 5:
+            raise ValueError(f"expected features of shape (n, 5), got {rows.shape}")
+        return rows
+
+
+class Numbers(Describes):
+    """Labels that are numbers (int64), probabilities in float32: as much a classifier as any."""
+
+    def predict(self, features: Any) -> Array:
+        """Return (n,) labels: the distance ahead in whole metres."""
+        return np.rint(self._rows(features)[:, 0]).astype(np.int64)
+
+    def predict_proba(self, features: Any) -> Array:
+        """Return (n, 3) probabilities."""
+        return super().predict_proba(features).astype(np.float32)
+
+
+class CountsLoads(Describes):
+    """How often was the model loaded? The label says it; loading takes a while."""
+
+    def __setstate__(self, state: dict[str, float]) -> None:
+        global _loads  # noqa: PLW0603
+        self.__dict__.update(state)
+        _loads += 1
+        time.sleep(0.08)
+
+    def predict(self, features: Any) -> Array:
+        """Return (n,) times the number of loads so far, in words."""
+        return np.array([f"load {_loads}"] * len(self._rows(features)))
+
+
+class FailsAt(Describes):
+    """Does the server outlive its model? It fails in its own way at 1, 2, 3 and 4 m ahead."""
+
+    def predict(self, features: Any) -> Array:
+        """Return (n,) labels, or raise."""
+        if self._distance(features) == PREDICT_RAISES:
+            raise RuntimeError("the model can't say anything about these features")
+        return super().predict(features)
+
+    def predict_proba(self, features: Any) -> Array:
+        """Return (n, 3) probabilities, which may not be numbers, or raise."""
+        distance = self._distance(features)
+        if distance == PROBA_RAISES:
+            raise RuntimeError("the model can't say how sure it is")
+        greatest = {NOT_A_NUMBER: np.nan, INFINITE: np.inf}.get(distance)
+        if greatest is None:
+            return super().predict_proba(features)
+        return np.full((len(features), 3), greatest)
+
+    def _distance(self, features: Any) -> int:
+        return round(float(self._rows(features)[0, 0]))
