@@ -7,6 +7,7 @@ This is the seam for the sandbox: whatever isolates a host from the judge belong
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import select
 import signal
@@ -23,7 +24,7 @@ import msgspec
 
 from grader.errors import GraderError
 from grader.host.frames import Birth, Hello, Request
-from grader.host.privileges import NOBODY, closed_ancestor
+from grader.host.privileges import USERS, closed_ancestor
 from grader.ros import RosEnvironment, find_ros
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -76,7 +77,10 @@ class Nursery:
         self._epoch = epoch
         self.ros = ros or find_ros()
         self._lock = threading.Lock()
-        self._uid = 0
+        self._unprivileged = False
+        self._users = itertools.cycle(USERS)
+        for _ in range(os.getpid() % len(USERS)):  # away from other graders on this machine
+            next(self._users)
         self._private_shm = False
         self._ready = False
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -108,17 +112,18 @@ class Nursery:
     def isolation(self) -> str:
         """Say who the student's code runs as."""
         self._await_ready()
-        if self._uid:
-            return f"unprivileged user {self._uid}, resource limits"
+        if self._unprivileged:
+            return "an unprivileged user for each run, resource limits"
         return "resource limits only (same user as the grader)"
 
     @contextlib.contextmanager
     def host(self, folder: Path) -> Iterator[HostProcess]:
         """Fork a host that works in `folder`; it is dead when the block ends."""
         self._await_ready()
-        if self._uid:
-            _give(folder, self._uid)
-        host = self._fork(folder)
+        uid = next(self._users) if self._unprivileged else 0
+        if uid:
+            _give(folder, uid)
+        host = self._fork(folder, uid)
         try:
             yield host
         finally:
@@ -164,7 +169,7 @@ class Nursery:
                 hello = msgspec.json.decode(self._control.recv(4096), type=Hello)
             except (OSError, msgspec.DecodeError) as error:
                 raise GraderError(f"no host for students' nodes: {self._last_words()}") from error
-            self._uid = NOBODY if hello.unprivileged else 0
+            self._unprivileged = hello.unprivileged
             self._private_shm = hello.private_shm
             self._ready = True
 
@@ -173,14 +178,14 @@ class Nursery:
         lines = self._log.read().decode("utf-8", "replace").strip().splitlines()
         return lines[-1] if lines else "it said nothing"
 
-    def _fork(self, folder: Path) -> HostProcess:
+    def _fork(self, folder: Path, uid: int) -> HostProcess:
         their_in, link_out = os.pipe()
         link_in, their_out = os.pipe()
         stdout, their_stdout = os.pipe()
         stderr, their_stderr = os.pipe()
         status, their_status = os.pipe()
         theirs = [their_in, their_out, their_stdout, their_stderr, their_status]
-        request = msgspec.json.encode(Request(str(folder), self._uid, self._private_shm))
+        request = msgspec.json.encode(Request(str(folder), uid, self._private_shm))
         try:
             with self._lock:
                 socket.send_fds(self._control, [request], theirs)

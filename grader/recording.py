@@ -42,9 +42,9 @@ class Outcome:
     """How the node's program ended.
 
     `kind` is `completed` (the scenario ran to its end with the node alive) or one of
-    `missing` (a file), `unreadable`, `syntax_error`, `exception`, `returned`, `exited` (sys.exit), `died` (the process
-    vanished), `hung` (no answer within the wall time), `stuck` (a deadlock), `never_spun`,
-    `flooded`, `forged`.
+    `missing` (a file of the submission), `unreadable`, `syntax_error`, `exception`, `returned`,
+    `exited` (sys.exit), `died` (the process vanished), `hung` (no answer within the wall time),
+    `stuck` (a deadlock), `never_spun`, `flooded`, `forged`.
     """
 
     kind: str

@@ -11,7 +11,9 @@ import resource
 import stat
 from pathlib import Path
 
-NOBODY = 65534
+# Users that exist only while something runs, by the convention of systemd's DynamicUser=. Each host
+# is another one: it can't signal or trace its neighbours, and its limit on processes is its own.
+USERS = range(61184, 65520)
 LIMITS = {
     resource.RLIMIT_CORE: 0,
     resource.RLIMIT_FSIZE: 64 * 1024 * 1024,  # [bytes] of one file

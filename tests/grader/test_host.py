@@ -462,8 +462,8 @@ def test_hosts_leave_no_shared_memory_behind(run_node: RunNode) -> None:
 def test_students_code_is_not_root(run_node: RunNode) -> None:
     recording = run_node("""
         rclpy.init()
-        print(os.getuid(), 'SECRET' in os.environ, os.access('/etc/shadow', os.R_OK))
+        print(os.getuid() in range(61184, 65520), os.access('/etc/shadow', os.R_OK))
         rclpy.spin(Echo())
     """)
 
-    assert [line.text for line in recording.log if line.level == "stdout"] == ["65534 False False"]
+    assert [line.text for line in recording.log if line.level == "stdout"] == ["True False"]

@@ -14,7 +14,7 @@ import pytest
 from conftest import PREAMBLE, RunNode, short
 
 from grader.errors import GraderError
-from grader.host.privileges import NOBODY
+from grader.host.privileges import USERS
 from grader.launch import Nursery
 from grader.ros import RosEnvironment
 from grader.submission import Submission
@@ -209,15 +209,24 @@ def test_of_root_nothing_is_left(run_node: RunNode) -> None:
     recording = run_node(WHO, short(0.1))
     uid, gid, groups, *rest = recording.log[0].text.split(" ")
 
-    assert (uid, gid, groups) == (str(NOBODY), str(NOBODY), "[]")
+    assert int(uid) == int(gid) in USERS
+    assert groups == "[]"
     assert rest[-1] == "0", "a socket to the nursery or the judge is open"
     assert "SUDO" not in recording.log[0].text
     assert "PYTEST" not in recording.log[0].text
 
 
 @root_only
+def test_every_host_is_another_user(run_node: RunNode) -> None:
+    """So one can't signal its neighbours, and each has a limit on processes of its own."""
+    users = {run_node(WHO, short(0.1)).log[0].text.split(" ")[0] for _ in range(3)}
+
+    assert len(users) == 3
+
+
+@root_only
 def test_root_says_how_nodes_are_kept_apart(nursery: Nursery) -> None:
-    assert nursery.isolation == "unprivileged user 65534, resource limits"
+    assert nursery.isolation == "an unprivileged user for each run, resource limits"
 
 
 def test_limits_are_set(run_node: RunNode) -> None:
@@ -287,6 +296,6 @@ def test_an_ordinary_user_can_grade() -> None:
 
     isolation, uid, outcomes, digests, published, shared, left = said
     assert isolation == "resource limits only (same user as the grader)"
-    assert uid == str(os.getuid() or NOBODY)
+    assert uid == str(os.getuid() or 65534)
     assert (outcomes, digests, published) == (["completed"], 1, 10)
     assert (shared, left) == (True, [])

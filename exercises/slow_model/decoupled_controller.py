@@ -1,0 +1,112 @@
+"""A slow model under a fast control loop: two callback groups and an executor with two threads.
+
+Subscribes  /scan     sensor_msgs/msg/LaserScan  distances all around the robot [m]
+Publishes   /cmd_vel  geometry_msgs/msg/Twist    forward speed [m/s], 20 times a second
+Parameters  model_path  pickled model, ``predict(X: (n, 5)) -> (n,)`` [m/s]; a call takes 200 ms
+            max_speed   predictions are clipped to 0 … max_speed [m/s]
+"""
+
+import math
+import pickle
+from typing import Any, NamedTuple
+
+import numpy as np
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
+from sensor_msgs.msg import LaserScan
+
+CONTROL_PERIOD = 0.05  # [s] 20 Hz
+MAX_AGE = 0.6  # [s] a prediction whose scan is older than this is worth nothing
+FRONT_HALF_ANGLE = math.radians(60.0)  # [rad]
+NEWEST_ONLY = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # no queue of scans
+
+
+class Prediction(NamedTuple):
+    """What the model said, and how old the world was that it said it of."""
+
+    speed: float  # [m/s], clipped
+    stamp: Time  # of the scan
+
+
+def extract_features(scan: LaserScan) -> np.ndarray | None:
+    """Return the (1, 5) features of a scan [m]: front min, mean and std, left min, right min.
+
+    Front is within ±60° of ahead. ``+inf`` and what is beyond ``range_max`` count as ``range_max``,
+    ``-inf`` as ``range_min``; NaN and what is below ``range_min`` are dropped. ``None``: a sector
+    has no usable reading.
+    """
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    angles = (angles + np.pi) % (2 * np.pi) - np.pi  # lidars that count from 0 to 2π, too
+    ranges = np.minimum(np.array(scan.ranges), scan.range_max)
+    ranges[np.isneginf(ranges)] = scan.range_min
+    usable = ranges >= scan.range_min  # false for NaN
+    front = ranges[usable & (np.abs(angles) <= FRONT_HALF_ANGLE)]
+    left = ranges[usable & (angles > FRONT_HALF_ANGLE)]
+    right = ranges[usable & (angles < -FRONT_HALF_ANGLE)]
+    if not (front.size and left.size and right.size):
+        return None
+    return np.array([[front.min(), front.mean(), front.std(), left.min(), right.min()]])
+
+
+class DecoupledController(Node):
+    """Drives at the newest prediction, 20 times a second, however long a prediction takes."""
+
+    def __init__(self) -> None:
+        super().__init__("decoupled_controller")
+        model_path = self.declare_parameter("model_path", "velocity_model.pkl").value
+        self.max_speed: float = self.declare_parameter("max_speed", 0.5).value
+        self.model = self.load_model(model_path)
+        # The only thing that both threads touch. It is replaced as a whole, so it needs no lock.
+        self.prediction: Prediction | None = None
+        self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
+        # TODO(task 1): subscribe to /scan (self.scan_callback), and create a timer that calls
+        # self.control_callback every CONTROL_PERIOD seconds. Which callback groups do they need?
+        # Which depth does the subscription need, if no scan may wait behind another?
+        self.get_logger().info("Decoupled controller started")
+
+    def load_model(self, path: str) -> Any | None:
+        """Return the model in a pickle file; ``None``, and an error in the log: there is none."""
+        try:
+            with open(path, "rb") as file:
+                return pickle.load(file)
+        except Exception as error:  # a pickle can raise anything
+            self.get_logger().error(f"No model in {path}: {error!r}")
+            return None
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        """Inference: keep the model's clipped prediction for this scan. Takes 200 ms.
+
+        No model, a blind sector, a model that raises or says NaN: ``self.prediction = None``.
+        """
+        # TODO(task 2): extract the features, ask the model, clip what it says, and keep it
+        # in self.prediction, together with the stamp of the *scan*. Nothing may kill the node.
+
+    def control_callback(self) -> None:
+        """Control, every 50 ms: publish the newest prediction, 0.0 if there is none or it is old.
+
+        Old means that the scan behind it was taken more than MAX_AGE ago.
+        """
+        # TODO(task 3): publish a Twist, always: the prediction's speed, or 0.0.
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the controller until Ctrl-C."""
+    rclpy.init(args=args)
+    node = DecoupledController()
+    # TODO(task 4): rclpy.spin runs one callback at a time. Which executor runs two?
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

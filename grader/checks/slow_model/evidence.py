@@ -1,0 +1,215 @@
+"""Which scan is behind which command, and the verdicts that several checks share."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from grader.checks.slow_model.contract import LATEST_STOP, TOLERANCE, Oracle
+from grader.checks.wiring import require_alive
+from grader.recording import Floats, Recording
+from grader.verdict import fail
+
+ZERO = 1e-6  # [m/s] "zero"
+START_UP = 0.125  # [s] in which the first tick of a 50 ms timer has come
+STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; nobody's prediction
+
+
+def behind(recording: Recording) -> np.ndarray:
+    """Return the number of the newest scan that each command can be a prediction of, (n,) int.
+
+    STANDING where the command is zero, STRAY where it is no scan's prediction.
+    """
+    twists, predictions = recording.twists(), Oracle(recording).predictions
+    arrived = np.array([prediction.scan.t for prediction in predictions])
+    least = np.array([prediction.least for prediction in predictions])
+    most = np.array([prediction.most for prediction in predictions])
+    found = np.full(len(twists.t), STRAY)
+    for i, (t, speed) in enumerate(zip(twists.t, twists.linear_x, strict=True)):
+        right = (arrived <= t) & (least - TOLERANCE <= speed) & (speed <= most + TOLERANCE)
+        if abs(speed) < ZERO:
+            found[i] = STANDING
+        elif right.any():
+            found[i] = int(np.flatnonzero(right)[-1])
+    return found
+
+
+def require_commands(recording: Recording) -> None:
+    """Fail if the node died, or said nothing at all."""
+    require_alive(recording)
+    if not len(recording.twists().t):
+        fail(
+            "not a single Twist came on /cmd_vel",
+            expected="one every 50 ms, 0.0 until there is a prediction",
+            actual="silence",
+            recording=recording,
+            help="Does the timer's callback run, and does it always reach its publish()?",
+        )
+
+
+def require_no_strays(recording: Recording, scans: np.ndarray) -> None:
+    """Fail if most commands are the prediction for no scan: then nothing can be said of ages."""
+    strays = np.flatnonzero(scans == STRAY)
+    if len(strays) <= 0.02 * len(scans):
+        return
+    i = int(strays[0])
+    twists = recording.twists()
+    arrived = [p for p in Oracle(recording).predictions if p.scan.t <= twists.t[i]]
+    newest = arrived[-1].text if arrived else "nothing yet"
+    fail(
+        "a command is not what the model says of any scan",
+        expected=f"a clipped prediction; for the newest scan it is {newest}",
+        actual=spell(float(twists.linear_x[i])),
+        at=float(twists.t[i]),
+        recording=recording,
+        help=garbage(float(twists.linear_x[i]))
+        or "Publish the newest prediction as it is, or 0.0. Are the features in the right order?",
+    )
+
+
+def ages(recording: Recording, scans: np.ndarray) -> Floats:
+    """Return how old the scan behind each command is [s], (n,); inf where there is none."""
+    arrived = np.array([scan.t for scan in recording.scans()])
+    result = np.full(len(scans), math.inf)
+    known = scans >= 0
+    result[known] = recording.twists().t[known] - arrived[scans[known]]
+    return result
+
+
+def require_rate(recording: Recording, least: float) -> None:
+    """Fail unless new predictions reached /cmd_vel at this rate [Hz]."""
+    require_commands(recording)
+    scans, twists = behind(recording), recording.twists()
+    require_no_strays(recording, scans)
+    known = np.flatnonzero(scans >= 0)
+    if not len(known):
+        fail(
+            "no prediction ever reached /cmd_vel: the robot was only told to stand",
+            expected="commands that follow the model",
+            actual=f"{len(twists.t)} commands, all of them 0.0",
+            at=float(twists.t[-1]),
+            recording=recording,
+            help="Does inference run at all? If it does, are its scans too old already?",
+        )
+    begin = float(twists.t[known[0]])
+    seconds = recording.duration_s - begin
+    rate = len(np.unique(scans[known])) / seconds
+    if rate < least:
+        fail(
+            "inference does not keep going",
+            expected=f"at least {least} new predictions per second",
+            actual=f"{rate:.1f} per second, over {seconds:.0f} s",
+            at=begin,
+            recording=recording,
+            help="When one inference has ended, the next may start with the newest scan.",
+        )
+
+
+def require_ages(recording: Recording, limit: float) -> None:
+    """Fail unless the scans behind 95 % of the commands are at most `limit` [s] old."""
+    require_commands(recording)
+    scans, twists = behind(recording), recording.twists()
+    require_no_strays(recording, scans)
+    known = np.flatnonzero(scans >= 0)
+    if not len(known):
+        fail("no prediction ever reached /cmd_vel", recording=recording)
+    old = ages(recording, scans)[known[0] :]
+    p95 = float(np.sort(old)[math.ceil(0.95 * len(old)) - 1])
+    if p95 <= limit:
+        return
+    i = int(known[0] + np.flatnonzero(old > limit)[0])
+    standing = int((~np.isfinite(old)).sum())
+    told = f"; {standing} of {len(old)} are 0.0, as if there were no prediction" * (standing > 0)
+    fail(
+        "the scans behind the commands are too old",
+        expected=f"at most {limit} s (p95)",
+        actual=(f"{p95:.2f} s (p95)" if p95 < math.inf else "too many zeros") + told,
+        at=float(twists.t[i]),
+        recording=recording,
+        help="Do scans wait in a queue? Inference has to take the newest one when it starts.",
+    )
+
+
+def require_held(recording: Recording, tag: str, help: str) -> None:
+    """Fail unless each bench scan with this tag, once held for a while, brought its prediction.
+
+    Scans of the bench repeat; what is said in the first 0.65 s of each is not looked at.
+    """
+    require_commands(recording)
+    judged = 0
+    twists = recording.twists()
+    for label, tags, begin, end, number in _holds(recording):
+        if tag not in tags:
+            continue
+        judged += 1
+        during = np.flatnonzero((twists.t >= begin + LATEST_STOP) & (twists.t < end))
+        right = Oracle(recording).predictions[number]
+        if len(during) < 3:
+            fail(
+                f"the node hardly says anything at “{label}”",
+                expected="a command every 50 ms, whatever the model does",
+                actual=f"{len(during)} in {end - begin - LATEST_STOP:.2f} s",
+                at=begin + LATEST_STOP,
+                recording=recording,
+                help="The control loop has to publish at each tick.",
+            )
+        for i in during.tolist():
+            speed = float(twists.linear_x[i])
+            if right.allows(speed) if right.exists else abs(speed) < ZERO:
+                continue
+            fail(
+                f"“{label}”: wrong speed",
+                expected=f"linear.x = {right.text}",
+                actual=f"linear.x = {spell(speed)}",
+                at=float(twists.t[i]),
+                recording=recording,
+                help=garbage(speed) or help,
+            )
+    if not judged:
+        fail("the scenario ended before its scans were sent", recording=recording)
+
+
+def require_moves(recording: Recording) -> None:
+    """Fail if the node never says anything but zero: then its zeros show nothing."""
+    require_commands(recording)
+    if not (np.abs(recording.twists().linear_x) > ZERO).any():
+        fail(
+            "the node always says 0.0, so nothing is shown",
+            expected="commands that follow the model where it speaks",
+            actual="0.0 at every tick",
+            recording=recording,
+            help="Get inference_rate right first.",
+        )
+
+
+def _holds(recording: Recording) -> list[tuple[str, tuple[str, ...], float, float, int]]:
+    """Return label, tags, begin and end [s] and the first scan's number of each held scan."""
+    scans, bench = recording.scans(), recording.scenario.bench_scans
+    found: list[tuple[str, tuple[str, ...], float, float, int]] = []
+    for number, scan in enumerate(scans):
+        spec = bench[number]
+        following = scans[number + 1].t if number + 1 < len(scans) else recording.duration_s
+        if found and found[-1][0] == spec.label:
+            label, tags, begin, _, first = found[-1]
+            found[-1] = (label, tags, begin, following, first)
+        else:
+            found.append((spec.label, spec.tags, scan.t, following, number))
+    return found
+
+
+def spell(value: float) -> str:
+    """Return a command's number as a student should see it."""
+    return f"{value:.3g} m/s" if 0.0 < abs(value) < 0.0005 else f"{value:.3f} m/s"
+
+
+def garbage(value: float) -> str:
+    """Return an explanation if a number can only be a wrongly typed field; else an empty text."""
+    if math.isnan(value):
+        return "NaN: test the prediction with math.isfinite before you keep it."
+    if 0.0 < abs(value) < 1e-300 or 1e6 < abs(value) < math.inf:
+        return (
+            "This number is garbage: the field holds an int or a np.float32 where ROS wants a "
+            "Python float. Write float(…) around what you assign."
+        )
+    return ""

@@ -1,0 +1,290 @@
+"""The core checks of exercise 5; they sum to 100 points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grader.checks.slow_model.contract import (
+    AGE_P95,
+    AGE_P95_5_HZ,
+    LATEST_STOP,
+    LEAST_RATE,
+    LEAST_RATE_5_HZ,
+    LONGEST_GAP,
+    MAX_AGE,
+    MOST_COMMANDS,
+)
+from grader.checks.slow_model.evidence import (
+    START_UP,
+    ZERO,
+    ages,
+    behind,
+    require_ages,
+    require_commands,
+    require_held,
+    require_moves,
+    require_rate,
+    spell,
+)
+from grader.checks.wiring import require_wiring
+from grader.recording import Recording
+from grader.verdict import fail
+
+LEADER = "slow_leader"
+SHORTEST_INFERENCE = 0.2  # [s] of the late lidar's model
+FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
+
+Recordings = tuple[Recording, ...]
+
+
+@pytest.mark.check(points=5, scenarios=(LEADER,))
+def test_wiring(recordings: Recordings) -> None:
+    """The node starts, spins, listens to /scan and speaks on /cmd_vel."""
+    for recording in recordings:
+        require_wiring(recording, "slow_model")
+
+
+@pytest.mark.check(
+    points=15, scenarios=(LEADER, "slow_fast_model", "slow_too_slow"), needs=("wiring",)
+)
+def test_control_period(recordings: Recordings) -> None:
+    """A command every 50 ms (no gap over 75 ms), whether the model takes 200, 30 or 800 ms."""
+    for recording in recordings:
+        require_period(recording)
+
+
+@pytest.mark.check(points=5, scenarios=("slow_late_lidar",), needs=("wiring",))
+def test_starts_at_zero(recordings: Recordings) -> None:
+    """From the first tick on there are commands; they are 0.0 until there is a prediction."""
+    for recording in recordings:
+        require_moves(recording)
+        twists, first_scan = recording.twists(), recording.scans()[0].t
+        if twists.t[0] > START_UP:
+            fail(
+                "the first command came late",
+                expected="a command every 50 ms from the first tick on, 0.0 at first",
+                actual=f"the first one at {twists.t[0]:.2f} s",
+                at=float(twists.t[0]),
+                recording=recording,
+                help="Publish at each tick; without a prediction, publish 0.0.",
+            )
+        early = np.flatnonzero(
+            (twists.t < first_scan + SHORTEST_INFERENCE) & ~(np.abs(twists.linear_x) < ZERO)
+        )
+        if len(early):
+            fail(
+                "the robot was told to drive before there was any prediction",
+                expected=f"0.0 until a scan (the first comes at {first_scan:.2f} s) has been judged",
+                actual=f"linear.x = {spell(float(twists.linear_x[early[0]]))}",
+                at=float(twists.t[early[0]]),
+                recording=recording,
+                help="No prediction yet is the same as none at all: 0.0.",
+            )
+
+
+@pytest.mark.check(points=10, scenarios=(LEADER, "slow_fast_model"), needs=("wiring",))
+def test_inference_rate(recordings: Recordings) -> None:
+    """Inference keeps going: at least 3 new predictions per second reach /cmd_vel."""
+    for recording in recordings:
+        require_rate(recording, LEAST_RATE)
+
+
+@pytest.mark.check(points=10, scenarios=(LEADER, "slow_fast_model"), needs=("inference_rate",))
+def test_scan_age(recordings: Recordings) -> None:
+    """The scan behind a command is at most 0.58 s old (p95): scans never queue up."""
+    for recording in recordings:
+        require_ages(recording, AGE_P95)
+
+
+@pytest.mark.check(points=5, scenarios=("slow_lidar_5_hz",), needs=("inference_rate", "scan_age"))
+def test_slow_lidar(recordings: Recordings) -> None:
+    """With a lidar of 5 Hz: at least 2.4 new predictions per second, scans at most 0.6 s old."""
+    for recording in recordings:
+        require_rate(recording, LEAST_RATE_5_HZ)
+        require_ages(recording, AGE_P95_5_HZ)
+
+
+@pytest.mark.check(points=10, scenarios=("slow_dropout",), needs=("wiring",))
+def test_too_old(recordings: Recordings) -> None:
+    """When the lidar falls silent, the robot is told to stop within 0.65 s of the last scan."""
+    for recording in recordings:
+        require_moves(recording)
+        last, back = _dropout(recording)
+        twists = recording.twists()
+        during = np.flatnonzero((twists.t > last + LATEST_STOP) & (twists.t < back))
+        if len(during) < 10:
+            fail(
+                "the node falls silent with its lidar",
+                expected="0.0 at each tick while the newest prediction is too old",
+                actual=f"{len(during)} commands in {back - last - LATEST_STOP:.1f} s",
+                at=last + LATEST_STOP,
+                recording=recording,
+                help="A robot that is told nothing goes on for a while: say 0.0.",
+            )
+        moving = during[~(np.abs(twists.linear_x[during]) < ZERO)]
+        if len(moving):
+            i = int(moving[0])
+            fail(
+                f"the robot drives on what it saw {twists.t[i] - last:.2f} s ago",
+                expected=f"0.0 when the scan behind the prediction is older than {MAX_AGE} s",
+                actual=f"linear.x = {spell(float(twists.linear_x[i]))}",
+                at=float(twists.t[i]),
+                recording=recording,
+                help="Keep the stamp of the scan with its prediction; how old is the *scan*?",
+            )
+
+
+@pytest.mark.check(points=5, scenarios=("slow_dropout",), needs=("wiring",))
+def test_recovery(recordings: Recordings) -> None:
+    """When the lidar comes back, so do the predictions."""
+    for recording in recordings:
+        require_moves(recording)
+        _, back = _dropout(recording)
+        twists = recording.twists()
+        old = ages(recording, behind(recording))[twists.t > back + LATEST_STOP]
+        if not len(old) or (old > LATEST_STOP).mean() > 0.05:
+            fail(
+                "the node does not recover from a lidar dropout",
+                expected=f"predictions again within {LATEST_STOP} s of the first new scan",
+                actual=f"{int((old > LATEST_STOP).sum())} of {len(old)} commands without one",
+                at=back + LATEST_STOP,
+                recording=recording,
+                help="Too old is no state to stay in: decide anew at each tick.",
+            )
+
+
+@pytest.mark.check(points=5, scenarios=("slow_features",), needs=("wiring",))
+def test_features(recordings: Recordings) -> None:
+    """The model gets the five features of exercise 2, in their order."""
+    for recording in recordings:
+        require_held(
+            recording,
+            "features",
+            "Front min, mean, std within ±60°, then the minimum to the left, then to the right.",
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("slow_clip",), needs=("wiring",))
+def test_clipped(recordings: Recordings) -> None:
+    """Predictions are clipped to 0 … max_speed (here 0.4 m/s); all other fields are 0."""
+    for recording in recordings:
+        require_held(recording, "clip", "max(0.0, min(max_speed, prediction))")
+        twists = recording.twists()
+        for column in range(1, 6):
+            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
+            if len(wrong):
+                fail(
+                    f"{FIELDS[column]} is not zero",
+                    expected=f"{FIELDS[column]} = 0.0",
+                    actual=f"{twists.values[wrong[0], column]:.3g}",
+                    at=float(twists.t[wrong[0]]),
+                    recording=recording,
+                    help="This robot only drives straight ahead.",
+                )
+
+
+@pytest.mark.check(points=5, scenarios=("slow_raises",), needs=("wiring",))
+def test_raising_model(recordings: Recordings) -> None:
+    """A model that raises leaves the control loop running: 0.0, and on when it speaks again."""
+    for recording in recordings:
+        require_held(recording, "raises", "Nothing to say is 0.0, at the latest after 0.6 s.")
+        require_held(recording, "good", "After an exception the next inference counts again.")
+
+
+@pytest.mark.check(points=5, scenarios=("slow_nan",), needs=("wiring",))
+def test_nan_model(recordings: Recordings) -> None:
+    """A model that says NaN leaves the control loop running: 0.0, and on when it speaks again."""
+    for recording in recordings:
+        require_held(recording, "nan", "NaN is no prediction: 0.0, at the latest after 0.6 s.")
+        require_held(recording, "good", "After a NaN the next prediction counts again.")
+
+
+@pytest.mark.check(points=5, scenarios=("slow_alone",), needs=("wiring",))
+def test_one_at_a_time(recordings: Recordings) -> None:
+    """One inference at a time: predict is never called while another call of it still runs."""
+    for recording in recordings:
+        require_moves(recording)
+        twists = recording.twists()
+        settings = next(iter(recording.scenario.node.models.values())).settings
+        tell_tale = float(str(settings["overlap"]))
+        caught = np.flatnonzero(np.abs(twists.linear_x - tell_tale) < ZERO)
+        if len(caught):
+            fail(
+                "two inferences ran at the same time",
+                expected="the next one starts when the last one has ended",
+                actual="predict was called while another call of it still ran",
+                at=float(twists.t[caught[0]]),
+                recording=recording,
+                help="A MutuallyExclusiveCallbackGroup, or one worker thread, sees to that.",
+            )
+
+
+@pytest.mark.check(points=5, scenarios=(LEADER, "slow_too_slow"), needs=("wiring",))
+def test_too_slow_model(recordings: Recordings) -> None:
+    """A model that takes 800 ms is always too late: every command is 0.0."""
+    leader, slow = recordings
+    require_moves(leader)
+    _require_only_zeros(slow, "What the model says is 0.8 s old when it comes: too old to use.")
+
+
+@pytest.mark.check(points=5, scenarios=(LEADER, "slow_no_model"), needs=("wiring",))
+def test_no_model(recordings: Recordings) -> None:
+    """Without a model that can be loaded the node lives and says 0.0."""
+    leader, bare = recordings
+    require_moves(leader)
+    _require_only_zeros(bare, "No model is no prediction: an error in the log, and 0.0.")
+
+
+def require_period(recording: Recording) -> None:
+    """Fail unless commands came every 50 ms, within the contract's tolerance."""
+    require_commands(recording)
+    t = recording.twists().t
+    ends = np.append(t, recording.duration_s)
+    gaps = np.diff(ends)
+    wrong = np.flatnonzero(gaps > LONGEST_GAP + 1e-6)
+    if len(wrong):
+        i = int(wrong[0])
+        fail(
+            "the control loop stumbles",
+            expected=f"a command every 50 ms, no gap over {1000 * LONGEST_GAP:.0f} ms",
+            actual=f"{1000 * gaps[i]:.0f} ms ({len(wrong)} of {len(gaps)} gaps are too long, "
+            f"the longest {1000 * gaps.max():.0f} ms)",
+            at=float(t[i]),
+            recording=recording,
+            help="Who keeps the timer waiting? A callback that runs the model blocks its executor "
+            "and its callback group.",
+        )
+    rate = len(t) / (recording.duration_s - float(t[0]) + 0.05)
+    if rate > MOST_COMMANDS:
+        fail(
+            "there are more commands than ticks",
+            expected="20 per second, one for each tick of the timer",
+            actual=f"{rate:.1f} per second",
+            recording=recording,
+            help="Only the control loop publishes; inference keeps its prediction for it.",
+        )
+
+
+def _require_only_zeros(recording: Recording, help: str) -> None:
+    require_commands(recording)
+    twists = recording.twists()
+    moving = np.flatnonzero(~(np.abs(twists.linear_x) < ZERO))
+    if len(moving):
+        fail(
+            "the robot was told to drive, though no prediction was usable",
+            expected="0.0 at each tick",
+            actual=f"linear.x = {spell(float(twists.linear_x[moving[0]]))}",
+            at=float(twists.t[moving[0]]),
+            recording=recording,
+            help=help,
+        )
+
+
+def _dropout(recording: Recording) -> tuple[float, float]:
+    """Return when the last scan before the dropout came, and the first after it [s]."""
+    t = recording.times("/scan")
+    if len(t) < 2 or np.diff(t).max() < 1.0:
+        fail("the scenario ended before the lidar fell silent and came back", recording=recording)
+    i = int(np.argmax(np.diff(t)))
+    return float(t[i]), float(t[i + 1])
