@@ -33,6 +33,8 @@ MAX_OUTPUT = 512 * 1024  # [bytes] of stdout and stderr each that are kept
 MAX_LINES = 20_000  # of stdout and stderr each that are kept
 CHUNK = 65536  # [bytes] read at once; as much as a pipe holds
 DRAINS = 16  # chunks read at the end, from a host that may still be writing
+DRAIN_EVERY = 16  # exchanges
+PATROL = 0.02  # [s] a host that waits for room in its output pipes waits no longer than this
 MAX_REASON = 300  # [characters] of why a frame was refused: it may quote the frame
 STACK_TIME = 0.3  # [s] a hung host gets for writing its stacks
 TIME_MARK = re.compile(rf"(.*){MARK}([0-9]{{1,19}})")
@@ -132,9 +134,9 @@ class Link:
         self.stdout = Output("stdout")
         self.stderr = Output("stderr")
         self._pipes = {host.stdout: self.stdout, host.stderr: self.stderr}
-        self._poll = select.poll()
-        for fd in (host.link_in, *self._pipes):
-            self._poll.register(fd, select.POLLIN)
+        self._exchanges = 0
+        self._answers = select.poll()
+        self._answers.register(host.link_in, select.POLLIN)
         self._cpu_clock = ~host.pid << 3 | 2  # the clock of another process (clock_getcpuclockid)
 
     def start(self, frame: Start, limit: float) -> tuple[Settled | Ended, Cost]:
@@ -200,14 +202,19 @@ class Link:
             remaining = deadline - time.perf_counter()
             if remaining <= 0:
                 raise HostHung(self._stacks())
-            for fd, event in self._poll.poll(remaining * 1e3):
-                if fd == self._host.link_in:
-                    self._read(fd)
-                elif event & select.POLLIN:
-                    self._drain(fd)
-                else:
-                    self._poll.unregister(fd)
+            # Output alone must not wake the judge: that would double the cost of an exchange.
+            if self._answers.poll(min(remaining, PATROL) * 1e3):
+                self._read(self._host.link_in)
+            else:
+                self._drain_all()
+        self._exchanges += 1
+        if self._exchanges % DRAIN_EVERY == 0:
+            self._drain_all()
         return body
+
+    def _drain_all(self) -> None:
+        for fd in self._pipes:
+            self._drain(fd)
 
     def _read(self, fd: int) -> None:
         chunk = os.read(fd, CHUNK)
@@ -234,13 +241,18 @@ class Link:
 
     def _stacks(self) -> str:
         """Return where the hung host is, in the student's terms."""
+        for _ in range(DRAINS):
+            self._drain(self._host.stderr)
         before = len(self.stderr.lines)
         self._host.dump_stacks()
         deadline = time.perf_counter() + STACK_TIME
+        said = select.poll()
+        said.register(self._host.stderr, select.POLLIN)
         while (remaining := deadline - time.perf_counter()) > 0:
-            for fd, event in self._poll.poll(remaining * 1e3):
-                if fd in self._pipes and event & select.POLLIN:
-                    self._drain(fd)
+            if any(event & select.POLLIN for _, event in said.poll(remaining * 1e3)):
+                self._drain(self._host.stderr)
+            else:
+                break
         return "\n".join(line.text for line in self.stderr.lines[before:])
 
     def _cpu(self) -> float:

@@ -8,22 +8,30 @@ Every mutant says in its docstring which checks it fails::
 Field checks are only judged when all of the core passed, so a mutant names either kind. A variant
 that claims the badge says `field: all`. `python -m grader.proof [EXERCISE …]` prints
 which mutant is killed by which check.
+
+Of an exercise with several files, a variant or mutant is a folder with some of them, or one file
+that says which it stands for (`file: detection_client.py`; the first by default). Those that it
+lacks are the reference's.
 """
 
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
+import shutil
 import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.errors import GraderError
 from grader.exercises import Exercise, all_exercises, find_exercise
 from grader.grading import Grading, grade_live
 from grader.launch import Nursery
 from grader.plugin import FAIL
-from grader.submission import find_submission
+from grader.submission import Submission, find_submission
 from sim.messages import EPOCH_NS
 
 SKELETON_POINTS = 10  # at most
@@ -50,18 +58,34 @@ def claims(exercise: Exercise) -> Iterator[Claim]:
     file = exercise.files[0]
     yield Claim(exercise, "reference", exercise.solutions / file, field_ready=True)
     yield Claim(exercise, "skeleton", exercise.folder / file)
-    for path in sorted((exercise.solutions / "variants").glob("*.py")):
+    for path in _solutions(exercise, "variants"):
         ready = "all" in _listed("field", _docstring(path))
         yield Claim(exercise, "variant", path, field_ready=ready)
-    for path in sorted((exercise.solutions / "mutants").glob("*.py")):
+    for path in _solutions(exercise, "mutants"):
         doc = _docstring(path)
         yield Claim(exercise, "mutant", path, _listed("fails", doc) | _listed("field", doc))
 
 
 def grade_claim(claim: Claim, nursery: Nursery) -> Grading:
     """Grade a solution with the core and the field checks."""
-    submission = find_submission(claim.path, claim.exercise.files[0], claim.exercise.files[1:])
-    return grade_live(claim.exercise, submission, nursery, file=claim.path.name, field=True)
+    with complete(claim) as submission:
+        return grade_live(claim.exercise, submission, nursery, file=claim.path.name, field=True)
+
+
+@contextlib.contextmanager
+def complete(claim: Claim) -> Iterator[Submission]:
+    """Yield the claim's submission, with the reference's files for those that it lacks."""
+    first, *others = claim.exercise.files
+    if not others or claim.kind in ("reference", "skeleton"):
+        yield find_submission(claim.path, first, others)
+        return
+    with tempfile.TemporaryDirectory(prefix="course-claim-") as name:
+        folder = Path(name)
+        for file in claim.exercise.files:
+            shutil.copyfile(claim.exercise.solutions / file, folder / file)
+        for file, path in _own_files(claim).items():
+            shutil.copyfile(path, folder / file)
+        yield find_submission(folder, first, others)
 
 
 def objections(claim: Claim, grading: Grading) -> list[str]:
@@ -125,8 +149,32 @@ def _prove(exercise: Exercise, nursery: Nursery) -> list[str]:
     return bad
 
 
+def _solutions(exercise: Exercise, kind: str) -> list[Path]:
+    """Return the variants or mutants: files, and folders with files of the exercise."""
+    entries = (exercise.solutions / kind).glob("*")
+    return sorted(path for path in entries if path.suffix == ".py" or _has(path, exercise.files))
+
+
+def _has(folder: Path, files: tuple[str, ...]) -> bool:
+    return any((folder / file).is_file() for file in files)
+
+
+def _own_files(claim: Claim) -> dict[str, Path]:
+    """Return which files of the exercise the claim brings along."""
+    files = claim.exercise.files
+    if claim.path.is_dir():
+        return {file: claim.path / file for file in files if (claim.path / file).is_file()}
+    said = re.search(r"^file:\s*(\S+)$", _docstring(claim.path), re.MULTILINE)
+    file = said[1] if said else files[0]
+    if file not in files:
+        raise GraderError(f"{claim.path}: stands for {file}; expected one of {', '.join(files)}")
+    return {file: claim.path}
+
+
 def _docstring(path: Path) -> str:
-    return ast.get_docstring(ast.parse(path.read_bytes())) or ""
+    """Return a file's docstring, or those of all files in a folder."""
+    files = sorted(path.glob("*.py")) if path.is_dir() else [path]
+    return "\n".join(ast.get_docstring(ast.parse(file.read_bytes())) or "" for file in files)
 
 
 def _listed(key: str, doc: str) -> frozenset[str]:

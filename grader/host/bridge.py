@@ -22,15 +22,16 @@ from .frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, P
 
 DEPTH = 5_000  # messages a subscription holds: more than MAX_PUBLISHED, and Fast DDS's most
 ROBOT_DEPTH = 10
+ROBOT_NODE = "_mock_robot"
 HIDDEN_TOPICS = {"/parameter_events", "/rosout", "/clock"}
 PARAMETER_SERVICES = (
-    "describe_parameters",
-    "get_parameter_types",
-    "get_parameters",
-    "list_parameters",
-    "set_parameters",
-    "set_parameters_atomically",
-    "get_type_description",
+    "/describe_parameters",
+    "/get_parameter_types",
+    "/get_parameters",
+    "/list_parameters",
+    "/set_parameters",
+    "/set_parameters_atomically",
+    "/get_type_description",
 )
 
 
@@ -45,6 +46,8 @@ class Bridge:
         self._speakers: dict[tuple[int, str], Any] = {}
         self._endpoints: list[EndpointReport] = []
         self.published: list[Published] = []
+        self.changes = 0  # goes up when endpoints appear
+        self.parameters_in_use = False  # some node asks for another's parameters
         self._bytes = 0  # of what is published
         self.overflow = False  # the node published more than the link can carry
 
@@ -100,6 +103,7 @@ class Bridge:
                     react(node, endpoint)
                 finally:
                     self._inside = False
+                    self.changes += 1
             return endpoint
 
         watched.__name__, watched.__doc__ = method, create.__doc__
@@ -122,10 +126,12 @@ class Bridge:
 
     def _on_service(self, node: Any, service: Any) -> None:
         name = service.service_name
-        if not name.endswith(PARAMETER_SERVICES):
+        service._course_parameters = is_parameter_service(name)
+        if not service._course_parameters:
             self._report("service", node, name, service.srv_type)
 
     def _on_client(self, node: Any, client: Any) -> None:
+        self.parameters_in_use |= is_parameter_service(client.service_name)
         self._report("client", node, client.service_name, client.srv_type)
 
     def _report(
@@ -150,7 +156,7 @@ class Bridge:
         key = id(context)
         if key not in self._nodes:
             self._nodes[key] = rclpy.node.Node(
-                "_mock_robot",
+                ROBOT_NODE,
                 context=context,
                 use_global_arguments=False,
                 start_parameter_services=False,
@@ -187,6 +193,11 @@ class Bridge:
         if verdict != QoSCompatibility.ERROR:
             return ""
         return str(reason).removeprefix("ERROR: ").rstrip("; ").lower()
+
+
+def is_parameter_service(name: str) -> bool:
+    """Tell whether it is one of the services that every node has."""
+    return name.endswith(PARAMETER_SERVICES)
 
 
 def type_name(ros_type: Any, kind: str) -> str:

@@ -29,6 +29,7 @@ from .frames import Birth, Hello, Request
 REQUEST_DESCRIPTORS = 5  # link in, link out, stdout, stderr, status
 PRELOADED = (  # packages whose message types are loaded before the fork
     "builtin_interfaces.msg",
+    "diagnostic_msgs.msg",
     "geometry_msgs.msg",
     "nav_msgs.msg",
     "sensor_msgs.msg",
@@ -37,6 +38,7 @@ PRELOADED = (  # packages whose message types are loaded before the fork
 )
 TYPE_SUPPORT = (  # the types of every node and of the exercises: their C libraries are opened too
     ("rcl_interfaces.msg", ("ParameterEvent", "Log")),
+    ("diagnostic_msgs.msg", ("DiagnosticArray",)),
     ("geometry_msgs.msg", ("Twist", "TwistStamped", "PoseStamped")),
     ("nav_msgs.msg", ("Odometry",)),
     ("sensor_msgs.msg", ("LaserScan",)),
@@ -148,7 +150,7 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
     start = trial.start()
     trial.bridge = bridge.Bridge(start.offers)
     trial.bridge.install()
-    trial.clocks = ros.install(kernel, epoch)
+    trial.clocks = ros.install(kernel, epoch, trial.bridge)
     _steer_init()
     trial.mark()
     student.run(trial, start)

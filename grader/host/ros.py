@@ -6,6 +6,7 @@ replaced. Written against rclpy 7.1 (Jazzy).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import rclpy.clock
@@ -14,8 +15,10 @@ import rclpy.node
 import rclpy.task
 import rclpy.time_source
 from rclpy.clock_type import ClockType
+from rclpy.event_handler import EventHandler
 from rclpy.time import Time
 
+from .bridge import Bridge
 from .kernel import Kernel
 from .threads import STEADY_START
 
@@ -49,16 +52,17 @@ class RosClocks:
             clock.set_ros_time_override(now)
 
 
-def install(kernel: Kernel, epoch: int) -> RosClocks:
+def install(kernel: Kernel, epoch: int, bridge: Bridge) -> RosClocks:
     """Replace the waiting parts of rclpy; return the clocks, which must follow the kernel."""
+    _install_entities(bridge)
     clocks = RosClocks(kernel, epoch)
-    _install_wait(kernel)
+    _install_wait(kernel, bridge)
     _install_tasks(kernel)
     _install_clocks(kernel, clocks)
     return clocks
 
 
-def _install_wait(kernel: Kernel) -> None:
+def _install_wait(kernel: Kernel, bridge: Bridge) -> None:
     """Let executors wait in the kernel. They look with a timeout of zero, as often as needed."""
     cls: Any = rclpy.executors.Executor
     wait = cls.wait_for_ready_callbacks
@@ -71,6 +75,8 @@ def _install_wait(kernel: Kernel) -> None:
                 # With a timeout of 0 rclpy says "timeout" also at the end of a look that gave
                 # work: only a fresh look that gives nothing means there is nothing.
                 if not self.__dict__.pop("_course_gave_work", False):
+                    for node in nodes or self.get_nodes():
+                        node._course_changes = bridge.changes  # their events have been seen
                     return None
                 continue
             if _is_new(kernel, found[0]):
@@ -126,6 +132,29 @@ def _next_timer(kernel: Kernel, nodes: Any) -> int | None:
         if not timer.is_canceled()
     )
     return min((kernel.now + ns for ns in remaining if ns is not None and ns > 0), default=None)
+
+
+def _install_entities(bridge: Bridge) -> None:
+    """Spare executors what can't become ready: half of the cost of a look.
+
+    Nobody outside the process reaches a node's parameter services, so without a client inside they
+    are never called; and QoS events tell of endpoints that appear, so nothing comes between.
+    """
+    cls: Any = rclpy.node.Node
+    all_waitables = cls.waitables.fget
+
+    def services(self: Any) -> Iterator[Any]:
+        for service in self._services:
+            if bridge.parameters_in_use or not service.__dict__.get("_course_parameters"):
+                yield service
+
+    def waitables(self: Any) -> Iterator[Any]:
+        changed = self.__dict__.get("_course_changes") != bridge.changes
+        for waitable in all_waitables(self):
+            if changed or not isinstance(waitable, EventHandler):
+                yield waitable
+
+    cls.services, cls.waitables = property(services), property(waitables)
 
 
 def _install_tasks(kernel: Kernel) -> None:

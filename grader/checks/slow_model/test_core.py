@@ -75,7 +75,7 @@ def test_starts_at_zero(recordings: Recordings) -> None:
         if len(early):
             fail(
                 "the robot was told to drive before there was any prediction",
-                expected=f"0.0 until a scan (the first comes at {first_scan:.2f} s) has been judged",
+                expected=f"0.0 until the first scan ({first_scan:.2f} s) has gone through the model",
                 actual=f"linear.x = {spell(float(twists.linear_x[early[0]]))}",
                 at=float(twists.t[early[0]]),
                 recording=recording,
@@ -113,7 +113,7 @@ def test_too_old(recordings: Recordings) -> None:
         last, back = _dropout(recording)
         twists = recording.twists()
         during = np.flatnonzero((twists.t > last + LATEST_STOP) & (twists.t < back))
-        if len(during) < 10:
+        if len(during) < 4:
             fail(
                 "the node falls silent with its lidar",
                 expected="0.0 at each tick while the newest prediction is too old",
@@ -135,7 +135,7 @@ def test_too_old(recordings: Recordings) -> None:
             )
 
 
-@pytest.mark.check(points=5, scenarios=("slow_dropout",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("slow_dropout",), needs=("scan_age",))
 def test_recovery(recordings: Recordings) -> None:
     """When the lidar comes back, so do the predictions."""
     for recording in recordings:
@@ -154,7 +154,7 @@ def test_recovery(recordings: Recordings) -> None:
             )
 
 
-@pytest.mark.check(points=5, scenarios=("slow_features",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("slow_features",), needs=("scan_age",))
 def test_features(recordings: Recordings) -> None:
     """The model gets the five features of exercise 2, in their order."""
     for recording in recordings:
@@ -165,7 +165,7 @@ def test_features(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=5, scenarios=("slow_clip",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("slow_clip",), needs=("scan_age",))
 def test_clipped(recordings: Recordings) -> None:
     """Predictions are clipped to 0 … max_speed (here 0.4 m/s); all other fields are 0."""
     for recording in recordings:
@@ -184,7 +184,7 @@ def test_clipped(recordings: Recordings) -> None:
                 )
 
 
-@pytest.mark.check(points=5, scenarios=("slow_raises",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("slow_raises",), needs=("scan_age",))
 def test_raising_model(recordings: Recordings) -> None:
     """A model that raises leaves the control loop running: 0.0, and on when it speaks again."""
     for recording in recordings:
@@ -192,7 +192,7 @@ def test_raising_model(recordings: Recordings) -> None:
         require_held(recording, "good", "After an exception the next inference counts again.")
 
 
-@pytest.mark.check(points=5, scenarios=("slow_nan",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("slow_nan",), needs=("scan_age",))
 def test_nan_model(recordings: Recordings) -> None:
     """A model that says NaN leaves the control loop running: 0.0, and on when it speaks again."""
     for recording in recordings:

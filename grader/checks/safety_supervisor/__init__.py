@@ -1,0 +1,1 @@
+"""Checks of exercise 7, safety_supervisor."""

@@ -1,0 +1,196 @@
+"""The oracle of safety_supervisor: what its rules ask for at each command it published."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from grader.checks.obstacle_avoidance.contract import HAIR, front_distance
+from grader.recording import Recording, Scan
+from sim.messages import BOOL, CMD_VEL_RAW_TOPIC, E_STOP_TOPIC, TWIST, decode, twist_from_cdr
+
+LONGEST_SILENCE = 0.5  # [s]
+AGE_HAIR = 0.05  # [s] ages this near to the limit may fall on either side
+ARRIVAL_HAIR = 0.005  # [s] what arrived this shortly before a tick may or may not count
+STOP_DISTANCE = 0.5  # [m]
+MAX_SPEED = 0.5  # [m/s]
+MAX_TURN_RATE = 1.9  # [rad/s]
+MAX_RISE = 0.045  # [m/s] of linear.x in a tick
+TOLERANCE = 1e-3  # [m/s, rad/s] of a command that is not zero
+ZERO = 1e-6  # [m/s, rad/s] of one that is
+HALF_ANGLES = (90.0, 88.5, 89.5, 90.5, 91.5)  # [°] beams near the sector's edge may count or not
+
+LEVELS = {  # of diagnostic_msgs/DiagnosticStatus: 0 OK, 1 WARN, 2 ERROR
+    "e_stop": 2,
+    "bad_command": 2,
+    "stale_command": 2,
+    "stale_scan": 2,
+    "obstacle": 1,
+    "limited": 1,
+    "ok": 0,
+}
+
+
+@dataclass(frozen=True)
+class Decision:
+    """One right command, and the reason for it."""
+
+    reason: str
+    speed: float = 0.0  # [m/s]
+    turn_rate: float = 0.0  # [rad/s]
+    rising: bool = False  # the acceleration limit holds it back
+
+    def allows(self, speed: float, turn_rate: float) -> bool:
+        """Say whether these are the numbers asked for."""
+        return _same(speed, self.speed) and _same(turn_rate, self.turn_rate)
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What the node had been told at some time; ages are inf for what it had not."""
+
+    e_stop: bool
+    asked: tuple[float, ...] | None  # six fields of the last raw command
+    command_age: float  # [s]
+    distances: tuple[float | None, ...]  # [m] ahead, one for each of HALF_ANGLES; inf free
+    scan_age: float  # [s]
+
+    @property
+    def what(self) -> str:
+        """The situation in words, for a student."""
+        parts = ["the emergency stop is pressed"] if self.e_stop else []
+        if self.asked is None:
+            parts.append("no raw command yet")
+        else:
+            v, w = self.asked[0], self.asked[5]
+            parts.append(f"asked for {v:.2f} m/s, {w:.2f} rad/s {self.command_age:.2f} s ago")
+        if not self.distances:
+            parts.append("no scan yet")
+        else:
+            d = self.distances[0]
+            ahead = "nothing usable ahead" if d is None else f"{d:.2f} m ahead"
+            parts.append(f"{ahead} {self.scan_age:.2f} s ago")
+        return "; ".join(parts)
+
+
+@dataclass(frozen=True)
+class Tick:
+    """A command that the node published, and what would have been right."""
+
+    t: float  # [s]
+    values: tuple[float, ...]  # six fields
+    situation: Situation
+    right: tuple[Decision, ...]
+
+    @property
+    def reasons(self) -> set[str]:
+        """The reasons that are right here."""
+        return {decision.reason for decision in self.right}
+
+    @property
+    def is_right(self) -> bool:
+        """Speed and turn rate are right."""
+        return any(decision.allows(self.values[0], self.values[5]) for decision in self.right)
+
+
+def ticks(recording: Recording) -> list[Tick]:
+    """Return every command that the node published, with what was right."""
+    story = _Story(recording)
+    twists = recording.twists()
+    found = []
+    last = 0.0  # [m/s] linear.x of the command before
+    for t, row in zip(twists.t.tolist(), twists.values.tolist(), strict=True):
+        now, just_before = story.at(t), story.at(t - ARRIVAL_HAIR, age_at=t)
+        right = [*_decisions(now, last), *_decisions(just_before, last)]
+        found.append(Tick(t, tuple(row), now, tuple(dict.fromkeys(right))))
+        last = row[0] if math.isfinite(row[0]) else 0.0
+    return found
+
+
+class _Story:
+    """What the node was told, and when."""
+
+    def __init__(self, recording: Recording) -> None:
+        delivered = recording.delivered
+        raw = [m for m in delivered if m.topic == CMD_VEL_RAW_TOPIC and m.type == TWIST]
+        stops = [m for m in delivered if m.topic == E_STOP_TOPIC and m.type == BOOL]
+        self.raw_times = np.array([m.time / 1e9 for m in raw])
+        self.raw = [twist_from_cdr(m.data) for m in raw]
+        self.stop_times = np.array([m.time / 1e9 for m in stops])
+        self.stops = [bool(decode(m.data, BOOL).data) for m in stops]
+        self.scan_times = np.array([scan.t for scan in recording.scans()])
+        self.distances = [_distances(scan) for scan in recording.scans()]
+
+    def at(self, t: float, age_at: float | None = None) -> Situation:
+        """Return what had arrived by t [s], with ages as they are at `age_at`."""
+        now = t if age_at is None else age_at
+        raw, stop, scan = (
+            int(np.searchsorted(times, t, side="right")) - 1
+            for times in (self.raw_times, self.stop_times, self.scan_times)
+        )
+        return Situation(
+            e_stop=stop >= 0 and self.stops[stop],
+            asked=self.raw[raw] if raw >= 0 else None,
+            command_age=now - float(self.raw_times[raw]) if raw >= 0 else math.inf,
+            distances=self.distances[scan] if scan >= 0 else (),
+            scan_age=now - float(self.scan_times[scan]) if scan >= 0 else math.inf,
+        )
+
+
+def _distances(scan: Scan) -> tuple[float | None, ...]:
+    return tuple(front_distance(scan, half_angle) for half_angle in HALF_ANGLES)
+
+
+def _decisions(situation: Situation, last: float) -> Iterator[Decision]:
+    """Yield what is right; several where it would be splitting hairs."""
+    asked = situation.asked
+    if situation.e_stop:
+        yield Decision("e_stop")
+        return
+    if asked is not None and not all(math.isfinite(value) for value in asked):
+        yield Decision("bad_command")
+        return
+    choices = product(_too_old(situation.command_age), _too_old(situation.scan_age))
+    for stale_command, stale_scan in choices:
+        if stale_command or asked is None:
+            yield Decision("stale_command")
+        elif stale_scan:
+            yield Decision("stale_scan")
+        else:
+            for distance in dict.fromkeys(situation.distances):
+                yield from _moving(distance, asked[0], asked[5], last)
+
+
+def _too_old(age: float) -> tuple[bool, ...]:
+    if abs(age - LONGEST_SILENCE) < AGE_HAIR:
+        return True, False
+    return (age > LONGEST_SILENCE,)
+
+
+def _moving(
+    distance: float | None, asked_speed: float, asked_turn_rate: float, last: float
+) -> Iterator[Decision]:
+    if distance is None:
+        yield Decision("stale_scan")
+        return
+    turn_rate = min(max(asked_turn_rate, -MAX_TURN_RATE), MAX_TURN_RATE)
+    hair = 0.0 < abs(distance - STOP_DISTANCE) < HAIR
+    if asked_speed > 0.0 and (distance < STOP_DISTANCE or hair):
+        yield Decision("obstacle", 0.0, turn_rate)
+        if not hair:
+            return
+    fastest = max(0.0, last) + MAX_RISE
+    clamped = min(max(asked_speed, -MAX_SPEED), MAX_SPEED)
+    speed = min(clamped, fastest)
+    as_asked = speed == asked_speed and turn_rate == asked_turn_rate
+    yield Decision("ok" if as_asked else "limited", speed, turn_rate, rising=fastest < clamped)
+    if abs(fastest - asked_speed) < TOLERANCE and turn_rate == asked_turn_rate:
+        yield Decision("limited" if as_asked else "ok", speed, turn_rate)
+
+
+def _same(value: float, wanted: float) -> bool:
+    return abs(value - wanted) <= (ZERO if wanted == 0.0 else TOLERANCE)

@@ -1,0 +1,230 @@
+"""What the node commanded and reported, and the verdicts that several checks share."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.checks.obstacle_avoidance.evidence import FIELDS, garbage, spell
+from grader.checks.safety_supervisor.contract import LEVELS, ZERO, Tick, ticks
+from grader.checks.wiring import require_alive
+from grader.recording import Recording
+from grader.verdict import fail
+from sim.messages import decode
+
+TOPIC = "/diagnostics"
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+SETTLING = 0.6  # [s] after the start reasons are not checked
+PERIOD = 0.05  # [s]
+PERIOD_TOLERANCE = 0.0025  # [s] of the mean
+LONGEST_GAP = 0.075  # [s] between two commands
+LONGEST_REPORT_GAP = 1.1  # [s]
+LEVEL_NAMES = {0: "OK", 1: "WARN", 2: "ERROR", 3: "STALE"}
+
+
+@dataclass(frozen=True)
+class Report:
+    """One message on /diagnostics."""
+
+    t: float  # [s]
+    count: int  # statuses in it
+    level: int  # of the first status; -1: there is none
+    text: str  # of the first status
+
+    @property
+    def reason(self) -> str:
+        """The first word of the text, if it is a reason; else an empty text."""
+        match = re.match(r"\w+", self.text)
+        return match[0] if match and match[0] in LEVELS else ""
+
+
+def reports(recording: Recording) -> list[Report]:
+    """Return what the node said on /diagnostics."""
+    found = []
+    for message in recording.published:
+        if message.topic != TOPIC or message.type != DIAGNOSTICS:
+            continue
+        status = list(decode(message.data, DIAGNOSTICS).status)
+        level, text = (int(status[0].level), str(status[0].message)) if status else (-1, "")
+        found.append(Report(message.time / 1e9, len(status), level, text))
+    return found
+
+
+def require_reports(recording: Recording) -> list[Report]:
+    """Return the reports; fail if there is none."""
+    require_alive(recording)
+    found = reports(recording)
+    if not found:
+        fail(
+            f"not a single message came on {TOPIC}",
+            expected="a DiagnosticArray when the reason changes, and every second",
+            actual=f"nothing on {TOPIC}",
+            recording=recording,
+            help="Publish from the control loop: when the reason is new, or the last report old.",
+        )
+    return found
+
+
+def require_commands(
+    recording: Recording, help: str, judged: Callable[[Tick], bool] = lambda tick: True
+) -> None:
+    """Fail unless the node lived, and speed and turn rate were right at the ticks judged."""
+    require_alive(recording)
+    found = [tick for tick in ticks(recording) if judged(tick)]
+    if not found:
+        fail(
+            "no command came that could be judged",
+            expected="20 Twists a second",
+            actual="nothing on /cmd_vel when it was due",
+            recording=recording,
+            help=help,
+        )
+    for tick in found:
+        if not tick.is_right:
+            _fail_command(recording, tick, help)
+
+
+def _fail_command(recording: Recording, tick: Tick, help: str) -> None:
+    speed, turn_rate = tick.values[0], tick.values[5]
+    right = list(dict.fromkeys((d.reason, d.speed, d.turn_rate) for d in tick.right))
+    fail(
+        f"wrong command ({tick.situation.what})",
+        expected=" or ".join(f"{v:.3f} m/s, {w:.2f} rad/s ({word})" for word, v, w in right),
+        actual=f"{_long(speed)} m/s, {spell(turn_rate)} rad/s",
+        at=tick.t,
+        recording=recording,
+        help=garbage(speed) or garbage(turn_rate) or help,
+    )
+
+
+def require_other_fields(recording: Recording) -> None:
+    """Fail unless the four other fields are zero."""
+    values = recording.twists().values
+    for column in range(1, 5):
+        wrong = np.flatnonzero(~(np.abs(values[:, column]) < ZERO))
+        if len(wrong):
+            value = float(values[wrong[0], column])
+            fail(
+                f"{FIELDS[column]} is not zero",
+                expected=f"{FIELDS[column]} = 0.0",
+                actual=f"{FIELDS[column]} = {spell(value)}",
+                at=float(recording.twists().t[wrong[0]]),
+                recording=recording,
+                help="Fill in a new Twist; only linear.x and angular.z are passed on.",
+            )
+
+
+def require_rate(recording: Recording) -> None:
+    """Fail unless commands came at 20 Hz from the start to the end."""
+    require_alive(recording)
+    times = recording.twists().t
+    end = recording.duration_s
+    bounds = np.concatenate([[0.0], times, [end]])
+    gaps = np.diff(bounds)
+    widest = int(np.argmax(gaps))
+    if gaps[widest] > LONGEST_GAP:
+        fail(
+            f"no command for {gaps[widest]:.2f} s",
+            expected="one every 0.05 s, whatever has arrived or not",
+            actual=f"none between {bounds[widest]:.2f} and {bounds[widest + 1]:.2f} s",
+            at=float(bounds[widest]),
+            recording=recording,
+            help="Publish at each tick of the timer, zeros too: a silent supervisor is a dead one.",
+        )
+    mean = float(np.mean(np.diff(times)))
+    if abs(mean - PERIOD) > PERIOD_TOLERANCE:
+        fail(
+            "wrong rate",
+            expected="20 commands a second",
+            actual=f"{1.0 / mean:.1f} commands a second",
+            at=float(times[0]),
+            recording=recording,
+            help="Only the timer publishes, not the callbacks of /scan and /cmd_vel_raw.",
+        )
+
+
+def require_reasons(recording: Recording, help: str) -> int:
+    """Fail if a report gives a wrong reason; return how many ticks were judged.
+
+    A reason has to be there by the second tick at which it alone is right. It is judged only where
+    the commands are right: a wrong command has a check of its own.
+    """
+    said = require_reports(recording)
+    times = np.array([report.t for report in said])
+    found = ticks(recording)
+    judged = 0
+    for before, tick in zip(found, found[1:], strict=False):
+        clear = len(tick.reasons) == 1 and before.reasons == tick.reasons
+        if tick.t <= SETTLING or not clear or not (before.is_right and tick.is_right):
+            continue
+        judged += 1
+        newest = int(np.searchsorted(times, tick.t + ZERO, side="right")) - 1
+        reason = next(iter(tick.reasons))
+        if newest < 0 or said[newest].reason != reason:
+            text = f"“{said[newest].text[:60]}”" if newest >= 0 else f"nothing on {TOPIC} yet"
+            fail(
+                f"wrong reason ({tick.situation.what})",
+                expected=f"{reason}",
+                actual=text,
+                at=tick.t,
+                recording=recording,
+                help=help,
+            )
+    return judged
+
+
+def require_levels(recording: Recording) -> None:
+    """Fail unless every report has the level of the reason that it gives."""
+    for report in require_reports(recording):
+        wanted = LEVELS.get(report.reason)
+        if wanted is None or report.level == wanted:
+            continue
+        fail(
+            f"wrong level of “{report.text[:60]}”",
+            expected=f"{LEVEL_NAMES[wanted]} ({wanted})",
+            actual=f"{LEVEL_NAMES.get(report.level, 'garbage')} ({report.level})",
+            at=report.t,
+            recording=recording,
+            help="level is a byte: assign DiagnosticStatus.OK, .WARN or .ERROR, not a number.",
+        )
+
+
+def require_text(recording: Recording) -> None:
+    """Fail unless every report has one status whose text begins with a reason word."""
+    for report in require_reports(recording):
+        if report.count == 1 and report.reason:
+            continue
+        fail(
+            "a report without a reason" if report.count == 1 else f"a report of {report.count}",
+            expected="one status, whose message begins with one of: " + ", ".join(LEVELS),
+            actual=f"{report.count} statuses"
+            if report.count != 1
+            else f"“{report.text[:60]}”",
+            at=report.t,
+            recording=recording,
+            help="status.message begins with the word itself; anything may follow after a space.",
+        )
+
+
+def require_heartbeat(recording: Recording) -> None:
+    """Fail if /diagnostics was silent for too long."""
+    times = np.array([report.t for report in require_reports(recording)])
+    bounds = np.concatenate([[0.0], times, [recording.duration_s]])
+    gaps = np.diff(bounds)
+    widest = int(np.argmax(gaps))
+    if gaps[widest] > LONGEST_REPORT_GAP:
+        fail(
+            f"no report for {gaps[widest]:.2f} s",
+            expected=f"one at least every second (gaps up to {LONGEST_REPORT_GAP} s)",
+            actual=f"none between {bounds[widest]:.2f} and {bounds[widest + 1]:.2f} s",
+            at=float(bounds[widest]),
+            recording=recording,
+            help="Report also when nothing changes: whoever listens must know that you are alive.",
+        )
+
+
+def _long(speed: float) -> str:
+    return f"{speed:.3f}" if abs(speed) < 1e6 else f"{speed:.3g}"
