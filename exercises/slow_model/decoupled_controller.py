@@ -40,17 +40,8 @@ def extract_features(scan: LaserScan) -> np.ndarray | None:
     ``-inf`` as ``range_min``; NaN and what is below ``range_min`` are dropped. ``None``: a sector
     has no usable reading.
     """
-    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
-    angles = (angles + np.pi) % (2 * np.pi) - np.pi  # lidars that count from 0 to 2π, too
-    ranges = np.minimum(np.array(scan.ranges), scan.range_max)
-    ranges[np.isneginf(ranges)] = scan.range_min
-    usable = ranges >= scan.range_min  # false for NaN
-    front = ranges[usable & (np.abs(angles) <= FRONT_HALF_ANGLE)]
-    left = ranges[usable & (angles > FRONT_HALF_ANGLE)]
-    right = ranges[usable & (angles < -FRONT_HALF_ANGLE)]
-    if not (front.size and left.size and right.size):
-        return None
-    return np.array([[front.min(), front.mean(), front.std(), left.min(), right.min()]])
+    # TODO(task 1): your features of exercise 2.
+    return None
 
 
 class DecoupledController(Node):
@@ -64,26 +55,22 @@ class DecoupledController(Node):
         # The only thing that both threads touch. It is replaced as a whole, so it needs no lock.
         self.prediction: Prediction | None = None
         self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
-        # TODO(task 1): subscribe to /scan (self.scan_callback), and create a timer that calls
+        # TODO(task 2): subscribe to /scan (self.scan_callback), and create a timer that calls
         # self.control_callback every CONTROL_PERIOD seconds. Which callback groups do they need?
         # Which depth does the subscription need, if no scan may wait behind another?
         self.get_logger().info("Decoupled controller started")
 
     def load_model(self, path: str) -> Any | None:
         """Return the model in a pickle file; ``None``, and an error in the log: there is none."""
-        try:
-            with open(path, "rb") as file:
-                return pickle.load(file)
-        except Exception as error:  # a pickle can raise anything
-            self.get_logger().error(f"No model in {path}: {error!r}")
-            return None
+        # TODO(task 1): load it as in exercise 2.
+        return None
 
     def scan_callback(self, scan: LaserScan) -> None:
         """Inference: keep the model's clipped prediction for this scan. Takes 200 ms.
 
         No model, a blind sector, a model that raises or says NaN: ``self.prediction = None``.
         """
-        # TODO(task 2): extract the features, ask the model, clip what it says, and keep it
+        # TODO(task 3): extract the features, ask the model, clip what it says, and keep it
         # in self.prediction, together with the stamp of the *scan*. Nothing may kill the node.
 
     def control_callback(self) -> None:
@@ -91,14 +78,14 @@ class DecoupledController(Node):
 
         Old means that the scan behind it was taken more than MAX_AGE ago.
         """
-        # TODO(task 3): publish a Twist, always: the prediction's speed, or 0.0.
+        # TODO(task 4): publish a Twist, always: the prediction's speed, or 0.0.
 
 
 def main(args: list[str] | None = None) -> None:
     """Run the controller until Ctrl-C."""
     rclpy.init(args=args)
     node = DecoupledController()
-    # TODO(task 4): rclpy.spin runs one callback at a time. Which executor runs two?
+    # TODO(task 2): rclpy.spin runs one callback at a time. Which executor runs two?
     try:
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 from typing import NamedTuple
 
-from grader.exercises import find_exercise
+from grader.exercises import Service, Topic, find_exercise
 from grader.recording import Endpoint, Recording
 from grader.verdict import fail
 
@@ -51,7 +51,8 @@ def require_wiring(recording: Recording, slug: str, *nodes: str) -> None:
     """
     require_alive(recording)
     exercise = find_exercise(slug)
-    for end in (*exercise.topics, *exercise.services):
+    ends: tuple[Topic | Service, ...] = (*exercise.topics, *exercise.services)
+    for end in ends:
         if not nodes or end.node in nodes:
             _require_end(recording, _Wanted(KINDS[end.direction], end.name, end.type, end.node))
 

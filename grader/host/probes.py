@@ -80,16 +80,18 @@ class Sequence:
 class ByDistance:
     """One prediction per distance: `values[i]` where the front minimum is about i metres.
 
-    However often a node asks (some warm their model up), the same scan gives the same answer.
+    It takes `seconds`, or `seconds[i]` where there are several. However often a node asks (some
+    warm their model up), the same scan gives the same answer.
     """
 
-    def __init__(self, values: tuple[float, ...], seconds: float = 0.0) -> None:
-        self.values, self.seconds = values, seconds
+    def __init__(self, values: tuple[float, ...], seconds: float | tuple[float, ...] = 0.0) -> None:
+        self.values = values
+        self.seconds = seconds if isinstance(seconds, tuple) else (seconds,)
 
     def predict(self, features: Any) -> Floats:
         """Return (n,) values [m/s]."""
-        time.sleep(self.seconds)
         nearest = np.rint(np.asarray(features, dtype=float)[:, 0]).astype(int)
+        time.sleep(self.seconds[int(np.clip(nearest[0], 0, len(self.seconds) - 1))])
         return np.asarray(self.values, dtype=float)[np.clip(nearest, 0, len(self.values) - 1)]
 
 

@@ -40,6 +40,7 @@ def extract_features(scan: LaserScan) -> np.ndarray | None:
     ``-inf`` as ``range_min``; NaN and what is below ``range_min`` are dropped. ``None``: a sector
     has no usable reading.
     """
+    ### BEGIN SOLUTION
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     angles = (angles + np.pi) % (2 * np.pi) - np.pi  # lidars that count from 0 to 2π, too
     ranges = np.minimum(np.array(scan.ranges), scan.range_max)
@@ -51,6 +52,10 @@ def extract_features(scan: LaserScan) -> np.ndarray | None:
     if not (front.size and left.size and right.size):
         return None
     return np.array([[front.min(), front.mean(), front.std(), left.min(), right.min()]])
+    ### SKELETON
+    # # TODO(task 1): your features of exercise 2.
+    # return None
+    ### END SOLUTION
 
 
 class DecoupledController(Node):
@@ -78,7 +83,7 @@ class DecoupledController(Node):
             CONTROL_PERIOD, self.control_callback, callback_group=MutuallyExclusiveCallbackGroup()
         )
         ### SKELETON
-        # # TODO(task 1): subscribe to /scan (self.scan_callback), and create a timer that calls
+        # # TODO(task 2): subscribe to /scan (self.scan_callback), and create a timer that calls
         # # self.control_callback every CONTROL_PERIOD seconds. Which callback groups do they need?
         # # Which depth does the subscription need, if no scan may wait behind another?
         ### END SOLUTION
@@ -86,12 +91,17 @@ class DecoupledController(Node):
 
     def load_model(self, path: str) -> Any | None:
         """Return the model in a pickle file; ``None``, and an error in the log: there is none."""
+        ### BEGIN SOLUTION
         try:
             with open(path, "rb") as file:
                 return pickle.load(file)
         except Exception as error:  # a pickle can raise anything
             self.get_logger().error(f"No model in {path}: {error!r}")
             return None
+        ### SKELETON
+        # # TODO(task 1): load it as in exercise 2.
+        # return None
+        ### END SOLUTION
 
     def scan_callback(self, scan: LaserScan) -> None:
         """Inference: keep the model's clipped prediction for this scan. Takes 200 ms.
@@ -113,7 +123,7 @@ class DecoupledController(Node):
         speed = max(0.0, min(self.max_speed, speed))
         self.prediction = Prediction(speed, Time.from_msg(scan.header.stamp))
         ### SKELETON
-        # # TODO(task 2): extract the features, ask the model, clip what it says, and keep it
+        # # TODO(task 3): extract the features, ask the model, clip what it says, and keep it
         # # in self.prediction, together with the stamp of the *scan*. Nothing may kill the node.
         ### END SOLUTION
 
@@ -131,7 +141,7 @@ class DecoupledController(Node):
                 twist.linear.x = prediction.speed
         self.cmd_vel_publisher.publish(twist)
         ### SKELETON
-        # # TODO(task 3): publish a Twist, always: the prediction's speed, or 0.0.
+        # # TODO(task 4): publish a Twist, always: the prediction's speed, or 0.0.
         ### END SOLUTION
 
 
@@ -151,7 +161,7 @@ def main(args: list[str] | None = None) -> None:
         node.destroy_node()
         rclpy.try_shutdown()
     ### SKELETON
-    # # TODO(task 4): rclpy.spin runs one callback at a time. Which executor runs two?
+    # # TODO(task 2): rclpy.spin runs one callback at a time. Which executor runs two?
     # try:
     #     rclpy.spin(node)
     # except (KeyboardInterrupt, ExternalShutdownException):

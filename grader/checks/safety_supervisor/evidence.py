@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -146,8 +147,8 @@ def require_rate(recording: Recording) -> None:
         )
 
 
-def require_reasons(recording: Recording, help: str) -> int:
-    """Fail if a report gives a wrong reason; return how many ticks were judged.
+def require_reasons(recording: Recording, help: str) -> None:
+    """Fail if a report gives a wrong reason.
 
     A reason has to be there by the second tick at which it alone is right. It is judged only where
     the commands are right: a wrong command has a check of its own.
@@ -156,7 +157,7 @@ def require_reasons(recording: Recording, help: str) -> int:
     times = np.array([report.t for report in said])
     found = ticks(recording)
     judged = 0
-    for before, tick in zip(found, found[1:], strict=False):
+    for before, tick in pairwise(found):
         clear = len(tick.reasons) == 1 and before.reasons == tick.reasons
         if tick.t <= SETTLING or not clear or not (before.is_right and tick.is_right):
             continue
@@ -167,13 +168,20 @@ def require_reasons(recording: Recording, help: str) -> int:
             text = f"“{said[newest].text[:60]}”" if newest >= 0 else f"nothing on {TOPIC} yet"
             fail(
                 f"wrong reason ({tick.situation.what})",
-                expected=f"{reason}",
+                expected=f"a text that begins with {reason}",
                 actual=text,
                 at=tick.t,
                 recording=recording,
                 help=help,
             )
-    return judged
+    if not judged:
+        fail(
+            "no right command came whose reason could be judged",
+            expected="right commands first, then the reasons for them",
+            actual="wrong commands",
+            recording=recording,
+            help="Get the checks of the commands right first.",
+        )
 
 
 def require_levels(recording: Recording) -> None:
@@ -200,9 +208,7 @@ def require_text(recording: Recording) -> None:
         fail(
             "a report without a reason" if report.count == 1 else f"a report of {report.count}",
             expected="one status, whose message begins with one of: " + ", ".join(LEVELS),
-            actual=f"{report.count} statuses"
-            if report.count != 1
-            else f"“{report.text[:60]}”",
+            actual=f"{report.count} statuses" if report.count != 1 else f"“{report.text[:60]}”",
             at=report.t,
             recording=recording,
             help="status.message begins with the word itself; anything may follow after a space.",

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from grader.checks.slow_model.contract import LATEST_STOP, TOLERANCE, Oracle
+from grader.checks.predictions import TOLERANCE, Oracle
+from grader.checks.slow_model.contract import LATEST_STOP
 from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording
 from grader.verdict import fail
@@ -49,12 +50,12 @@ def require_commands(recording: Recording) -> None:
 
 
 def require_no_strays(recording: Recording, scans: np.ndarray) -> None:
-    """Fail if most commands are the prediction for no scan: then nothing can be said of ages."""
-    strays = np.flatnonzero(scans == STRAY)
+    """Fail if commands are the prediction for no scan, once there have been predictions."""
+    twists, first = recording.twists(), recording.times("/scan")[:1]
+    strays = np.flatnonzero((scans == STRAY) & (twists.t > first + LATEST_STOP))
     if len(strays) <= 0.02 * len(scans):
         return
     i = int(strays[0])
-    twists = recording.twists()
     arrived = [p for p in Oracle(recording).predictions if p.scan.t <= twists.t[i]]
     newest = arrived[-1].text if arrived else "nothing yet"
     fail(
@@ -200,7 +201,7 @@ def _holds(recording: Recording) -> list[tuple[str, tuple[str, ...], float, floa
 
 def spell(value: float) -> str:
     """Return a command's number as a student should see it."""
-    return f"{value:.3g} m/s" if 0.0 < abs(value) < 0.0005 else f"{value:.3f} m/s"
+    return f"{value:.3g} m/s" if 0.0 < abs(value) < 0.0005 else f"{value:.4f} m/s"
 
 
 def garbage(value: float) -> str:

@@ -75,7 +75,7 @@ def test_starts_at_zero(recordings: Recordings) -> None:
         if len(early):
             fail(
                 "the robot was told to drive before there was any prediction",
-                expected=f"0.0 until the first scan ({first_scan:.2f} s) has gone through the model",
+                expected=f"0.0 until the first scan (at {first_scan:.2f} s) has been judged",
                 actual=f"linear.x = {spell(float(twists.linear_x[early[0]]))}",
                 at=float(twists.t[early[0]]),
                 recording=recording,

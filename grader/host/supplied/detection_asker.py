@@ -1,7 +1,7 @@
 """An independent client of /detect: asks at set times, and publishes what it is told.
 
-The parameter `ask_at` holds the times [s since the program's start]. When it asks, the number of the
-request goes out on /probe/asked; its answer goes out on /probe/told.
+The parameter `ask_at` holds the times [s since the program's start]. When it asks, the number of
+the request goes out on /probe/asked; its answer goes out on /probe/told.
 """
 
 import json

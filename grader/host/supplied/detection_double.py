@@ -42,9 +42,7 @@ class DetectionDouble(Node):  # type: ignore[misc]
         self.group = ReentrantCallbackGroup()
         self.requests = self.create_publisher(String, "/probe/requests", 10)
         self.answers = self.create_publisher(String, "/probe/answers", 10)
-        self.create_service(
-            Trigger, "/detect", self.detect_callback, callback_group=self.group
-        )
+        self.create_service(Trigger, "/detect", self.detect_callback, callback_group=self.group)
 
     async def detect_callback(
         self, _: Trigger.Request, response: Trigger.Response
@@ -77,9 +75,7 @@ class DetectionDouble(Node):  # type: ignore[misc]
     async def pause(self, seconds: float) -> None:
         """Let time pass without keeping other requests waiting."""
         over = Future()
-        timer = self.create_timer(
-            seconds, lambda: over.set_result(None), callback_group=self.group
-        )
+        timer = self.create_timer(seconds, lambda: over.set_result(None), callback_group=self.group)
         await over
         self.destroy_timer(timer)
 

@@ -1,6 +1,6 @@
 """Creeps ahead at 0.1 m/s until there is a first prediction.
 
-fails: starts_at_zero, no_model
+fails: starts_at_zero, too_slow_model, no_model
 """
 
 import math

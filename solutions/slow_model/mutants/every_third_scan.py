@@ -32,6 +32,7 @@ class Controller(Node):
             self.get_logger().error(f"no model: {error}")
         self.speed = 0.0
         self.stamp = None
+        self.scan = None
         self.count = 0
         self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(
@@ -43,6 +44,9 @@ class Controller(Node):
         )
         self.create_timer(
             0.05, self.control_callback, callback_group=MutuallyExclusiveCallbackGroup()
+        )
+        self.create_timer(
+            0.01, self.inference_callback, callback_group=MutuallyExclusiveCallbackGroup()
         )
 
     def features(self, scan):
@@ -57,10 +61,13 @@ class Controller(Node):
         return [[front.min(), front.mean(), front.std(), left.min(), right.min()]]
 
     def scan_callback(self, scan):
-        if self.model is None:
-            return
         self.count += 1
-        if self.count % 3 != 1:
+        if self.count % 3 == 1:
+            self.scan = scan
+
+    def inference_callback(self):
+        scan, self.scan = self.scan, None
+        if self.model is None or scan is None:
             return
         try:
             speed = float(self.model.predict(self.features(scan))[0])

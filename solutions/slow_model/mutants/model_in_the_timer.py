@@ -1,6 +1,6 @@
 """Runs the model in the control timer's callback: the loop is as slow as the model.
 
-fails: control_period
+fails: control_period, inference_rate
 """
 
 import math

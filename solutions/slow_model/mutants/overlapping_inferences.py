@@ -86,7 +86,7 @@ class Controller(Node):
 def main(args=None):
     rclpy.init(args=args)
     node = Controller()
-    executor = MultiThreadedExecutor(num_threads=4)
+    executor = MultiThreadedExecutor(num_threads=16)
     executor.add_node(node)
     try:
         executor.spin()

@@ -1,0 +1,106 @@
+"""A model in the loop that is measured: the latency of each prediction, reported once a second.
+
+Subscribes  /scan         sensor_msgs/msg/LaserScan            distances all around the robot [m]
+Publishes   /cmd_vel      geometry_msgs/msg/Twist              forward speed [m/s], one per scan
+            /diagnostics  diagnostic_msgs/msg/DiagnosticArray  latency of the last 100 calls, 1 Hz
+Parameters  model_path    pickled model, ``predict(X: (n, 5)) -> (n,)`` [m/s]
+            max_speed     predictions are clipped to 0 … max_speed [m/s]
+            deadline_ms   a call that takes longer has missed its deadline [ms]
+"""
+
+import math
+import pickle
+import time
+from collections import deque
+from typing import Any
+
+import numpy as np
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Twist
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+WINDOW = 100  # calls
+REPORT_PERIOD = 1.0  # [s]
+STATUS_NAME = "profiled_controller: inference"
+FRONT_HALF_ANGLE = math.radians(60.0)  # [rad]
+
+
+def extract_features(scan: LaserScan) -> np.ndarray | None:
+    """Return the (1, 5) features of a scan [m]: front min, mean and std, left min, right min.
+
+    Front is within ±60° of ahead. ``+inf`` and what is beyond ``range_max`` count as ``range_max``,
+    ``-inf`` as ``range_min``; NaN and what is below ``range_min`` are dropped. ``None``: a sector
+    has no usable reading.
+    """
+    # TODO(task 1): your features of exercise 2.
+    return None
+
+
+def statistics(latencies: list[float], deadline: float) -> dict[str, float]:
+    """Return mean, percentiles, maximum [ms] and the number of missed deadlines of latencies [ms].
+
+    Percentiles lie between two measurements (linear interpolation). Without any measurement
+    everything is 0.0.
+    """
+    # TODO(task 3): numpy.mean, numpy.percentile, max, and a count.
+    return {}
+
+
+def level_of(count: int, missed: float, p95: float, deadline: float) -> bytes:
+    """Return the level: STALE without a prediction, OK, WARN (some missed), ERROR (p95 too)."""
+    # TODO(task 4): compare, and return one of the constants of DiagnosticStatus.
+    return DiagnosticStatus.STALE
+
+
+class ProfiledController(Node):
+    """Drives as the model says, and knows how long the model takes to say it."""
+
+    def __init__(self) -> None:
+        super().__init__("profiled_controller")
+        model_path = self.declare_parameter("model_path", "velocity_model.pkl").value
+        self.max_speed: float = self.declare_parameter("max_speed", 0.5).value
+        self.deadline: float = self.declare_parameter("deadline_ms", 100.0).value  # [ms]
+        self.model = self.load_model(model_path)
+        self.latencies: deque[float] = deque(maxlen=WINDOW)  # [ms] of the last calls
+        # TODO(task 1): create publishers of Twist on /cmd_vel and of DiagnosticArray on
+        # /diagnostics, a subscription to /scan, and a timer that calls self.report_callback.
+        self.get_logger().info("Profiled controller started")
+
+    def load_model(self, path: str) -> Any | None:
+        """Return the model in a pickle file; ``None``, and an error in the log: there is none."""
+        # TODO(task 1): load it as in exercise 2.
+        return None
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        """Publish exactly one Twist: the clipped prediction, or 0.0 if there is none."""
+        # TODO(task 1): as in exercise 2, with self.predict.
+
+    def predict(self, features: np.ndarray) -> float:
+        """Return a finite prediction [m/s], and keep how long the model took. Raises otherwise."""
+        # TODO(task 2): measure model.predict with time.perf_counter, and append to self.latencies.
+        return 0.0
+
+    def report_callback(self) -> None:
+        """Publish one status about the calls in the window, every second."""
+        # TODO(task 5): one DiagnosticStatus with eight KeyValue, in a DiagnosticArray.
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the controller until Ctrl-C."""
+    rclpy.init(args=args)
+    node = ProfiledController()
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,114 @@
+"""Detection server: one trained model, loaded once, for every node that wants to ask it.
+
+Subscribes  /scan    sensor_msgs/msg/LaserScan  distances all around the robot [m]
+Serves      /detect  std_srvs/srv/Trigger       what the model makes of the newest scan, as JSON
+Parameter   model_path  a pickled classifier with `predict` and `predict_proba`
+"""
+
+import json
+import math
+import pickle
+
+import numpy as np
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
+from sensor_msgs.msg import LaserScan
+from std_srvs.srv import Trigger
+
+FRONT_HALF_ANGLE = math.radians(60.0)  # [rad]
+MAX_SCAN_AGE = 1.0  # [s] an older scan says nothing about now
+# A queue of one: while the model works, old scans make room for the newest. Best effort takes
+# scans from reliable drivers, too.
+NEWEST_SCAN = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+class NoDetectionError(Exception):
+    """There is nothing to tell the client; the text says why."""
+
+
+def extract_features(scan: LaserScan) -> np.ndarray:
+    """Return the five numbers that the model was trained on [m], as in exercise 2.
+
+    Minimum, mean and standard deviation of the front sector (|θ| ≤ 60°), minimum of the left
+    sector (60° < θ ≤ 180°), minimum of the right sector (-180° ≤ θ < -60°).
+
+    Raises
+    ------
+    NoDetectionError
+        A sector has no usable reading.
+    """
+    ranges = np.array(scan.ranges, dtype=float)
+    ranges[ranges == -math.inf] = scan.range_min
+    ranges = np.minimum(ranges, scan.range_max)  # nothing in range: as far as the lidar can see
+    usable = ranges >= scan.range_min  # False for NaN, too
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
+    angles = (angles + math.pi) % math.tau - math.pi
+    front = ranges[usable & (np.abs(angles) <= FRONT_HALF_ANGLE)]
+    left = ranges[usable & (angles > FRONT_HALF_ANGLE)]
+    right = ranges[usable & (angles < -FRONT_HALF_ANGLE)]
+    for name, sector in (("front", front), ("left", left), ("right", right)):
+        if not sector.size:
+            raise NoDetectionError(f"no usable reading in the {name} sector")
+    return np.array([front.min(), front.mean(), front.std(), left.min(), right.min()])
+
+
+class DetectionServer(Node):
+    """Owns the model, remembers the newest scan, and answers on request."""
+
+    def __init__(self) -> None:
+        super().__init__("detection_server")
+        self.scan: LaserScan | None = None  # the newest; None: there has been none
+        model_path = self.declare_parameter("model_path", "detection_model.pkl").value
+        self.model = self.load_model(model_path)
+        self.scan_subscription = self.create_subscription(
+            LaserScan, "/scan", self.scan_callback, NEWEST_SCAN
+        )
+        # TODO(task 1): offer the service /detect, of type Trigger, with self.detect_callback.
+        self.get_logger().info("Detection server started")
+
+    def load_model(self, path: str) -> object | None:
+        """Return the unpickled model; None, and an error in the log, if there is none."""
+        # TODO(task 2): unpickle the file; if that fails, log an error and return None.
+        return None
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        """Remember the newest scan; the work is done when somebody asks."""
+        self.scan = scan
+
+    def detect_callback(
+        self, request: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        """Answer a client: a detection, or the reason why there is none. Never raises."""
+        # TODO(task 4): self.detect() as JSON, or success False and the reason.
+        return response
+
+    def detect(self) -> dict[str, str | float]:
+        """Return label, confidence (0 to 1) and stamp [s] of what the newest scan shows.
+
+        Raises
+        ------
+        NoDetectionError
+            No model, no scan, a scan that is too old or blind, or a model that failed.
+        """
+        # TODO(task 3): ask the model about the newest scan, after everything that can be missing.
+        raise NoDetectionError("not written yet")
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the server until Ctrl-C."""
+    rclpy.init(args=args)
+    node = DetectionServer()
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,187 @@
+"""Safety supervisor: the last word between a model and the motors.
+
+Subscribes  /cmd_vel_raw  geometry_msgs/msg/Twist                 what the model asks for
+            /scan         sensor_msgs/msg/LaserScan               distances all around [m]
+            /e_stop       std_msgs/msg/Bool                       true: the button is pressed
+Publishes   /cmd_vel      geometry_msgs/msg/Twist                 what is safe, 20 times a second
+            /diagnostics  diagnostic_msgs/msg/DiagnosticArray     the reason for it
+"""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import Twist
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from rclpy.time import Time
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Bool
+
+CONTROL_PERIOD = 0.05  # [s] 20 Hz
+LONGEST_SILENCE = 0.5  # [s] what is older than this counts as not received
+STOP_DISTANCE = 0.5  # [m] nearer than this: no way ahead
+MAX_SPEED = 0.5  # [m/s]
+MAX_TURN_RATE = 1.9  # [rad/s]
+MAX_RISE = 0.045  # [m/s] that linear.x may rise in one tick: 0.9 m/s²
+REPORT_PERIOD = 1.0  # [s] a report at least so often
+FRONT_HALF_ANGLE = math.pi / 2  # [rad] "ahead" is everything within ±90°
+
+
+class Reason(StrEnum):
+    """Why the command is what it is; the first word of every diagnostic message."""
+
+    E_STOP = "e_stop"
+    BAD_COMMAND = "bad_command"
+    STALE_COMMAND = "stale_command"
+    STALE_SCAN = "stale_scan"
+    OBSTACLE = "obstacle"
+    LIMITED = "limited"
+    OK = "ok"
+
+
+LEVELS = {
+    Reason.OK: DiagnosticStatus.OK,
+    Reason.LIMITED: DiagnosticStatus.WARN,
+    Reason.OBSTACLE: DiagnosticStatus.WARN,
+}  # every other reason: DiagnosticStatus.ERROR
+
+
+@dataclass(frozen=True)
+class Situation:
+    """All that a decision depends on."""
+
+    e_stop: bool  # the button is pressed
+    command: Twist | None  # the model's last command; None: there has been none
+    command_age: float  # [s] since it arrived; inf: never
+    distance: float | None  # [m] ahead in the newest scan; inf: free, None: blind
+    scan_age: float  # [s] since that scan arrived; inf: never
+    last_speed: float  # [m/s] linear.x of the last command that was published
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A command, and the reason for it."""
+
+    reason: Reason
+    speed: float = 0.0  # [m/s]
+    turn_rate: float = 0.0  # [rad/s]
+
+
+def front_distance(scan: LaserScan) -> float | None:
+    """Return the smallest usable distance ahead [m], as in exercise 1; None: nothing is usable."""
+    usable = []
+    for index, reading in enumerate(scan.ranges):
+        angle = math.remainder(scan.angle_min + index * scan.angle_increment, math.tau)
+        if abs(angle) > FRONT_HALF_ANGLE:
+            continue
+        if reading == -math.inf:
+            usable.append(0.0)
+        elif reading == math.inf or scan.range_min <= reading <= scan.range_max:
+            usable.append(reading)
+    return min(usable, default=None)
+
+
+def clamp(value: float, limit: float) -> float:
+    """Return the value, or ±limit if it lies beyond."""
+    return max(-limit, min(limit, value))
+
+
+def is_finite(twist: Twist) -> bool:
+    """Say whether all six fields are ordinary numbers."""
+    linear, angular = twist.linear, twist.angular
+    fields = (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+    return all(math.isfinite(value) for value in fields)
+
+
+def decide(situation: Situation) -> Decision:
+    """Return the command that is safe: the first rule that matches wins.
+
+    Faster by at most MAX_RISE than the last command (or than standstill, if that drove backwards);
+    slowing down, stopping and driving backwards are never delayed.
+    """
+    # TODO(task 3): rules 1 to 4 stop the robot.
+    # TODO(task 4): obstacle, limits, acceleration.
+    return Decision(Reason.STALE_COMMAND)
+
+
+class SafetySupervisor(Node):
+    """Passes on what a model asks for, as far as it is safe, and says why."""
+
+    def __init__(self) -> None:
+        super().__init__("safety_supervisor")
+        self.e_stop = False
+        self.command: Twist | None = None
+        self.command_arrival: Time | None = None
+        self.distance: float | None = None
+        self.scan_arrival: Time | None = None
+        self.last_speed = 0.0  # [m/s]
+        self.reported: Reason | None = None  # the reason in the last report
+        self.report_time: Time | None = None
+        self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.diagnostics_publisher = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        # TODO(task 1): subscribe to /cmd_vel_raw, /scan and /e_stop,
+        # and create a timer that calls self.control_callback every CONTROL_PERIOD seconds.
+        self.get_logger().info("Safety supervisor started")
+
+    def command_callback(self, command: Twist) -> None:
+        """Keep what the model asks for, and when it arrived."""
+        # TODO(task 2)
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        """Keep the distance ahead, and when it arrived."""
+        # TODO(task 2)
+
+    def e_stop_callback(self, message: Bool) -> None:
+        """Keep whether the button is pressed."""
+        # TODO(task 2)
+
+    def age_of(self, arrival: Time | None) -> float:
+        """Return how long ago that was [s]; ``inf`` for what never arrived."""
+        # TODO(task 2): the node's clock tells the time: self.get_clock().now().
+        return math.inf
+
+    def control_callback(self) -> None:
+        """Run every 50 ms: one Twist, whatever has arrived, and a report where one is due."""
+        decision = decide(
+            Situation(
+                e_stop=self.e_stop,
+                command=self.command,
+                command_age=self.age_of(self.command_arrival),
+                distance=self.distance,
+                scan_age=self.age_of(self.scan_arrival),
+                last_speed=self.last_speed,
+            )
+        )
+        self.drive(decision)
+        if decision.reason != self.reported or self.age_of(self.report_time) >= REPORT_PERIOD:
+            self.report(decision)
+
+    def drive(self, decision: Decision) -> None:
+        """Publish the command, and remember its speed for the next tick."""
+        # TODO(task 4): publish a Twist and keep self.last_speed.
+
+    def report(self, decision: Decision) -> None:
+        """Publish the reason: one status whose message begins with the reason word."""
+        # TODO(task 5): publish a DiagnosticArray with one status;
+        # keep self.reported and self.report_time.
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the supervisor until Ctrl-C."""
+    rclpy.init(args=args)
+    node = SafetySupervisor()
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+"""The oracle of latency_monitor: which calls a node has made by when, and what it says of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.checks.features import features
+from grader.checks.predictions import MODEL
+from grader.recording import Recording
+
+TOPIC = "/diagnostics"
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+STATUS_NAME = "profiled_controller: inference"
+KEYS = ("count", "mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "deadline_ms", "missed")
+OK, WARN, ERROR, STALE = range(4)
+LEVELS = ("OK", "WARN", "ERROR", "STALE")
+WINDOW = 100  # calls
+PERIOD = 1.0  # [s] of the reports
+PERIOD_TOLERANCE = 0.15  # [s]
+TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What is to be said about a window of calls."""
+
+    latencies: tuple[float, ...]  # [ms]
+    deadline: float  # [ms]
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The eight values."""
+        found = self.latencies
+        p50, p95, p99 = np.percentile(found, (50, 95, 99)) if found else (0.0,) * 3
+        return {
+            "count": len(found),
+            "mean_ms": float(np.mean(found)) if found else 0.0,
+            "p50_ms": float(p50),
+            "p95_ms": float(p95),
+            "p99_ms": float(p99),
+            "max_ms": max(found, default=0.0),
+            "deadline_ms": self.deadline,
+            "missed": sum(latency > self.deadline for latency in found),
+        }
+
+    @property
+    def level(self) -> int:
+        """The level: STALE, OK, WARN or ERROR."""
+        numbers = self.numbers
+        if not self.latencies:
+            return STALE
+        if numbers["p95_ms"] > self.deadline:
+            return ERROR
+        return WARN if numbers["missed"] else OK
+
+
+def right_statistics(
+    recording: Recording, time: float, window: int = WINDOW
+) -> tuple[Statistics, ...]:
+    """Return what may be said at a time [s]: a call that ends just then may count or not."""
+    ended = _calls(recording)
+    known = sum(end <= time for end, _ in ended)
+    deadline = float(recording.scenario.node.parameters.get("deadline_ms", 100.0))
+    counts = [known, *({known - 1, known + 1} & set(range(len(ended) + 1)))]
+    return tuple(
+        Statistics(tuple(ms for _, ms in ended[max(0, n - window) : n]), deadline) for n in counts
+    )
+
+
+def _calls(recording: Recording) -> list[tuple[float, float]]:
+    """Return (end [s], latency [ms]) of each call of predict that returns, in order."""
+    spec = recording.scenario.node.models[MODEL]
+    if spec.probe == "garbage":
+        return []
+    seconds = spec.settings.get("seconds", 0.0)
+    times = seconds if isinstance(seconds, tuple) else (float(str(seconds)),)
+    raises_below = float(str(spec.settings.get("distance", 0.0)))  # of the probe raises_near
+    free, found = 0.0, []
+    for scan in recording.scans():
+        row = features(scan)
+        if row is None:
+            continue
+        took = times[int(np.clip(np.rint(row[0]), 0, len(times) - 1))]
+        free = max(free, scan.t) + took  # one call after another
+        if row[0] >= raises_below:
+            found.append((free, 1000.0 * took))
+    return found

@@ -1,0 +1,242 @@
+"""What the node said on /cmd_vel after each scan, and on /diagnostics every second."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.checks.latency_monitor.contract import (
+    DIAGNOSTICS,
+    KEYS,
+    LEVELS,
+    PERIOD,
+    PERIOD_TOLERANCE,
+    STATUS_NAME,
+    TOLERANCE,
+    TOPIC,
+    Statistics,
+    right_statistics,
+)
+from grader.checks.predictions import Oracle
+from grader.checks.wiring import require_alive
+from grader.recording import Recording
+from grader.verdict import fail
+from sim.messages import decode
+
+ZERO = 1e-6  # [m/s] "zero"
+
+
+@dataclass(frozen=True)
+class Report:
+    """One DiagnosticStatus with the exercise's name."""
+
+    t: float  # [s]
+    level: int
+    texts: dict[str, str]
+
+    def number(self, key: str) -> float:
+        """Return a value as a number; NaN if it is none or missing."""
+        try:
+            return float(self.texts.get(key, ""))
+        except ValueError:
+            return math.nan
+
+
+def require_one_command_each(recording: Recording) -> None:
+    """Fail unless exactly one command followed each scan, and none came before the first."""
+    require_alive(recording)
+    scans, t = recording.scans(), recording.twists().t
+    if not scans:
+        fail("no scan was sent", recording=recording)
+    bounds = np.searchsorted(t, [*(scan.t for scan in scans), math.inf], side="left")
+    if bounds[0]:
+        fail(
+            "a command came before the first scan",
+            expected="silence until there is something to predict from",
+            actual=f"a Twist at {t[0]:.3f} s, the first scan at {scans[0].t:.3f} s",
+            at=float(t[0]),
+            recording=recording,
+            help="Publish from the scan callback only.",
+        )
+    for scan, count in zip(scans, np.diff(bounds).tolist(), strict=True):
+        if count != 1:
+            fail(
+                f"{count} commands followed the scan at {scan.t:.2f} s",
+                expected="exactly one Twist for each scan",
+                actual=f"{count} between this scan and the next",
+                at=scan.t,
+                recording=recording,
+                help="Look for a timer, a second publish(), or a return before the publish().",
+            )
+
+
+def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
+    """Fail unless each scan (with this tag) was answered by its clipped prediction, or 0.0."""
+    require_alive(recording)
+    twists, bench = recording.twists(), recording.scenario.bench_scans
+    predictions = Oracle(recording).predictions
+    if not predictions:
+        fail("no scan was sent", recording=recording)
+    ends = [*(right.scan.t for right in predictions[1:]), math.inf]
+    for number, (right, end) in enumerate(zip(predictions, ends, strict=True)):
+        if tag and tag not in bench[number].tags:
+            continue
+        during = np.flatnonzero((twists.t >= right.scan.t) & (twists.t < end))
+        speed = float(twists.linear_x[during[-1]]) if len(during) else None
+        if speed is not None and (right.allows(speed) if right.exists else abs(speed) < ZERO):
+            continue
+        label = f"“{bench[number].label}”" if bench else f"the scan at {right.scan.t:.2f} s"
+        fail(
+            f"{label}: wrong speed",
+            expected=f"linear.x = {right.text}",
+            actual="no command" if speed is None else f"linear.x = {speed:.4g} m/s",
+            at=right.scan.t,
+            recording=recording,
+            help=help,
+        )
+
+
+def require_reports(recording: Recording) -> list[Report]:
+    """Fail if there is no report at all; else return all of them."""
+    require_alive(recording)
+    found = [
+        Report(message.time / 1e9, status.level, {v.key: v.value for v in status.values})
+        for message in recording.of(TOPIC)
+        if message.type == DIAGNOSTICS
+        for status in decode(message.data, DIAGNOSTICS).status
+        if status.name == STATUS_NAME
+    ]
+    if not found:
+        fail(
+            f"no status named “{STATUS_NAME}” came on {TOPIC}",
+            expected="one every second",
+            actual=f"{len(recording.of(TOPIC))} messages on {TOPIC}, none with this name",
+            recording=recording,
+            help="Does the timer's callback run, and is the name right, letter by letter?",
+        )
+    return found
+
+
+def require_form(recording: Recording) -> None:
+    """Fail unless each message has one status with its eight decimal strings."""
+    require_alive(recording)
+    messages = [m for m in recording.of(TOPIC) if m.type == DIAGNOSTICS]
+    if not messages:
+        require_reports(recording)
+    for message in messages:
+        statuses, at = decode(message.data, DIAGNOSTICS).status, message.time / 1e9
+        if len(statuses) != 1 or statuses[0].name != STATUS_NAME:
+            names = ", ".join(f"“{status.name}”" for status in statuses) or "no status"
+            fail(
+                f"a message on {TOPIC} does not have exactly the one status",
+                expected=f"one status named “{STATUS_NAME}”",
+                actual=names,
+                at=at,
+                recording=recording,
+                help="DiagnosticArray has a list of statuses; here it has one element.",
+            )
+        keys = [value.key for value in statuses[0].values]
+        for key in KEYS:
+            if keys.count(key) != 1:
+                fail(
+                    f"the status has {keys.count(key)} values with the key {key}",
+                    expected="each of " + ", ".join(KEYS) + " once",
+                    actual=", ".join(keys) or "no values",
+                    at=at,
+                    recording=recording,
+                    help="status.values is a list of KeyValue(key=…, value=…).",
+                )
+        for value in statuses[0].values:
+            if value.key in KEYS and not _is_decimal(value.value):
+                fail(
+                    f"{value.key} is not a decimal string",
+                    expected="a number in digits, such as “12.3”, without a unit",
+                    actual=f"“{value.value}”",
+                    at=at,
+                    recording=recording,
+                    help="f'{number:.3f}'; without any call the numbers are 0.0.",
+                )
+
+
+def require_period(recording: Recording) -> None:
+    """Fail unless a report came every second, from the start on."""
+    times = [0.0, *(report.t for report in require_reports(recording))]
+    gaps = np.diff([*times, recording.duration_s])
+    wrong = np.flatnonzero(np.abs(gaps[:-1] - PERIOD) > PERIOD_TOLERANCE)
+    if not len(wrong) and gaps[-1] > PERIOD + PERIOD_TOLERANCE:
+        wrong = np.array([len(gaps) - 1])
+    if len(wrong):
+        i = int(wrong[0])
+        fail(
+            "the reports do not come at 1 Hz",
+            expected=f"one every {PERIOD:.0f} s, from the start on",
+            actual=f"{gaps[i]:.2f} s between two of them ({len(times) - 1} in all)",
+            at=times[i] + float(gaps[i]),
+            recording=recording,
+            help="One timer of 1.0 s publishes, whether or not there was a prediction.",
+        )
+
+
+def require_numbers(
+    recording: Recording, keys: Iterable[str], help: str, *, full_windows: bool = True
+) -> None:
+    """Fail unless these values are right in each report.
+
+    Without `full_windows` only reports on at most a hundred calls are judged.
+    """
+    judged = 0
+    for report in require_reports(recording):
+        everything = right_statistics(recording, report.t, window=10**9)
+        if not full_windows and max(len(s.latencies) for s in everything) > 100:
+            continue
+        judged += 1
+        choices = right_statistics(recording, report.t)
+        for key in keys:
+            number = report.number(key)
+            if any(abs(number - choice.numbers[key]) <= TOLERANCE for choice in choices):
+                continue
+            wanted = choices[0].numbers[key]
+            fail(
+                f"{key} is wrong",
+                expected=_spell(key, wanted) + f", over {choices[0].numbers['count']} calls",
+                actual=f"“{report.texts[key]}”" if key in report.texts else f"no value {key}",
+                at=report.t,
+                recording=recording,
+                help=help,
+            )
+    if not judged:
+        fail("no report could be judged", recording=recording)
+
+
+def require_level(recording: Recording, report: Report, choices: tuple[Statistics, ...]) -> None:
+    """Fail unless a report has the level that belongs to its calls."""
+    if any(report.level == choice.level for choice in choices):
+        return
+    numbers = choices[0].numbers
+    known = 0 <= report.level < len(LEVELS)
+    fail(
+        "the status has the wrong level",
+        expected=f"{LEVELS[choices[0].level]}: {numbers['missed']:.0f} of {numbers['count']:.0f} "
+        f"calls missed {numbers['deadline_ms']:.0f} ms, p95 is {numbers['p95_ms']:.1f} ms",
+        actual=LEVELS[report.level] if known else f"{report.level}, which is no level",
+        at=report.t,
+        recording=recording,
+        help="STALE before the first prediction, ERROR if p95 > deadline, WARN if any missed, "
+        "else OK."
+        if known
+        else "level is a byte: assign DiagnosticStatus.OK, .WARN, … and not a number.",
+    )
+
+
+def _is_decimal(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def _spell(key: str, number: float) -> str:
+    return f"{number:.0f}" if key in ("count", "missed") else f"{number:.2f} ms"

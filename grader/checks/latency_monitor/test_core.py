@@ -1,0 +1,205 @@
+"""The core checks of exercise 9; they sum to 100 points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grader.checks.latency_monitor.contract import KEYS, STALE, right_statistics
+from grader.checks.latency_monitor.evidence import (
+    ZERO,
+    require_form,
+    require_level,
+    require_numbers,
+    require_one_command_each,
+    require_period,
+    require_reports,
+    require_speeds,
+)
+from grader.checks.wiring import require_alive, require_wiring
+from grader.recording import Recording
+from grader.verdict import fail
+
+TIMES = "latency_times"
+FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
+
+Recordings = tuple[Recording, ...]
+
+
+@pytest.mark.check(points=5, scenarios=(TIMES,))
+def test_wiring(recordings: Recordings) -> None:
+    """The node starts, spins, listens to /scan and speaks on /cmd_vel and /diagnostics."""
+    for recording in recordings:
+        require_wiring(recording, "latency_monitor")
+
+
+@pytest.mark.check(points=10, scenarios=(TIMES, "latency_window"), needs=("wiring",))
+def test_one_command_per_scan(recordings: Recordings) -> None:
+    """Each scan is answered by exactly one Twist, and nothing is said before the first scan."""
+    for recording in recordings:
+        require_one_command_each(recording)
+
+
+@pytest.mark.check(points=5, scenarios=("latency_features",), needs=("wiring",))
+def test_features(recordings: Recordings) -> None:
+    """The model gets the five features of exercise 2, in their order."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            "features",
+            "Front min, mean, std within ±60°, then the minimum to the left, then to the right.",
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("latency_clip",), needs=("wiring",))
+def test_clipped(recordings: Recordings) -> None:
+    """Predictions are clipped to 0 … max_speed (here 0.4 m/s); all other fields are 0."""
+    for recording in recordings:
+        require_speeds(recording, "clip", "max(0.0, min(max_speed, prediction))")
+        twists = recording.twists()
+        for column in range(1, 6):
+            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
+            if len(wrong):
+                fail(
+                    f"{FIELDS[column]} is not zero",
+                    expected=f"{FIELDS[column]} = 0.0",
+                    actual=f"{twists.values[wrong[0], column]:.3g}",
+                    at=float(twists.t[wrong[0]]),
+                    recording=recording,
+                    help="This robot only drives straight ahead.",
+                )
+
+
+@pytest.mark.check(
+    points=5, scenarios=("latency_nothing_to_say", "latency_no_model"), needs=("wiring",)
+)
+def test_fail_safe(recordings: Recordings) -> None:
+    """NaN, a blind sector, an empty scan, no model at all: 0.0, and the node goes on."""
+    held, bare = recordings
+    require_speeds(held, "none", "No usable prediction is 0.0, and still one Twist for the scan.")
+    require_speeds(held, "good", "After that a good scan counts again.")
+    require_alive(bare)
+    require_one_command_each(bare)
+    moving = np.flatnonzero(~(np.abs(bare.twists().linear_x) < ZERO))
+    if len(moving):
+        fail(
+            "the robot was told to drive without a model",
+            expected="0.0 for every scan",
+            actual=f"linear.x = {bare.twists().linear_x[moving[0]]:.3g} m/s",
+            at=float(bare.twists().t[moving[0]]),
+            recording=bare,
+            help="No model: an error in the log, and 0.0.",
+        )
+
+
+@pytest.mark.check(points=10, scenarios=("latency_window", "latency_late_lidar"), needs=("wiring",))
+def test_report_rate(recordings: Recordings) -> None:
+    """A report comes on /diagnostics every second, from the start on."""
+    for recording in recordings:
+        require_period(recording)
+
+
+@pytest.mark.check(points=10, scenarios=(TIMES,), needs=("wiring",))
+def test_status_form(recordings: Recordings) -> None:
+    """Each report has one status with its name and eight values, all of them decimal strings."""
+    for recording in recordings:
+        require_form(recording)
+
+
+@pytest.mark.check(points=5, scenarios=("latency_late_lidar",), needs=("wiring", "status_form"))
+def test_stale_at_first(recordings: Recordings) -> None:
+    """Before the first prediction: level STALE, count 0, the other numbers 0.0."""
+    for recording in recordings:
+        reports, first_scan = require_reports(recording), recording.scans()[0].t
+        early = [report for report in reports if report.t < first_scan]
+        if not early:
+            fail(
+                "no report came before the first scan",
+                expected=f"one every second; the first scan came at {first_scan:.2f} s",
+                actual=f"the first one at {reports[0].t:.2f} s",
+                at=first_scan,
+                recording=recording,
+                help="Report at each tick, also when there is nothing to report yet.",
+            )
+        for report in early:
+            require_level(recording, report, right_statistics(recording, report.t))
+        late = [report for report in reports if report.t > first_scan + 0.5]
+        if late and late[-1].level == STALE:
+            fail(
+                "the status is still STALE, though predictions have been made",
+                expected="OK",
+                actual="STALE",
+                at=late[-1].t,
+                recording=recording,
+                help="STALE is for an empty window.",
+            )
+        require_numbers(recording, KEYS, "An empty window has a count of 0, and 0.0 elsewhere.")
+
+
+@pytest.mark.check(points=10, scenarios=(TIMES,), needs=("status_form",))
+def test_mean_and_max(recordings: Recordings) -> None:
+    """count, mean_ms and max_ms are those of the calls so far, in milliseconds."""
+    for recording in recordings:
+        require_numbers(
+            recording,
+            ("count", "mean_ms", "max_ms"),
+            "Measure around predict only, with time.perf_counter, and multiply by 1000.",
+        )
+
+
+@pytest.mark.check(points=10, scenarios=(TIMES,), needs=("status_form",))
+def test_percentiles(recordings: Recordings) -> None:
+    """p50_ms, p95_ms and p99_ms are percentiles by linear interpolation."""
+    for recording in recordings:
+        require_numbers(
+            recording,
+            ("p50_ms", "p95_ms", "p99_ms"),
+            "numpy.percentile(latencies, (50, 95, 99)) interpolates linearly by default.",
+        )
+
+
+@pytest.mark.check(
+    points=5, scenarios=("latency_window", "latency_deadline"), needs=("mean_and_max", "missed")
+)
+def test_window(recordings: Recordings) -> None:
+    """All numbers are about the last 100 calls, and not more."""
+    for recording in recordings:
+        require_numbers(
+            recording,
+            ("count", "max_ms", "missed"),
+            "collections.deque(maxlen=100) forgets by itself; count missed calls in it.",
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("latency_deadline",), needs=("status_form",))
+def test_missed(recordings: Recordings) -> None:
+    """deadline_ms is the parameter (here 10 ms), and missed the number of calls over it."""
+    for recording in recordings:
+        require_numbers(
+            recording,
+            ("deadline_ms", "missed"),
+            "self.declare_parameter('deadline_ms', 100.0); missed: latency > deadline.",
+            full_windows=False,
+        )
+
+
+@pytest.mark.check(points=10, scenarios=("latency_deadline",), needs=("status_form",))
+def test_levels(recordings: Recordings) -> None:
+    """OK if no call missed the deadline, WARN if some did, ERROR if p95 is over it."""
+    for recording in recordings:
+        for report in require_reports(recording):
+            choices = right_statistics(recording, report.t)
+            everything = right_statistics(recording, report.t, window=10**9)
+            if {c.level for c in choices} == {c.level for c in everything}:
+                require_level(recording, report, choices)
+
+
+@pytest.mark.check(points=5, scenarios=("latency_raises",), needs=("wiring",))
+def test_raised_calls(recordings: Recordings) -> None:
+    """A call that raises brings 0.0, is not counted, and does not end the node."""
+    for recording in recordings:
+        require_speeds(recording, "raises", "A model that raises has no prediction: 0.0.")
+        require_speeds(recording, "good", "After an exception the next scan counts again.")
+        require_numbers(
+            recording, ("count",), "Append the latency after predict has returned, not in finally."
+        )

@@ -1,0 +1,1 @@
+"""Checks of exercise 6, model_server."""

@@ -1,0 +1,65 @@
+"""The oracle of model_server: what the server should say of a scan, and when clients should ask."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grader.checks.features import right_features
+from grader.models import probe
+from grader.recording import Scan
+from sim.scenario import Scenario
+
+MAX_SCAN_AGE = 1.0  # [s] an older scan is no answer
+ASK_PERIOD = 0.5  # [s] from one request to the next
+HEARTBEAT_PERIOD = 0.1  # [s]
+LONGEST_GAP = 0.15  # [s] between two heartbeats
+PATIENCE = 1.0  # [s] a request without an answer is given up after this ...
+NEXT_REQUEST = 1.5  # [s] ... and the next goes out at most this long after it
+HAIR = 0.05  # [s] ages and waits this near to a limit may fall on either side
+FEATURE_TOLERANCE = 2e-3  # [m]
+CONFIDENCE_TOLERANCE = 1e-3
+STAMP_TOLERANCE = 1e-3  # [s]
+
+ROLES = ("navigation", "manipulation", "logging")
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Allowed:
+    """Which answers to a request are right."""
+
+    detection: bool  # success
+    refusal: bool  # no success
+    reason: str = ""  # why only a refusal is right, in words
+
+
+def allowed(scan: Scan | None, asked: float) -> Allowed:
+    """Return what may be said of the newest scan when somebody asks at that time [s]."""
+    if scan is None:
+        return Allowed(False, True, "no scan has come yet")
+    age = asked - scan.stamp
+    if age > MAX_SCAN_AGE + HAIR:
+        return Allowed(False, True, f"the newest scan is {age:.2f} s old")
+    blind = [features is None for features in right_features(scan)]
+    if all(blind):
+        return Allowed(False, True, "a sector of the newest scan has no usable reading")
+    return Allowed(True, any(blind) or age > MAX_SCAN_AGE - HAIR)
+
+
+def spelt_features(label: str) -> Floats | None:
+    """Return the five features [m] that the model `describes` puts into its label."""
+    try:
+        numbers = [float(word) for word in label.split()]
+    except ValueError:
+        return None
+    return np.array(numbers) if len(numbers) == 5 else None
+
+
+def confidence_in(scenario: Scenario, features: Floats) -> float:
+    """Return the greatest probability that the scenario's model gives for these features."""
+    model = scenario.node.models[str(scenario.node.parameters["model_path"])]
+    return float(np.max(probe(model).predict_proba(features.reshape(1, -1))))

@@ -1,0 +1,376 @@
+"""Who asked what when, what was answered, how the clients' hearts beat; and shared verdicts."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NoReturn
+
+import numpy as np
+
+from grader.checks.features import right_features, spell_features
+from grader.checks.model_server.contract import (
+    CONFIDENCE_TOLERANCE,
+    FEATURE_TOLERANCE,
+    LONGEST_GAP,
+    ROLES,
+    STAMP_TOLERANCE,
+    Floats,
+    allowed,
+    confidence_in,
+    spelt_features,
+)
+from grader.checks.wiring import require_alive
+from grader.recording import Recording, Scan
+from grader.verdict import fail
+from sim.messages import EPOCH_NS, STRING, UINT32, decode
+
+ASKED, TOLD = "/probe/asked", "/probe/told"  # of grader/host/supplied/detection_asker.py
+REQUESTS, ANSWERS = "/probe/requests", "/probe/answers"  # of detection_double.py
+TICK = 1e-6  # [s] rounding
+BLOCKED = (
+    "Does a callback wait: client.call(), spin_until_future_complete(), a sleep, a loop? While it "
+    "waits, its executor delivers nothing, not even the answer that it waits for. Use call_async() "
+    "and future.add_done_callback(), and return."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Ask:
+    """A request of the grader's own client to the student's server."""
+
+    at: float  # [s]
+    answered: bool
+    success: bool
+    message: str
+    scan: Scan | None  # the newest that the server had then
+    label: str = ""  # of the bench scan
+    tags: tuple[str, ...] = ()
+
+    @property
+    def what(self) -> str:
+        """The request in words, for a student."""
+        if self.scan is None:
+            return f"asked at {self.at:.2f} s, before the first scan"
+        if self.label:
+            return f"asked about “{self.label}”"
+        return f"asked at {self.at:.2f} s, {self.at - self.scan.stamp:.2f} s after the newest scan"
+
+
+@dataclass(frozen=True)
+class Request:
+    """A request that reached the grader's server, and its answer."""
+
+    at: float  # [s]
+    answered: float  # [s]; inf: never
+    success: bool = False
+    message: str = ""
+
+
+# --- the server ----------------------------------------------------------------------------------
+
+
+def asks(recording: Recording) -> list[Ask]:
+    """Return what the server was asked, and what it said."""
+    told = {said["number"]: said for _, said in _notes(recording, TOLD)}
+    scans, bench = recording.scans(), recording.scenario.bench_scans
+    found = []
+    for message in recording.of(ASKED):
+        at, number = message.time / 1e9, int(decode(message.data, UINT32).data)
+        newest = sum(scan.t <= at for scan in scans) - 1
+        sent = bench[newest] if bench and newest >= 0 else None
+        said = told.get(number)
+        found.append(
+            Ask(
+                at=at,
+                answered=said is not None,
+                success=bool(said and said["success"]),
+                message=str(said["message"]) if said else "",
+                scan=scans[newest] if newest >= 0 else None,
+                label=sent.label if sent else "",
+                tags=sent.tags if sent else (),
+            )
+        )
+    if not found:
+        fail("the scenario ended before anybody asked", recording=recording)
+    return found
+
+
+def require_answered(recording: Recording, ask: Ask) -> None:
+    """Fail if the server left a request without an answer."""
+    if not ask.answered:
+        fail(
+            f"no answer came: {ask.what}",
+            expected="a response to every request",
+            actual="nothing",
+            at=ask.at,
+            recording=recording,
+            help="The service callback has to return the response, whatever happens in it.",
+        )
+
+
+def require_success(recording: Recording, ask: Ask) -> None:
+    """Fail unless the server had something to say."""
+    require_answered(recording, ask)
+    if not ask.success:
+        fail(
+            f"{ask.what}, the server had nothing to say",
+            expected="success = true: the scan is fresh, and no sector is blind",
+            actual=f"success = false, “{ask.message}”",
+            at=ask.at,
+            recording=recording,
+            help="Set response.success, and only refuse for a reason of the task's list.",
+        )
+
+
+def require_refusal(recording: Recording, ask: Ask, reason: str, help: str) -> None:
+    """Fail unless the server said that it has no detection, and why."""
+    require_answered(recording, ask)
+    if ask.success:
+        fail(
+            f"{ask.what}, the server claimed a detection, but {reason}",
+            expected="success = false, and the reason in message",
+            actual=f"success = true, {ask.message}",
+            at=ask.at,
+            recording=recording,
+            help=help,
+        )
+    if not ask.message.strip():
+        fail(
+            f"{ask.what}, the server refused without a reason",
+            expected=f"a reason in message, such as “{reason}”",
+            actual="an empty message",
+            at=ask.at,
+            recording=recording,
+            help="Set response.message, too: somebody will have to find out what is wrong.",
+        )
+
+
+def require_contract(recording: Recording, help: str = "") -> None:
+    """Fail unless every answer is right: a detection of the newest scan, or a refusal."""
+    require_alive(recording)
+    judged = asks(recording)
+    for ask in judged:
+        right = allowed(ask.scan, ask.at)
+        if not right.detection:
+            require_refusal(recording, ask, right.reason, help)
+        elif ask.success or not right.refusal:
+            require_success(recording, ask)
+            require_features(recording, ask, help)
+    if not any(allowed(ask.scan, ask.at).detection for ask in judged):
+        fail("the scenario has no scan to answer for", recording=recording)
+
+
+def require_detection(recording: Recording, ask: Ask) -> None:
+    """Fail unless the answer is the JSON object of the contract, about the newest scan."""
+    require_success(recording, ask)
+    said = read_detection(recording, ask)
+    label, confidence, stamp = (said[key] for key in ("label", "confidence", "stamp"))
+    if not isinstance(label, str) or not label:
+        _fail_message(recording, ask, "a label that is a string", f"label = {label!r}")
+    if not _is_number(confidence) or not 0.0 <= confidence <= 1.0:
+        _fail_message(
+            recording, ask, "a confidence between 0 and 1", f"confidence = {confidence!r}"
+        )
+    if ask.scan is None or not _is_number(stamp):
+        _fail_message(recording, ask, "a stamp in seconds", f"stamp = {stamp!r}")
+    right = EPOCH_NS / 1e9 + ask.scan.stamp
+    if not abs(stamp - right) <= STAMP_TOLERANCE:
+        _fail_message(
+            recording,
+            ask,
+            f"stamp = {right:.3f}, the time in the header of the newest scan",
+            f"stamp = {stamp:.3f} ({stamp - right:+.3f} s)",
+        )
+    features = spelt_features(label)
+    if features is None:
+        features = right_features(ask.scan)[0]
+    if features is None:
+        return
+    greatest = confidence_in(recording.scenario, features)
+    if not abs(confidence - greatest) <= CONFIDENCE_TOLERANCE:
+        _fail_message(
+            recording,
+            ask,
+            f"confidence = {greatest:.3f}, the greatest of predict_proba",
+            f"confidence = {confidence:.3f}",
+        )
+
+
+def require_features(recording: Recording, ask: Ask, help: str = "") -> None:
+    """Fail unless the model was asked about the right features of the newest scan."""
+    said = read_detection(recording, ask)
+    given = spelt_features(str(said["label"]))
+    if given is None or ask.scan is None:
+        _fail_message(recording, ask, "the label that the model gave", f"label = {said['label']!r}")
+    right = [values for values in right_features(ask.scan) if values is not None]
+    if not any(np.abs(given - values).max() <= FEATURE_TOLERANCE for values in right):
+        fail(
+            f"{ask.what}, the model was given the wrong features",
+            expected=f"{spell_features(right[0])} (front min, mean, std, left min, right min)",
+            actual=spell_features(given),
+            at=ask.at,
+            recording=recording,
+            help=help or "They are the features of exercise 2; compare sector by sector.",
+        )
+
+
+def read_detection(recording: Recording, ask: Ask) -> dict[str, Any]:
+    """Return the JSON object in an answer; fail if it is none, or lacks a key."""
+    try:
+        said = json.loads(ask.message)
+    except ValueError as error:
+        _fail_message(recording, ask, "a JSON object in message", f"no JSON: {error}")
+    keys = ("label", "confidence", "stamp")
+    if not isinstance(said, dict) or any(key not in said for key in keys):
+        _fail_message(recording, ask, "an object with label, confidence and stamp", "another one")
+    return said
+
+
+def _fail_message(recording: Recording, ask: Ask, expected: str, actual: str) -> NoReturn:
+    fail(
+        f"{ask.what}, the server's message is not right",
+        expected=expected,
+        actual=f"{actual}; message = {ask.message[:200]}",
+        at=ask.at,
+        recording=recording,
+        help="json.dumps({'label': str(…), 'confidence': float(…), 'stamp': …}) of the newest scan",
+    )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+# --- the clients ---------------------------------------------------------------------------------
+
+
+def roles(recording: Recording) -> list[str]:
+    """Return the roles of the clients in the scenario."""
+    words = {word for program in recording.scenario.program for word in program.arguments}
+    return [role for role in ROLES if f"role:={role}" in words]
+
+
+def requests(recording: Recording) -> list[Request]:
+    """Return the requests that reached the grader's server, in order."""
+    found: list[Request] = []
+    places: dict[int, int] = {}  # number of a request: its place; a new server counts anew
+    notes = [(at, 0, said) for at, said in _notes(recording, REQUESTS)]
+    notes += [(at, 1, said) for at, said in _notes(recording, ANSWERS)]
+    for at, is_answer, said in sorted(notes, key=lambda note: note[:2]):
+        number = said["number"]
+        if not is_answer:
+            places[number] = len(found)
+            found.append(Request(at, math.inf))
+        else:
+            asked = found[places[number]].at
+            found[places[number]] = Request(asked, at, said["success"], said["message"])
+    return found
+
+
+def detections(recording: Recording) -> list[tuple[float, str, str]]:
+    """Return what the clients published on their detection topics: time [s], role, text."""
+    found = []
+    for role in roles(recording):
+        for message in recording.of(f"/{role}/detection"):
+            if message.type == STRING:
+                text = str(decode(message.data, STRING).data)
+                found.append((message.time / 1e9, role, text))
+    return sorted(found)
+
+
+def beats(recording: Recording, role: str) -> tuple[Floats, list[int]]:
+    """Return times [s] and values of a client's heartbeats."""
+    messages = [m for m in recording.of(f"/{role}/heartbeat") if m.type == UINT32]
+    times = np.array([message.time for message in messages], dtype=float) / 1e9
+    return times, [int(decode(message.data, UINT32).data) for message in messages]
+
+
+def require_unblocked(recording: Recording) -> None:
+    """Fail if a client's heart stopped on the way: one of its callbacks waits."""
+    require_alive(recording)
+    for role in roles(recording):
+        times, _ = beats(recording, role)
+        if len(times) < 2:
+            continue  # no heart that could stop: that is another check's matter
+        gaps = np.diff([*times, recording.duration_s])
+        longest = int(np.argmax(gaps))
+        if gaps[longest] <= max(LONGEST_GAP, 2 * gaps[:-1].min()) + TICK:
+            continue
+        at = float(times[longest])
+        out = [r for r in requests(recording) if at - TICK <= r.at <= at + LONGEST_GAP]
+        for_good = longest == len(gaps) - 1
+        fail(
+            f"{role}_client stood still "
+            + (f"for good from {at:.2f} s on" if for_good else f"for {gaps[longest]:.2f} s"),
+            expected=f"a heartbeat at least every {LONGEST_GAP} s, whatever the server does",
+            actual=f"none after {at:.2f} s"
+            + (f"; it had asked /detect at {out[0].at:.2f} s" if out else ""),
+            at=at,
+            recording=recording,
+            help=BLOCKED,
+        )
+
+
+def require_heartbeat(recording: Recording) -> None:
+    """Fail unless every client's heart beats ten times a second from start to end, and counts."""
+    require_alive(recording)
+    for role in roles(recording):
+        topic = f"/{role}/heartbeat"
+        times, values = beats(recording, role)
+        bounds = np.array([0.0, *times, recording.duration_s])
+        gaps = np.diff(bounds)
+        long = np.flatnonzero(gaps > LONGEST_GAP + TICK)
+        if len(long):
+            at = float(bounds[long[0]])
+            fail(
+                f"the heartbeat of {role}_client pauses for {gaps[long[0]]:.2f} s"
+                if len(times)
+                else f"{role}_client has no heartbeat",
+                expected=f"a message on {topic} every 0.1 s, gaps of at most {LONGEST_GAP} s, with "
+                "or without a server",
+                actual=f"none from {at:.2f} s to {at + gaps[long[0]]:.2f} s",
+                at=at,
+                recording=recording,
+                help="Give it a timer of its own that waits for nothing. Does the constructor or "
+                "a callback wait for the service (wait_for_service)?",
+            )
+        if gaps[1:-1].min() < LONGEST_GAP / 3:
+            at = float(times[int(np.argmin(gaps[1:-1]))])
+            fail(
+                f"two heartbeats of {role}_client come {gaps[1:-1].min():.3f} s after one another",
+                expected=f"one message on {topic} every 0.1 s",
+                actual=f"{len(times)} in {recording.duration_s:.1f} s",
+                at=at,
+                recording=recording,
+                help="One timer of 0.1 s publishes it, and nothing else does.",
+            )
+        for index, (before, after) in enumerate(pairwise(values)):
+            if after != before + 1:
+                fail(
+                    f"the heartbeat of {role}_client does not count up",
+                    expected=f"{before + 1} after {before}",
+                    actual=str(after),
+                    at=float(times[index + 1]),
+                    recording=recording,
+                    help="Keep the count in an attribute of the node, and add 1 each time.",
+                )
+
+
+def warnings(recording: Recording, begin: float, end: float) -> bool:
+    """Tell whether the clients logged a warning (or worse) in this time [s]."""
+    return any(
+        line.level in ("warn", "error", "fatal") and begin - TICK <= line.t <= end + TICK
+        for line in recording.log
+    )
+
+
+def _notes(recording: Recording, topic: str) -> list[tuple[float, dict[str, Any]]]:
+    """Return what a program of the grader's noted on a topic: time [s] and JSON object."""
+    return [
+        (message.time / 1e9, json.loads(decode(message.data, STRING).data))
+        for message in recording.of(topic)
+        if message.type == STRING
+    ]

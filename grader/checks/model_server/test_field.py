@@ -1,0 +1,97 @@
+"""The field checks of exercise 6: no points, but the badge *field-ready*."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+
+from grader.checks.model_server.contract import ASK_PERIOD, HAIR, NEXT_REQUEST, ROLES
+from grader.checks.model_server.evidence import detections, require_contract, require_heartbeat
+from grader.checks.wiring import require_alive, require_wiring
+from grader.recording import Recording
+from grader.verdict import fail
+
+BY_ANGLE = "Compute each beam's angle from angle_min and angle_increment, and wrap it to -π … π."
+LONGEST_WAIT = 1.6  # [s] between two detections of one client, with a model that takes 0.3 s
+
+Recordings = tuple[Recording, ...]
+
+
+@pytest.mark.check(field=True, scenarios=("detect_field_lds01",), needs=("server_wiring",))
+def test_field_lds01(recordings: Recordings) -> None:
+    """Works with an LDS-01: beams from 0 to 2π, 0.0 for no return, 3.5 m, 5 Hz."""
+    for recording in recordings:
+        require_contract(recording, BY_ANGLE)
+
+
+@pytest.mark.check(field=True, scenarios=("detect_field_wide",), needs=("server_wiring",))
+def test_field_wide_lidar(recordings: Recordings) -> None:
+    """Works with a lidar of 1080 beams over ±135° at 40 Hz."""
+    for recording in recordings:
+        require_contract(recording, BY_ANGLE)
+
+
+@pytest.mark.check(field=True, scenarios=("detect_field_best_effort",), needs=("server_wiring",))
+def test_field_best_effort(recordings: Recordings) -> None:
+    """Hears a lidar driver that publishes best effort (sensor-data QoS)."""
+    for recording in recordings:
+        require_wiring(recording, "model_server", "detection_server")
+        require_contract(recording)
+
+
+@pytest.mark.check(field=True, scenarios=("detect_field_speckle",), needs=("server_wiring",))
+def test_field_speckle(recordings: Recordings) -> None:
+    """Takes NaN speckle, noise and lost scans in its stride."""
+    for recording in recordings:
+        require_contract(recording)
+
+
+@pytest.mark.check(field=True, scenarios=("detect_field_slow_model",), needs=("client_wiring",))
+def test_field_slow_model(recordings: Recordings) -> None:
+    """With a model that takes 0.3 s, each of the three clients gets its answers in time."""
+    for recording in recordings:
+        require_alive(recording)
+        require_heartbeat(recording)
+        for role in ROLES:
+            _require_detections(recording, role, 0.0, recording.duration_s, LONGEST_WAIT)
+
+
+@pytest.mark.check(field=True, scenarios=("detect_field_restart",), needs=("client_wiring",))
+def test_field_restart(recordings: Recordings) -> None:
+    """The server is killed and started anew, and everything goes on."""
+    for recording in recordings:
+        require_alive(recording)
+        require_heartbeat(recording)
+        servers = [p for p in recording.scenario.program if p.file == "detection_server.py"]
+        for life in servers:
+            end = life.stop or recording.duration_s
+            for role in ROLES:
+                _require_detections(
+                    recording, role, life.start, end, NEXT_REQUEST + HAIR, ASK_PERIOD + HAIR
+                )
+
+
+def _require_detections(
+    recording: Recording,
+    role: str,
+    begin: float,
+    end: float,
+    first: float,
+    wait: float | None = None,
+) -> None:
+    """Fail if a role waits longer than `first` [s] for the first detection, or `wait` for more."""
+    heard = [t for t, who, _ in detections(recording) if who == role and begin <= t <= end]
+    limits = [first] + [wait or first] * len(heard)
+    for limit, (before, after) in zip(limits, pairwise([begin, *heard, end]), strict=True):
+        if after - before > limit:
+            fail(
+                f"{role}_client has to wait for a detection for {after - before:.2f} s",
+                expected=f"one within {limit:.2f} s",
+                actual=f"none from {before:.2f} s to {after:.2f} s",
+                at=before,
+                recording=recording,
+                help="Is the server done with a request in time to answer two more within 1 s? Do "
+                "old scans wait in the queue of its subscription (depth)? Does a new server find "
+                "traces of the old one?",
+            )

@@ -1,0 +1,250 @@
+"""The core checks of exercise 7; they sum to 100 points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grader.checks.safety_supervisor.contract import (
+    MAX_SPEED,
+    MAX_TURN_RATE,
+    TOLERANCE,
+    Tick,
+    ticks,
+)
+from grader.checks.safety_supervisor.evidence import (
+    require_commands,
+    require_heartbeat,
+    require_levels,
+    require_other_fields,
+    require_rate,
+    require_reasons,
+    require_text,
+)
+from grader.checks.wiring import require_alive, require_wiring
+from grader.recording import Recording
+from grader.verdict import fail
+
+SHORT = (
+    "safe_pass",
+    "safe_limits",
+    "safe_ramp",
+    "safe_e_stop",
+    "safe_stale_command",
+    "safe_stale_scan",
+    "safe_obstacle",
+)  # every reason but bad_command
+LEAST_WAY = 0.5  # [m]
+
+Recordings = tuple[Recording, ...]
+
+
+@pytest.mark.check(points=5, scenarios=("safe_pass",))
+def test_wiring(recordings: Recordings) -> None:
+    """The node starts, spins, listens to three topics and speaks on /cmd_vel and /diagnostics."""
+    for recording in recordings:
+        require_wiring(recording, "safety_supervisor")
+
+
+@pytest.mark.check(
+    points=5,
+    scenarios=("safe_pass", "safe_stale_command", "safe_stale_scan"),
+    needs=("wiring",),
+)
+def test_control_rate(recordings: Recordings) -> None:
+    """20 commands a second from the start on, whether or not anything arrives."""
+    for recording in recordings:
+        require_rate(recording)
+
+
+@pytest.mark.check(points=5, scenarios=("safe_pass",), needs=("wiring",))
+def test_passes_on(recordings: Recordings) -> None:
+    """What is safe is passed on as it is, backwards too; the four other fields are zero."""
+    for recording in recordings:
+        require_commands(
+            recording, "Nothing is wrong here: linear.x and angular.z go out as they came in."
+        )
+        require_other_fields(recording)
+
+
+@pytest.mark.check(points=5, scenarios=("safe_limits",), needs=("wiring",))
+def test_limits(recordings: Recordings) -> None:
+    """linear.x is clamped to ±0.5 m/s and angular.z to ±1.9 rad/s."""
+    for recording in recordings:
+        require_alive(recording)
+        twists = recording.twists()
+        for column, name, limit in ((0, "linear.x", MAX_SPEED), (5, "angular.z", MAX_TURN_RATE)):
+            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) <= limit + TOLERANCE))
+            if len(wrong):
+                fail(
+                    f"{name} is out of its limits",
+                    expected=f"|{name}| ≤ {limit}",
+                    actual=f"{name} = {twists.values[wrong[0], column]:.2f}",
+                    at=float(twists.t[wrong[0]]),
+                    recording=recording,
+                    help="Clamp both ways: max(-limit, min(limit, value)).",
+                )
+        ends = [stream.end for stream in recording.scenario.raw]
+        settled = [max(tick.t for tick in ticks(recording) if tick.t < end) for end in ends]
+
+        def _is_settled(tick: Tick, settled: list[float] = settled) -> bool:
+            return tick.t in settled
+
+        require_commands(
+            recording,
+            "Clamp to the limit, not to zero; what is within is not touched.",
+            _is_settled,
+        )
+
+
+@pytest.mark.check(points=10, scenarios=("safe_ramp",), needs=("wiring",))
+def test_acceleration(recordings: Recordings) -> None:
+    """linear.x rises by at most 0.045 m/s a tick, from the last command published or from 0."""
+    for recording in recordings:
+        require_commands(
+            recording,
+            "The most is max(0, last) + 0.045, where last is what you published one tick ago, "
+            "whatever the reason for it was.",
+            lambda tick: any(decision.rising for decision in tick.right),
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("safe_ramp",), needs=("wiring",))
+def test_never_delays(recordings: Recordings) -> None:
+    """Slowing down, stopping and driving backwards take effect at once."""
+    for recording in recordings:
+        require_commands(
+            recording,
+            "The limit is for getting faster forwards only: min(asked, max(0, last) + 0.045).",
+            lambda tick: not any(d.rising or d.reason == "e_stop" for d in tick.right),
+        )
+
+
+@pytest.mark.check(points=10, scenarios=("safe_e_stop",), needs=("wiring",))
+def test_e_stop(recordings: Recordings) -> None:
+    """While the last /e_stop was true the robot stands, from the next tick on."""
+    for recording in recordings:
+        require_commands(
+            recording, "Keep what the last /e_stop said: true holds until a false comes."
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("safe_bad_command",), needs=("wiring",))
+def test_bad_command(recordings: Recordings) -> None:
+    """A command with NaN or infinity in a field stops the robot until a good one comes."""
+    for recording in recordings:
+        require_commands(
+            recording,
+            "math.isfinite on each field, before you compare: comparisons with NaN are false.",
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("safe_stale_command",), needs=("wiring",))
+def test_stale_command(recordings: Recordings) -> None:
+    """Without a raw command for more than 0.5 s (or at all) the robot stands."""
+    for recording in recordings:
+        require_commands(
+            recording, "Note when each command arrives, and look at its age at every tick."
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("safe_stale_scan",), needs=("wiring",))
+def test_stale_scan(recordings: Recordings) -> None:
+    """Without a scan for more than 0.5 s (or at all) the robot stands."""
+    for recording in recordings:
+        require_commands(
+            recording, "Note when each scan arrives, and look at its age at every tick."
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("safe_blind",), needs=("wiring",))
+def test_blind_scan(recordings: Recordings) -> None:
+    """When the newest scan has no usable reading ahead the robot stands; +inf is free."""
+    for recording in recordings:
+        require_commands(
+            recording,
+            "The newest scan counts: if it says nothing, the distance before it is no help.",
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("safe_obstacle",), needs=("wiring",))
+def test_obstacle(recordings: Recordings) -> None:
+    """Below 0.5 m ahead no driving forwards; turning (clamped) and backing out as asked."""
+    for recording in recordings:
+        require_commands(
+            recording,
+            "Only if linear.x > 0 and something is nearer than 0.5 m ahead: linear.x = 0, "
+            "angular.z as asked, within ±1.9.",
+        )
+
+
+@pytest.mark.check(points=5, scenarios=("safe_drive",), needs=("wiring",))
+def test_no_contact(recordings: Recordings) -> None:
+    """With a model that never brakes the robot touches nothing, and drives."""
+    for recording in recordings:
+        require_alive(recording)
+        truth = recording.truth
+        if truth.contact.any():
+            fail(
+                "the robot ran into something",
+                expected="no contact",
+                actual="contact",
+                at=truth.t[int(np.argmax(truth.contact))] / 1e9,
+                recording=recording,
+                help="Watch the replay from a second before: what was ahead, and what was said?",
+            )
+        way = float(np.hypot(np.diff(truth.x), np.diff(truth.y)).sum())
+        if way < LEAST_WAY:
+            fail(
+                "the robot hardly moved, so nothing is shown",
+                expected=f"at least {LEAST_WAY} m",
+                actual=f"{way:.2f} m",
+                recording=recording,
+                help="Get passes_on and acceleration right first.",
+            )
+
+
+@pytest.mark.check(points=5, scenarios=SHORT, needs=("wiring",))
+def test_status_text(recordings: Recordings) -> None:
+    """Each message on /diagnostics has one status, whose text begins with a reason word."""
+    for recording in recordings:
+        require_text(recording)
+
+
+@pytest.mark.check(points=5, scenarios=SHORT, needs=("wiring", "status_text"))
+def test_reasons(recordings: Recordings) -> None:
+    """The reason is the right one, and a new one is reported at once."""
+    for recording in recordings:
+        require_reasons(
+            recording,
+            "Report when the reason is another than in the last report; the same rules that make "
+            "the command name the reason.",
+        )
+
+
+@pytest.mark.check(
+    points=5,
+    scenarios=("safe_first_match",),
+    needs=("reasons", "e_stop", "bad_command", "stale_command", "stale_scan", "obstacle"),
+)
+def test_first_match(recordings: Recordings) -> None:
+    """When two rules match, the one that comes first gives the reason."""
+    for recording in recordings:
+        require_reasons(
+            recording,
+            "In this order: e_stop, bad_command, stale_command, stale_scan, obstacle, limited, ok.",
+        )
+
+
+@pytest.mark.check(points=5, scenarios=SHORT, needs=("wiring", "status_text"))
+def test_levels(recordings: Recordings) -> None:
+    """Level OK for ok, WARN for limited and obstacle, ERROR for the rest."""
+    for recording in recordings:
+        require_levels(recording)
+
+
+@pytest.mark.check(points=5, scenarios=("safe_pass", "safe_stale_scan"), needs=("wiring",))
+def test_heartbeat(recordings: Recordings) -> None:
+    """/diagnostics is never silent for longer than a second."""
+    for recording in recordings:
+        require_heartbeat(recording)

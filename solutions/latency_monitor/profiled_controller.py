@@ -1,0 +1,198 @@
+"""A model in the loop that is measured: the latency of each prediction, reported once a second.
+
+Subscribes  /scan         sensor_msgs/msg/LaserScan            distances all around the robot [m]
+Publishes   /cmd_vel      geometry_msgs/msg/Twist              forward speed [m/s], one per scan
+            /diagnostics  diagnostic_msgs/msg/DiagnosticArray  latency of the last 100 calls, 1 Hz
+Parameters  model_path    pickled model, ``predict(X: (n, 5)) -> (n,)`` [m/s]
+            max_speed     predictions are clipped to 0 … max_speed [m/s]
+            deadline_ms   a call that takes longer has missed its deadline [ms]
+"""
+
+import math
+import pickle
+import time
+from collections import deque
+from typing import Any
+
+import numpy as np
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Twist
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+WINDOW = 100  # calls
+REPORT_PERIOD = 1.0  # [s]
+STATUS_NAME = "profiled_controller: inference"
+FRONT_HALF_ANGLE = math.radians(60.0)  # [rad]
+
+
+def extract_features(scan: LaserScan) -> np.ndarray | None:
+    """Return the (1, 5) features of a scan [m]: front min, mean and std, left min, right min.
+
+    Front is within ±60° of ahead. ``+inf`` and what is beyond ``range_max`` count as ``range_max``,
+    ``-inf`` as ``range_min``; NaN and what is below ``range_min`` are dropped. ``None``: a sector
+    has no usable reading.
+    """
+    ### BEGIN SOLUTION
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    angles = (angles + np.pi) % (2 * np.pi) - np.pi  # lidars that count from 0 to 2π, too
+    ranges = np.minimum(np.array(scan.ranges), scan.range_max)
+    ranges[np.isneginf(ranges)] = scan.range_min
+    usable = ranges >= scan.range_min  # false for NaN
+    front = ranges[usable & (np.abs(angles) <= FRONT_HALF_ANGLE)]
+    left = ranges[usable & (angles > FRONT_HALF_ANGLE)]
+    right = ranges[usable & (angles < -FRONT_HALF_ANGLE)]
+    if not (front.size and left.size and right.size):
+        return None
+    return np.array([[front.min(), front.mean(), front.std(), left.min(), right.min()]])
+    ### SKELETON
+    # # TODO(task 1): your features of exercise 2.
+    # return None
+    ### END SOLUTION
+
+
+def statistics(latencies: list[float], deadline: float) -> dict[str, float]:
+    """Return mean, percentiles, maximum [ms] and the number of missed deadlines of latencies [ms].
+
+    Percentiles lie between two measurements (linear interpolation). Without any measurement
+    everything is 0.0.
+    """
+    ### BEGIN SOLUTION
+    if not latencies:
+        return dict.fromkeys(("mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "missed"), 0.0)
+    p50, p95, p99 = np.percentile(latencies, (50, 95, 99))
+    return {
+        "mean_ms": float(np.mean(latencies)),
+        "p50_ms": float(p50),
+        "p95_ms": float(p95),
+        "p99_ms": float(p99),
+        "max_ms": max(latencies),
+        "missed": sum(latency > deadline for latency in latencies),
+    }
+    ### SKELETON
+    # # TODO(task 3): numpy.mean, numpy.percentile, max, and a count.
+    # return {}
+    ### END SOLUTION
+
+
+def level_of(count: int, missed: float, p95: float, deadline: float) -> bytes:
+    """Return the level: STALE without a prediction, OK, WARN (some missed), ERROR (p95 too)."""
+    ### BEGIN SOLUTION
+    if count == 0:
+        return DiagnosticStatus.STALE
+    if p95 > deadline:
+        return DiagnosticStatus.ERROR
+    return DiagnosticStatus.WARN if missed else DiagnosticStatus.OK
+    ### SKELETON
+    # # TODO(task 4): compare, and return one of the constants of DiagnosticStatus.
+    # return DiagnosticStatus.STALE
+    ### END SOLUTION
+
+
+class ProfiledController(Node):
+    """Drives as the model says, and knows how long the model takes to say it."""
+
+    def __init__(self) -> None:
+        super().__init__("profiled_controller")
+        model_path = self.declare_parameter("model_path", "velocity_model.pkl").value
+        self.max_speed: float = self.declare_parameter("max_speed", 0.5).value
+        self.deadline: float = self.declare_parameter("deadline_ms", 100.0).value  # [ms]
+        self.model = self.load_model(model_path)
+        self.latencies: deque[float] = deque(maxlen=WINDOW)  # [ms] of the last calls
+        ### BEGIN SOLUTION
+        self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.diagnostics_publisher = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self.scan_subscription = self.create_subscription(
+            LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data
+        )
+        self.report_timer = self.create_timer(REPORT_PERIOD, self.report_callback)
+        ### SKELETON
+        # # TODO(task 1): create publishers of Twist on /cmd_vel and of DiagnosticArray on
+        # # /diagnostics, a subscription to /scan, and a timer that calls self.report_callback.
+        ### END SOLUTION
+        self.get_logger().info("Profiled controller started")
+
+    def load_model(self, path: str) -> Any | None:
+        """Return the model in a pickle file; ``None``, and an error in the log: there is none."""
+        ### BEGIN SOLUTION
+        try:
+            with open(path, "rb") as file:
+                return pickle.load(file)
+        except Exception as error:  # a pickle can raise anything
+            self.get_logger().error(f"No model in {path}: {error!r}")
+            return None
+        ### SKELETON
+        # # TODO(task 1): load it as in exercise 2.
+        # return None
+        ### END SOLUTION
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        """Publish exactly one Twist: the clipped prediction, or 0.0 if there is none."""
+        ### BEGIN SOLUTION
+        twist = Twist()
+        try:
+            features = extract_features(scan)
+            if self.model is None or features is None:
+                raise ValueError("no model, or a sector without any usable reading")
+            twist.linear.x = max(0.0, min(self.max_speed, self.predict(features)))
+        except Exception as error:  # a model can raise anything
+            self.get_logger().error(f"No prediction: {error!r}", throttle_duration_sec=1.0)
+        self.cmd_vel_publisher.publish(twist)
+        ### SKELETON
+        # # TODO(task 1): as in exercise 2, with self.predict.
+        ### END SOLUTION
+
+    def predict(self, features: np.ndarray) -> float:
+        """Return a finite prediction [m/s], and keep how long the model took. Raises otherwise."""
+        ### BEGIN SOLUTION
+        started = time.perf_counter()
+        speed = float(self.model.predict(features)[0])
+        # A call that raised does not get here, so it is not counted.
+        self.latencies.append(1000.0 * (time.perf_counter() - started))
+        if not math.isfinite(speed):
+            raise ValueError(f"the model says {speed}")
+        return speed
+        ### SKELETON
+        # # TODO(task 2): measure model.predict with time.perf_counter, and append to self.latencies.
+        # return 0.0
+        ### END SOLUTION
+
+    def report_callback(self) -> None:
+        """Publish one status about the calls in the window, every second."""
+        ### BEGIN SOLUTION
+        count = len(self.latencies)
+        numbers = statistics(list(self.latencies), self.deadline)
+        missed = int(numbers.pop("missed"))
+        level = level_of(count, missed, numbers["p95_ms"], self.deadline)
+        texts = {"count": str(count), "deadline_ms": f"{self.deadline:.3f}", "missed": str(missed)}
+        texts |= {key: f"{number:.3f}" for key, number in numbers.items()}
+
+        status = DiagnosticStatus(name=STATUS_NAME, level=level)
+        status.message = f"{missed} of {count} calls missed {self.deadline:.0f} ms"
+        status.values = [KeyValue(key=key, value=text) for key, text in texts.items()]
+        report = DiagnosticArray(status=[status])
+        report.header.stamp = self.get_clock().now().to_msg()
+        self.diagnostics_publisher.publish(report)
+        ### SKELETON
+        # # TODO(task 5): one DiagnosticStatus with eight KeyValue, in a DiagnosticArray.
+        ### END SOLUTION
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the controller until Ctrl-C."""
+    rclpy.init(args=args)
+    node = ProfiledController()
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()
