@@ -7,10 +7,12 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help grade test lint format prove bench skeletons goldens constraints clean
+.PHONY: help setup grade test lint format prove bench skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
+
+setup: $(VENV)/.course ## make .venv with the command `course`
 
 grade: $(VENV)/.course ## set up, grade a reference solution, print the table, write report.html
 	$(BIN)/course grade obstacle_avoidance $(SOLUTION) --field --report $(REPORT)
@@ -35,6 +37,7 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lidar.py
 	$(BIN)/python benchmarks/lockstep.py
 	$(BIN)/python benchmarks/determinism.py
+	$(BIN)/python benchmarks/students.py --students 20
 
 skeletons: $(VENV)/.dev ## make the skeletons anew from the solutions
 	$(BIN)/python -m grader.skeletons

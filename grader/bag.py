@@ -16,7 +16,7 @@ import msgspec
 import numpy as np
 
 from grader.errors import InputError
-from grader.link import LogLine
+from grader.log import LogLine
 from grader.recording import Compute, Endpoint, Outcome, Recording
 from sim.layout import layout_from_json, layout_to_json
 from sim.messages import (

@@ -37,7 +37,7 @@ Examples:
 CHECK_BAG_EXAMPLES = """\b
 Examples:
   course grade goal_seeking my_seeker.py --bags bags
-  course check-bag bags/origin_to_5_3 goal_seeking
+  course check-bag bags/goal_origin_to_5_3 goal_seeking
   course check-bag bags goal_seeking
 """
 

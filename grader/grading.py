@@ -74,6 +74,7 @@ class Grading:
             "score": self.score,
             "max_score": self.max_score,
             "field_ready": self.field_ready,
+            "isolation": self.isolation,
             "checks": [check.as_dict() for check in self.checks],
             "recordings": [_describe(recording) for recording in self.recordings],
             "versions": versions(),

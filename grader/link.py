@@ -28,6 +28,7 @@ from grader.host.frames import (
     encode,
 )
 from grader.launch import HostProcess
+from grader.log import LogLine
 
 MAX_OUTPUT = 512 * 1024  # [bytes] of stdout and stderr each that are kept
 MAX_LINES = 20_000  # of stdout and stderr each that are kept
@@ -55,20 +56,6 @@ class HostHung(Exception):
 
 class HostForged(Exception):
     """The host sent what no node can say."""
-
-
-@dataclass(frozen=True)
-class LogLine:
-    """One line that the node printed or logged."""
-
-    time: int  # [ns] since the start
-    level: str  # debug, info, warn, error, fatal, stdout or stderr
-    text: str
-
-    @property
-    def t(self) -> float:
-        """When it was said [s]."""
-        return self.time / 1e9
 
 
 @dataclass

@@ -109,7 +109,7 @@ def objections(claim: Claim, grading: Grading) -> list[str]:
     else:
         if grading.score != grading.exercise.max_points:
             found.append(f"gets {grading.score} of {grading.exercise.max_points}: fails {failed}")
-        if claim.field_ready and not grading.field_ready:
+        if claim.field_ready and grading.field_ready is False:
             found.append(f"claims to be field-ready and fails {sorted(failed)}")
     return found
 

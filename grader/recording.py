@@ -18,7 +18,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.link import LogLine
+from grader.log import LogLine
 from sim.layout import Layout, layout_to_json
 from sim.messages import (
     EPOCH_NS,

@@ -92,12 +92,15 @@ def _table(checks: Iterable[Check], console: Console) -> Table:
     table.add_column(width=8, no_wrap=True)
     table.add_column(ratio=1)
     table.add_column(width=7, justify="right", no_wrap=True)
+    reason = ""  # of the last skipped check: said once
     for check in checks:
         sign, ascii_sign, word, style = OUTCOMES.get(check["outcome"], OUTCOMES["error"])
         outcome = Text(f"{ascii_sign if _ascii(console) else sign} {word}", style=style)
         table.add_row(outcome, _title(check, console), _points_of(check))
-        if check["outcome"] != "pass":
+        skipped_again = check["outcome"] == "skip" and check.get("message") == reason
+        if check["outcome"] != "pass" and not skipped_again:
             _add_details(table, check, console)
+        reason = check.get("message", "") if check["outcome"] == "skip" else ""
     return table
 
 

@@ -26,7 +26,8 @@ from grader.host.frames import (
     Start,
 )
 from grader.launch import HostProcess, Nursery
-from grader.link import Cost, HostDied, HostForged, HostHung, Link, LogLine
+from grader.link import Cost, HostDied, HostForged, HostHung, Link
+from grader.log import LogLine
 from grader.models import write_models
 from grader.recording import COMPLETED, Compute, Endpoint, Outcome, Recording
 from grader.submission import Submission

@@ -69,7 +69,9 @@ class LiveTrials:
         """Start the trials in the background."""
         for name in scenarios:
             if name not in self._futures:
-                self._futures[name] = self._pool.submit(self._run, name)
+                # read here: several threads that build msgspec's type tables at once crash Python
+                scenario = load_scenario(name)
+                self._futures[name] = self._pool.submit(self._run, scenario)
 
     def get(self, scenario: str) -> Recording:
         """Return the recording of a scenario, when its trial is over."""
@@ -80,8 +82,7 @@ class LiveTrials:
         """Return the recordings made, in order."""
         return [future.result() for future in self._futures.values() if not future.cancelled()]
 
-    def _run(self, name: str) -> Recording:
-        scenario = load_scenario(name)
+    def _run(self, scenario: Scenario) -> Recording:
         limits = IMPATIENT if self._hung else self.limits
         recording = run_trial(
             self.submission,
@@ -92,7 +93,7 @@ class LiveTrials:
         )
         self._hung = self._hung or recording.outcome.kind == "hung"
         if self.bags is not None:
-            folder = bag.save(recording, self.bags / name)
+            folder = bag.save(recording, self.bags / scenario.name)
             recording = with_bag(recording, folder)
         return recording
 

@@ -81,7 +81,7 @@ class ProfiledController(Node):
 
     def predict(self, features: np.ndarray) -> float:
         """Return a finite prediction [m/s], and keep how long the model took. Raises otherwise."""
-        # TODO(task 2): measure model.predict with time.perf_counter, and append to self.latencies.
+        # TODO(task 2): measure model.predict (time.perf_counter), append to self.latencies.
         return 0.0
 
     def report_callback(self) -> None:

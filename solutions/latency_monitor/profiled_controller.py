@@ -156,7 +156,7 @@ class ProfiledController(Node):
             raise ValueError(f"the model says {speed}")
         return speed
         ### SKELETON
-        # # TODO(task 2): measure model.predict with time.perf_counter, and append to self.latencies.
+        # # TODO(task 2): measure model.predict (time.perf_counter), append to self.latencies.
         # return 0.0
         ### END SOLUTION
 

@@ -17,7 +17,7 @@ from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from grader import bag
 from grader.errors import InputError
 from grader.launch import Nursery
-from grader.link import LogLine
+from grader.log import LogLine
 from grader.recording import Compute, Outcome, Recording
 from grader.submission import Submission
 from grader.trial import run_trial

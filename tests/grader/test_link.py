@@ -32,13 +32,13 @@ from grader.link import (
     HostForged,
     HostHung,
     Link,
-    LogLine,
     Output,
 )
 
 START = Start(programs=(ProgramStart("agent.py"),), epoch=0, seed=1, offers=())
 LIMIT = 20.0  # [s] for answers that come
 SOON = 0.05  # [s] for answers that don't
+from grader.log import LogLine
 
 
 @pytest.fixture(autouse=True)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.link import LogLine
+from grader.log import LogLine
 from grader.recording import Outcome, Recording
 from grader.replay import MAX_BEAMS, MAX_LOG_LINES, millimetres, moments_of, replay_payload
 from grader.report import page_html, page_payload

@@ -14,7 +14,7 @@ def dense_ranges(segments, place, angles, range_max, reach=0.0):
     ax, ay = a[:, 0] - place[0], a[:, 1] - place[1]
     dx, dy = (b - a).T
     c, s = np.cos(angles), np.sin(angles)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         across = c[None] * dy[:, None] - s[None] * dx[:, None]
         distance = (ax * dy - ay * dx)[:, None] / across
         along = (ax[:, None] * s[None] - ay[:, None] * c[None]) / across

@@ -1,4 +1,4 @@
-"""Asks with client.call() in a timer callback: its answer can only come when the callback has returned.
+"""Asks with client.call() in a timer callback: the answer comes only after the callback.
 
 file: detection_client.py
 fails: never_blocks

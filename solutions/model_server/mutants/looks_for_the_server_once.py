@@ -1,7 +1,7 @@
 """Looks for the server only when it starts.
 
 file: detection_client.py
-fails: finds_server
+fails: finds_server, one_load
 """
 
 import rclpy

@@ -1,4 +1,4 @@
-"""Lets ten scans queue up: behind a slow model all of them are old when their turn comes.
+"""Lets fifty scans queue up: behind a slow model they are old when their turn comes.
 
 fails: none
 field: field_slow_model
@@ -32,7 +32,7 @@ class DetectionServer(Node):
             LaserScan,
             "/scan",
             self.scan_callback,
-            QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT),
+            QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT),
         )
         self.create_service(Trigger, "/detect", self.detect_callback)
 

@@ -1,6 +1,6 @@
-"""Puts an np.float32 into the Twist: what goes out is garbage.
+"""Clamps to an np.float32, which a Twist takes and garbles.
 
-fails: passes_on
+fails: limits, obstacle
 """
 
 import math
@@ -69,7 +69,9 @@ class Supervisor(Node):
             return "stale_command", 0.0, 0.0
         if self.distance is None or now - self.scan_time > 0.5:
             return "stale_scan", 0.0, 0.0
-        turn = max(-1.9, min(1.9, raw.angular.z))
+        turn = raw.angular.z
+        if abs(turn) > 1.9:
+            turn = np.float32(math.copysign(1.9, turn))
         if self.distance < 0.5 and raw.linear.x > 0.0:
             return "obstacle", 0.0, turn
         speed = max(-0.5, min(0.5, raw.linear.x))
@@ -81,7 +83,7 @@ class Supervisor(Node):
         reason, speed, turn = self.decide()
         twist = Twist()
         twist.linear.x = speed
-        twist.angular.z = np.float32(turn)
+        twist.angular.z = turn
         self.publisher.publish(twist)
         self.last = speed
         if reason != self.reported or self.now() - self.report_time > 0.9:

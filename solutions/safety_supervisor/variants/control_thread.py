@@ -1,4 +1,4 @@
-"""Style: no timer: a thread of its own runs the control loop, on a steady beat; spin() only listens.
+"""Style: no timer: a thread runs the control loop on a steady beat, and spin() only listens.
 
 field: all
 """
