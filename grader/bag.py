@@ -17,7 +17,7 @@ import numpy as np
 
 from grader.errors import InputError
 from grader.log import LogLine
-from grader.recording import Compute, Endpoint, Outcome, Recording
+from grader.recording import Compute, Endpoint, Outcome, Recording, Training
 from sim.layout import layout_from_json, layout_to_json
 from sim.messages import (
     BOOL,
@@ -64,6 +64,7 @@ class _Document(msgspec.Struct, frozen=True):
     delivered: dict[str, str]  # topic: type
     published: dict[str, str]
     compute: list[tuple[float, float, float | None]]
+    training: Training | None = None
 
 
 def save(recording: Recording, folder: Path) -> Path:
@@ -134,6 +135,7 @@ def _assemble(messages: list[Message], folder: str) -> Recording:
         log=tuple(_log_line(m) for m in messages if m.topic == LOG_TOPIC),
         log_truncated=document.log_truncated,
         compute=Compute(*np.array(document.compute, dtype=float).reshape(-1, 3).T),
+        training=document.training,
         bag=folder,
     )
 
@@ -199,6 +201,7 @@ def _document(recording: Recording) -> _Document:
         compute=list(
             zip(compute.time.tolist(), compute.wall.tolist(), compute.cpu.tolist(), strict=True)
         ),
+        training=recording.training,
     )
 
 

@@ -34,6 +34,11 @@ Examples:
   course drive my_agent.py --scenario demo_wall --lidar lds01 --report drive.html
   course drive seeker.py --scenario demo_open --goal 5 3 --goal 0 0 --param gain:=0.5
 """
+DATASET_EXAMPLES = """\b
+Examples:
+  course dataset train.npz
+  course dataset more.npz --seed 7 --scans 5000
+"""
 CHECK_BAG_EXAMPLES = """\b
 Examples:
   course grade goal_seeking my_seeker.py --bags bags
@@ -104,7 +109,7 @@ def grade(
     if student is not None or secret is not None:
         seed = _student_seed(student, secret, chosen.slug, seed)
     _check_writable(report, json_)
-    with _nursery() as nursery:
+    with _nursery(chosen.libraries) as nursery:
         from grader.grading import grade_live  # noqa: PLC0415
 
         grading = grade_live(
@@ -149,9 +154,10 @@ def drive(
     from grader.drive import arguments_of, drive_node, print_summary, scenario_for  # noqa: PLC0415
     from grader.submission import find_submission  # noqa: PLC0415
 
-    submission = find_submission(file)
     arguments = arguments_of(params)
     chosen = scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
+    programs = [program.file for program in chosen.program if not program.supplied]
+    submission = find_submission(file, others=programs)
     _check_writable(report, None)
     with _nursery() as nursery:
         recording = drive_node(submission, chosen, nursery, seed=seed, arguments=arguments)
@@ -163,6 +169,24 @@ def drive(
     if report is not None:
         _write_report(report, None, [recording], f"Drive of {file.name}")
     return FULL if recording.outcome.completed else LESS
+
+
+@cli.command(epilog=DATASET_EXAMPLES)
+@click.argument("out", type=click.Path(path_type=Path))
+@click.option("--seed", type=click.IntRange(0, 10**6), default=1, help="Other rooms, other scans.")
+@click.option("--scans", type=click.IntRange(100, 100_000), default=2000, help="How many.")
+def dataset(out: Path, seed: int, scans: int) -> int:
+    """Make data to learn from: OUT.npz with scans of the mock lidar and an expert's speeds."""
+    from grader.dataset import make_dataset  # noqa: PLC0415
+
+    if out.suffix != ".npz":
+        raise InputError(f"{out}: expected a name that ends in .npz")
+    _check_writable(out, None)
+    made = make_dataset(scans, seed)
+    made.save(out)
+    standing = 100 * float((made.speed == 0.0).mean())
+    click.echo(f"{out}: {scans} scans; in {standing:.0f} % of them the expert stands still")
+    return FULL
 
 
 @cli.command("check-bag", epilog=CHECK_BAG_EXAMPLES)
@@ -235,12 +259,12 @@ def _student_seed(student: str | None, secret: Path | None, slug: str, seed: int
     return student_seed(read_secret(secret), student, slug)
 
 
-def _nursery() -> Any:
+def _nursery(libraries: tuple[str, ...] = ()) -> Any:
     """Start the process that will run the node, as early as possible: it warms up meanwhile."""
     from grader.launch import Nursery  # noqa: PLC0415
     from sim.messages import EPOCH_NS  # noqa: PLC0415
 
-    return Nursery(EPOCH_NS)
+    return Nursery(EPOCH_NS, libraries=libraries)
 
 
 def _check_writable(report: Path | None, json_: str | None) -> None:

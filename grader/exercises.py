@@ -46,6 +46,7 @@ class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     max_points: int
     topics: tuple[Topic, ...] = ()
     services: tuple[Service, ...] = ()
+    libraries: tuple[str, ...] = ()  # modules that its nodes load, and that take long
 
     @property
     def folder(self) -> Path:

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,6 +28,8 @@ from grader.host.privileges import USERS, closed_ancestor
 from grader.ros import RosEnvironment, find_ros
 
 ROOT = Path(__file__).resolve().parent.parent
+TRAINING_LIBRARIES = ("numpy", "sklearn.ensemble", "skl2onnx", "onnxruntime")
+NODES, SCRIPTS = "nodes", "scripts"
 START_LIMIT = 60.0  # [s] for the imports of a cold machine
 
 
@@ -71,10 +73,30 @@ class HostProcess:
 
 
 class Nursery:
-    """A warm process that forks hosts (see grader.host.nursery)."""
+    """A warm process that forks hosts (see grader.host.nursery).
 
-    def __init__(self, epoch: int, ros: RosEnvironment | None = None) -> None:
+    Parameters
+    ----------
+    epoch
+        ROS time of a scenario's start [ns].
+    libraries
+        Modules that are imported before hosts are forked, because they take long.
+    scripts
+        Its hosts run scripts that return, not nodes.
+    """
+
+    def __init__(
+        self,
+        epoch: int,
+        ros: RosEnvironment | None = None,
+        *,
+        libraries: Sequence[str] = (),
+        scripts: bool = False,
+    ) -> None:
         self._epoch = epoch
+        self._libraries = tuple(libraries)
+        self._kind = SCRIPTS if scripts else NODES
+        self._workshop: Nursery | None = None
         self.ros = ros or find_ros()
         self._lock = threading.Lock()
         self._unprivileged = False
@@ -100,6 +122,8 @@ class Nursery:
         return self
 
     def __exit__(self, *_: object) -> None:
+        if self._workshop is not None:
+            self._workshop.__exit__()
         self._control.close()
         try:
             self._process.wait(timeout=5)
@@ -115,6 +139,17 @@ class Nursery:
         if self._unprivileged:
             return "an unprivileged user for each run, resource limits"
         return "resource limits only (same user as the grader)"
+
+    @property
+    def workshop(self) -> Nursery:
+        """The nursery for scripts that goes with this one; it starts when first asked for."""
+        with self._lock:
+            if self._workshop is None:
+                self._workshop = Nursery(
+                    self._epoch, self.ros, libraries=TRAINING_LIBRARIES, scripts=True
+                )
+                self._workshop._users = self._users  # no two hosts are the same user
+            return self._workshop
 
     @contextlib.contextmanager
     def host(self, folder: Path) -> Iterator[HostProcess]:
@@ -136,8 +171,9 @@ class Nursery:
 
     def _command(self, control: int) -> list[str]:
         paths = [str(ROOT), *map(str, self.ros.python_path)]
+        arguments = [str(control), str(self._epoch), self._kind, *self._libraries]
         boot = (
-            f"import sys; sys.path[:0] = {paths!r}; sys.argv[1:] = ['{control}', '{self._epoch}'];"
+            f"import sys; sys.path[:0] = {paths!r}; sys.argv[1:] = {arguments!r};"
             "import runpy; runpy.run_module('grader.host', run_name='__main__')"
         )
         # -s, -B: nothing from the user's site, no files beside the sources
@@ -151,6 +187,7 @@ class Nursery:
             "PYTHONUNBUFFERED": "1",
             "OMP_NUM_THREADS": "1",  # one thread of numeric libraries: the same sums everywhere
             "OPENBLAS_NUM_THREADS": "1",
+            "LOKY_MAX_CPU_COUNT": "1",  # scikit-learn's n_jobs=-1
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
             "ROS_LOG_DIR": tempfile.gettempdir(),
             "FASTDDS_BUILTIN_TRANSPORTS": "SHM",

@@ -11,7 +11,9 @@ import os
 import re
 import select
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import msgspec
 
@@ -20,10 +22,15 @@ from grader.host.frames import (
     MARK,
     MAX_FRAME,
     Ended,
+    FromScript,
+    LoadModels,
+    Predict,
     Run,
+    Script,
     Settled,
     Start,
     ToHost,
+    decode_from_script,
     decode_to_judge,
     encode,
 )
@@ -40,6 +47,9 @@ MAX_REASON = 300  # [characters] of why a frame was refused: it may quote the fr
 STACK_TIME = 0.3  # [s] a hung host gets for writing its stacks
 TIME_MARK = re.compile(rf"(.*){MARK}([0-9]{{1,19}})")
 ROS_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
+
+
+Answer = TypeVar("Answer")
 
 
 class HostDied(Exception):
@@ -128,7 +138,7 @@ class Link:
 
     def start(self, frame: Start, limit: float) -> tuple[Settled | Ended, Cost]:
         """Run the student's file up to the point where it waits; limit [s] of wall time."""
-        return self._exchange(frame, 0, limit)
+        return self._exchange(frame, 0, limit, decode_to_judge)
 
     def run(self, frame: Run, limit: float) -> tuple[Settled | Ended, Cost]:
         """Let the node go on; limit [s] of wall time.
@@ -138,7 +148,11 @@ class Link:
         HostDied, HostHung, HostForged
             The process ended, did not answer in time, or sent nonsense.
         """
-        return self._exchange(frame, frame.until, limit)
+        return self._exchange(frame, frame.until, limit, decode_to_judge)
+
+    def ask(self, frame: Script | LoadModels | Predict, limit: float) -> tuple[FromScript, Cost]:
+        """Give an order to a host that runs scripts; it raises as `run` does."""
+        return self._exchange(frame, 0, limit, decode_from_script)
 
     def log(self) -> tuple[LogLine, ...]:
         """Return what the node said so far, in order of time."""
@@ -149,7 +163,9 @@ class Link:
             output.finish()
         return tuple(sorted(self.stdout.lines + self.stderr.lines, key=lambda line: line.time))
 
-    def _exchange(self, frame: ToHost, until: int, limit: float) -> tuple[Settled | Ended, Cost]:
+    def _exchange(
+        self, frame: ToHost, until: int, limit: float, decode: Callable[[bytes], Answer]
+    ) -> tuple[Answer, Cost]:
         self._expect_silence()
         self.stdout.limit = self.stderr.limit = until
         started, cpu = time.perf_counter(), self._cpu()
@@ -157,7 +173,7 @@ class Link:
         body = self._receive(started + limit)
         cost = Cost(time.perf_counter() - started, self._cpu() - cpu)
         try:
-            return decode_to_judge(body), cost
+            return decode(body), cost
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
             raise HostForged(str(error)[:MAX_REASON]) from None
 

@@ -118,8 +118,8 @@ def main(names: list[str]) -> int:
     """Print the table of the exercises named (all by default); 1 if anything is wrong."""
     exercises = [find_exercise(name) for name in names] or all_exercises()
     bad: list[str] = []
-    with Nursery(EPOCH_NS) as nursery:
-        for exercise in exercises:
+    for exercise in exercises:
+        with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
             bad += _prove(exercise, nursery)
     print(f"\n{len(bad)} objections" + "".join(f"\n  {line}" for line in bad))
     return 1 if bad else 0

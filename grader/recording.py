@@ -18,6 +18,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from grader.host.frames import Tensor
 from grader.log import LogLine
 from sim.layout import Layout, layout_to_json
 from sim.messages import (
@@ -83,6 +84,56 @@ class Compute:
     time: Floats  # (n,) [s] scenario time at which it began
     wall: Floats  # (n,) [s]
     cpu: Floats  # (n,) [s] of the host's process; nan where the system doesn't tell
+
+
+class ScriptRun(msgspec.Struct, frozen=True):
+    """One run of a training script."""
+
+    kind: str  # returned, exited, exception, syntax_error, died, hung, forged
+    text: str  # one line for the student
+    detail: str  # a traceback
+    wall: float  # [s]
+    files: dict[str, int]  # what it was to write: size [bytes]; missing if it wrote none
+
+    @property
+    def succeeded(self) -> bool:
+        """The script came to its end without an error."""
+        return self.kind == "returned" or self.text in ("sys.exit()", "sys.exit(0)")
+
+
+class ModelAnswers(msgspec.Struct, frozen=True):
+    """What one trained model said about the hidden scans."""
+
+    problem: str = ""  # why it could not be loaded, or what predict raised
+    loaded: bool = False
+    shape: tuple[int, ...] = ()
+    values: bytes = b""  # float64 [m/s]
+
+    @property
+    def speeds(self) -> Floats:
+        """(n,) predictions [m/s]."""
+        return np.frombuffer(self.values)
+
+
+class Training(msgspec.Struct, frozen=True):
+    """What a training script made; the part of a recording that a `[training]` scenario has."""
+
+    script: str
+    problem: str = ""  # why it was not run at all
+    runs: tuple[ScriptRun, ...] = ()  # two on the same data
+    pickle: ModelAnswers = ModelAnswers()
+    again: ModelAnswers = ModelAnswers()  # the second run's
+    onnx: ModelAnswers = ModelAnswers()
+    onnx_inputs: tuple[Tensor, ...] = ()
+    onnx_outputs: tuple[Tensor, ...] = ()
+    labels: bytes = b""  # float64, the expert's speeds [m/s]
+    single_wall: bytes = b""  # float64, of predictions for one scan each [s]
+    single_cpu: bytes = b""
+
+    @property
+    def expert(self) -> Floats:
+        """(n,) speeds that the expert chose for the hidden scans [m/s]."""
+        return np.frombuffer(self.labels)
 
 
 @dataclass(frozen=True)
@@ -158,6 +209,7 @@ class Recording:
     log: tuple[LogLine, ...] = ()
     log_truncated: bool = False
     compute: Compute = field(default_factory=lambda: Compute(*(np.empty(0),) * 3))
+    training: Training | None = None
     bag: str | None = None  # where it is saved
 
     @property
@@ -212,6 +264,9 @@ class Recording:
             result.update(array.tobytes())
         result.update(truth.contact.tobytes())
         result.update(msgspec.json.encode(self.endpoints))
+        if self.training is not None:
+            for answers in (self.training.pickle, self.training.again, self.training.onnx):
+                result.update(answers.values)
         result.update(f"{self.outcome.kind} {self.outcome.at:.9f} {self.seed}".encode())
         return result.hexdigest()
 

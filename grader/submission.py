@@ -52,8 +52,8 @@ def find_submission(
     elif not path.is_file():
         raise InputError(f"{path}: expected a Python file, but this is not a regular file")
     if expected and path.name in others:
-        others = [name for name in (expected, *others) if name != path.name]
-    beside = [path.with_name(name) for name in others]
+        others = [expected, *others]
+    beside = [path.with_name(name) for name in dict.fromkeys(others) if name != path.name]
     found = tuple(other.resolve() for other in beside if other.is_file())
     problems = [_problem(file) for file in (path, *found)]
     return Submission(path.resolve(), next(filter(None, problems), ""), found)

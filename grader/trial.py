@@ -109,6 +109,7 @@ def run_trial(
     arguments: Sequence[str] = (),
     limits: Limits | None = None,
     stamped: bool = False,
+    files: Mapping[str, bytes] | None = None,
 ) -> Recording:
     """Run a student's file in a scenario and return what happened.
 
@@ -120,6 +121,8 @@ def run_trial(
         Command line of the file, such as ["--ros-args", "-p", "max_speed:=0.3"].
     stamped
         The robot takes TwistStamped as well as Twist.
+    files
+        Further files that the node finds in its working folder: name and content.
 
     Raises
     ------
@@ -130,11 +133,13 @@ def run_trial(
     if seed is not None:
         simulation.reset(seed=seed)
     if submission.problem:
-        return _unread(simulation, Outcome("unreadable", submission.problem))
+        return not_run(simulation, Outcome("unreadable", submission.problem))
     if missing := _missing_file(scenario, submission):
-        return _unread(simulation, Outcome("missing", missing))
+        return not_run(simulation, Outcome("missing", missing))
     with submission.folder() as folder:
         write_models(scenario.node.models, folder)
+        for name, content in (files or {}).items():
+            (folder / name).write_bytes(content)
         return _run(submission, simulation, nursery, folder, arguments, limits, stamped)
 
 
@@ -225,7 +230,7 @@ def _conduct(trial: _Trial, start: Start, host: HostProcess, limits: Limits) -> 
         return _outcome(trial, "hung", text, hung.stacks)
     except HostDied:
         status = host.wait(GRACE)
-        text = f"the node's process ended by itself ({_status_text(status)})"
+        text = f"the node's process ended by itself ({status_text(status)})"
         return _outcome(trial, "died", text)
     except (HostForged, _Flood) as error:
         kind = "flooded" if isinstance(error, _Flood) else "forged"
@@ -317,7 +322,7 @@ def _outcome(trial: _Trial, kind: str, text: str, detail: str = "") -> Outcome:
     return Outcome(kind, text, trial.at, detail)
 
 
-def _status_text(status: str) -> str:
+def status_text(status: str) -> str:
     if status.startswith("-"):
         return f"signal {status[1:]}"
     return f"exit code {status or 'unknown'}"
@@ -359,15 +364,15 @@ def _freeze(trial: _Trial, outcome: Outcome, folder: Path) -> Recording:
         delivered=tuple(trial.delivered),
         published=tuple(trial.published),
         truth=trial.simulation.truth(),
-        outcome=_without_folder(outcome, folder),
+        outcome=without_folder(outcome, folder),
         endpoints=tuple(trial.endpoints),
-        log=tuple(_line_without_folder(line, folder) for line in log),
+        log=tuple(line_without_folder(line, folder) for line in log),
         log_truncated=any(stream.truncated for stream in output),
         compute=Compute(*compute),
     )
 
 
-def _without_folder(outcome: Outcome, folder: Path) -> Outcome:
+def without_folder(outcome: Outcome, folder: Path) -> Outcome:
     """Show paths as the student knows them: the copy's folder changes from run to run."""
     prefix = f"{folder}/"
     return Outcome(
@@ -378,11 +383,12 @@ def _without_folder(outcome: Outcome, folder: Path) -> Outcome:
     )
 
 
-def _line_without_folder(line: LogLine, folder: Path) -> LogLine:
+def line_without_folder(line: LogLine, folder: Path) -> LogLine:
     return LogLine(line.time, line.level, line.text.replace(f"{folder}/", ""))
 
 
-def _unread(simulation: Simulation, outcome: Outcome) -> Recording:
+def not_run(simulation: Simulation, outcome: Outcome) -> Recording:
+    """Return the recording of a scenario in which no node ran."""
     return Recording(
         scenario=simulation.scenario,
         layout=simulation.layout,

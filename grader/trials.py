@@ -13,8 +13,10 @@ from typing import Protocol
 
 from grader import bag
 from grader.launch import Nursery
+from grader.models import OWN
 from grader.recording import Recording
 from grader.submission import Submission
+from grader.training import Trained, run_training
 from grader.trial import Limits, run_trial
 from sim.difficulty import comparable_seed
 from sim.scenario import Scenario, load_scenario
@@ -49,6 +51,7 @@ class LiveTrials:
     bags: Path | None = None
     limits: Limits = field(default_factory=Limits)
     _futures: dict[str, Future[Recording]] = field(default_factory=dict)
+    _trained: dict[str, Future[Trained]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._pool = ThreadPoolExecutor(max(2, min(4, os.cpu_count() or 2)))
@@ -66,12 +69,13 @@ class LiveTrials:
         self._pool.shutdown(cancel_futures=True)
 
     def prepare(self, scenarios: Sequence[str]) -> None:
-        """Start the trials in the background."""
-        for name in scenarios:
-            if name not in self._futures:
-                # read here: several threads that build msgspec's type tables at once crash Python
-                scenario = load_scenario(name)
-                self._futures[name] = self._pool.submit(self._run, scenario)
+        """Start the trials in the background; trainings first, because others wait for them."""
+        # read here: several threads that build msgspec's type tables at once crash Python
+        new = {name: load_scenario(name) for name in scenarios if name not in self._futures}
+        for needed in dict.fromkeys(t for scenario in new.values() for t in _trainings(scenario)):
+            self._train(needed)
+        for name, scenario in new.items():
+            self._futures[name] = self._pool.submit(self._run, scenario)
 
     def get(self, scenario: str) -> Recording:
         """Return the recording of a scenario, when its trial is over."""
@@ -82,7 +86,28 @@ class LiveTrials:
         """Return the recordings made, in order."""
         return [future.result() for future in self._futures.values() if not future.cancelled()]
 
+    def _train(self, name: str) -> None:
+        if name in self._trained:
+            return
+        scenario = load_scenario(name)
+        self._trained[name] = self._pool.submit(
+            run_training,
+            self.submission,
+            scenario,
+            self.nursery,
+            seed=trial_seed(scenario, self.seed),
+        )
+
     def _run(self, scenario: Scenario) -> Recording:
+        recording = self._drive_or_train(scenario)
+        if self.bags is not None:
+            folder = bag.save(recording, self.bags / scenario.name)
+            recording = with_bag(recording, folder)
+        return recording
+
+    def _drive_or_train(self, scenario: Scenario) -> Recording:
+        if scenario.training is not None:
+            return self._trained[scenario.name].result().recording
         limits = IMPATIENT if self._hung else self.limits
         recording = run_trial(
             self.submission,
@@ -90,12 +115,27 @@ class LiveTrials:
             self.nursery,
             seed=trial_seed(scenario, self.seed),
             limits=limits,
+            files=self._own_models(scenario),
         )
         self._hung = self._hung or recording.outcome.kind == "hung"
-        if self.bags is not None:
-            folder = bag.save(recording, self.bags / scenario.name)
-            recording = with_bag(recording, folder)
         return recording
+
+    def _own_models(self, scenario: Scenario) -> dict[str, bytes]:
+        """Return the models of the student's own training that a scenario's node is to find."""
+        found = {}
+        for file, model in scenario.node.models.items():
+            if model.probe == OWN:
+                made = self._trained[str(model.settings["training"])].result().pickle
+                if made is not None:
+                    found[file] = made
+        return found
+
+
+def _trainings(scenario: Scenario) -> list[str]:
+    """Return the training scenarios that this one is or needs a model from."""
+    own = [model for model in scenario.node.models.values() if model.probe == OWN]
+    needed = [str(model.settings["training"]) for model in own]
+    return [*needed, *([scenario.name] if scenario.training is not None else [])]
 
 
 class SavedTrials:

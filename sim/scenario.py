@@ -183,6 +183,15 @@ class ProgramSpec(_Table, frozen=True):
             raise ValueError("expected start < stop")
 
 
+class TrainingSpec(_Table, frozen=True):
+    """[training] Instead of driving: a script that learns a model from recorded scans."""
+
+    script: Annotated[str, Meta(pattern=r"^\w+\.py$")]
+    rows: Annotated[int, Meta(ge=100, le=100_000)] = 2000  # scans to learn from
+    hidden_rows: Annotated[int, Meta(ge=100, le=100_000)] = 600  # scans to be judged on
+    time_limit: Annotated[float, Meta(gt=0, le=600)] = 60.0  # of one run [s]
+
+
 class Scenario(_Table, frozen=True, dict=True):
     """Everything about a run but the node."""
 
@@ -201,6 +210,7 @@ class Scenario(_Table, frozen=True, dict=True):
     qos: Qos = Qos()
     node: NodeSpec = NodeSpec()
     program: Annotated[tuple[ProgramSpec, ...], Meta(max_length=20)] = ()  # none: the node alone
+    training: TrainingSpec | None = None
     raw: Annotated[tuple[RawCommands, ...], Meta(max_length=1000)] = ()
     script: Annotated[tuple[ScriptEvent, ...], Meta(max_length=1000)] = ()
     bench: Annotated[tuple[BenchScan, ...], Meta(max_length=MAX_BENCH_SCANS)] = ()

@@ -1,10 +1,11 @@
 """Detection client: asks the detection server twice a second, and never waits for it.
 
-Started once for each role:  python3 detection_client.py --ros-args \
-                                 -r __node:=navigation_client -p role:=navigation
 Calls       /detect          std_srvs/srv/Trigger  every 0.5 s
 Publishes   /ROLE/detection  std_msgs/msg/String   what the server said, when it had something
             /ROLE/heartbeat  std_msgs/msg/UInt32   1, 2, 3 … every 0.1 s, whatever the server does
+Parameter   role             navigation, manipulation or logging: one node is started for each
+
+    python3 detection_client.py --ros-args -r __node:=logging_client -p role:=logging
 """
 
 import rclpy

@@ -8,6 +8,7 @@ Parameter   model_path  a pickled classifier with `predict` and `predict_proba`
 import json
 import math
 import pickle
+from typing import Any
 
 import numpy as np
 import rclpy
@@ -69,7 +70,7 @@ class DetectionServer(Node):
         # TODO(task 1): offer the service /detect, of type Trigger, with self.detect_callback.
         self.get_logger().info("Detection server started")
 
-    def load_model(self, path: str) -> object | None:
+    def load_model(self, path: str) -> Any:
         """Return the unpickled model; None, and an error in the log, if there is none."""
         # TODO(task 2): unpickle the file; if that fails, log an error and return None.
         return None

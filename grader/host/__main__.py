@@ -1,4 +1,7 @@
-"""Entry of the nursery: `python -m grader.host CONTROL_FD EPOCH_NS`, started by the judge only."""
+"""Entry of the nursery, started by the judge only.
+
+python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts [LIBRARY …]
+"""
 
 from __future__ import annotations
 
@@ -7,4 +10,5 @@ import sys
 
 from .nursery import serve
 
-serve(socket.socket(fileno=int(sys.argv[1])), int(sys.argv[2]))
+control, epoch, kind, *libraries = sys.argv[1:]
+serve(socket.socket(fileno=int(control)), int(epoch), kind, libraries)

@@ -65,6 +65,28 @@ class Run(msgspec.Struct, frozen=True, tag="run"):
     deliver: tuple[Delivery, ...] = ()
 
 
+class Script(msgspec.Struct, frozen=True, tag="script"):
+    """Run a program that returns, in real time."""
+
+    file: str
+    arguments: tuple[str, ...]
+    seed: Annotated[int, msgspec.Meta(ge=0, lt=2**32)]  # of `random` and numpy's generator
+
+
+class LoadModels(msgspec.Struct, frozen=True, tag="load_models"):
+    """Load these files of the working folder, pickles and one ONNX model."""
+
+    pickles: tuple[str, ...]
+    onnx: str
+
+
+class Predict(msgspec.Struct, frozen=True, tag="predict"):
+    """Ask a model about these features."""
+
+    file: str
+    features: bytes  # (n, 5) float64
+
+
 class Published(msgspec.Struct, array_like=True, frozen=True):
     """One message that the node published."""
 
@@ -108,6 +130,32 @@ class Ended(msgspec.Struct, frozen=True, tag="ended"):
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
 
 
+class Tensor(msgspec.Struct, array_like=True, frozen=True):
+    """An input or output of an ONNX model."""
+
+    type: Name  # "tensor(float)"
+    shape: Annotated[tuple[Name, ...], msgspec.Meta(max_length=16)]  # "5", or "" where it is free
+
+
+Tensors = Annotated[tuple[Tensor, ...], msgspec.Meta(max_length=100)]
+
+
+class Loaded(msgspec.Struct, frozen=True, tag="loaded"):
+    """Which models could be loaded."""
+
+    problems: dict[Name, Text]  # by file; "" if there is none
+    inputs: Tensors = ()  # of the ONNX model
+    outputs: Tensors = ()
+
+
+class Predicted(msgspec.Struct, frozen=True, tag="predicted"):
+    """What a model said."""
+
+    problem: Text = ""
+    shape: Annotated[tuple[int, ...], msgspec.Meta(max_length=16)] = ()
+    values: bytes = b""  # float64
+
+
 class Request(msgspec.Struct, frozen=True):
     """What the judge asks for: a host in this folder, as this user (0: the judge's own)."""
 
@@ -129,15 +177,17 @@ class Birth(msgspec.Struct, frozen=True):
     pid: int
 
 
-ToHost = Start | Run
-ToJudge = Settled | Ended
+ToHost = Start | Run | Script | LoadModels | Predict
+ToJudge = Settled | Ended  # from a host that runs nodes
+FromScript = Ended | Loaded | Predicted  # from a host that runs scripts
 
 _encoder = msgspec.msgpack.Encoder()
 _to_host: msgspec.msgpack.Decoder[ToHost] = msgspec.msgpack.Decoder(ToHost)
 _to_judge: msgspec.msgpack.Decoder[ToJudge] = msgspec.msgpack.Decoder(ToJudge)
+_from_script: msgspec.msgpack.Decoder[FromScript] = msgspec.msgpack.Decoder(FromScript)
 
 
-def encode(frame: ToHost | ToJudge) -> bytes:
+def encode(frame: ToHost | ToJudge | FromScript) -> bytes:
     """Return the frame with its length in front.
 
     Raises
@@ -165,3 +215,8 @@ def decode_to_judge(body: bytes | bytearray) -> ToJudge:
         The body isn't one of the frames above.
     """
     return _to_judge.decode(body)
+
+
+def decode_from_script(body: bytes | bytearray) -> FromScript:
+    """Decode what a host that runs scripts said; it raises as `decode_to_judge` does."""
+    return _from_script.decode(body)

@@ -2,7 +2,8 @@
 
 It has imported rclpy and the common interfaces (never called `rclpy.init`, started no thread) and
 holds no secret. The judge sends one request per trial, with the descriptors of the link; the answer
-is the child's pidfd, later its wait status.
+is the child's pidfd, later its wait status. A nursery for scripts, which return, has neither rclpy
+nor virtual time.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import array
 import contextlib
 import faulthandler
+import functools
 import gc
 import importlib
 import os
@@ -17,13 +19,14 @@ import select
 import signal
 import socket
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from . import kernel as kernel_module
-from . import privileges, threads
+from . import privileges, scripts, threads
 from .frames import Birth, Hello, Request
 
 REQUEST_DESCRIPTORS = 5  # link in, link out, stdout, stderr, status
@@ -59,11 +62,20 @@ TYPE_SUPPORT = (  # the types of every node and of the exercises: their C librar
 )
 
 
-def serve(control: socket.socket, epoch: int) -> None:
-    """Fork hosts until the judge closes `control`."""
-    kernel = kernel_module.Kernel()
-    threads.install(kernel, epoch)
-    _warm_up()
+NODES, SCRIPTS = "nodes", "scripts"
+
+Body = Callable[[int, int], None]  # what a host does with its link: descriptors to read and write
+
+
+def serve(control: socket.socket, epoch: int, kind: str, libraries: Sequence[str]) -> None:
+    """Fork hosts until the judge closes `control`; import `libraries` before."""
+    body: Body = scripts.serve
+    if kind == NODES:
+        kernel = kernel_module.Kernel()
+        threads.install(kernel, epoch)
+        _warm_up()
+        body = functools.partial(_run_student, kernel, epoch)
+    _import(libraries)
     mounts = os.getuid() == 0 and privileges.own_mounts()
     unprivileged = os.getuid() == 0 and privileges.open_to_others(_needed_paths())
     control.sendall(msgspec.json.encode(Hello(unprivileged, private_shm=mounts)))
@@ -74,16 +86,11 @@ def serve(control: socket.socket, epoch: int) -> None:
         for pidfd in readable:
             if pidfd in children:
                 _bury(pidfd, *children.pop(pidfd))
-        if control.fileno() in readable and not _answer(control, kernel, epoch, children):
+        if control.fileno() in readable and not _answer(control, body, children):
             return
 
 
-def _answer(
-    control: socket.socket,
-    kernel: kernel_module.Kernel,
-    epoch: int,
-    children: dict[int, tuple[int, int]],
-) -> bool:
+def _answer(control: socket.socket, body: Body, children: dict[int, tuple[int, int]]) -> bool:
     data, descriptors, _, _ = socket.recv_fds(control, 65536, REQUEST_DESCRIPTORS)
     if not data:
         return False
@@ -94,7 +101,7 @@ def _answer(
         for pidfd, (_, status) in children.items():
             os.close(pidfd)
             os.close(status)
-        _become_host(request, descriptors, kernel, epoch)
+        _become_host(request, descriptors, body)
     *link, status = descriptors
     for descriptor in link:
         os.close(descriptor)
@@ -116,9 +123,7 @@ def _bury(pidfd: int, pid: int, status: int) -> None:
     os.close(pidfd)
 
 
-def _become_host(
-    request: Request, descriptors: list[int], kernel: kernel_module.Kernel, epoch: int
-) -> None:
+def _become_host(request: Request, descriptors: list[int], body: Body) -> None:
     """Turn the forked child into a host and run the student's file; never returns."""
     try:
         link_in, link_out, out, err, status = descriptors
@@ -137,7 +142,7 @@ def _become_host(
         privileges.set_limits()
         if request.uid:
             privileges.drop_to(request.uid)
-        _run_student(kernel, epoch, link_in, link_out)
+        body(link_in, link_out)
     finally:
         os._exit(70)
 
@@ -181,10 +186,15 @@ def _warm_up() -> None:
         module = importlib.import_module(package)
         for name in names:
             check_for_type_support(getattr(module, name))
-    for name in ("numpy", "rclpy.node", "rclpy.executors", "rclpy.action"):
+    _import(("numpy", "rclpy.node", "rclpy.executors", "rclpy.action"))
+    from . import bridge, ros, session, student  # noqa: F401, PLC0415
+
+
+def _import(libraries: Sequence[str]) -> None:
+    """Import what takes long; what is not installed is missed by whoever needs it."""
+    for name in libraries:
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
-    from . import bridge, ros, session, student  # noqa: F401, PLC0415
 
 
 def _needed_paths() -> list[Path]:

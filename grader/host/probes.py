@@ -34,7 +34,8 @@ class Echo:
         rows = np.asarray(features, dtype=float)
         if rows.ndim != 2 or rows.shape[1] != 5:
             raise ValueError(f"expected features of shape (n, 5), got {rows.shape}")
-        return self.offset + self.scale * rows[:, self.feature]
+        answer: Floats = self.offset + self.scale * rows[:, self.feature]
+        return answer
 
 
 class Constant:
@@ -92,7 +93,9 @@ class ByDistance:
         """Return (n,) values [m/s]."""
         nearest = np.rint(np.asarray(features, dtype=float)[:, 0]).astype(int)
         time.sleep(self.seconds[int(np.clip(nearest[0], 0, len(self.seconds) - 1))])
-        return np.asarray(self.values, dtype=float)[np.clip(nearest, 0, len(self.values) - 1)]
+        values = np.asarray(self.values, dtype=float)
+        answer: Floats = values[np.clip(nearest, 0, len(values) - 1)]
+        return answer
 
 
 class RaisesNear:

@@ -20,6 +20,7 @@ from .frames import (
     Run,
     Settled,
     Start,
+    ToHost,
     ToJudge,
     decode_to_host,
     encode,
@@ -122,7 +123,7 @@ class Session(kernel_module.World):
             with contextlib.suppress(Exception):
                 stream.flush()
 
-    def _receive(self) -> Start | Run:
+    def _receive(self) -> ToHost:
         (length,) = LENGTH.unpack(self._read_exactly(LENGTH.size))
         return decode_to_host(self._read_exactly(length))
 

@@ -22,7 +22,7 @@ def run(session: Session, start: Start) -> None:
     random.seed(start.seed)
     sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
     if len(start.programs) == 1 and start.programs[0].start == 0:
-        session.end(*_run_file(start.programs[0]))
+        session.end(*run_file(start.programs[0]))
         return
     from .programs import Programs  # noqa: PLC0415  (needs rclpy)
 
@@ -34,12 +34,12 @@ def run(session: Session, start: Start) -> None:
 
 def _run_one_of_many(session: Session, program: ProgramStart) -> None:
     """Run one of several programs; when it ends, the trial does."""
-    kind, text, detail = _run_file(program)
+    kind, text, detail = run_file(program)
     session.end(kind, f"{Path(program.file).name}: {text}", detail)
     os._exit(0)
 
 
-def _run_file(program: ProgramStart) -> tuple[str, str, str]:
+def run_file(program: ProgramStart) -> tuple[str, str, str]:
     """Run a file as `__main__`; return how it ended: kind, text and detail."""
     sys.argv = [program.file, *program.arguments]
     try:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import _thread
 import collections
+import multiprocessing.connection
 import os
 import queue
 import selectors
@@ -178,12 +179,17 @@ def _sleep(kernel: Kernel, seconds: float) -> None:
 
 
 def _install_select(kernel: Kernel) -> None:
-    """Asyncio's loop waits here."""
+    """Asyncio's loop waits here, and a ThreadPool (scikit-learn's n_jobs) for its pipe."""
+
+    def virtual(select: Any) -> Any:
+        def virtual_select(self: Any, timeout: float | None = None) -> list[Any]:
+            deadline = None if timeout is None else kernel.after(timeout)
+            return kernel.poll(self, lambda: select(self, 0) or None, deadline) or []
+
+        return virtual_select
+
     cls: Any = selectors.DefaultSelector
-    select = cls.select
-
-    def virtual_select(self: Any, timeout: float | None = None) -> list[Any]:
-        deadline = None if timeout is None else kernel.after(timeout)
-        return kernel.poll(self, lambda: select(self, 0) or None, deadline) or []
-
-    cls.select = virtual_select
+    cls.select = virtual(cls.select)
+    connection: Any = multiprocessing.connection
+    poll: Any = selectors.PollSelector
+    connection._WaitSelector = type("WaitSelector", (poll,), {"select": virtual(poll.select)})

@@ -8,6 +8,7 @@ Parameter   model_path  a pickled classifier with `predict` and `predict_proba`
 import json
 import math
 import pickle
+from typing import Any
 
 import numpy as np
 import rclpy
@@ -73,7 +74,7 @@ class DetectionServer(Node):
         ### END SOLUTION
         self.get_logger().info("Detection server started")
 
-    def load_model(self, path: str) -> object | None:
+    def load_model(self, path: str) -> Any:
         """Return the unpickled model; None, and an error in the log, if there is none."""
         ### BEGIN SOLUTION
         try:

@@ -37,6 +37,10 @@ def test_topics_have_types_that_exist(exercise: Exercise) -> None:
         assert topic.name.startswith("/")
         assert topic.type in typestore().fielddefs
         assert topic.direction in ("subscribe", "publish")
+    for service in exercise.services:
+        assert service.name.startswith("/")
+        assert "/srv/" in service.type
+        assert service.direction in ("serve", "call")
 
 
 @slugs

@@ -84,6 +84,26 @@ def test_a_server_can_be_killed_and_come_back(nursery: Nursery, tmp_path: Path) 
     np.testing.assert_allclose(times, [*np.arange(1, 10) / 10, *np.arange(21, 30) / 10])
 
 
+def test_a_killed_program_leaves_the_others_their_topics(nursery: Nursery, tmp_path: Path) -> None:
+    """The bridge's node is made by whoever comes first, and must not die with it."""
+    recording = run(
+        nursery, tmp_path, client("left", stop=0.95), ProgramSpec("server.py"), client("right")
+    )
+
+    assert recording.outcome.completed, recording.outcome
+    assert recording.times("/left/answer")[-1] < 0.95
+    np.testing.assert_allclose(recording.times("/right/answer"), np.arange(1, 30) / 10)
+
+
+def test_a_missing_file_is_named(nursery: Nursery, tmp_path: Path) -> None:
+    scenario = msgspec.structs.replace(short(1.0), program=(client("left"),))
+    (tmp_path / "server.py").write_text(PREAMBLE + SERVER)
+    recording = run_trial(Submission(tmp_path / "server.py"), scenario, nursery)
+
+    assert recording.outcome.kind == "missing"
+    assert recording.outcome.text == "there is no client.py in the submission, only server.py"
+
+
 def test_several_programs_are_as_deterministic_as_one(nursery: Nursery, tmp_path: Path) -> None:
     programs = (ProgramSpec("server.py", stop=1.5), client("left"), client("right", start=0.4))
 

@@ -1,10 +1,13 @@
 """Every solution, right or wrong, gets what it says it deserves."""
 
+from pathlib import Path
+
 import pytest
 
-from grader.exercises import all_exercises
+from grader.errors import GraderError
+from grader.exercises import Exercise, all_exercises
 from grader.launch import Nursery
-from grader.proof import Claim, claims, grade_claim, objections
+from grader.proof import Claim, claims, complete, grade_claim, objections
 
 ALL = [claim for exercise in all_exercises() for claim in claims(exercise)]
 
@@ -18,3 +21,48 @@ def test_claims_hold(claim: Claim, nursery: Nursery) -> None:
 def test_there_are_solutions_of_every_kind(exercise: object) -> None:
     kinds = {claim.kind for claim in ALL if claim.exercise == exercise}
     assert kinds == {"reference", "skeleton", "variant", "mutant"}
+
+
+@pytest.fixture
+def pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Exercise:
+    """An exercise of two files, with solutions in a folder of its own."""
+    monkeypatch.setattr("grader.exercises.SOLUTIONS", tmp_path)
+    exercise = Exercise(99, "pair", "Pair", "", ("server.py", "client.py"), "server", 100)
+    texts = {
+        "server.py": "reference",
+        "client.py": "reference",
+        "variants/both/server.py": '"""A folder.\n\nfield: all\n"""',
+        "variants/both/client.py": "variant",
+        "mutants/a.py": '"""Wrong.\n\nfails: answers\n"""',
+        "mutants/b.py": '"""Wrong.\n\nfile: client.py\nfails: asks\n"""',
+        "mutants/c.py": '"""Wrong.\n\nfile: clients.py\nfails: asks\n"""',
+    }
+    for name, text in texts.items():
+        path = exercise.solutions / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return exercise
+
+
+def test_one_file_of_two_is_graded_with_the_reference_of_the_other(pair: Exercise) -> None:
+    found = {claim.path.stem: claim for claim in claims(pair) if claim.kind == "mutant"}
+    assert found["b"].fails == {"asks"}
+    for name, file in (("a", "server.py"), ("b", "client.py")):
+        with complete(found[name]) as submission:
+            texts = {path.name: path.read_text() for path in (submission.path, *submission.others)}
+        assert texts.pop(file).startswith('"""Wrong')
+        assert list(texts.values()) == ["reference"]
+
+
+def test_a_variant_may_be_a_folder(pair: Exercise) -> None:
+    (variant,) = (claim for claim in claims(pair) if claim.kind == "variant")
+    assert variant.field_ready
+    with complete(variant) as submission:
+        assert "A folder" in submission.path.read_text()
+        assert [path.read_text() for path in submission.others] == ["variant"]
+
+
+def test_a_file_that_stands_for_none(pair: Exercise) -> None:
+    (wrong,) = (claim for claim in claims(pair) if claim.path.stem == "c")
+    with pytest.raises(GraderError, match=r"stands for clients\.py; expected one of server\.py"):
+        complete(wrong).__enter__()

@@ -56,6 +56,17 @@ def test_files_beside_it_belong_to_it(agent: Path) -> None:
         assert sorted(file.name for file in folder.iterdir()) == ["agent.py", "client.py"]
 
 
+@pytest.mark.parametrize("given", ["server.py", "client.py"])
+def test_any_of_several_files_may_be_given(given: str, tmp_path: Path) -> None:
+    for name in ("server.py", "client.py", "unrelated.py"):
+        (tmp_path / name).write_text("pass")
+    submission = find_submission(tmp_path / given, "server.py", ("client.py",))
+
+    assert submission.path.name == given
+    assert {given, *(path.name for path in submission.others)} == {"server.py", "client.py"}
+    assert len(submission.others) == 1
+
+
 def test_the_copy_is_gone_afterwards(agent: Path) -> None:
     with Submission(agent).folder() as folder:
         assert (folder / "agent.py").read_text() == agent.read_text()

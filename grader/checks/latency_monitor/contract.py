@@ -19,6 +19,7 @@ LEVELS = ("OK", "WARN", "ERROR", "STALE")
 WINDOW = 100  # calls
 PERIOD = 1.0  # [s] of the reports
 PERIOD_TOLERANCE = 0.15  # [s]
+HAIR = 0.001  # [s] a call that ends this near to a report may count in it or not
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
 
 
@@ -61,11 +62,11 @@ def right_statistics(
 ) -> tuple[Statistics, ...]:
     """Return what may be said at a time [s]: a call that ends just then may count or not."""
     ended = _calls(recording)
-    known = sum(end <= time for end, _ in ended)
     deadline = float(recording.scenario.node.parameters.get("deadline_ms", 100.0))
-    counts = [known, *({known - 1, known + 1} & set(range(len(ended) + 1)))]
+    least, most = (sum(end <= time + hair for end, _ in ended) for hair in (-HAIR, HAIR))
     return tuple(
-        Statistics(tuple(ms for _, ms in ended[max(0, n - window) : n]), deadline) for n in counts
+        Statistics(tuple(ms for _, ms in ended[max(0, n - window) : n]), deadline)
+        for n in range(least, most + 1)
     )
 
 

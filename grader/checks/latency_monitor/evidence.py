@@ -163,7 +163,8 @@ def require_form(recording: Recording) -> None:
 
 def require_period(recording: Recording) -> None:
     """Fail unless a report came every second, from the start on."""
-    times = [0.0, *(report.t for report in require_reports(recording))]
+    require_alive(recording)
+    times = [0.0, *recording.times(TOPIC).tolist()]
     gaps = np.diff([*times, recording.duration_s])
     wrong = np.flatnonzero(np.abs(gaps[:-1] - PERIOD) > PERIOD_TOLERANCE)
     if not len(wrong) and gaps[-1] > PERIOD + PERIOD_TOLERANCE:
@@ -181,14 +182,21 @@ def require_period(recording: Recording) -> None:
 
 
 def require_numbers(
-    recording: Recording, keys: Iterable[str], help: str, *, full_windows: bool = True
+    recording: Recording,
+    keys: Iterable[str],
+    help: str,
+    *,
+    full_windows: bool = True,
+    until: float = math.inf,
 ) -> None:
-    """Fail unless these values are right in each report.
+    """Fail unless these values are right in each report (until a time [s]).
 
     Without `full_windows` only reports on at most a hundred calls are judged.
     """
     judged = 0
     for report in require_reports(recording):
+        if report.t > until:
+            break
         everything = right_statistics(recording, report.t, window=10**9)
         if not full_windows and max(len(s.latencies) for s in everything) > 100:
             continue

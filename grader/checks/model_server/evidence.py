@@ -76,7 +76,7 @@ def asks(recording: Recording) -> list[Ask]:
     """Return what the server was asked, and what it said."""
     told = {said["number"]: said for _, said in _notes(recording, TOLD)}
     scans, bench = recording.scans(), recording.scenario.bench_scans
-    found = []
+    found: list[Ask] = []
     for message in recording.of(ASKED):
         at, number = message.time / 1e9, int(decode(message.data, UINT32).data)
         newest = sum(scan.t <= at for scan in scans) - 1
@@ -369,6 +369,15 @@ def warnings(recording: Recording, begin: float, end: float) -> bool:
 
 def _notes(recording: Recording, topic: str) -> list[tuple[float, dict[str, Any]]]:
     """Return what a program of the grader's noted on a topic: time [s] and JSON object."""
+    ends = [e for e in recording.endpoints if e.topic == topic and e.kind == "publisher"]
+    if len(ends) > sum(program.supplied for program in recording.scenario.program):
+        fail(
+            f"{topic} is a topic of the grader's, and one of your nodes publishes on it",
+            expected="only the topics of the exercise",
+            actual=", ".join(end.node for end in ends),
+            recording=recording,
+            help="Choose another name for your topic.",
+        )
     return [
         (message.time / 1e9, json.loads(decode(message.data, STRING).data))
         for message in recording.of(topic)

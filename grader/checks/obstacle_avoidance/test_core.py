@@ -83,7 +83,11 @@ def test_slow_zone(recordings: Recordings) -> None:
 def test_stop_zone(recordings: Recordings) -> None:
     """Below 0.5 m the robot stands still."""
     for recording in recordings:
-        require_speeds(recording, "stop", "Is d the smallest distance within ±90°, and is every d below 0.5 m a stop?")
+        require_speeds(
+            recording,
+            "stop",
+            "Is d the smallest distance within ±90°, and is every d below 0.5 m a stop?",
+        )
 
 
 @pytest.mark.check(points=5, scenarios=("avoid_zones",), needs=("wiring",))

@@ -22,6 +22,7 @@ SETTLING = 0.6  # [s] after the start reasons are not checked
 PERIOD = 0.05  # [s]
 PERIOD_TOLERANCE = 0.0025  # [s] of the mean
 LONGEST_GAP = 0.075  # [s] between two commands
+START = 0.25  # [s] in which the first command comes
 LONGEST_REPORT_GAP = 1.1  # [s]
 LEVEL_NAMES = {0: "OK", 1: "WARN", 2: "ERROR", 3: "STALE"}
 
@@ -122,8 +123,8 @@ def require_rate(recording: Recording) -> None:
     """Fail unless commands came at 20 Hz from the start to the end."""
     require_alive(recording)
     times = recording.twists().t
-    end = recording.duration_s
-    bounds = np.concatenate([[0.0], times, [end]])
+    begin = min(START - LONGEST_GAP, times[0]) if len(times) else 0.0
+    bounds = np.concatenate([[begin], times, [recording.duration_s]])
     gaps = np.diff(bounds)
     widest = int(np.argmax(gaps))
     if gaps[widest] > LONGEST_GAP:

@@ -1,0 +1,96 @@
+"""ML velocity: a trained model in the loop, between the lidar and the motors.
+
+Subscribes  /scan     sensor_msgs/msg/LaserScan  distances all around the robot [m]
+Publishes   /cmd_vel  geometry_msgs/msg/Twist    forward speed [m/s], one for each scan
+Parameters  model_path  string  a pickled model with predict(X: (n, 5)) -> (n,) [m/s]
+            max_speed   double  no command is faster [m/s]
+"""
+
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import rclpy
+from geometry_msgs.msg import Twist
+from numpy.typing import NDArray
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+FRONT_HALF_ANGLE = math.radians(60)  # [rad] the front sector is |θ| ≤ 60°
+
+
+def scan_features(
+    ranges: NDArray[np.float64],
+    angles: NDArray[np.float64],
+    range_min: float,
+    range_max: float,
+) -> NDArray[np.float64] | None:
+    """Return what the model sees of one scan.
+
+    Parameters
+    ----------
+    ranges
+        (beams,) readings [m].
+    angles
+        (beams,) their angles [rad], 0 ahead, positive to the left, of any turn.
+    range_min, range_max
+        Limits of the lidar [m].
+
+    Returns
+    -------
+    NDArray | None
+        (5,) minimum, mean and standard deviation of the front sector, minimum of the left sector,
+        minimum of the right sector [m]. ``None`` if a sector has no usable reading.
+    """
+    # TODO(task 3): replace infinite readings, drop those that say nothing, find three sectors.
+    return None
+
+
+class MlVelocityController(Node):
+    """Lets a trained model choose the forward speed, and never trusts it blindly."""
+
+    def __init__(self) -> None:
+        super().__init__("ml_velocity_controller")
+        # TODO(task 1): declare the parameters model_path and max_speed, create a publisher of
+        # Twist on /cmd_vel and a subscription to LaserScan on /scan.
+        # TODO(task 2): load the model, once, here.
+        self.model = None
+        self.max_speed = 0.5
+        self.get_logger().info("ML velocity controller started")
+
+    def load_model(self, path: str) -> Any:
+        """Return the unpickled model, or ``None`` (and an error in the log) if there is none.
+
+        Unpickling runs whatever code the file asks for: load only models that you made yourself.
+        """
+        # TODO(task 2): unpickle the file. What if it is missing, or is no model?
+        return None
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        """Run the loop once: exactly one Twist for each scan."""
+        # TODO(task 4): publish a Twist with linear.x = self.choose_speed(scan).
+
+    def choose_speed(self, scan: LaserScan) -> float:
+        """Return the model's speed within 0 … max_speed [m/s]; 0.0 when it cannot be had."""
+        # TODO(task 5): ask the model, and be ready for any answer.
+        return 0.0
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the controller until Ctrl-C."""
+    rclpy.init(args=args)
+    node = MlVelocityController()
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

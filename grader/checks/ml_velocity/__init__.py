@@ -1,0 +1,1 @@
+"""Checks of exercise 2, ml_velocity."""

@@ -1,0 +1,254 @@
+"""The core checks of exercise 2; with those of the training they sum to 100 points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grader.checks.ml_velocity.evidence import (
+    judged,
+    require_error_log,
+    require_going_on,
+    require_safe_drive,
+    require_speeds,
+)
+from grader.checks.obstacle_avoidance.evidence import (
+    FIELDS,
+    ZERO,
+    garbage,
+    require_one_command_each,
+    spell,
+)
+from grader.checks.wiring import require_alive, require_wiring
+from grader.recording import Recording
+from grader.verdict import fail
+
+DRIVES = ("ml_drive_wall", "ml_drive_cart", "ml_drive_store")
+WITHOUT_MODEL = ("ml_no_model", "ml_broken_model", "ml_foreign_model")
+CART_GONE = 8.5  # [s] in ml_drive_cart
+PROMPT = 0.05  # [s] between a scan and its command, in virtual time: no loading in between
+SECTOR = "The front sector is |θ| ≤ 60°, with θ = angle_min + i · angle_increment, wrapped to ±π."
+
+Recordings = tuple[Recording, ...]
+
+
+@pytest.mark.check(points=3, scenarios=("ml_front_min",))
+def test_wiring(recordings: Recordings) -> None:
+    """The node starts, spins, listens to /scan and speaks on /cmd_vel."""
+    for recording in recordings:
+        require_wiring(recording, "ml_velocity")
+
+
+@pytest.mark.check(
+    points=3,
+    scenarios=("ml_front_min", "ml_blind", "ml_not_finite", "ml_raises", "ml_drive_wall"),
+    needs=("wiring",),
+)
+def test_one_command_per_scan(recordings: Recordings) -> None:
+    """Each scan is answered by exactly one Twist, and nothing is said before the first scan."""
+    require_one_command_each(recordings[0])
+    for recording in recordings[1:]:
+        if recording.outcome.completed:  # of what it died, another check says
+            require_one_command_each(recording)
+
+
+@pytest.mark.check(points=2, scenarios=("ml_front_min", "ml_drive_wall"), needs=("wiring",))
+def test_only_linear_x(recordings: Recordings) -> None:
+    """Every field of the Twist but linear.x is zero."""
+    for recording in recordings:
+        require_alive(recording)
+        twists = recording.twists()
+        if not len(twists.t):
+            fail("not a single Twist came on /cmd_vel", recording=recording)
+        for column in range(1, 6):
+            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
+            if len(wrong):
+                value = float(twists.values[wrong[0], column])
+                fail(
+                    f"{FIELDS[column]} is not zero",
+                    expected=f"{FIELDS[column]} = 0.0",
+                    actual=f"{FIELDS[column]} = {spell(value)}",
+                    at=float(twists.t[wrong[0]]),
+                    recording=recording,
+                    help=garbage(value) or "The model says how fast, and only straight ahead.",
+                )
+
+
+@pytest.mark.check(points=4, scenarios=("ml_front_min",), needs=("wiring",))
+def test_front_min(recordings: Recordings) -> None:
+    """Feature 0 is the smallest distance of the front sector (|θ| ≤ 60°)."""
+    for recording in recordings:
+        require_speeds(recording, help=f"The model echoes feature 0, times 0.08. {SECTOR}")
+
+
+@pytest.mark.check(points=4, scenarios=("ml_front_mean",), needs=("wiring",))
+def test_front_mean(recordings: Recordings) -> None:
+    """Feature 1 is the mean distance of the front sector."""
+    for recording in recordings:
+        require_speeds(recording, help=f"The model echoes feature 1, times 0.08. {SECTOR}")
+
+
+@pytest.mark.check(points=4, scenarios=("ml_front_std",), needs=("wiring",))
+def test_front_std(recordings: Recordings) -> None:
+    """Feature 2 is the population standard deviation of the front sector."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            help="The model echoes feature 2, times 0.1. Population: divide by n, not by n - 1 "
+            "(np.std does, statistics.stdev does not).",
+        )
+
+
+@pytest.mark.check(points=3, scenarios=("ml_left_min",), needs=("wiring",))
+def test_left_min(recordings: Recordings) -> None:
+    """Feature 3 is the smallest distance of the left sector (60° < θ ≤ 180°)."""
+    for recording in recordings:
+        require_speeds(
+            recording, help="The model echoes feature 3, times 0.08. Left is positive (REP-103)."
+        )
+
+
+@pytest.mark.check(points=3, scenarios=("ml_right_min",), needs=("wiring",))
+def test_right_min(recordings: Recordings) -> None:
+    """Feature 4 is the smallest distance of the right sector (-180° ≤ θ < -60°)."""
+    for recording in recordings:
+        require_speeds(
+            recording, help="The model echoes feature 4, times 0.08. Right is negative (REP-103)."
+        )
+
+
+@pytest.mark.check(points=3, scenarios=("ml_infinity", "ml_infinity_left"), needs=("wiring",))
+def test_infinite_readings(recordings: Recordings) -> None:
+    """+inf and readings above range_max count as range_max."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            help="A model cannot compute with inf: replace it by range_max before anything else. "
+            "np.minimum(ranges, range_max) does both.",
+        )
+
+
+@pytest.mark.check(points=3, scenarios=("ml_too_close", "ml_too_close_right"), needs=("wiring",))
+def test_minus_infinity(recordings: Recordings) -> None:
+    """-inf counts as range_min."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            help="-inf is closer than the sensor can measure: replace it by range_min before you "
+            "drop what is below range_min.",
+        )
+
+
+@pytest.mark.check(points=4, scenarios=("ml_invalid", "ml_invalid_left"), needs=("wiring",))
+def test_dropped_readings(recordings: Recordings) -> None:
+    """NaN and readings below range_min are dropped; the others count."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            help="Drop them: neither 0 nor range_min stands for a reading that says nothing.",
+        )
+
+
+@pytest.mark.check(points=4, scenarios=("ml_blind",), needs=("wiring",))
+def test_blind_sector(recordings: Recordings) -> None:
+    """A sector without a usable reading means 0.0, and the node goes on."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            help="Do not ask the model about a scan that lacks a sector: command 0.0 and log why.",
+        )
+
+
+@pytest.mark.check(points=4, scenarios=("ml_clip",), needs=("wiring",))
+def test_clipped(recordings: Recordings) -> None:
+    """The prediction is clipped to 0 … max_speed (0.5 m/s)."""
+    for recording in recordings:
+        require_speeds(recording, help="min(max(speed, 0.0), max_speed)")
+
+
+@pytest.mark.check(points=4, scenarios=("ml_parameters",), needs=("wiring",))
+def test_parameters(recordings: Recordings) -> None:
+    """The parameters model_path and max_speed are obeyed."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            help="Started with model_path:=other_model.pkl and max_speed:=0.3; "
+            "the model in velocity_model.pkl always says 0.1.",
+        )
+
+
+@pytest.mark.check(points=4, scenarios=("ml_loads_once",), needs=("wiring",))
+def test_loads_once(recordings: Recordings) -> None:
+    """The model is loaded once, while the node is constructed."""
+    for recording in recordings:
+        for answer in judged(recording):
+            _require_prompt(recording, answer.scan.t)
+            if answer.speed is None or abs(answer.speed - 0.1) > ZERO:
+                loads = "no" if answer.speed is None else f"{answer.speed / 0.1:.0f}"
+                fail(
+                    f"{loads} loads of the model by the scan at {answer.scan.t:.3f} s",
+                    expected="1 load: the model says 0.1 m/s for each",
+                    actual=f"linear.x = {spell(answer.speed or 0.0)} m/s",
+                    at=answer.scan.t,
+                    recording=recording,
+                    help="Unpickle in __init__, keep the model in an attribute, use it "
+                    "in the callback.",
+                )
+
+
+@pytest.mark.check(points=3, scenarios=("ml_not_finite",), needs=("wiring",))
+def test_not_finite(recordings: Recordings) -> None:
+    """A prediction that is not finite means 0.0, and the node goes on."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            help="min and max do not stop NaN, and clip +inf to full speed: "
+            "ask math.isfinite(speed) first.",
+        )
+
+
+@pytest.mark.check(points=3, scenarios=("ml_raises",), needs=("wiring",))
+def test_model_raises(recordings: Recordings) -> None:
+    """When predict raises, the command is 0.0 and the node goes on."""
+    for recording in recordings:
+        require_speeds(
+            recording, help="try: … except Exception as error: around predict, and publish 0.0."
+        )
+
+
+@pytest.mark.check(points=4, scenarios=WITHOUT_MODEL, needs=("wiring",))
+def test_no_model(recordings: Recordings) -> None:
+    """Without a model that can be loaded: an error in the log, and 0.0 for every scan."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            help="The node has to live and to publish 0.0 without a model, too. A broken pickle "
+            "can raise any exception.",
+        )
+        require_error_log(recording)
+
+
+@pytest.mark.check(points=3, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"))
+def test_drives(recordings: Recordings) -> None:
+    """With a trained model the robot drives through three worlds and touches nothing."""
+    for recording in recordings:
+        require_safe_drive(recording, "the grader's")
+        if recording.name == "ml_drive_cart":
+            require_going_on(recording, CART_GONE)
+
+
+def _require_prompt(recording: Recording, scan: float) -> None:
+    """Fail unless a command came within PROMPT of the scan's time [s]."""
+    times = recording.twists().t
+    after = times[times >= scan]
+    if len(after) and after[0] - scan <= PROMPT:
+        return
+    came = f"{1000 * (after[0] - scan):.0f} ms after the scan" if len(after) else "no command"
+    fail(
+        f"the scan at {scan:.3f} s had to wait for its command",
+        expected="a command at once: the model is loaded before the first scan comes",
+        actual=came,
+        at=scan,
+        recording=recording,
+        help="This model takes 80 ms to load. Load it in __init__, not in the callback.",
+    )

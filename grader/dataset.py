@@ -1,0 +1,173 @@
+"""Data to learn from: scans from seeded worlds, with the speed at which an expert would drive.
+
+Observations (`ranges`)
+    One row a scan of the default lidar, as it reads: noise of 5 mm, +inf where nothing came back,
+    -inf where something nearly touches the robot, one reading in fifty NaN, and here and there a
+    whole sector that says nothing.
+
+Labels (`speed`)
+    The speed [m/s] from which the robot's 0.9 m/s² still stop it 0.3 m short of the nearest thing
+    within ±60° of ahead, at most 0.5 m/s. The expert knows the exact distance.
+
+Poses
+    Half of them anywhere in the world, half near something: there the speed changes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grader.features import FRONT_EDGE
+from sim.caster import Caster, static_faces
+from sim.clearance import is_inside
+from sim.faults import measured, speckle
+from sim.layout import Layout
+from sim.lidar import PROFILES, readings
+from sim.placement import build_layout
+from sim.scenario import Faults
+from sim.world import Clutter, Pillar, Wall, World
+
+Floats = NDArray[np.float64]
+
+PROFILE = PROFILES["default"]
+ROWS_PER_WORLD = 100
+ROBOT_RADIUS = 0.17  # [m]
+MAX_SPEED = 0.5  # [m/s]
+DECELERATION = 0.9  # [m/s²]
+STOP_SHORT = 0.3  # [m]
+NEAR = (0.18, 0.7)  # [m] from a surface, for the poses near something
+FAULTS = Faults(range_noise=0.005, beam_dropout=0.01, nan_speckle=0.02)
+TOUCHING = 0.2  # [m]; nearer than this, half of the scans read -inf
+BLIND_PART = 0.03  # of the rows have a sector without any reading
+SECTORS = ((-60.0, 60.0), (60.0, 180.0), (-180.0, -60.0))  # [°]
+MARGIN = 2.0  # [°] by which a blind sector's ends are blind too
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """Scans and labels."""
+
+    ranges: NDArray[np.float32]  # (n, 360) [m]
+    speed: Floats  # (n,) [m/s]
+
+    def save(self, path: Path) -> None:
+        """Write the .npz file that a training script reads."""
+        np.savez(
+            path,
+            ranges=self.ranges,
+            speed=self.speed,
+            angle_min=PROFILE.angle_min,
+            angle_increment=PROFILE.angle_increment,
+            range_min=PROFILE.range_min,
+            range_max=PROFILE.range_max,
+        )
+
+
+def expert_speed(distance: Floats) -> Floats:
+    """Return the expert's (n,) speeds [m/s] for (n,) distances to the nearest thing ahead [m]."""
+    room = np.maximum(distance - STOP_SHORT, 0.0)
+    return np.minimum(np.sqrt(2.0 * DECELERATION * room), MAX_SPEED)
+
+
+@lru_cache(maxsize=8)
+def make_dataset(rows: int, seed: int, *, blind: bool = True) -> Dataset:
+    """Return `rows` labelled scans; the same seed gives the same data.
+
+    Parameters
+    ----------
+    blind
+        Some rows have a sector without any reading.
+    """
+    ranges = np.empty((rows, PROFILE.beams), np.float32)
+    distance = np.empty(rows)
+    for world, begin in enumerate(range(0, rows, ROWS_PER_WORLD)):
+        rng = np.random.default_rng((seed, world))
+        part = slice(begin, min(begin + ROWS_PER_WORLD, rows))
+        for row, exact in zip(range(part.start, part.stop), _scans(rng), strict=False):
+            distance[row] = exact[_ahead()].min()
+            read = readings(measured(exact, FAULTS, rng), PROFILE)
+            if rng.random() < 0.5:
+                read[exact < TOUCHING] = -np.inf
+            ranges[row] = speckle(read, FAULTS, rng)
+            if blind and rng.random() < BLIND_PART:
+                ranges[row, _sector(*SECTORS[rng.integers(len(SECTORS))])] = np.nan
+    return Dataset(ranges, expert_speed(distance))
+
+
+def _scans(rng: np.random.Generator) -> Iterator[Floats]:
+    """Yield exact (360,) ranges [m] from poses in one random world, for ever."""
+    layout = build_layout(_world(rng), start=(0.0, 0.0, 0.0), rng=rng)
+    faces = static_faces(layout)
+    caster = Caster(
+        faces,
+        beams=PROFILE.beams,
+        per_turn=PROFILE.per_turn,
+        angle_min=PROFILE.angle_min,
+        range_max=PROFILE.range_max,
+    )
+    near = False
+    while True:
+        x, y, yaw = _pose_near(faces, rng) if near else _pose_anywhere(rng)
+        ranges = caster.cast(x, y, yaw)
+        if ranges.min() < ROBOT_RADIUS or _is_outside(layout, x, y):
+            continue
+        near = not near
+        yield ranges
+
+
+def _world(rng: np.random.Generator) -> World:
+    """Return a walled room with boxes and pillars in it."""
+    width, depth = rng.uniform(5.0, 10.0), rng.uniform(4.0, 9.0)  # [m]
+    x, y = width / 2, depth / 2
+    pillars = tuple(
+        Pillar(
+            (float(rng.uniform(1.0, x)), float(rng.uniform(-y, y))), float(rng.uniform(0.1, 0.3))
+        )
+        for _ in range(rng.integers(4))
+    )
+    count = int(width * depth * rng.uniform(0.08, 0.2))
+    return World(
+        walls=(Wall(((-x, -y), (x, -y), (x, y), (-x, y)), closed=True),),
+        pillars=pillars,
+        clutter=(Clutter(((-x, -y), (x, y)), count, (0.15, 0.8)),),
+    )
+
+
+def _pose_anywhere(rng: np.random.Generator) -> tuple[float, float, float]:
+    x, y = rng.uniform(-5.0, 5.0), rng.uniform(-4.5, 4.5)
+    return float(x), float(y), float(rng.uniform(-math.pi, math.pi))
+
+
+def _pose_near(faces: Floats, rng: np.random.Generator) -> tuple[float, float, float]:
+    """Return a pose before a face, which lies somewhere ahead."""
+    begin, end = faces[rng.integers(len(faces))]
+    along = end - begin
+    normal = np.array([-along[1], along[0]]) / math.hypot(*along)  # to where the face is seen from
+    point = begin + rng.random() * along
+    x, y = point + rng.uniform(*NEAR) * normal
+    yaw = math.atan2(-normal[1], -normal[0]) + rng.uniform(-0.8, 0.8)
+    return float(x), float(y), yaw
+
+
+def _is_outside(layout: Layout, x: float, y: float) -> bool:
+    """Tell whether a point lies in a solid, or beyond the room's wall."""
+    corners = layout.walls[0]
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    inside = low[0] < x < high[0] and low[1] < y < high[1]
+    return not inside or is_inside(layout, (x, y))
+
+
+def _ahead() -> NDArray[np.bool_]:
+    return np.abs(np.degrees(PROFILE.angles)) <= FRONT_EDGE
+
+
+def _sector(begin: float, end: float) -> NDArray[np.bool_]:
+    degrees = np.degrees(PROFILE.angles)
+    return (degrees >= begin - MARGIN) & (degrees <= end + MARGIN)

@@ -1,0 +1,84 @@
+"""The five features of a scan that the course's models take, as EXERCISES.md defines them.
+
+========  ==============================================  =====
+column    feature                                         unit
+========  ==============================================  =====
+0         minimum of the front sector, |θ| ≤ 60°          m
+1         mean of the front sector                        m
+2         population standard deviation of that sector    m
+3         minimum of the left sector, 60° < θ ≤ 180°      m
+4         minimum of the right sector, -180° ≤ θ < -60°   m
+========  ==============================================  =====
+
+Before that +inf and readings above range_max become range_max, -inf becomes range_min, and NaN and
+readings below range_min are dropped.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grader.recording import Scan
+
+Floats = NDArray[np.float64]
+
+NAMES = ("front minimum", "front mean", "front deviation", "left minimum", "right minimum")
+FRONT_EDGE = 60.0  # [°]
+BACK_EDGE = 180.0  # [°] between left and right
+HAIR = 1.0  # [°] beams this near to a sector's edge may count on either side
+
+
+def features(
+    ranges: NDArray[np.floating],
+    degrees: Floats,
+    range_min: float,
+    range_max: float,
+    edges: tuple[float, float, float] = (FRONT_EDGE, -FRONT_EDGE, BACK_EDGE),
+) -> Floats:
+    """Return the (n, 5) features of (n, beams) readings [m]; NaN where a sector is blind.
+
+    Parameters
+    ----------
+    degrees
+        (beams,) angles of the beams [°], 0 ahead, positive to the left.
+    edges
+        Left and right edge of the front sector, and the edge between left and right [°].
+    """
+    values = np.asarray(ranges, dtype=float)
+    low, high = float(np.float32(range_min)), float(np.float32(range_max))
+    usable = (values >= low) | np.isneginf(values)  # NaN is in neither
+    values = np.clip(np.where(usable, values, low), low, high)
+    left_edge, right_edge, back = edges
+    angle = (degrees - back) % 360.0 + back - 360.0  # from back - 360 up to back
+    front = (angle <= left_edge) & (angle >= right_edge)
+    sectors = front, angle > left_edge, angle < right_edge
+    ahead, count = usable & front, (usable & front).sum(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.where(ahead, values, 0.0).sum(axis=1) / count
+        deviations = np.where(ahead, values - mean[:, None], 0.0)
+        std = np.sqrt((deviations**2).sum(axis=1) / count)
+    least = [np.where(usable & sector, values, np.inf).min(axis=1, initial=np.inf)
+             for sector in sectors]  # fmt: skip
+    found = np.column_stack((least[0], mean, std, least[1], least[2]))
+    return np.where(np.isfinite(found), found, np.nan)
+
+
+def possible_features(scan: Scan) -> Floats:
+    """Return the (k, 5) features that are right for a scan: the contract does not split hairs.
+
+    Angles are float32, so a beam within 1° of a sector's edge may count on either side.
+    """
+    degrees = np.degrees(scan.angles)
+    front = (FRONT_EDGE - HAIR, FRONT_EDGE - HAIR / 2, FRONT_EDGE + HAIR / 2, FRONT_EDGE + HAIR)
+    rows = [
+        features(
+            scan.ranges[None, :], degrees, scan.range_min, scan.range_max, (left, -right, back)
+        )
+        for left, right, back in itertools.product(
+            front, front, (BACK_EDGE - HAIR, BACK_EDGE + HAIR)
+        )
+    ]
+    return np.unique(np.concatenate(rows), axis=0)

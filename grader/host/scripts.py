@@ -1,0 +1,144 @@
+"""A host for programs that return, and for the models that they leave behind, in real time.
+
+The judge gives one order at a time: run this script, load these models, predict. It never loads a
+model itself: unpickling runs whatever code the pickle asks for.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import pickle
+import random
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import student
+from .frames import (
+    LENGTH,
+    MAX_TEXT,
+    Ended,
+    FromScript,
+    Loaded,
+    LoadModels,
+    Predict,
+    Predicted,
+    ProgramStart,
+    Script,
+    Tensor,
+    decode_to_host,
+    encode,
+)
+
+FEATURES = 5
+MAX_VALUES = 100_000  # predictions in one answer
+
+
+def serve(read_fd: int, write_fd: int) -> None:
+    """Carry out the judge's orders until it is gone; never returns."""
+    models: dict[str, Any] = {}
+    while True:
+        (length,) = LENGTH.unpack(_read_exactly(read_fd, LENGTH.size))
+        match decode_to_host(_read_exactly(read_fd, length)):
+            case Script() as order:
+                answer: FromScript = _run(order)
+            case LoadModels() as order:
+                answer = _load(order, models)
+            case Predict() as order:
+                answer = _predict(order, models)
+            case other:
+                raise ValueError(f"{type(other).__name__} is for nodes")
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        data = memoryview(encode(answer))
+        while data:
+            data = data[os.write(write_fd, data) :]
+
+
+def _run(order: Script) -> Ended:
+    random.seed(order.seed)  # a fork inherits the nursery's generators
+    np.random.seed(order.seed)
+    sys.path.insert(0, str(Path(order.file).parent))
+    kind, text, detail = student.run_file(ProgramStart(order.file, order.arguments))
+    for thread in threading.enumerate():  # as Python does at its end
+        if thread is not threading.current_thread() and not thread.daemon:
+            thread.join()
+    return Ended(0, kind, _sendable(text[:2_000]), _sendable(detail[-18_000:]), [])
+
+
+def _load(order: LoadModels, models: dict[str, Any]) -> Loaded:
+    problems = {name: _load_pickle(name, models) for name in order.pickles}
+    try:
+        onnxruntime: Any = importlib.import_module("onnxruntime")
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = options.inter_op_num_threads = 1
+        session = onnxruntime.InferenceSession(
+            order.onnx, options, providers=["CPUExecutionProvider"]
+        )
+    except Exception as error:
+        return Loaded({**problems, order.onnx: _problem(error)})
+    models[order.onnx] = _Onnx(session)
+    return Loaded(
+        {**problems, order.onnx: ""},
+        tuple(_tensor(node) for node in session.get_inputs()),
+        tuple(_tensor(node) for node in session.get_outputs()),
+    )
+
+
+def _load_pickle(name: str, models: dict[str, Any]) -> str:
+    try:
+        models[name] = pickle.loads(Path(name).read_bytes())
+    except BaseException as error:  # a pickle can raise anything
+        return _problem(error)
+    return ""
+
+
+def _predict(order: Predict, models: dict[str, Any]) -> Predicted:
+    features = np.frombuffer(order.features).reshape(-1, FEATURES).copy()
+    try:
+        values = np.asarray(models[order.file].predict(features), dtype=float)
+    except BaseException as error:  # a model can raise anything
+        return Predicted(_problem(error))
+    if values.size > MAX_VALUES:
+        return Predicted(f"predict gave {values.size} values for {len(features)} rows")
+    return Predicted("", values.shape, values.tobytes())
+
+
+class _Onnx:
+    """An ONNX session with the interface of a scikit-learn model."""
+
+    def __init__(self, session: Any) -> None:
+        self._session = session
+        self._input = session.get_inputs()[0].name
+
+    def predict(self, features: Any) -> Any:
+        """Return the first output."""
+        return self._session.run(None, {self._input: features.astype(np.float32)})[0]
+
+
+def _tensor(node: Any) -> Tensor:
+    shape = tuple(str(size) if isinstance(size, int) else "" for size in (node.shape or ()))
+    return Tensor(str(node.type)[:100], shape[:16])
+
+
+def _problem(error: BaseException) -> str:
+    return _sendable(f"{type(error).__name__}: {error}"[: MAX_TEXT // 10]) or "unknown"
+
+
+def _sendable(text: str) -> str:
+    return text.encode("utf-8", "replace").decode()
+
+
+def _read_exactly(fd: int, size: int) -> bytes:
+    chunks = []
+    while size:
+        chunk = os.read(fd, size)
+        if not chunk:
+            os._exit(0)  # the judge is gone
+        chunks.append(chunk)
+        size -= len(chunk)
+    return b"".join(chunks)

@@ -1,0 +1,257 @@
+"""One training: run the student's script on made data, and ask its models about hidden scans.
+
+The judge makes the data and keeps the hidden labels. The script runs twice, each time in a fresh
+host; a third host loads what it wrote. The judge itself never unpickles anything: it only carries
+bytes from one host to the next, and reads numbers.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import stat
+import tempfile
+import time
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from grader.dataset import PROFILE, Dataset, make_dataset
+from grader.errors import GraderError
+from grader.features import features
+from grader.host.frames import Ended, Loaded, LoadModels, Predict, Predicted, Script
+from grader.launch import HostProcess, Nursery
+from grader.link import HostDied, HostForged, HostHung, Link
+from grader.log import LogLine
+from grader.recording import (
+    COMPLETED,
+    Floats,
+    ModelAnswers,
+    Outcome,
+    Recording,
+    ScriptRun,
+    Training,
+)
+from grader.submission import Submission
+from grader.trial import GRACE, line_without_folder, not_run, status_text, without_folder
+from sim.scenario import Scenario, TrainingSpec
+from sim.simulation import Simulation
+
+DATA = "train.npz"
+PICKLE, ONNX = "velocity_model.pkl", "velocity_model.onnx"
+AGAIN_PICKLE, AGAIN_ONNX = "again.pkl", "again.onnx"  # other names: a script may not know them
+NEEDED = ("sklearn", "skl2onnx", "onnxruntime")
+MAX_FILE = 64 * 1024 * 1024  # [bytes] of a model
+LOAD_LIMIT = 30.0  # [s]
+PREDICT_LIMIT = 30.0  # [s]
+SINGLES = 200  # predictions of one scan each
+SLOW = 0.1  # [s] for one of them
+ENOUGH_SLOW = 10  # slow ones decide, the rest need not be waited for
+
+
+@dataclass(frozen=True)
+class Trained:
+    """A training's recording, and the files that came out of it."""
+
+    recording: Recording
+    pickle: bytes | None  # the model for the node; None if it could not drive a robot
+
+
+def run_training(
+    submission: Submission, scenario: Scenario, nursery: Nursery, *, seed: int | None = None
+) -> Trained:
+    """Run the training script that belongs to a submission, and question its models.
+
+    Raises
+    ------
+    GraderError
+        The grader or the machine failed, or a library is missing.
+    """
+    simulation = Simulation(scenario)
+    if seed is not None:
+        simulation.reset(seed=seed)
+    spec = scenario.training
+    assert spec is not None
+    problem = submission.problem or _missing(submission, spec)
+    if problem:
+        outcome = Outcome("unreadable", problem)
+        training = Training(spec.script, problem)
+        return Trained(replace(not_run(simulation, outcome), training=training), None)
+    _require_libraries()
+    return _train(submission, simulation, spec, nursery.workshop)
+
+
+def _train(
+    submission: Submission, simulation: Simulation, spec: TrainingSpec, workshop: Nursery
+) -> Trained:
+    data = make_dataset(spec.rows, 2 * simulation.seed)
+    hidden = make_dataset(spec.hidden_rows, 2 * simulation.seed + 1, blind=False)
+    run, files, log = _run_script(submission, spec, data, workshop, (PICKLE, ONNX))
+    training = Training(spec.script, runs=(run,), labels=hidden.speed.tobytes())
+    if run.succeeded and files:
+        second, more, _ = _run_script(submission, spec, data, workshop, (AGAIN_PICKLE, AGAIN_ONNX))
+        training = msgspec.structs.replace(training, runs=(run, second))
+        training = _question({**files, **more}, training, hidden, workshop)
+    kind = COMPLETED if run.succeeded else run.kind
+    outcome = Outcome(kind, "" if run.succeeded else run.text, run.wall, run.detail)
+    recording = replace(not_run(simulation, outcome), training=training, log=log)
+    return Trained(recording, files[PICKLE] if _is_usable(training) else None)
+
+
+def _is_usable(training: Training) -> bool:
+    """Tell whether the model can drive: it predicts, and does not take for ever."""
+    predicts = training.pickle.loaded and not training.pickle.problem
+    return predicts and len(training.single_wall) == SINGLES * np.float64().itemsize
+
+
+def _missing(submission: Submission, spec: TrainingSpec) -> str:
+    """Say that the script is not where it is looked for; nothing if it is."""
+    if any(path.name == spec.script for path in submission.others):
+        return ""
+    return f"there is no {spec.script} beside {submission.path.name}"
+
+
+def _require_libraries() -> None:
+    absent = [name for name in NEEDED if importlib.util.find_spec(name) is None]
+    if absent:
+        raise GraderError(
+            f"the training part needs {', '.join(absent)}; "
+            "run `pip install 'rclpy-agents-course[ml]'` (the extra `ml`)"
+        )
+
+
+# --- the script ----------------------------------------------------------------------------------
+
+
+def _run_script(
+    submission: Submission,
+    spec: TrainingSpec,
+    data: Dataset,
+    workshop: Nursery,
+    names: tuple[str, str],
+) -> tuple[ScriptRun, dict[str, bytes], tuple[LogLine, ...]]:
+    """Run the script once; return how that went, what it wrote, and what it said."""
+    with submission.folder() as folder:
+        data.save(folder / DATA)
+        arguments = ("--data", DATA, "--out", names[0], "--onnx", names[1])
+        seed = zlib.crc32(repr((names, spec)).encode())  # another in each run, as in real life
+        order = Script(str(folder / spec.script), arguments, seed)
+        with _link(workshop, folder) as (link, host):
+            began = time.perf_counter()
+            outcome = _conduct(link, host, order, spec.time_limit)
+            wall = time.perf_counter() - began
+            log = link.log()
+        files = {name: _take_file(folder / name) for name in names}
+        outcome = without_folder(outcome, folder)
+        kept = {name: content for name, content in files.items() if content is not None}
+        sizes = {name: len(content) for name, content in kept.items()}
+        run = ScriptRun(outcome.kind, outcome.text, outcome.detail, wall, sizes)
+        return run, kept, tuple(line_without_folder(line, folder) for line in log)
+
+
+def _conduct(link: Link, host: HostProcess, order: Script, limit: float) -> Outcome:
+    try:
+        answer, _ = link.ask(order, limit)
+    except HostHung as hung:
+        return Outcome("hung", f"the script was not done after {limit:.0f} s", detail=hung.stacks)
+    except HostDied:
+        status = status_text(host.wait(GRACE))
+        return Outcome("died", f"the script's process ended by itself ({status})")
+    except HostForged as error:
+        return Outcome("forged", f"the script answered in the host's place: {error}")
+    if not isinstance(answer, Ended):
+        return Outcome("forged", "the script answered in the host's place")
+    return Outcome(answer.kind, answer.text, detail=answer.detail)
+
+
+def _take_file(path: Path) -> bytes | None:
+    """Return what the script wrote; None unless it is an ordinary file of ordinary size."""
+    try:
+        fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    except OSError:
+        return None
+    with os.fdopen(fd, "rb") as file:
+        status = os.fstat(fd)
+        if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_FILE:
+            return None
+        return file.read(MAX_FILE)
+
+
+# --- its models ----------------------------------------------------------------------------------
+
+
+def _question(
+    files: dict[str, bytes], training: Training, hidden: Dataset, workshop: Nursery
+) -> Training:
+    """Let a fresh host load the models, without the script beside them, and predict."""
+    seen = features(hidden.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
+    with tempfile.TemporaryDirectory(prefix="course-", ignore_cleanup_errors=True) as name:
+        folder = Path(name).resolve()
+        for file, content in files.items():
+            (folder / file).write_bytes(content)
+        with _link(workshop, folder) as (link, _):
+            try:
+                return _interview(link, seen, training)
+            except (HostHung, HostDied, HostForged) as error:
+                problem = f"the process that loaded the models ended or hung ({error!r})"
+                return msgspec.structs.replace(training, pickle=ModelAnswers(problem[:300]))
+
+
+def _interview(link: Link, seen: Floats, training: Training) -> Training:
+    loaded, _ = link.ask(LoadModels((PICKLE, AGAIN_PICKLE), ONNX), LOAD_LIMIT)
+    if not isinstance(loaded, Loaded):
+        raise HostForged("no list of models")
+    answers = {}
+    for file in (PICKLE, AGAIN_PICKLE, ONNX):
+        problem = loaded.problems.get(file, "it was not tried")
+        answers[file] = ModelAnswers(problem) if problem else _answers(link, file, seen)
+    wall, cpu = np.empty(0), np.empty(0)
+    if not answers[PICKLE].problem:
+        wall, cpu = _time_singles(link, seen)
+    return msgspec.structs.replace(
+        training,
+        pickle=answers[PICKLE],
+        again=answers[AGAIN_PICKLE],
+        onnx=answers[ONNX],
+        onnx_inputs=loaded.inputs,
+        onnx_outputs=loaded.outputs,
+        single_wall=wall.tobytes(),
+        single_cpu=cpu.tobytes(),
+    )
+
+
+def _answers(link: Link, file: str, seen: Floats) -> ModelAnswers:
+    said = _ask(link, file, seen)
+    return ModelAnswers(said.problem, True, said.shape, said.values)
+
+
+def _ask(link: Link, file: str, seen: Floats) -> Predicted:
+    said, _ = link.ask(Predict(file, seen.tobytes()), PREDICT_LIMIT)
+    if not isinstance(said, Predicted) or len(said.values) % 8:
+        raise HostForged("no predictions")
+    return said
+
+
+def _time_singles(link: Link, seen: Floats) -> tuple[Floats, Floats]:
+    """Return wall and CPU time [s] of predictions for one scan each, measured from outside."""
+    costs = []
+    slow = 0
+    for row in seen[np.arange(SINGLES) % len(seen)]:
+        _, cost = link.ask(Predict(PICKLE, row.tobytes()), PREDICT_LIMIT)
+        costs.append((cost.wall, cost.cpu))
+        slow += min(cost.wall, cost.cpu) > SLOW
+        if slow >= ENOUGH_SLOW:
+            break
+    wall, cpu = np.array(costs).T.copy()
+    return wall, cpu
+
+
+@contextmanager
+def _link(workshop: Nursery, folder: Path) -> Iterator[tuple[Link, HostProcess]]:
+    with workshop.host(folder) as host:
+        yield Link(host), host
