@@ -105,6 +105,9 @@ def grade(
     if tier == 2:
         raise InputError("--tier 2 (live ROS 2) is not available yet; use --tier 1")
     chosen = find_exercise(exercise)
+    first = file.with_name(chosen.files[0])
+    if file.name in chosen.files[1:] and first.is_file():
+        file = first  # whichever file is given, the exercise's first one is the node
     submission = find_submission(file, chosen.files[0], chosen.files[1:])
     if student is not None or secret is not None:
         seed = _student_seed(student, secret, chosen.slug, seed)

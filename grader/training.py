@@ -111,7 +111,7 @@ def _is_usable(training: Training) -> bool:
 
 def _missing(submission: Submission, spec: TrainingSpec) -> str:
     """Say that the script is not where it is looked for; nothing if it is."""
-    if any(path.name == spec.script for path in submission.others):
+    if any(path.name == spec.script for path in (submission.path, *submission.others)):
         return ""
     return f"there is no {spec.script} beside {submission.path.name}"
 

@@ -202,7 +202,7 @@ def test_repeatable(recordings: Recordings) -> None:
 @pytest.mark.check(
     points=5,
     scenarios=OWN_DRIVES,
-    needs=("wiring", "one_command_per_scan", "model_accuracy", "prediction_time"),
+    needs=("drives", "model_accuracy", "prediction_time"),
 )
 def test_drives_own_model(recordings: Recordings) -> None:
     """Your model drives your controller through worlds denser than those it learned from."""

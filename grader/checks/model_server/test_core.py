@@ -11,6 +11,22 @@ from itertools import pairwise
 
 import pytest
 
+from grader.checks.model_server.answers import (
+    asks,
+    require_contract,
+    require_detection,
+    require_refusal,
+    require_success,
+)
+from grader.checks.model_server.clients import (
+    Request,
+    detections,
+    requests,
+    require_heartbeat,
+    require_unblocked,
+    roles,
+    warnings,
+)
 from grader.checks.model_server.contract import (
     ASK_PERIOD,
     HAIR,
@@ -18,20 +34,6 @@ from grader.checks.model_server.contract import (
     PATIENCE,
     ROLES,
     allowed,
-)
-from grader.checks.model_server.evidence import (
-    Request,
-    asks,
-    detections,
-    requests,
-    require_contract,
-    require_detection,
-    require_heartbeat,
-    require_refusal,
-    require_success,
-    require_unblocked,
-    roles,
-    warnings,
 )
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording

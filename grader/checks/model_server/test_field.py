@@ -6,8 +6,9 @@ from itertools import pairwise
 
 import pytest
 
+from grader.checks.model_server.answers import require_contract
+from grader.checks.model_server.clients import detections, require_heartbeat
 from grader.checks.model_server.contract import ASK_PERIOD, HAIR, NEXT_REQUEST, ROLES
-from grader.checks.model_server.evidence import detections, require_contract, require_heartbeat
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
 from grader.verdict import fail

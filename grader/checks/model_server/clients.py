@@ -1,0 +1,153 @@
+"""What the student's clients asked and published, and how their hearts beat."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from grader.checks.model_server.contract import LONGEST_GAP, ROLES, Floats
+from grader.checks.model_server.notes import ANSWERS, REQUESTS, notes
+from grader.checks.wiring import require_alive
+from grader.recording import Recording
+from grader.verdict import fail
+from sim.messages import STRING, UINT32, decode
+
+TICK = 1e-6  # [s] rounding
+BLOCKED = (
+    "Does a callback wait: client.call(), spin_until_future_complete(), a sleep, a loop? While it "
+    "waits, its executor delivers nothing, not even the answer that it waits for. Use call_async() "
+    "and future.add_done_callback(), and return."
+)
+
+
+@dataclass(frozen=True)
+class Request:
+    """A request that reached the grader's server, and its answer."""
+
+    at: float  # [s]
+    answered: float  # [s]; inf: never
+    success: bool = False
+    message: str = ""
+
+
+def roles(recording: Recording) -> list[str]:
+    """Return the roles of the clients in the scenario."""
+    words = {word for program in recording.scenario.program for word in program.arguments}
+    return [role for role in ROLES if f"role:={role}" in words]
+
+
+def requests(recording: Recording) -> list[Request]:
+    """Return the requests that reached the grader's server, in order."""
+    found: list[Request] = []
+    places: dict[int, int] = {}  # number of a request: its place; a new server counts anew
+    heard = [(at, 0, said) for at, said in notes(recording, REQUESTS)]
+    heard += [(at, 1, said) for at, said in notes(recording, ANSWERS)]
+    for at, is_answer, said in sorted(heard, key=lambda note: note[:2]):
+        number = said["number"]
+        if not is_answer:
+            places[number] = len(found)
+            found.append(Request(at, math.inf))
+        else:
+            asked = found[places[number]].at
+            found[places[number]] = Request(asked, at, said["success"], said["message"])
+    return found
+
+
+def detections(recording: Recording) -> list[tuple[float, str, str]]:
+    """Return what the clients published on their detection topics: time [s], role, text."""
+    found = []
+    for role in roles(recording):
+        for message in recording.of(f"/{role}/detection"):
+            if message.type == STRING:
+                text = str(decode(message.data, STRING).data)
+                found.append((message.time / 1e9, role, text))
+    return sorted(found)
+
+
+def beats(recording: Recording, role: str) -> tuple[Floats, list[int]]:
+    """Return times [s] and values of a client's heartbeats."""
+    messages = [m for m in recording.of(f"/{role}/heartbeat") if m.type == UINT32]
+    times = np.array([message.time for message in messages], dtype=float) / 1e9
+    return times, [int(decode(message.data, UINT32).data) for message in messages]
+
+
+def require_unblocked(recording: Recording) -> None:
+    """Fail if a client's heart stopped on the way: one of its callbacks waits."""
+    require_alive(recording)
+    for role in roles(recording):
+        times, _ = beats(recording, role)
+        if len(times) < 2:
+            continue  # no heart that could stop: that is another check's matter
+        gaps = np.diff([*times, recording.duration_s])
+        longest = int(np.argmax(gaps))
+        if gaps[longest] <= max(LONGEST_GAP, 2 * gaps[:-1].min()) + TICK:
+            continue
+        at = float(times[longest])
+        out = [r for r in requests(recording) if at - TICK <= r.at <= at + LONGEST_GAP]
+        for_good = longest == len(gaps) - 1
+        fail(
+            f"{role}_client stood still "
+            + (f"for good from {at:.2f} s on" if for_good else f"for {gaps[longest]:.2f} s"),
+            expected=f"a heartbeat at least every {LONGEST_GAP} s, whatever the server does",
+            actual=f"none after {at:.2f} s"
+            + (f"; it had asked /detect at {out[0].at:.2f} s" if out else ""),
+            at=at,
+            recording=recording,
+            help=BLOCKED,
+        )
+
+
+def require_heartbeat(recording: Recording) -> None:
+    """Fail unless every client's heart beats ten times a second from start to end, and counts."""
+    require_alive(recording)
+    for role in roles(recording):
+        topic = f"/{role}/heartbeat"
+        times, values = beats(recording, role)
+        bounds = np.array([0.0, *times, recording.duration_s])
+        gaps = np.diff(bounds)
+        long = np.flatnonzero(gaps > LONGEST_GAP + TICK)
+        if len(long):
+            at = float(bounds[long[0]])
+            fail(
+                f"the heartbeat of {role}_client pauses for {gaps[long[0]]:.2f} s"
+                if len(times)
+                else f"{role}_client has no heartbeat",
+                expected=f"a message on {topic} every 0.1 s, gaps of at most {LONGEST_GAP} s, with "
+                "or without a server",
+                actual=f"none from {at:.2f} s to {at + gaps[long[0]]:.2f} s",
+                at=at,
+                recording=recording,
+                help="Give it a timer of its own that waits for nothing. Does the constructor or "
+                "a callback wait for the service (wait_for_service)?",
+            )
+        if gaps[1:-1].min() < LONGEST_GAP / 3:
+            at = float(times[int(np.argmin(gaps[1:-1]))])
+            fail(
+                f"two heartbeats of {role}_client come {gaps[1:-1].min():.3f} s after one another",
+                expected=f"one message on {topic} every 0.1 s",
+                actual=f"{len(times)} in {recording.duration_s:.1f} s",
+                at=at,
+                recording=recording,
+                help="One timer of 0.1 s publishes it, and nothing else does.",
+            )
+        for index, (before, after) in enumerate(pairwise(values)):
+            if after != before + 1:
+                fail(
+                    f"the heartbeat of {role}_client does not count up",
+                    expected=f"{before + 1} after {before}",
+                    actual=str(after),
+                    at=float(times[index + 1]),
+                    recording=recording,
+                    help="Keep the count in an attribute of the node, and add 1 each time.",
+                )
+
+
+def warnings(recording: Recording, begin: float, end: float) -> bool:
+    """Tell whether the clients logged a warning (or worse) in this time [s]."""
+    return any(
+        line.level in ("warn", "error", "fatal") and begin - TICK <= line.t <= end + TICK
+        for line in recording.log
+    )
