@@ -18,7 +18,7 @@ grade: $(VENV)/.course ## set up, grade a reference solution, print the table, w
 	$(BIN)/course grade obstacle_avoidance $(SOLUTION) --field --report $(REPORT)
 
 test: $(VENV)/.dev ## set up, run the tests
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto --dist worksteal
 
 lint: $(VENV)/.dev ## ruff, mypy, skeletons in step with the solutions
 	$(BIN)/ruff check .

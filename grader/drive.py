@@ -14,6 +14,7 @@ from rich.markup import escape
 
 from grader.errors import InputError
 from grader.launch import Nursery
+from grader.models import OWN
 from grader.recording import Endpoint, Recording
 from grader.submission import Submission
 from grader.terminal import printable
@@ -96,7 +97,12 @@ def drive_node(
     seed: int | None = None,
     arguments: Sequence[str] = (),
 ) -> Recording:
-    """Run the node once; the robot also takes TwistStamped."""
+    """Run the node once; the robot also takes TwistStamped.
+
+    Where a scenario wants the student's own model, the one that lies beside the node is taken.
+    """
+    own = [name for name, model in scenario.node.models.items() if model.probe == OWN]
+    beside = [submission.path.with_name(name) for name in own]
     return run_trial(
         submission,
         scenario,
@@ -104,6 +110,7 @@ def drive_node(
         seed=mixed_seed(scenario.seed, seed),
         arguments=arguments,
         stamped=True,
+        files={path.name: path.read_bytes() for path in beside if path.is_file()},
     )
 
 

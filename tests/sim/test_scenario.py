@@ -64,7 +64,9 @@ def test_the_name_survives_json():
 def test_every_scenario_of_the_course_runs(name):
     simulation = Simulation(load_scenario(name))
     first = simulation.next_event()
-    assert first is not None
+    if first is None:  # no sensor: then there are programs that talk to one another
+        assert simulation.scenario.program
+        return
     assert simulation.advance(first) or simulation.scenario.script
 
 

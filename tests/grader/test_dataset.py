@@ -1,0 +1,55 @@
+"""The data to learn from."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grader.dataset import PROFILE, expert_speed, make_dataset
+from grader.features import features
+
+
+def test_the_same_seed_gives_the_same_data() -> None:
+    first, other = make_dataset(150, 3), make_dataset(150, 4)
+    make_dataset.cache_clear()
+    again = make_dataset(150, 3)
+    assert np.array_equal(first.ranges, again.ranges, equal_nan=True)
+    assert np.array_equal(first.speed, again.speed)
+    assert not np.array_equal(first.speed, other.speed)
+
+
+@pytest.mark.parametrize(
+    ("distance", "speed"),
+    [(0.2, 0.0), (0.3, 0.0), (0.35, 0.3), (0.3 + 0.25 / 1.8, 0.5), (3.0, 0.5), (np.inf, 0.5)],
+)
+def test_the_expert_stops_in_time(distance: float, speed: float) -> None:
+    assert expert_speed(np.array([distance]))[0] == pytest.approx(speed)
+
+
+def test_data_hold_what_a_lidar_sends_and_all_speeds() -> None:
+    data = make_dataset(600, 1)
+    assert data.ranges.dtype == np.float32
+    assert np.isnan(data.ranges).any()
+    assert np.isposinf(data.ranges).any()
+    assert np.isneginf(data.ranges).any()
+    seen = features(data.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
+    blind = np.isnan(seen).any(axis=1)
+    assert 0 < blind.sum() < 60
+    counts, _ = np.histogram(data.speed, [0.0, 1e-9, 0.25, 0.499, 0.51])
+    assert counts.min() > 20
+
+
+def test_hidden_scans_are_never_blind() -> None:
+    data = make_dataset(200, 2, blind=False)
+    seen = features(data.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
+    assert np.isfinite(seen).all()
+
+
+def test_the_file_holds_what_the_exercise_says(tmp_path: Path) -> None:
+    make_dataset(150, 3).save(tmp_path / "train.npz")
+    with np.load(tmp_path / "train.npz") as data:
+        assert data["ranges"].shape == (150, 360)
+        assert data["speed"].shape == (150,)
+        assert data["range_max"] == PROFILE.range_max
+        angles = data["angle_min"] + data["angle_increment"] * np.arange(360)
+    assert np.allclose(angles, PROFILE.angles)

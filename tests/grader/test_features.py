@@ -1,0 +1,57 @@
+"""Features against a slow, obvious computation."""
+
+import math
+
+import numpy as np
+import pytest
+
+from grader.features import features, possible_features
+from grader.recording import Scan
+
+DEGREES = np.arange(-180.0, 180.0)
+
+
+def slow_features(ranges: np.ndarray, low: float, high: float) -> list[float]:
+    sectors: dict[str, list[float]] = {"front": [], "left": [], "right": []}
+    for degrees, reading in zip(DEGREES, ranges, strict=True):
+        value = low if reading == -math.inf else reading
+        if math.isnan(value) or value < low:
+            continue
+        side = "left" if degrees > 0 else "right"
+        sectors["front" if abs(degrees) <= 60 else side].append(min(value, high))
+    front = sectors["front"]
+    return [
+        min(front), float(np.mean(front)), float(np.std(front)),
+        min(sectors["left"]), min(sectors["right"]),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_features_are_those_of_the_contract(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    ranges = rng.uniform(0.0, 14.0, 360)
+    for value in (math.inf, -math.inf, math.nan, 0.0):
+        ranges[rng.integers(360, size=20)] = value
+    low, high = float(np.float32(0.15)), 12.0
+    found = features(ranges[None, :], DEGREES, 0.15, 12.0)[0]
+    assert found == pytest.approx(slow_features(ranges, low, high), rel=1e-12)
+
+
+def test_a_blind_sector_has_no_features() -> None:
+    ranges = np.full((1, 360), 2.0)
+    ranges[0, DEGREES < -60] = math.nan
+    found = features(ranges, DEGREES, 0.15, 12.0)[0]
+    assert np.isnan(found[4])
+    assert not np.isnan(found[:4]).any()
+
+
+def test_a_scan_without_beams_is_blind() -> None:
+    assert np.isnan(features(np.zeros((1, 0)), np.zeros(0), 0.15, 12.0)).all()
+
+
+def test_edges_do_not_split_hairs() -> None:
+    ranges = np.full(360, 4.0, np.float32)
+    ranges[np.abs(DEGREES) == 60] = 1.0
+    step = math.radians(1)
+    possible = possible_features(Scan(0.0, 0.0, -math.pi, step, 0.15, 12.0, ranges))
+    assert set(possible[:, 0]) == {1.0, 4.0}
