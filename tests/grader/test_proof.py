@@ -1,4 +1,8 @@
-"""Every solution, right or wrong, gets what it says it deserves."""
+"""Every solution, right or wrong, gets what it says it deserves.
+
+All solutions of exercises 1 and 3; of the others the right ones, and enough mutants for every check
+to have killed one. `make prove` takes all of them, and more time.
+"""
 
 from pathlib import Path
 
@@ -9,10 +13,28 @@ from grader.exercises import Exercise, all_exercises
 from grader.launch import Nursery
 from grader.proof import Claim, claims, complete, grade_claim, objections
 
+IN_FULL = ("obstacle_avoidance", "goal_seeking")
 ALL = [claim for exercise in all_exercises() for claim in claims(exercise)]
 
 
-@pytest.mark.parametrize("claim", ALL, ids=lambda claim: claim.name)
+def enough(exercise: Exercise) -> list[Claim]:
+    """The right solutions, and mutants for all checks that any mutant fails."""
+    every = list(claims(exercise))
+    if exercise.slug in IN_FULL:
+        return every
+    chosen = [claim for claim in every if claim.kind != "mutant"]
+    killed: set[str] = set()
+    for claim in sorted(every, key=lambda claim: (len(claim.fails), claim.path.name)):
+        if claim.kind == "mutant" and not claim.fails <= killed:
+            chosen.append(claim)
+            killed |= claim.fails
+    return chosen
+
+
+CHOSEN = [claim for exercise in all_exercises() for claim in enough(exercise)]
+
+
+@pytest.mark.parametrize("claim", CHOSEN, ids=lambda claim: claim.name)
 def test_claims_hold(claim: Claim, nursery: Nursery) -> None:
     assert objections(claim, grade_claim(claim, nursery)) == []
 
