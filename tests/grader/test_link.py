@@ -34,11 +34,11 @@ from grader.link import (
     Link,
     Output,
 )
+from grader.log import LogLine
 
 START = Start(programs=(ProgramStart("agent.py"),), epoch=0, seed=1, offers=())
 LIMIT = 20.0  # [s] for answers that come
 SOON = 0.05  # [s] for answers that don't
-from grader.log import LogLine
 
 
 @pytest.fixture(autouse=True)
