@@ -25,6 +25,7 @@ lint: $(VENV)/.dev ## ruff, mypy, skeletons in step with the solutions
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python -m grader.skeletons --check
+	$(BIN)/python -m grader.catalogue --check
 
 format: $(VENV)/.dev ## let ruff format and fix what it can
 	$(BIN)/ruff format .
@@ -36,11 +37,12 @@ prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which ch
 bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lidar.py
 	$(BIN)/python benchmarks/lockstep.py
-	$(BIN)/python benchmarks/determinism.py
-	$(BIN)/python benchmarks/students.py --students 20
+	$(BIN)/python benchmarks/determinism.py obstacle_avoidance goal_seeking
+	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20
 
-skeletons: $(VENV)/.dev ## make the skeletons anew from the solutions
+skeletons: $(VENV)/.dev ## make the skeletons and docs/mutants.md anew from the solutions
 	$(BIN)/python -m grader.skeletons
+	$(BIN)/python -m grader.catalogue
 
 constraints: ## pin the newest versions that fit pyproject.toml
 	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,dev]' \

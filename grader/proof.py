@@ -52,6 +52,11 @@ class Claim:
         """A short name for tables and tests."""
         return f"{self.exercise.slug}/{self.kind}/{self.path.stem}"
 
+    @property
+    def about(self) -> str:
+        """The first paragraph of the docstring: what is special about it, or its mistake."""
+        return " ".join(_docstring(self.path).split("\n\n")[0].split())
+
 
 def claims(exercise: Exercise) -> Iterator[Claim]:
     """Return all solutions of an exercise with their claims."""
