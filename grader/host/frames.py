@@ -55,7 +55,6 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     epoch: Nanoseconds  # ROS time of the start
     seed: int  # for `random`, in case the student uses it
     offers: tuple[Offer, ...]
-    domain: int = 0
 
 
 class Run(msgspec.Struct, frozen=True, tag="run"):
