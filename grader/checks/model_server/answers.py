@@ -196,7 +196,7 @@ def read_detection(recording: Recording, ask: Ask) -> dict[str, Any]:
     """Return the JSON object in an answer; fail if it is none, or lacks a key."""
     try:
         said = json.loads(ask.message)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:  # thousands of brackets are the student's, too
         _fail_message(recording, ask, "a JSON object in message", f"no JSON: {error}")
     keys = ("label", "confidence", "stamp")
     if not isinstance(said, dict) or any(key not in said for key in keys):

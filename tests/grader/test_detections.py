@@ -1,0 +1,24 @@
+"""What a student's server answers is hostile input: it fails the check, it never breaks it."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from grader.checks.model_server.answers import read_detection
+from grader.verdict import CheckFailed
+
+GOOD = '{"label": "free", "confidence": 0.9, "stamp": 1.0}'
+
+
+def ask(message: str) -> SimpleNamespace:
+    return SimpleNamespace(message=message, what="asked at 1.0 s", at=1.0)
+
+
+def test_a_detection_is_read() -> None:
+    assert read_detection(None, ask(GOOD))["label"] == "free"
+
+
+@pytest.mark.parametrize("message", ["", "free", "[1, 2]", "{}", "null", "[" * 100_000])
+def test_anything_else_is_the_students_mistake(message: str) -> None:
+    with pytest.raises(CheckFailed):
+        read_detection(None, ask(message))
