@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ import numpy as np
 
 from grader.errors import InputError
 from grader.log import LogLine
-from grader.recording import Compute, Endpoint, Outcome, Recording, Training
+from grader.recording import Compute, Endpoint, Live, Outcome, Recording, Training
 from sim.layout import layout_from_json, layout_to_json
 from sim.messages import (
     BOOL,
@@ -65,6 +66,7 @@ class _Document(msgspec.Struct, frozen=True):
     published: dict[str, str]
     compute: list[tuple[float, float, float | None]]
     training: Training | None = None
+    live: Live | None = None
 
 
 def save(recording: Recording, folder: Path) -> Path:
@@ -87,7 +89,7 @@ def save(recording: Recording, folder: Path) -> Path:
                 connections[key] = _connect(writer, message)
             connection = connections[key]
             if connection is not None:
-                writer.write(connection, EPOCH_NS + message.time, message.data)
+                writer.write(connection, recording.epoch + message.time, message.data)
     return folder
 
 
@@ -108,9 +110,7 @@ def load(path: Path) -> Recording:
     try:
         with Reader(folder) as reader:
             for connection, stamp, data in reader.messages():
-                messages.append(
-                    Message(connection.topic, connection.msgtype, stamp - EPOCH_NS, bytes(data))
-                )
+                messages.append(Message(connection.topic, connection.msgtype, stamp, bytes(data)))
         return _assemble(messages, str(folder))
     except Exception as error:  # rosbags raises whatever the broken bytes lead to
         said = " ".join(str(error).split())[:MAX_REASON]
@@ -122,6 +122,8 @@ def _assemble(messages: list[Message], folder: str) -> Recording:
     document = msgspec.json.decode(decode(head.data, STRING).data, type=_Document)
     if document.format != FORMAT:
         raise ValueError(f"format {document.format}, expected {FORMAT}")
+    epoch = EPOCH_NS if document.live is None else document.live.epoch
+    messages = [replace(message, time=message.time - epoch) for message in messages]
     return Recording(
         scenario=scenario_from_json(document.scenario),
         layout=layout_from_json(document.layout),
@@ -136,6 +138,7 @@ def _assemble(messages: list[Message], folder: str) -> Recording:
         log_truncated=document.log_truncated,
         compute=Compute(*np.array(document.compute, dtype=float).reshape(-1, 3).T),
         training=document.training,
+        live=document.live,
         bag=folder,
     )
 
@@ -202,6 +205,7 @@ def _document(recording: Recording) -> _Document:
             zip(compute.time.tolist(), compute.wall.tolist(), compute.cpu.tolist(), strict=True)
         ),
         training=recording.training,
+        live=recording.live,
     )
 
 

@@ -29,7 +29,20 @@ from grader.ros import RosEnvironment, find_ros
 
 ROOT = Path(__file__).resolve().parent.parent
 TRAINING_LIBRARIES = ("numpy", "sklearn.ensemble", "skl2onnx", "onnxruntime")
-NODES, SCRIPTS = "nodes", "scripts"
+NODES, SCRIPTS, LIVE = "nodes", "scripts", "live"  # what a nursery's hosts do
+NO_GPU = {"CUDA_VISIBLE_DEVICES": ""}  # the same run on every machine
+LEARNING = {  # for whoever imports Keras
+    "KERAS_BACKEND": "torch",
+    "KERAS_HOME": os.devnull,  # no settings read, none written
+}
+VIRTUAL_DDS = {  # it never leaves the process
+    "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
+    "FASTDDS_BUILTIN_TRANSPORTS": "SHM",
+}
+LIVE_DDS = {  # it never leaves the machine
+    "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
+    "FASTRTPS_DEFAULT_PROFILES_FILE": str(ROOT / "grader" / "host" / "live.xml"),
+}
 START_LIMIT = 60.0  # [s] for the imports of a cold machine
 
 
@@ -81,8 +94,8 @@ class Nursery:
         ROS time of a scenario's start [ns].
     libraries
         Modules that are imported before hosts are forked, because they take long.
-    scripts
-        Its hosts run scripts that return, not nodes.
+    kind
+        What its hosts run: nodes in virtual time, scripts that return, or nodes in real time.
     """
 
     def __init__(
@@ -91,12 +104,12 @@ class Nursery:
         ros: RosEnvironment | None = None,
         *,
         libraries: Sequence[str] = (),
-        scripts: bool = False,
+        kind: str = NODES,
     ) -> None:
         self._epoch = epoch
         self._libraries = tuple(libraries)
-        self._kind = SCRIPTS if scripts else NODES
-        self._workshop: Nursery | None = None
+        self._kind = kind
+        self._sisters: dict[str, Nursery] = {}  # by kind; they start when first asked for
         self.ros = ros or find_ros()
         self._lock = threading.Lock()
         self._unprivileged = False
@@ -122,8 +135,8 @@ class Nursery:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._workshop is not None:
-            self._workshop.__exit__()
+        for sister in self._sisters.values():
+            sister.__exit__()
         self._control.close()
         try:
             self._process.wait(timeout=5)
@@ -142,20 +155,34 @@ class Nursery:
 
     @property
     def workshop(self) -> Nursery:
-        """The nursery for scripts that goes with this one; it starts when first asked for."""
+        """The nursery for scripts that goes with this one."""
+        return self._sister(SCRIPTS, TRAINING_LIBRARIES)
+
+    @property
+    def live(self) -> Nursery:
+        """The nursery for nodes in real time that goes with this one."""
+        return self._sister(LIVE, self._libraries)
+
+    def _sister(self, kind: str, libraries: Sequence[str]) -> Nursery:
         with self._lock:
-            if self._workshop is None:
-                self._workshop = Nursery(
-                    self._epoch, self.ros, libraries=TRAINING_LIBRARIES, scripts=True
-                )
-                self._workshop._users = self._users  # no two hosts are the same user
-            return self._workshop
+            if kind not in self._sisters:
+                sister = Nursery(self._epoch, self.ros, libraries=libraries, kind=kind)
+                sister._users = self._users  # no two hosts are the same user
+                self._sisters[kind] = sister
+            return self._sisters[kind]
+
+    def new_user(self) -> int:
+        """Return a user for a host [uid]; 0, which is the judge's own, if it can't be another."""
+        self._await_ready()
+        return next(self._users) if self._unprivileged else 0
 
     @contextlib.contextmanager
-    def host(self, folder: Path) -> Iterator[HostProcess]:
-        """Fork a host that works in `folder`; it is dead when the block ends."""
-        self._await_ready()
-        uid = next(self._users) if self._unprivileged else 0
+    def host(self, folder: Path, user: int | None = None) -> Iterator[HostProcess]:
+        """Fork a host that works in `folder`; it is dead when the block ends.
+
+        Each host is another user, unless several are to share their folder.
+        """
+        uid = self.new_user() if user is None else user
         if uid:
             _give(folder, uid)
         host = self._fork(folder, uid)
@@ -188,12 +215,13 @@ class Nursery:
             "OMP_NUM_THREADS": "1",  # one thread of numeric libraries: the same sums everywhere
             "OPENBLAS_NUM_THREADS": "1",
             "LOKY_MAX_CPU_COUNT": "1",  # scikit-learn's n_jobs=-1
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
+            **({} if self._kind == LIVE else NO_GPU),
+            **LEARNING,
             "ROS_LOG_DIR": tempfile.gettempdir(),
-            "FASTDDS_BUILTIN_TRANSPORTS": "SHM",
             "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
             "RCUTILS_CONSOLE_OUTPUT_FORMAT": "[{severity}] [{name}]: {message}",
             "RCUTILS_COLORIZED_OUTPUT": "0",
+            **(LIVE_DDS if self._kind == LIVE else VIRTUAL_DDS),
             **self.ros.variables(),
         }
 

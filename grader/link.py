@@ -76,8 +76,8 @@ class Output:
     lines: list[LogLine] = field(default_factory=list)
     truncated: bool = False
     limit: int = 0  # [ns] no time mark can be later: the node's time has not gone further
+    clock: int = 0  # [ns] when the next line is said, unless a mark tells
     _partial: bytes = b""
-    _time: int = 0
     _size: int = 0
 
     def feed(self, data: bytes) -> None:
@@ -98,10 +98,10 @@ class Output:
 
     def _line(self, text: str) -> None:
         mark = TIME_MARK.fullmatch(text)
-        if mark is not None and self._time <= int(mark[2]) <= self.limit:
+        if mark is not None and self.clock <= int(mark[2]) <= self.limit:
             if mark[1]:
                 self._keep(mark[1])
-            self._time = int(mark[2])
+            self.clock = int(mark[2])
         else:
             self._keep(text)
 
@@ -111,7 +111,7 @@ class Output:
             return
         match = ROS_LINE.match(text)
         level, said = (match[1].lower(), match[3]) if match else (self.stream, text)
-        self.lines.append(LogLine(self._time, level, said.rstrip("\r")[:2_000]))
+        self.lines.append(LogLine(self.clock, level, said.rstrip("\r")[:2_000]))
 
 
 @dataclass(frozen=True)
@@ -122,8 +122,8 @@ class Cost:
     cpu: float  # [s]; nan where the system doesn't tell
 
 
-class Link:
-    """Frames to and from one host."""
+class Channel:
+    """The pipes between the judge and one host."""
 
     def __init__(self, host: HostProcess) -> None:
         self._host = host
@@ -131,28 +131,7 @@ class Link:
         self.stdout = Output("stdout")
         self.stderr = Output("stderr")
         self._pipes = {host.stdout: self.stdout, host.stderr: self.stderr}
-        self._exchanges = 0
-        self._answers = select.poll()
-        self._answers.register(host.link_in, select.POLLIN)
         self._cpu_clock = ~host.pid << 3 | 2  # the clock of another process (clock_getcpuclockid)
-
-    def start(self, frame: Start, limit: float) -> tuple[Settled | Ended, Cost]:
-        """Run the student's file up to the point where it waits; limit [s] of wall time."""
-        return self._exchange(frame, 0, limit, decode_to_judge)
-
-    def run(self, frame: Run, limit: float) -> tuple[Settled | Ended, Cost]:
-        """Let the node go on; limit [s] of wall time.
-
-        Raises
-        ------
-        HostDied, HostHung, HostForged
-            The process ended, did not answer in time, or sent nonsense.
-        """
-        return self._exchange(frame, frame.until, limit, decode_to_judge)
-
-    def ask(self, frame: Script | LoadModels | Predict, limit: float) -> tuple[FromScript, Cost]:
-        """Give an order to a host that runs scripts; it raises as `run` does."""
-        return self._exchange(frame, 0, limit, decode_from_script)
 
     def log(self) -> tuple[LogLine, ...]:
         """Return what the node said so far, in order of time."""
@@ -163,61 +142,26 @@ class Link:
             output.finish()
         return tuple(sorted(self.stdout.lines + self.stderr.lines, key=lambda line: line.time))
 
-    def _exchange(
-        self, frame: ToHost, until: int, limit: float, decode: Callable[[bytes], Answer]
-    ) -> tuple[Answer, Cost]:
-        self._expect_silence()
-        self.stdout.limit = self.stderr.limit = until
-        started, cpu = time.perf_counter(), self._cpu()
-        self._send(frame, started + limit)
-        body = self._receive(started + limit)
-        cost = Cost(time.perf_counter() - started, self._cpu() - cpu)
+    def cpu(self) -> float:
+        """Return the CPU time that the host has used [s]; nan where the system doesn't tell."""
         try:
-            return decode(body), cost
-        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-            raise HostForged(str(error)[:MAX_REASON]) from None
+            return time.clock_gettime(self._cpu_clock)
+        except OSError:
+            return float("nan")
 
-    def _expect_silence(self) -> None:
-        """Make sure that the host has not answered before it was asked."""
-        early = bytes(self._buffer)
-        if not early:
-            try:
-                early = os.read(self._host.link_in, 1)
-            except BlockingIOError:
-                return
-        raise HostForged("an answer before the question") if early else HostDied
-
-    def _send(self, frame: ToHost, deadline: float) -> None:
+    def _write(self, frame: ToHost, deadline: float) -> None:
+        """Send a frame before the deadline, of `time.perf_counter` [s]."""
         data = memoryview(encode(frame))
         room = select.poll()
         room.register(self._host.link_out, select.POLLOUT)
         while data:
             remaining = deadline - time.perf_counter()
             if remaining <= 0 or not room.poll(remaining * 1e3):
-                raise HostHung(self._stacks())
+                raise HostHung(self.stacks())
             try:
                 data = data[os.write(self._host.link_out, data) :]
             except BrokenPipeError:
                 raise HostDied from None
-
-    def _receive(self, deadline: float) -> bytes:
-        while (body := self._take_frame()) is None:
-            remaining = deadline - time.perf_counter()
-            if remaining <= 0:
-                raise HostHung(self._stacks())
-            # Output alone must not wake the judge: that would double the cost of an exchange.
-            if self._answers.poll(min(remaining, PATROL) * 1e3):
-                self._read(self._host.link_in)
-            else:
-                self._drain_all()
-        self._exchanges += 1
-        if self._exchanges % DRAIN_EVERY == 0:
-            self._drain_all()
-        return body
-
-    def _drain_all(self) -> None:
-        for fd in self._pipes:
-            self._drain(fd)
 
     def _read(self, fd: int) -> None:
         chunk = os.read(fd, CHUNK)
@@ -238,11 +182,15 @@ class Link:
         del self._buffer[:end]
         return body
 
+    def _drain_all(self) -> None:
+        for fd in self._pipes:
+            self._drain(fd)
+
     def _drain(self, fd: int) -> None:
         with contextlib.suppress(BlockingIOError):
             self._pipes[fd].feed(os.read(fd, CHUNK))
 
-    def _stacks(self) -> str:
+    def stacks(self) -> str:
         """Return where the hung host is, in the student's terms."""
         for _ in range(DRAINS):
             self._drain(self._host.stderr)
@@ -258,8 +206,74 @@ class Link:
                 break
         return "\n".join(line.text for line in self.stderr.lines[before:])
 
-    def _cpu(self) -> float:
-        try:
-            return time.clock_gettime(self._cpu_clock)
-        except OSError:
-            return float("nan")
+
+def decoded(body: bytes, decode: Callable[[bytes], Answer]) -> Answer:
+    """Decode a frame of a host; HostForged if it isn't one."""
+    try:
+        return decode(body)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise HostForged(str(error)[:MAX_REASON]) from None
+
+
+class Link(Channel):
+    """Frames to and from one host, in turns: it answers each question once."""
+
+    def __init__(self, host: HostProcess) -> None:
+        super().__init__(host)
+        self._exchanges = 0
+        self._answers = select.poll()
+        self._answers.register(host.link_in, select.POLLIN)
+
+    def start(self, frame: Start, limit: float) -> tuple[Settled | Ended, Cost]:
+        """Run the student's file up to the point where it waits; limit [s] of wall time."""
+        return self._exchange(frame, 0, limit, decode_to_judge)
+
+    def run(self, frame: Run, limit: float) -> tuple[Settled | Ended, Cost]:
+        """Let the node go on; limit [s] of wall time.
+
+        Raises
+        ------
+        HostDied, HostHung, HostForged
+            The process ended, did not answer in time, or sent nonsense.
+        """
+        return self._exchange(frame, frame.until, limit, decode_to_judge)
+
+    def ask(self, frame: Script | LoadModels | Predict, limit: float) -> tuple[FromScript, Cost]:
+        """Give an order to a host that runs scripts; it raises as `run` does."""
+        return self._exchange(frame, 0, limit, decode_from_script)
+
+    def _exchange(
+        self, frame: ToHost, until: int, limit: float, decode: Callable[[bytes], Answer]
+    ) -> tuple[Answer, Cost]:
+        self._expect_silence()
+        self.stdout.limit = self.stderr.limit = until
+        started, cpu = time.perf_counter(), self.cpu()
+        self._write(frame, started + limit)
+        body = self._receive(started + limit)
+        cost = Cost(time.perf_counter() - started, self.cpu() - cpu)
+        return decoded(body, decode), cost
+
+    def _expect_silence(self) -> None:
+        """Make sure that the host has not answered before it was asked."""
+        early = bytes(self._buffer)
+        if not early:
+            try:
+                early = os.read(self._host.link_in, 1)
+            except BlockingIOError:
+                return
+        raise HostForged("an answer before the question") if early else HostDied
+
+    def _receive(self, deadline: float) -> bytes:
+        while (body := self._take_frame()) is None:
+            remaining = deadline - time.perf_counter()
+            if remaining <= 0:
+                raise HostHung(self.stacks())
+            # Output alone must not wake the judge: that would double the cost of an exchange.
+            if self._answers.poll(min(remaining, PATROL) * 1e3):
+                self._read(self._host.link_in)
+            else:
+                self._drain_all()
+        self._exchanges += 1
+        if self._exchanges % DRAIN_EVERY == 0:
+            self._drain_all()
+        return body

@@ -13,13 +13,23 @@ import numpy as np
 
 from grader.dataset import PROFILE, make_dataset
 from grader.errors import GraderError
+from grader.exporter import EXPORTER
 from grader.features import features
 from grader.host import classifiers, probes
 from sim.scenario import Model
 
 OWN = "own"  # the student's own trained model
+PICKLE = ".pkl"
+EXPORTED = (".onnx", ".pt2", ".keras")  # suffixes of the formats that other libraries load
+LEARNED = ("linear", "tree")  # these are scikit-learn's own models in a pickle
 PROTOCOL = 4  # of pickle; every Python here reads it
 _FOREIGN = b"cmy_training_script\nMyModel\n."  # a pickle whose class lies in a script that is gone
+
+
+def _linear(weights: tuple[float, ...], offset: float = 0.0, **_form: Any) -> probes.Weighted:
+    """Return what a linear model says, whatever the form of its file."""
+    return probes.Weighted(weights, offset)
+
 
 _PROBES: dict[str, Callable[..., Any]] = {
     "echo": probes.Echo,
@@ -31,6 +41,7 @@ _PROBES: dict[str, Callable[..., Any]] = {
     "counts_loads": probes.CountsLoads,
     "slow": probes.Slow,
     "weighted": probes.Weighted,
+    "linear": _linear,
     "alone": probes.Alone,
     "describes": classifiers.Describes,
     "numbers": classifiers.Numbers,
@@ -50,17 +61,20 @@ def write_models(models: Mapping[str, Model], folder: Path) -> None:
     for name, model in models.items():
         if model.probe == OWN:  # comes from the student's training script, if it made one
             continue
-        (folder / Path(name).name).write_bytes(model_bytes(model))
+        path = folder / Path(name).name
+        path.write_bytes(model_bytes(model, path.suffix.lower()))
 
 
-def model_bytes(model: Model) -> bytes:
-    """Return the content of a model file."""
+def model_bytes(model: Model, suffix: str = PICKLE) -> bytes:
+    """Return the content of a model file; the suffix (in lower case) says in which format."""
     if model.probe == "garbage":
         return b"this is no model\n"
     if model.probe == "foreign":
         return _FOREIGN
     if model.probe == "trained":
         return _trained(**model.settings)
+    if suffix in EXPORTED or model.probe in LEARNED:
+        return EXPORTER.content(suffix, model.probe, model.settings)
     return pickle.dumps(probe(model), PROTOCOL)
 
 

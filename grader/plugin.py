@@ -1,4 +1,4 @@
-"""The pytest plugin that turns tests into checks: points, core and field, needs, five outcomes.
+"""The pytest plugin that turns tests into checks: points, core and field, needs, six outcomes.
 
 A check is a test under `grader/checks/<exercise>/` with a `check` mark::
 
@@ -7,7 +7,8 @@ A check is a test under `grader/checks/<exercise>/` with a `check` mark::
         \"\"\"Between 0.5 m and 1.0 m the robot drives at 0.15 m/s.\"\"\"
 
 Its docstring's first line is what the student reads; it fails through `grader.verdict.fail`. Any
-other exception is the grader's own fault (ERROR).
+other exception is the grader's own fault (ERROR). With `requires=("torch",)` it is judged only
+where these libraries are installed; elsewhere it is UNAVAILABLE, and its scenarios don't run.
 """
 
 from __future__ import annotations
@@ -21,9 +22,11 @@ import pytest
 from grader.errors import GraderError, InputError
 from grader.recording import Recording
 from grader.trials import NoRecording, Trials
-from grader.verdict import CheckFailed, Inconclusive
+from grader.verdict import CheckFailed, Inconclusive, inconclusive
 
 PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
+UNAVAILABLE = "unavailable"  # an optional library that it is about is not installed here
+UNJUDGED = (ERROR, INCONCLUSIVE, UNAVAILABLE)  # neither won nor lost
 MAX_MESSAGE = 4_000  # [characters]: messages quote what students wrote
 
 
@@ -37,6 +40,7 @@ class Check:
     field: bool
     scenarios: tuple[str, ...]
     needs: tuple[str, ...]
+    requires: tuple[str, ...] = ()  # modules of optional libraries
 
     @property
     def kind(self) -> str:
@@ -74,19 +78,23 @@ class CheckPlugin:
         self._field = field
         self._only = tuple(only)
         self._checks: dict[str, Check] = {}  # by node id
+        self._lacks: dict[str, str] = {}  # by check id: which libraries are not here
         self.results: dict[str, CheckResult] = {}  # by check id
         self.fault: Exception | None = None  # what kept the checks from being collected
         self.interrupted = False  # by the person at the keyboard
 
     def pytest_configure(self, config: pytest.Config) -> None:
         """Make the mark known."""
-        config.addinivalue_line("markers", "check(points, field, scenarios, needs): a check")
+        config.addinivalue_line(
+            "markers", "check(points, field, scenarios, needs, requires): one check"
+        )
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Keep the checks asked for, order them after what they need, start their trials."""
         try:
             checks = {item.nodeid: _read_check(item) for item in items}
             chosen = self._choose(list(checks.values()))
+            self._lacks = {check.id: self._lacking(check) for check in chosen}
         except (GraderError, InputError) as error:
             self.fault, items[:] = error, []
             return
@@ -104,12 +112,19 @@ class CheckPlugin:
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
         """Skip a check if one that it needs did not pass; field checks need all of the core."""
         check = self._checks[item.nodeid]
+        if self._lacks[check.id]:
+            raise _Unavailable(self._lacks[check.id])
         for need in check.needs:
             result = self.results[need]
+            if result.outcome == UNAVAILABLE:
+                raise _Unavailable(result.message)
+            if result.outcome in UNJUDGED:
+                inconclusive(f"not judged, because “{result.title}” could not be judged")
             if result.outcome != PASS:
                 raise _Unmet(f"not judged, because “{result.title}” did not pass")
         if check.field:
-            if any(r.kind == "core" and r.outcome != PASS for r in self.results.values()):
+            core = [result for result in self.results.values() if result.kind == "core"]
+            if any(result.outcome not in (PASS, UNAVAILABLE) for result in core):
                 raise _Unmet("not judged, because not every core check passed")
             self._prepare(field=True)
 
@@ -123,9 +138,19 @@ class CheckPlugin:
         if call.when == "teardown" or check.id in self.results:
             return
         if call.excinfo is not None:
-            self.results[check.id] = _judge(check, call.excinfo.value)
+            self.results[check.id] = _judge(check, self._excused(check, call.excinfo.value))
         elif call.when == "call":
             self.results[check.id] = _result(check, PASS)
+
+    def _excused(self, check: Check, error: BaseException) -> BaseException:
+        """Return the error, unless the machine stalled: then nobody knows whose fault it is."""
+        if not isinstance(error, CheckFailed):
+            return error
+        for name in check.scenarios:
+            live = self._trials.get(name).live
+            if live is not None and live.stall:
+                return Inconclusive(f"the machine stalled in {name}: {live.stall}")
+        return error
 
     def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo[BaseException]) -> None:
         """Note an interrupt (pytest's own way out of broken files is a subclass)."""
@@ -133,7 +158,11 @@ class CheckPlugin:
 
     def _prepare(self, *, field: bool) -> None:
         checks = [check for check in self._checks.values() if check.field == field]
+        checks = [check for check in checks if not self._lacks[check.id]]
         self._trials.prepare(list(dict.fromkeys(s for check in checks for s in check.scenarios)))
+
+    def _lacking(self, check: Check) -> str:
+        return self._trials.lacks(check.scenarios, check.requires) if check.requires else ""
 
     def _choose(self, checks: list[Check]) -> list[Check]:
         by_id = {check.id: check for check in checks}
@@ -152,6 +181,10 @@ class CheckPlugin:
 
 class _Unmet(Exception):
     """A check that this one needs did not pass."""
+
+
+class _Unavailable(Exception):
+    """A library that the check is about is not installed."""
 
 
 def _add_with_needs(
@@ -184,6 +217,7 @@ def _read_check(item: pytest.Item) -> Check:
         field=mark.kwargs.get("field", False),
         scenarios=tuple(mark.kwargs["scenarios"]),
         needs=tuple(mark.kwargs.get("needs", ())),
+        requires=tuple(mark.kwargs.get("requires", ())),
     )
 
 
@@ -202,6 +236,8 @@ def _judge(check: Check, error: BaseException) -> CheckResult:
             )
         case Inconclusive():
             return _result(check, INCONCLUSIVE, message=str(error))
+        case _Unavailable():
+            return _result(check, UNAVAILABLE, message=str(error))
         case _Unmet() | NoRecording():
             return _result(check, SKIP, message=str(error))
         case _:

@@ -45,7 +45,8 @@ class Outcome:
     `kind` is `completed` (the scenario ran to its end with the node alive) or one of
     `missing` (a file of the submission), `unreadable`, `syntax_error`, `exception`, `returned`,
     `exited` (sys.exit), `died` (the process vanished), `hung` (no answer within the wall time),
-    `stuck` (a deadlock), `never_spun`, `flooded`, `forged`.
+    `stuck` (a deadlock), `never_spun`, `flooded`, `forged`, `real_time` (it can't run in virtual
+    time, and has to run again).
     """
 
     kind: str
@@ -112,7 +113,7 @@ class ModelAnswers(msgspec.Struct, frozen=True):
     @property
     def speeds(self) -> Floats:
         """(n,) predictions [m/s]."""
-        return np.frombuffer(self.values)
+        return np.frombuffer(self.values[: len(self.values) // 8 * 8])
 
 
 class Training(msgspec.Struct, frozen=True):
@@ -134,6 +135,16 @@ class Training(msgspec.Struct, frozen=True):
     def expert(self) -> Floats:
         """(n,) speeds that the expert chose for the hidden scans [m/s]."""
         return np.frombuffer(self.labels)
+
+
+class Live(msgspec.Struct, frozen=True):
+    """What a trial in real time adds to a recording."""
+
+    epoch: int  # [ns] since 1970 at the scenario's start
+    reason: str  # why it was not in virtual time; "" if real time was asked for
+    lateness: float  # [s] of the robot's latest message
+    starved: float  # [s] that a thread of the node waited for a CPU, at worst
+    stall: str = ""  # what the machine did that makes the recording worthless; "" if nothing
 
 
 @dataclass(frozen=True)
@@ -210,12 +221,18 @@ class Recording:
     log_truncated: bool = False
     compute: Compute = field(default_factory=lambda: Compute(*(np.empty(0),) * 3))
     training: Training | None = None
+    live: Live | None = None  # None: in virtual time
     bag: str | None = None  # where it is saved
 
     @property
     def name(self) -> str:
         """The scenario's name."""
         return self.scenario.name
+
+    @property
+    def epoch(self) -> int:
+        """ROS time at the scenario's start [ns]."""
+        return EPOCH_NS if self.live is None else self.live.epoch
 
     @cached_property
     def messages(self) -> tuple[Message, ...]:
@@ -297,7 +314,8 @@ class Recording:
 
     @cached_property
     def _scans(self) -> tuple[Scan, ...]:
-        return tuple(_scan(message) for message in self._delivered_on("/scan", LASER_SCAN))
+        messages = self._delivered_on("/scan", LASER_SCAN)
+        return tuple(_scan(message, self.epoch) for message in messages)
 
     @cached_property
     def _odometry(self) -> Odom:
@@ -305,11 +323,11 @@ class Recording:
         return Odom(*np.array(rows, dtype=float).reshape(-1, 6).T)
 
 
-def _scan(message: Message) -> Scan:
+def _scan(message: Message, epoch: int) -> Scan:
     scan = decode(message.data, LASER_SCAN)
     return Scan(
         t=message.time / 1e9,
-        stamp=_seconds(scan.header.stamp),
+        stamp=_seconds(scan.header.stamp, epoch),
         angle_min=scan.angle_min,
         angle_increment=scan.angle_increment,
         range_min=scan.range_min,
@@ -333,6 +351,6 @@ def _odometry_row(message: Message) -> tuple[float, ...]:
     )
 
 
-def _seconds(stamp: object) -> float:
+def _seconds(stamp: object, epoch: int) -> float:
     sec, nanosec = stamp.sec, stamp.nanosec  # type: ignore[attr-defined]
-    return float(sec * 10**9 + nanosec - EPOCH_NS) / 1e9
+    return float(sec * 10**9 + nanosec - epoch) / 1e9

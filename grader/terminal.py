@@ -19,8 +19,10 @@ OUTCOMES = {  # outcome: sign, sign on an ASCII terminal, word, style
     "skip": ("\N{EN DASH}", "-", "skip", "dim"),
     "error": ("!", "!", "ERROR", "bold magenta"),
     "inconclusive": ("?", "?", "unsure", "yellow"),
+    "unavailable": ("\N{EN DASH}", "-", "skip", "yellow"),  # a library is not installed
 }
-UNJUDGED = ("error", "inconclusive")  # neither won nor lost
+SKIPPED = ("skip", "unavailable")
+UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
 MAX_WIDTH = 110  # longer lines are hard to read
 MAX_TEXT = 1200  # [characters] of one message; the page has all of it
 
@@ -46,7 +48,16 @@ def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
             console.print(Padding(_table(group, console), (0, 0, 0, 1)), width=width)
     console.print()
     console.print(_score_line(grading, console, width), width=width)
+    if absent := _points_out_of_reach(checks):
+        said = (
+            f"        {_points(absent)} more points are about libraries that are not installed here"
+        )
+        console.print(Text(said, style="yellow"), width=width)
     console.print(_field_line(grading, checks, console), width=width)
+    for note in grading.get("notes", ()):
+        console.print(
+            Padding(Text(printable(note, console), style="yellow"), (0, 0, 0, 8)), width=width
+        )
     console.print()
 
 
@@ -97,10 +108,11 @@ def _table(checks: Iterable[Check], console: Console) -> Table:
         sign, ascii_sign, word, style = OUTCOMES.get(check["outcome"], OUTCOMES["error"])
         outcome = Text(f"{ascii_sign if _ascii(console) else sign} {word}", style=style)
         table.add_row(outcome, _title(check, console), _points_of(check))
-        skipped_again = check["outcome"] == "skip" and check.get("message") == reason
+        skipped = check["outcome"] in SKIPPED
+        skipped_again = skipped and check.get("message") == reason
         if check["outcome"] != "pass" and not skipped_again:
             _add_details(table, check, console)
-        reason = check.get("message", "") if check["outcome"] == "skip" else ""
+        reason = check.get("message", "") if skipped else ""
     return table
 
 
@@ -127,7 +139,7 @@ def _add_details(table: Table, check: Check, console: Console) -> None:
         facts.add_row(name, Text(printable(text, console)))
     if facts.row_count:
         table.add_row("", facts, "")
-    if check["outcome"] != "skip":
+    if check["outcome"] not in SKIPPED:
         table.add_row("", "", "")
 
 
@@ -136,7 +148,7 @@ def _facts(check: Check) -> list[tuple[str, str]]:
     time, scenario = check.get("time"), check.get("scenario")
     if time is not None:
         facts.append(("when", f"{time:.2f} s" + (f" in {scenario}" if scenario else "")))
-    elif scenario and check["outcome"] != "skip":
+    elif scenario and check["outcome"] not in SKIPPED:
         facts.append(("run", str(scenario)))
     facts.append(("next", check.get("help")))
     return [(name, str(text)) for name, text in facts if text]
@@ -153,7 +165,14 @@ def _score_line(grading: Mapping[str, Any], console: Console, width: int) -> Tex
     line.append("  ")
     line.append(done * full, style="green" if share >= 1 else "cyan")
     line.append(rest * (cells - full), style="dim")
+    if grading.get("provisional"):
+        line.append("\n        provisional", style="bold magenta")
+        line.append(": a check could not be judged, so a person has to look", style="dim")
     return line
+
+
+def _points_out_of_reach(checks: Sequence[Check]) -> float:
+    return sum(float(c["max_points"]) for c in checks if c["outcome"] == "unavailable")
 
 
 def _field_line(grading: Mapping[str, Any], checks: Sequence[Check], console: Console) -> Text:

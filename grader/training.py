@@ -8,6 +8,7 @@ bytes from one host to the next, and reads numbers.
 from __future__ import annotations
 
 import importlib.util
+import math
 import os
 import stat
 import tempfile
@@ -38,7 +39,8 @@ from grader.recording import (
     Training,
 )
 from grader.submission import Submission
-from grader.trial import GRACE, line_without_folder, not_run, status_text, without_folder
+from grader.tape import line_without_folder, not_run, without_folder
+from grader.trial import GRACE, status_text
 from sim.scenario import Scenario, TrainingSpec
 from sim.simulation import Simulation
 
@@ -235,6 +237,8 @@ def _ask(link: Link, file: str, seen: Floats) -> Predicted:
     said, _ = link.ask(Predict(file, seen.tobytes()), PREDICT_LIMIT)
     if not isinstance(said, Predicted) or len(said.values) % 8:
         raise HostForged("no predictions")
+    if not said.problem and 8 * math.prod(said.shape) != len(said.values):
+        raise HostForged("predictions of another shape than they say")
     return said
 
 

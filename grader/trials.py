@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import threading
 from collections.abc import Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -11,8 +12,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol
 
-from grader import bag
+from grader import bag, installed
 from grader.launch import Nursery
+from grader.live import run_live_trial
 from grader.models import OWN
 from grader.recording import Recording
 from grader.submission import Submission
@@ -21,6 +23,8 @@ from grader.trial import Limits, run_trial
 from sim.difficulty import comparable_seed
 from sim.scenario import Scenario, load_scenario
 
+REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
+BUSY_WAIT = "a loop in the node waits without letting time pass (such as `while not done: pass`)"
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
 
 
@@ -40,6 +44,9 @@ class Trials(Protocol):
     def recordings(self) -> list[Recording]:
         """Return all that were asked for, in order."""
 
+    def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
+        """Say which libraries are missing to record these scenarios; empty if none is."""
+
 
 @dataclass
 class LiveTrials:
@@ -50,12 +57,18 @@ class LiveTrials:
     seed: int | None = None  # mixed into every scenario's own
     bags: Path | None = None
     limits: Limits = field(default_factory=Limits)
+    real_time: bool = False  # Tier 2: all trials in wall-clock time, on DDS
     _futures: dict[str, Future[Recording]] = field(default_factory=dict)
     _trained: dict[str, Future[Trained]] = field(default_factory=dict)
+    _seeds: dict[str, int] = field(default_factory=dict)  # by scenario
 
     def __post_init__(self) -> None:
-        self._pool = ThreadPoolExecutor(max(2, min(4, os.cpu_count() or 2)))
+        self._pool = ThreadPoolExecutor(
+            REAL_TIME_TRIALS if self.real_time else max(2, min(4, os.cpu_count() or 2))
+        )
         self._hung = False
+        self._second_look = threading.Lock()  # at a node that hung in virtual time
+        self._why_real: str | None = None  # the node can't run in virtual time
 
     def __enter__(self) -> LiveTrials:
         return self
@@ -86,6 +99,16 @@ class LiveTrials:
         """Return the recordings made, in order."""
         return [future.result() for future in self._futures.values() if not future.cancelled()]
 
+    def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
+        """Say which of the libraries are not installed here; empty if all are."""
+        return installed.why_not(libraries)
+
+    def seed_of(self, scenario: Scenario) -> int:
+        """Return the seed of a scenario's trial."""
+        if scenario.name not in self._seeds:
+            self._seeds[scenario.name] = trial_seed(scenario, self.seed)
+        return self._seeds[scenario.name]
+
     def _train(self, name: str) -> None:
         if name in self._trained:
             return
@@ -95,7 +118,7 @@ class LiveTrials:
             self.submission,
             scenario,
             self.nursery,
-            seed=trial_seed(scenario, self.seed),
+            seed=self.seed_of(scenario),
         )
 
     def _run(self, scenario: Scenario) -> Recording:
@@ -108,17 +131,51 @@ class LiveTrials:
     def _drive_or_train(self, scenario: Scenario) -> Recording:
         if scenario.training is not None:
             return self._trained[scenario.name].result().recording
+        if self.real_time or self._why_real is not None:
+            return self._run_in_real_time(scenario, self._why_real or "")
         limits = IMPATIENT if self._hung else self.limits
         recording = run_trial(
             self.submission,
             scenario,
             self.nursery,
-            seed=trial_seed(scenario, self.seed),
+            seed=self.seed_of(scenario),
             limits=limits,
             files=self._own_models(scenario),
         )
-        self._hung = self._hung or recording.outcome.kind == "hung"
+        if recording.outcome.kind == "real_time":
+            self._why_real = recording.outcome.text
+        elif recording.outcome.kind == "hung":
+            return self._look_again(scenario, recording)
+        if self._why_real is not None:
+            return self._run_in_real_time(scenario, self._why_real)
         return recording
+
+    def _look_again(self, scenario: Scenario, virtual: Recording) -> Recording:
+        """Return the recording of a node that hung: it may just wait in a way that needs real time.
+
+        `while not self.done: pass` never ends in virtual time, because no time goes by; on a robot
+        it does. One trial in real time decides for all.
+        """
+        with self._second_look:
+            if not self._hung and self._why_real is None:
+                real = self._run_in_real_time(scenario, BUSY_WAIT)
+                if real.outcome.kind != "hung":
+                    self._why_real = BUSY_WAIT
+                    return real
+                self._hung = True
+        if self._why_real is not None:
+            return self._run_in_real_time(scenario, self._why_real)
+        return virtual
+
+    def _run_in_real_time(self, scenario: Scenario, reason: str) -> Recording:
+        return run_live_trial(
+            self.submission,
+            scenario,
+            self.nursery,
+            seed=self.seed_of(scenario),
+            files=self._own_models(scenario),
+            reason=reason,
+        )
 
     def _own_models(self, scenario: Scenario) -> dict[str, bytes]:
         """Return the models of the student's own training that a scenario's node is to find."""
@@ -146,6 +203,11 @@ class SavedTrials:
 
     def prepare(self, scenarios: Sequence[str]) -> None:
         """Nothing to prepare: what is there is there."""
+
+    def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
+        """Say which of the libraries are not installed; what was recorded needs none any more."""
+        missing = [name for name in scenarios if name not in self._recordings]
+        return installed.why_not(libraries) if missing else ""
 
     def get(self, scenario: str) -> Recording:
         """Return the recording of a scenario; NoRecording if no bag has it."""

@@ -91,6 +91,21 @@ def decode(data: bytes, type: str) -> Any:
         raise ValueError(f"{len(data)} bytes are not a {type}: {error}") from error
 
 
+def with_epoch(message: Message, epoch: int) -> Message:
+    """Return the message as of a scenario that starts at `epoch` [ns since 1970], not at EPOCH_NS.
+
+    Only the stamp of a header at the beginning of the message is changed.
+    """
+    fields = typestore().fielddefs[message.type][1]
+    if not fields or fields[0][0] != "header":
+        return message
+    data = bytearray(message.data)
+    seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_AT)
+    stamp = seconds * 10**9 + nanoseconds - EPOCH_NS + epoch
+    _STAMP.pack_into(data, _STAMP_AT, *divmod(stamp, 10**9))
+    return Message(message.topic, message.type, message.time, bytes(data))
+
+
 def laser_scan(
     *,
     time: int,

@@ -154,7 +154,8 @@ class RawCommands(_Table, frozen=True, rename={"begin": "from", "end": "to"}):
 class Model(_Table, frozen=True):
     """A file that the node will find in its working folder: a model made for the scenario.
 
-    `probe` names a kind of model that the grader knows; the other keys are its settings.
+    `probe` names a kind of model that the grader knows; the other keys are its settings. The
+    file's suffix says in which format it is written.
     """
 
     probe: str
@@ -166,19 +167,22 @@ class NodeSpec(_Table, frozen=True):
 
     parameters: dict[str, str | bool | int | float] = {}  # ROS parameters
     models: dict[str, Model] = {}  # file name: what is in it
+    hides: tuple[Annotated[str, Meta(pattern=r"^\w+$")], ...] = ()  # as if not installed
 
 
 class ProgramSpec(_Table, frozen=True):
     """[[program]] One of several programs of a scenario; on a robot, a process of its own."""
 
-    file: Annotated[str, Meta(pattern=r"^\w+\.py$")]
+    file: Annotated[str, Meta(pattern=r"^(\w+\.py)?$")] = ""  # "": the one that is graded
     supplied: bool = False  # the grader's, not the student's
     arguments: tuple[str, ...] = ()
     start: Annotated[float, Meta(ge=0, le=3600)] = 0.0  # [s]
     stop: Time | None = None  # it is killed then [s]
 
     def __post_init__(self) -> None:
-        """Refuse a program that ends before it begins."""
+        """Refuse a program that is none of ours, or that ends before it begins."""
+        if self.supplied and not self.file:
+            raise ValueError("expected a file beside supplied = true")
         if self.stop is not None and self.stop <= self.start:
             raise ValueError("expected start < stop")
 

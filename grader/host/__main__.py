@@ -1,6 +1,6 @@
 """Entry of the nursery, started by the judge only.
 
-python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts [LIBRARY …]
+python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts|live [LIBRARY …]
 """
 
 from __future__ import annotations

@@ -46,6 +46,7 @@ class ProgramStart(msgspec.Struct, frozen=True):
     arguments: tuple[str, ...] = ()  # what follows the file name in sys.argv
     start: Nanoseconds = 0  # [ns] since the start
     stop: Nanoseconds | None = None  # [ns]; it is killed then
+    hides: tuple[Name, ...] = ()  # libraries that seem not installed to it
 
 
 class Start(msgspec.Struct, frozen=True, tag="start"):
@@ -55,6 +56,7 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     epoch: Nanoseconds  # ROS time of the start
     seed: int  # for `random`, in case the student uses it
     offers: tuple[Offer, ...]
+    domain: int = 0  # of DDS; for a host in real time
 
 
 class Run(msgspec.Struct, frozen=True, tag="run"):
@@ -89,7 +91,7 @@ class Predict(msgspec.Struct, frozen=True, tag="predict"):
 class Published(msgspec.Struct, array_like=True, frozen=True):
     """One message that the node published."""
 
-    time: Nanoseconds  # [ns] since the start
+    time: Nanoseconds  # [ns] since the start; from a radio: since 1970
     topic: Name
     type: Name
     data: bytes  # CDR
@@ -122,11 +124,54 @@ class Ended(msgspec.Struct, frozen=True, tag="ended"):
     """The student's program is over."""
 
     now: Nanoseconds
-    kind: Annotated[str, msgspec.Meta(pattern="^(returned|exited|exception|syntax_error|flooded)$")]
+    kind: Annotated[
+        str, msgspec.Meta(pattern="^(returned|exited|exception|syntax_error|flooded|real_time)$")
+    ]
     text: Text
     detail: Text  # the traceback, with the student's frames
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
+
+
+class TuneIn(msgspec.Struct, frozen=True, tag="tune_in"):
+    """The judge's first frame to a radio, the robot's ends of topics in real time."""
+
+    domain: int
+    offers: tuple[Offer, ...]
+
+
+class Meet(msgspec.Struct, frozen=True, tag="meet"):
+    """The radio is to make the robot's ends for these endpoints of a node."""
+
+    endpoints: tuple[EndpointReport, ...]
+
+
+class Transmit(msgspec.Struct, frozen=True, tag="transmit"):
+    """The radio is to send these messages now."""
+
+    deliver: tuple[Delivery, ...]
+
+
+class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
+    """The state of a program that runs in real time; sent several times a second."""
+
+    spinning: bool  # an executor has begun to wait for work
+    busy: float  # [s] since an executor last waited for work; 0 if one does now
+    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)]  # new ones
+    connected: dict[Name, int]  # "kind topic": how many ends of others it has found
+
+
+class Tuned(msgspec.Struct, frozen=True, tag="tuned"):
+    """What the radio made of a node's endpoints, and how many of them its ends have found."""
+
+    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)]  # with mismatches
+    connected: dict[Name, int]  # "kind topic", of the node's end
+
+
+class HeardNow(msgspec.Struct, frozen=True, tag="heard"):
+    """What the radio heard, with the real time [ns since 1970] at which it came."""
+
+    published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
 
 
 class Tensor(msgspec.Struct, array_like=True, frozen=True):
@@ -176,17 +221,21 @@ class Birth(msgspec.Struct, frozen=True):
     pid: int
 
 
-ToHost = Start | Run | Script | LoadModels | Predict
+ToHost = Start | Run | Script | LoadModels | Predict | TuneIn | Meet | Transmit
 ToJudge = Settled | Ended  # from a host that runs nodes
+FromLive = Pulse | Ended  # from a host that runs a node in real time
+FromRadio = Tuned | HeardNow
 FromScript = Ended | Loaded | Predicted  # from a host that runs scripts
 
 _encoder = msgspec.msgpack.Encoder()
 _to_host: msgspec.msgpack.Decoder[ToHost] = msgspec.msgpack.Decoder(ToHost)
 _to_judge: msgspec.msgpack.Decoder[ToJudge] = msgspec.msgpack.Decoder(ToJudge)
 _from_script: msgspec.msgpack.Decoder[FromScript] = msgspec.msgpack.Decoder(FromScript)
+_from_live: msgspec.msgpack.Decoder[FromLive] = msgspec.msgpack.Decoder(FromLive)
+_from_radio: msgspec.msgpack.Decoder[FromRadio] = msgspec.msgpack.Decoder(FromRadio)
 
 
-def encode(frame: ToHost | ToJudge | FromScript) -> bytes:
+def encode(frame: ToHost | ToJudge | FromScript | FromLive | FromRadio) -> bytes:
     """Return the frame with its length in front.
 
     Raises
@@ -219,3 +268,13 @@ def decode_to_judge(body: bytes | bytearray) -> ToJudge:
 def decode_from_script(body: bytes | bytearray) -> FromScript:
     """Decode what a host that runs scripts said; it raises as `decode_to_judge` does."""
     return _from_script.decode(body)
+
+
+def decode_from_live(body: bytes | bytearray) -> FromLive:
+    """Decode what a host in real time said; it raises as `decode_to_judge` does."""
+    return _from_live.decode(body)
+
+
+def decode_from_radio(body: bytes | bytearray) -> FromRadio:
+    """Decode what a radio said; it raises as `decode_to_judge` does."""
+    return _from_radio.decode(body)

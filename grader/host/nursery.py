@@ -62,7 +62,7 @@ TYPE_SUPPORT = (  # the types of every node and of the exercises: their C librar
 )
 
 
-NODES, SCRIPTS = "nodes", "scripts"
+NODES, SCRIPTS, LIVE = "nodes", "scripts", "live"
 
 Body = Callable[[int, int], None]  # what a host does with its link: descriptors to read and write
 
@@ -75,6 +75,9 @@ def serve(control: socket.socket, epoch: int, kind: str, libraries: Sequence[str
         threads.install(kernel, epoch)
         _warm_up()
         body = functools.partial(_run_student, kernel, epoch)
+    elif kind == LIVE:
+        _warm_up(virtual=False)
+        body = _run_live
     _import(libraries)
     mounts = os.getuid() == 0 and privileges.own_mounts()
     unprivileged = os.getuid() == 0 and privileges.open_to_others(_needed_paths())
@@ -140,6 +143,8 @@ def _become_host(request: Request, descriptors: list[int], body: Body) -> None:
         if request.private_shm:
             privileges.private_shared_memory()
         privileges.set_limits()
+        if body is _run_live:
+            privileges.take_priority()
         if request.uid:
             privileges.drop_to(request.uid)
         body(link_in, link_out)
@@ -156,10 +161,18 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
     trial.bridge = bridge.Bridge(start.offers)
     trial.bridge.install()
     trial.clocks = ros.install(kernel, epoch, trial.bridge)
+    ros.refuse_real_time(trial.leave_for_real_time)
     _steer_init()
     trial.mark()
     student.run(trial, start)
     os._exit(0)
+
+
+def _run_live(link_in: int, link_out: int) -> None:
+    from . import live  # noqa: PLC0415  (rclpy is imported by now)
+
+    _steer_init()
+    live.serve(link_in, link_out)
 
 
 def _steer_init() -> None:
@@ -177,7 +190,7 @@ def _steer_init() -> None:
     cls.init = quiet_init
 
 
-def _warm_up() -> None:
+def _warm_up(*, virtual: bool = True) -> None:
     from rclpy.type_support import check_for_type_support  # noqa: PLC0415
 
     for package in PRELOADED:
@@ -187,7 +200,10 @@ def _warm_up() -> None:
         for name in names:
             check_for_type_support(getattr(module, name))
     _import(("numpy", "rclpy.node", "rclpy.executors", "rclpy.action"))
-    from . import bridge, ros, session, student  # noqa: F401, PLC0415
+    if virtual:
+        from . import bridge, ros, session, student  # noqa: F401, PLC0415
+    else:
+        from . import live  # noqa: F401, PLC0415
 
 
 def _import(libraries: Sequence[str]) -> None:

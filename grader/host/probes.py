@@ -182,5 +182,6 @@ class Slow:
         seconds = self.seconds[_calls % len(self.seconds)]
         _calls += 1
         answer = self.echo.predict(features)  # the features as they were at the start
-        time.sleep(seconds)
+        if seconds:  # a sleep of 0 s costs a turn of the processor, and the judge asks often
+            time.sleep(seconds)
         return answer

@@ -19,7 +19,7 @@ import rclpy
 import rclpy.context
 import rclpy.node
 
-from .bridge import ROBOT_NODE
+from .ends import ROBOT_NODE
 from .frames import ProgramStart
 from .kernel import Kernel
 
@@ -124,7 +124,7 @@ class Programs:
             if kwargs.get("use_global_arguments", True):
                 own = [*program.start.arguments, *own]
             create(self, node_name, cli_args=own or None, **kwargs)
-            if node_name != ROBOT_NODE:  # the bridge's: it outlives them all
+            if node_name != ROBOT_NODE:  # ours: it outlives them all
                 program.nodes.append(self)
 
         cls.__init__ = created

@@ -6,7 +6,7 @@ replaced. Written against rclpy 7.1 (Jazzy).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import rclpy.clock
@@ -14,8 +14,10 @@ import rclpy.executors
 import rclpy.node
 import rclpy.task
 import rclpy.time_source
+import rclpy.wait_for_message
 from rclpy.clock_type import ClockType
 from rclpy.event_handler import EventHandler
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.time import Time
 
 from .bridge import Bridge
@@ -57,9 +59,18 @@ def install(kernel: Kernel, epoch: int, bridge: Bridge) -> RosClocks:
     _install_entities(bridge)
     clocks = RosClocks(kernel, epoch)
     _install_wait(kernel, bridge)
+    _install_wait_for_message(kernel)
     _install_tasks(kernel)
     _install_clocks(kernel, clocks)
     return clocks
+
+
+def refuse_real_time(leave: Callable[[str], None]) -> None:
+    """Call `leave`, with the reason, when the student uses what can't be made virtual."""
+    native: Any = rclpy_implementation
+    native.EventsExecutor = lambda *_: leave(
+        "EventsExecutor waits for DDS in native code, where virtual time does not reach"
+    )
 
 
 def _install_wait(kernel: Kernel, bridge: Bridge) -> None:
@@ -104,6 +115,26 @@ def _install_wait(kernel: Kernel, bridge: Bridge) -> None:
 
     cls.wait_for_ready_callbacks = virtual_wait
     cls.get_nodes = nodes_in_order
+
+
+def _install_wait_for_message(kernel: Kernel) -> None:
+    """`rclpy.wait_for_message` waits without an executor, for one message of one topic."""
+    module: Any = rclpy.wait_for_message
+
+    def virtual_wait_for_message(
+        msg_type: Any, node: Any, topic: str, *, qos_profile: Any = 1, time_to_wait: float = -1
+    ) -> tuple[bool, Any]:
+        subscription = node.create_subscription(msg_type, topic, lambda _: None, qos_profile)
+        deadline = None if time_to_wait < 0 else kernel.after(time_to_wait)
+        try:
+            taken = kernel.poll(
+                subscription, lambda: subscription.handle.take_message(msg_type, False), deadline
+            )
+        finally:
+            node.destroy_subscription(subscription)
+        return (False, None) if taken is None else (True, taken[0])
+
+    module.wait_for_message = virtual_wait_for_message
 
 
 def _is_new(kernel: Kernel, task: Any) -> bool:

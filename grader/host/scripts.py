@@ -7,11 +7,9 @@ model itself: unpickling runs whatever code the pickle asks for.
 from __future__ import annotations
 
 import importlib
-import os
 import pickle
 import random
 import sys
-import threading
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +17,6 @@ import numpy as np
 
 from . import student
 from .frames import (
-    LENGTH,
-    MAX_TEXT,
     Ended,
     FromScript,
     Loaded,
@@ -30,9 +26,8 @@ from .frames import (
     ProgramStart,
     Script,
     Tensor,
-    decode_to_host,
-    encode,
 )
+from .wire import MAX_LINE, Wire, ended, sendable
 
 FEATURES = 5
 MAX_VALUES = 100_000  # predictions in one answer
@@ -41,9 +36,9 @@ MAX_VALUES = 100_000  # predictions in one answer
 def serve(read_fd: int, write_fd: int) -> None:
     """Carry out the judge's orders until it is gone; never returns."""
     models: dict[str, Any] = {}
+    wire = Wire(read_fd, write_fd)
     while True:
-        (length,) = LENGTH.unpack(_read_exactly(read_fd, LENGTH.size))
-        match decode_to_host(_read_exactly(read_fd, length)):
+        match wire.receive():
             case Script() as order:
                 answer: FromScript = _run(order)
             case LoadModels() as order:
@@ -52,11 +47,7 @@ def serve(read_fd: int, write_fd: int) -> None:
                 answer = _predict(order, models)
             case other:
                 raise ValueError(f"{type(other).__name__} is for nodes")
-        for stream in (sys.stdout, sys.stderr):
-            stream.flush()
-        data = memoryview(encode(answer))
-        while data:
-            data = data[os.write(write_fd, data) :]
+        wire.send(answer)
 
 
 def _run(order: Script) -> Ended:
@@ -64,10 +55,8 @@ def _run(order: Script) -> Ended:
     np.random.seed(order.seed)
     sys.path.insert(0, str(Path(order.file).parent))
     kind, text, detail = student.run_file(ProgramStart(order.file, order.arguments))
-    for thread in threading.enumerate():  # as Python does at its end
-        if thread is not threading.current_thread() and not thread.daemon:
-            thread.join()
-    return Ended(0, kind, _sendable(text[:2_000]), _sendable(detail[-18_000:]), [])
+    student.join_threads()
+    return ended(kind, text, detail)
 
 
 def _load(order: LoadModels, models: dict[str, Any]) -> Loaded:
@@ -126,19 +115,4 @@ def _tensor(node: Any) -> Tensor:
 
 
 def _problem(error: BaseException) -> str:
-    return _sendable(f"{type(error).__name__}: {error}"[: MAX_TEXT // 10]) or "unknown"
-
-
-def _sendable(text: str) -> str:
-    return text.encode("utf-8", "replace").decode()
-
-
-def _read_exactly(fd: int, size: int) -> bytes:
-    chunks = []
-    while size:
-        chunk = os.read(fd, size)
-        if not chunk:
-            os._exit(0)  # the judge is gone
-        chunks.append(chunk)
-        size -= len(chunk)
-    return b"".join(chunks)
+    return sendable(f"{type(error).__name__}: {error}"[:MAX_LINE]) or "unknown"

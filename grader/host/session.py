@@ -8,23 +8,13 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 from typing import Any
 
+import msgspec
+
 from . import kernel as kernel_module
-from .frames import (
-    LENGTH,
-    MARK,
-    MAX_PUBLISHED,
-    Ended,
-    Run,
-    Settled,
-    Start,
-    ToHost,
-    ToJudge,
-    decode_to_host,
-    encode,
-)
+from .frames import MARK, MAX_PUBLISHED, Run, Settled, Start
+from .wire import Wire, ended, flush_output
 
 FLOODED = f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time"
 
@@ -33,8 +23,7 @@ class Session(kernel_module.World):
     """Talks to the judge whenever the kernel comes to the end of the time it may spend."""
 
     def __init__(self, read_fd: int, write_fd: int) -> None:
-        self._read_fd = read_fd
-        self._write_fd = write_fd
+        self._wire = Wire(read_fd, write_fd)
         self._marked = -1
         self._looks = 0
         self.kernel: kernel_module.Kernel
@@ -44,7 +33,7 @@ class Session(kernel_module.World):
 
     def start(self) -> Start:
         """Return the judge's first frame."""
-        frame = self._receive()
+        frame = self._wire.receive()
         if not isinstance(frame, Start):
             raise ValueError("the first frame must say what to run")
         return frame
@@ -69,8 +58,7 @@ class Session(kernel_module.World):
         if bridge.overflow:
             self.end("flooded", FLOODED)
             os._exit(0)
-        self._flush()
-        self._send(
+        self._wire.send(
             Settled(
                 now=self.kernel.now,
                 spinning=self.kernel.waiting or self.kernel.looks > self._looks,
@@ -80,7 +68,7 @@ class Session(kernel_module.World):
             )
         )
         self._looks = self.kernel.looks
-        run = self._receive()
+        run = self._wire.receive()
         if not isinstance(run, Run):
             raise ValueError("the judge can only say how to go on")
         for delivery in run.deliver:
@@ -89,60 +77,27 @@ class Session(kernel_module.World):
 
     def end(self, kind: str, text: str, detail: str = "") -> None:
         """Say that the student's program is over."""
-        published = []
-        endpoints = []
+        frame = ended(kind, text, detail, self.kernel.now)
         if self.bridge is not None:
             with contextlib.suppress(Exception):
                 self.bridge.collect(self.kernel.now)
-            published, endpoints = self.bridge.take(), self.bridge.new_endpoints()
-        self._flush()
-        self._send(
-            Ended(
-                now=self.kernel.now,
-                kind=kind,
-                text=_sendable(text[:2_000]),
-                detail=_sendable(detail[-18_000:]),
-                published=published,
-                endpoints=endpoints,
+            frame = msgspec.structs.replace(
+                frame, published=self.bridge.take(), endpoints=self.bridge.new_endpoints()
             )
-        )
+        self._wire.send(frame)
+
+    def leave_for_real_time(self, reason: str) -> None:
+        """Say that this program can't run in virtual time; never returns."""
+        self.end("real_time", reason)
+        os._exit(0)
 
     def mark(self) -> None:
         """Note the time in stdout and stderr, if it has changed."""
         if self.kernel.now == self._marked:
             return
         self._marked = self.kernel.now
-        self._flush()
+        flush_output()
         line = f"{MARK}{self._marked}\n".encode()
         for fd in (1, 2):
             with contextlib.suppress(OSError):
                 os.write(fd, line)
-
-    def _flush(self) -> None:
-        for stream in (sys.stdout, sys.stderr):
-            with contextlib.suppress(Exception):
-                stream.flush()
-
-    def _receive(self) -> ToHost:
-        (length,) = LENGTH.unpack(self._read_exactly(LENGTH.size))
-        return decode_to_host(self._read_exactly(length))
-
-    def _read_exactly(self, size: int) -> bytes:
-        chunks = []
-        while size:
-            chunk = os.read(self._read_fd, size)
-            if not chunk:
-                os._exit(0)  # the judge is gone
-            chunks.append(chunk)
-            size -= len(chunk)
-        return b"".join(chunks)
-
-    def _send(self, frame: ToJudge) -> None:
-        data = memoryview(encode(frame))
-        while data:
-            data = data[os.write(self._write_fd, data) :]
-
-
-def _sendable(text: str) -> str:
-    """Replace what UTF-8 can't carry: half characters, such as those in undecodable file names."""
-    return text.encode("utf-8", "replace").decode()

@@ -11,6 +11,7 @@ import traceback
 import types
 from pathlib import Path
 
+from . import libraries
 from .frames import ProgramStart, Start
 from .session import Session
 
@@ -41,6 +42,7 @@ def _run_one_of_many(session: Session, program: ProgramStart) -> None:
 
 def run_file(program: ProgramStart) -> tuple[str, str, str]:
     """Run a file as `__main__`; return how it ended: kind, text and detail."""
+    libraries.hide(program.hides)
     sys.argv = [program.file, *program.arguments]
     try:
         code = compile(Path(program.file).read_bytes(), program.file, "exec")
@@ -58,6 +60,13 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
     except BaseException as error:  # students may raise anything
         return "exception", _exception_text(error, program.file), _own_traceback(error)
     return "returned", "the program ran to its end", ""
+
+
+def join_threads() -> None:
+    """Wait for the threads of the file that are not daemons, in real time, as Python does."""
+    for thread in threading.enumerate():
+        if thread is not threading.current_thread() and not thread.daemon:
+            thread.join()
 
 
 def _join_threads() -> None:

@@ -2,6 +2,7 @@
 
 const OUTCOMES = {
   pass: 'Passed', fail: 'Failed', skip: 'Skipped', error: 'Grader error', inconclusive: 'Inconclusive',
+  unavailable: 'Not installed',
 };
 const outcomeOf = (check) => (Object.hasOwn(OUTCOMES, text(check.outcome)) ? check.outcome : 'error');
 const isPoints = (value) => (Number.isFinite(value) ? String(Math.round(value * 100) / 100) : '0');
@@ -43,7 +44,8 @@ function buildScore(grading, checks) {
       buildBar(checks.filter(isCore), score, most),
       el('ul', { class: 'counts' }, counts.map(([outcome, n]) => el('li', { class: `is-${outcome}` },
         sign(outcome), `${n} ${OUTCOMES[outcome].toLowerCase()}`)))),
-    buildBadge(grading, checks.filter((check) => !isCore(check))));
+    buildBadge(grading, checks.filter((check) => !isCore(check))),
+    ...(grading.notes || []).map((note) => el('p', { class: 'score-note', dir: 'auto' }, text(note))));
 }
 
 /** The bar has one segment a core check, as wide as its points, filled as far as it earned them. */
@@ -102,7 +104,7 @@ function buildCheck(check, links) {
 /** What the grader or the machine could not judge counts neither for nor against. */
 function pointsOf(check) {
   if (!isCore(check) || !(Number(check.max_points) > 0)) return '';
-  if (['error', 'inconclusive'].includes(outcomeOf(check))) return 'not counted';
+  if (['error', 'inconclusive', 'unavailable'].includes(outcomeOf(check))) return 'not counted';
   return `${isPoints(Number(check.points))}/${isPoints(Number(check.max_points))}`;
 }
 

@@ -14,7 +14,7 @@ from grader.errors import GraderError, InputError
 from grader.exercises import Exercise
 from grader.grading import Grading, grade
 from grader.plugin import MAX_MESSAGE
-from grader.recording import Recording
+from grader.recording import Live, Recording
 from grader.trials import NoRecording
 
 PREAMBLE = """\
@@ -24,6 +24,14 @@ from grader.verdict import fail, inconclusive
 check = pytest.mark.check
 """
 count = itertools.count()
+
+
+class FakeRecording(str):
+    """A recording that is its name; `late` was made on a machine that stalled."""
+
+    @property
+    def live(self) -> Live | None:
+        return Live(0, "", 1.0, 0.0, "a message was late") if self == "late" else None
 
 
 class FakeTrials:
@@ -43,10 +51,13 @@ class FakeTrials:
             raise self._fault
         if scenario == "none":
             raise NoRecording("no recording of the scenario none")
-        return scenario  # type: ignore[return-value]
+        return FakeRecording(scenario)  # type: ignore[return-value]
 
     def recordings(self) -> list[Recording]:
         return []
+
+    def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
+        return "PyTorch is not installed here" if "torch" in libraries else ""
 
 
 Run = Callable[..., Grading]
@@ -119,6 +130,7 @@ def test_the_five_outcomes(run: Run) -> None:
     }
     assert (grading.score, grading.max_score) == (10, 60)
     assert grading.faulty
+    assert grading.as_dict()["provisional"] is True
     assert not grading.full
     assert grading.field_ready is None
 
@@ -165,6 +177,7 @@ def test_full_marks(run: Run) -> None:
 
     assert (grading.score, grading.max_score, grading.full) == (100, 100, True)
     assert not grading.faulty
+    assert grading.as_dict()["provisional"] is False
 
 
 def test_the_order_is_that_of_the_needs(run: Run) -> None:
@@ -202,23 +215,32 @@ CHAIN = """
 
 
 @pytest.mark.parametrize(
-    ("body", "outcome"),
+    ("body", "outcome", "rest"),
     [
-        ("fail('no')", "fail"),
-        ("inconclusive('no')", "inconclusive"),
-        ("1 / 0", "error"),
-        ("pytest.skip('no')", "error"),
+        ("fail('no')", "fail", "skip"),
+        ("inconclusive('no')", "inconclusive", "inconclusive"),
+        ("1 / 0", "error", "inconclusive"),
+        ("pytest.skip('no')", "error", "inconclusive"),
     ],
 )
-def test_needs_reach_through(run: Run, body: str, outcome: str) -> None:
+def test_needs_reach_through(run: Run, body: str, outcome: str, rest: str) -> None:
     grading = run(CHAIN.format(scenario="a", body=body))
 
     assert outcomes(grading) == {
         "first": outcome,
-        "second": "skip",
-        "third": "skip",
+        "second": rest,
+        "third": rest,
         "alone": "pass",
     }
+
+
+@pytest.mark.parametrize(("body", "outcome"), [("fail('no')", "inconclusive"), ("pass", "pass")])
+def test_a_stall_of_the_machine_excuses_failures_only(run: Run, body: str, outcome: str) -> None:
+    grading = run(CHAIN.format(scenario="late", body=body))
+
+    assert outcomes(grading)["first"] == outcome
+    if outcome == "inconclusive":
+        assert grading.checks[0].message == "the machine stalled in late: a message was late"
 
 
 def test_without_a_recording_a_check_is_skipped(run: Run) -> None:
@@ -231,9 +253,9 @@ def test_without_a_recording_a_check_is_skipped(run: Run) -> None:
 def test_a_fault_of_the_trials_is_an_error(run: Run) -> None:
     grading = run(FIVE, FakeTrials(GraderError("no host")))
 
-    assert set(outcomes(grading).values()) == {"error", "skip"}
+    assert set(outcomes(grading).values()) == {"error", "inconclusive"}
     assert grading.checks[0].message == "the grader failed here: GraderError: no host"
-    assert (grading.score, grading.max_score) == (0, 30)
+    assert (grading.score, grading.max_score) == (0, 0)
 
 
 # --- field checks --------------------------------------------------------------------------------
@@ -285,6 +307,78 @@ def test_a_field_check_can_be_asked_for_alone(run: Run) -> None:
     grading = run(FIELD.format(core="fail('no')", field="pass"), only=["field"])
 
     assert outcomes(grading) == {"field": "pass"}
+
+
+# --- libraries that are not installed ------------------------------------------------------------
+
+DEEP = """
+    @check(points=70, scenarios=("a",))
+    def test_plain(recordings):
+        '''Needs nothing.'''
+        {plain}
+    @check(points=20, scenarios=("t",), requires=("sklearn", "torch"))
+    def test_deep(recordings):
+        '''Needs a library.'''
+        1 / 0
+    @check(points=10, scenarios=("b",), needs=("plain", "deep"))
+    def test_deeper(recordings):
+        '''Needs a check that needs a library.'''
+        1 / 0
+    @check(field=True, scenarios=("f",))
+    def test_field(recordings):
+        '''In the field.'''
+    @check(field=True, scenarios=("g",), requires=("torch",))
+    def test_deep_field(recordings):
+        '''In the field, with a library.'''
+"""
+
+
+def test_what_a_library_is_missing_for_is_neither_won_nor_lost(run: Run) -> None:
+    trials = FakeTrials()
+    grading = run(DEEP.format(plain="pass"), trials, field=True)
+
+    assert outcomes(grading) == {
+        "plain": "pass",
+        "deep": "unavailable",
+        "deeper": "unavailable",
+        "field": "pass",
+        "deep_field": "unavailable",
+    }
+    assert (grading.score, grading.max_score) == (70, 70)
+    assert grading.checks[1].message == "PyTorch is not installed here"
+    assert (grading.full, grading.field_ready, grading.faulty) == (True, True, False)
+    assert trials.asked == ["a", "f"]
+    assert "t" not in itertools.chain(*trials.prepared)
+    assert "g" not in itertools.chain(*trials.prepared)
+
+
+def test_a_missing_library_hides_no_failure(run: Run) -> None:
+    grading = run(DEEP.format(plain="fail('no')"), field=True)
+
+    assert outcomes(grading) == {
+        "plain": "fail",
+        "deep": "unavailable",
+        "deeper": "skip",
+        "field": "skip",
+        "deep_field": "unavailable",
+    }
+    assert (grading.score, grading.max_score) == (0, 80)
+    assert not grading.full
+    assert grading.field_ready is False
+
+
+def test_where_the_library_is_the_check_is_judged(run: Run) -> None:
+    trials = FakeTrials()
+    trials.lacks = lambda scenarios, libraries: ""  # type: ignore[method-assign]
+    grading = run(DEEP.format(plain="pass"), trials)
+
+    assert outcomes(grading) == {"plain": "pass", "deep": "error", "deeper": "inconclusive"}
+
+
+def test_nothing_but_missing_libraries_is_no_full_score(run: Run) -> None:
+    grading = run(DEEP.format(plain="pass"), only=["deep"])
+
+    assert (grading.score, grading.max_score, grading.full) == (0, 0, False)
 
 
 # --- a choice of checks --------------------------------------------------------------------------

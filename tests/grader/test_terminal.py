@@ -107,6 +107,16 @@ def test_what_could_not_be_judged_is_not_counted() -> None:
     assert "0/10" not in shown.replace("10/10", "")
 
 
+def test_what_needs_a_missing_library_is_said_plainly() -> None:
+    why = "skipped: PyTorch is not installed here; pip install 'rclpy-agents-course[deep]'"
+    absent = [check("unavailable", message=why) for _ in range(2)]
+    shown = words(render(grading(check(), *absent), width=120))
+    assert "10 of 10 points" in shown
+    assert shown.count(why) == 1
+    assert shown.count("skip ") == 2
+    assert "20 more points are about libraries that are not installed here" in shown
+
+
 def test_student_text_is_only_text() -> None:
     hostile = "[red]x[/red] [/] \x1b[31mred\x1b[0m \x1b]0;title\x07bell\x07 \u202eback\x9b2J {0}"
     shown = render(grading(failure(title=hostile, message=hostile)), force_terminal=True)

@@ -13,7 +13,7 @@ import pytest
 from conftest import RunNode, short
 from fake_host import FakeHost, frame, settled
 
-from grader import link, trial
+from grader import link, tape, trial
 from grader.host.frames import MAX_NAME, MAX_PUBLISHED, Ended, EndpointReport, Published, encode
 from grader.recording import Recording
 from grader.submission import Submission
@@ -251,7 +251,7 @@ def test_a_flood_at_start_up_ends_the_trial(run_node: RunNode) -> None:
 
 
 def test_a_slow_flood_ends_the_trial(run_node: RunNode, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(trial, "MAX_BYTES", 10_000)
+    monkeypatch.setattr(tape, "MAX_BYTES", 10_000)
     recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(10.0))
 
     assert recording.outcome.kind == "flooded"
@@ -465,7 +465,7 @@ def test_a_host_that_says_nothing_hangs(forge) -> None:  # type: ignore[no-untyp
 
 
 def test_a_forged_flood_is_a_flood(forge, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr(trial, "MAX_BYTES", 1_000_000)
+    monkeypatch.setattr(tape, "MAX_BYTES", 1_000_000)
     long = Published(FIRST, "/" * MAX_NAME, "x" * MAX_NAME, b"")
     outcome = forge(
         settled(), settled(FIRST, published=[long] * MAX_PUBLISHED), hang_up=False

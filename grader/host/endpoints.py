@@ -1,0 +1,88 @@
+"""The endpoints that the student's nodes create, as they are created."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import rclpy.node
+
+from .frames import EndpointReport
+
+HIDDEN_TOPICS = {"/parameter_events", "/rosout", "/clock"}
+PARAMETER_SERVICES = (
+    "/describe_parameters",
+    "/get_parameter_types",
+    "/get_parameters",
+    "/list_parameters",
+    "/set_parameters",
+    "/set_parameters_atomically",
+    "/get_type_description",
+)
+CREATED_BY = {
+    "publisher": "create_publisher",
+    "subscription": "create_subscription",
+    "service": "create_service",
+    "client": "create_client",
+}
+
+OnEndpoint = Callable[[str, Any, Any], None]  # kind, node, endpoint
+
+
+class EndpointWatch:
+    """Calls back for each publisher, subscription, service and client that a node creates."""
+
+    def __init__(self, react: OnEndpoint) -> None:
+        self._react = react
+        self._inside = False  # what the reaction itself creates is not the student's
+
+    def install(self) -> None:
+        """Watch every node of this process."""
+        for kind, method in CREATED_BY.items():
+            self._watch(kind, method)
+
+    def _watch(self, kind: str, method: str) -> None:
+        cls: Any = rclpy.node.Node
+        create = getattr(cls, method)
+
+        def watched(node: Any, *args: Any, **kwargs: Any) -> Any:
+            endpoint = create(node, *args, **kwargs)
+            if not self._inside:
+                self._inside = True
+                try:
+                    self._react(kind, node, endpoint)
+                finally:
+                    self._inside = False
+            return endpoint
+
+        watched.__name__, watched.__doc__ = method, create.__doc__
+        setattr(cls, method, watched)
+
+
+def report(kind: str, node: Any, endpoint: Any, mismatch: str = "") -> EndpointReport:
+    """Describe an endpoint for the judge."""
+    owner = node.get_fully_qualified_name()
+    if kind in ("service", "client"):
+        return EndpointReport(kind, owner, endpoint.service_name, type_name(endpoint.srv_type))
+    qos = endpoint.qos_profile
+    return EndpointReport(
+        kind,
+        owner,
+        endpoint.topic_name,
+        type_name(endpoint.msg_type),
+        qos.reliability.name.lower(),
+        qos.durability.name.lower(),
+        qos.depth,
+        mismatch,
+    )
+
+
+def is_parameter_service(name: str) -> bool:
+    """Tell whether it is one of the services that every node has."""
+    return name.endswith(PARAMETER_SERVICES)
+
+
+def type_name(ros_type: Any) -> str:
+    """Return the ROS name of a generated class: geometry_msgs/msg/Twist."""
+    package, kind = ros_type.__module__.split(".")[:2]
+    return f"{package}/{kind}/{ros_type.__name__}"

@@ -1,0 +1,104 @@
+"""The robot's ends of topics in one DDS participant: it hears all and speaks as a robot does.
+
+The robot's end of a topic is made right after the student's, never before: a participant accepts
+one type per topic, and the wrong type must end in a real robot's silence, not in an exception in
+the student's constructor.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import rclpy.node
+from rclpy.qos import (
+    QoSCompatibility,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_check_compatible,
+)
+
+from .endpoints import type_name
+from .frames import Offer
+
+DEPTH = 5_000  # messages a subscription holds: more than MAX_PUBLISHED, and Fast DDS's most
+ROBOT_DEPTH = 10
+ROBOT_NODE = "_mock_robot"
+
+
+class Heard(NamedTuple):
+    """One message of a student's node."""
+
+    sent: int  # [ns] since 1970, of the real clock
+    received: int
+    topic: str
+    type: str
+    data: bytes  # CDR
+
+
+class RobotEnds:
+    """Subscriptions to what students publish, publishers of what the robot offers."""
+
+    def __init__(self, context: Any, offers: dict[str, Offer]) -> None:
+        self._offers = offers
+        self._listeners: dict[str, tuple[str, Any, Any]] = {}
+        self._speakers: dict[str, Any] = {}
+        self._node = rclpy.node.Node(
+            ROBOT_NODE,
+            context=context,
+            use_global_arguments=False,
+            start_parameter_services=False,
+            enable_rosout=False,
+        )
+
+    def listen(self, topic: str, msg_type: Any) -> None:
+        """Hear a topic from now on."""
+        if topic in self._listeners:
+            return
+        qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
+        listener = self._node.create_subscription(msg_type, topic, lambda _: None, qos, raw=True)
+        self._listeners[topic] = (type_name(msg_type), msg_type, listener)
+
+    def speak(self, topic: str, msg_type: Any, theirs: QoSProfile) -> str:
+        """Serve a subscription; return why the robot can't reach it, if so."""
+        offer = self._offers.get(topic)
+        if offer is None:
+            return ""
+        if type_name(msg_type) != offer.type:
+            return f"the robot publishes {offer.type}"
+        reliability = (
+            ReliabilityPolicy.RELIABLE if offer.reliable else ReliabilityPolicy.BEST_EFFORT
+        )
+        qos = QoSProfile(depth=ROBOT_DEPTH, reliability=reliability)
+        if topic not in self._speakers:
+            self._speakers[topic] = self._node.create_publisher(msg_type, topic, qos)
+        verdict, reason = qos_check_compatible(qos, theirs)
+        if verdict != QoSCompatibility.ERROR:
+            return ""
+        return str(reason).removeprefix("ERROR: ").rstrip("; ").lower()
+
+    def take(self) -> list[Heard]:
+        """Return what was heard since the last call, in the order in which it was sent."""
+        taken = []
+        for topic, (name, msg_type, listener) in self._listeners.items():
+            while (message := listener.handle.take_message(msg_type, True)) is not None:
+                data, info = message
+                sent, received = info["source_timestamp"], info["received_timestamp"]
+                taken.append(Heard(sent, received, topic, name, data))
+        return sorted(taken, key=lambda heard: heard.sent)
+
+    def deliver(self, topic: str, data: bytes) -> None:
+        """Publish a message of the robot; nobody hears it where the student has no end."""
+        if topic in self._speakers:
+            self._speakers[topic].publish(data)
+
+    def connections(self) -> dict[str, int]:
+        """Return how many ends of others each end has found: by "kind topic" of theirs."""
+        listening = {
+            f"publisher {topic}": listener.get_publisher_count()
+            for topic, (_, _, listener) in self._listeners.items()
+        }
+        speaking = {
+            f"subscription {topic}": speaker.get_subscription_count()
+            for topic, speaker in self._speakers.items()
+        }
+        return {**listening, **speaking}

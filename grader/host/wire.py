@@ -1,0 +1,69 @@
+"""The host's end of the link, byte by byte."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+
+from .frames import (
+    LENGTH,
+    MAX_TEXT,
+    Ended,
+    FromLive,
+    FromRadio,
+    FromScript,
+    ToHost,
+    ToJudge,
+    decode_to_host,
+    encode,
+)
+
+MAX_LINE = MAX_TEXT // 10  # [characters]
+
+
+class Wire:
+    """Whole frames through two descriptors; the process ends when the judge is gone."""
+
+    def __init__(self, read_fd: int, write_fd: int) -> None:
+        self.read_fd = read_fd
+        self._write_fd = write_fd
+
+    def receive(self) -> ToHost:
+        """Wait for the judge's next frame."""
+        (length,) = LENGTH.unpack(self._read_exactly(LENGTH.size))
+        return decode_to_host(self._read_exactly(length))
+
+    def send(self, frame: ToJudge | FromScript | FromLive | FromRadio) -> None:
+        """Send a frame, after all that was printed before it."""
+        flush_output()
+        data = memoryview(encode(frame))
+        while data:
+            data = data[os.write(self._write_fd, data) :]
+
+    def _read_exactly(self, size: int) -> bytes:
+        chunks = []
+        while size:
+            chunk = os.read(self.read_fd, size)
+            if not chunk:
+                os._exit(0)  # the judge is gone
+            chunks.append(chunk)
+            size -= len(chunk)
+        return b"".join(chunks)
+
+
+def ended(kind: str, text: str, detail: str = "", now: int = 0) -> Ended:
+    """Return the frame that says how a program ended."""
+    return Ended(now, kind, sendable(text[:MAX_LINE]), sendable(detail[-MAX_TEXT + MAX_LINE :]), [])
+
+
+def flush_output() -> None:
+    """Let what the student printed go before what is said next."""
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(Exception):
+            stream.flush()
+
+
+def sendable(text: str) -> str:
+    """Replace what UTF-8 can't carry: half characters, such as those in undecodable file names."""
+    return text.encode("utf-8", "replace").decode()

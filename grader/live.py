@@ -1,0 +1,458 @@
+"""One trial in real time: the node as a process on DDS, beside a robot that keeps to the clock.
+
+The judge runs the robot and its clock; a radio (grader.host.radio) has the robot's ends of the
+topics, in a process of its own, and says when what came. The recording has the form of any other.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import select
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from grader.domains import own_domain
+from grader.errors import GraderError
+from grader.host.frames import (
+    Delivery,
+    Ended,
+    EndpointReport,
+    HeardNow,
+    Meet,
+    ProgramStart,
+    Published,
+    Pulse,
+    Start,
+    ToHost,
+    Transmit,
+    Tuned,
+    TuneIn,
+    decode_from_live,
+    decode_from_radio,
+)
+from grader.host.privileges import take_priority
+from grader.launch import HostProcess, Nursery
+from grader.link import Channel, HostDied, HostForged, decoded
+from grader.recording import COMPLETED, Live, Outcome, Recording
+from grader.runqueue import RunQueue
+from grader.staging import OFFERED, Stage, stage
+from grader.submission import Submission
+from grader.tape import Command, Flood, Tape, not_run
+from grader.trial import (
+    GRACE,
+    NEVER_SPUN,
+    died_text,
+    misbehaviour,
+    not_runnable,
+    prepared,
+)
+from sim.messages import Message, typestore, with_epoch
+from sim.scenario import Scenario
+from sim.schedule import scan_rate
+
+SEND_LIMIT = 5.0  # [s] for a frame to a host
+START_LIMIT = 30.0  # [s] for a program to begin to spin: imports, models
+IDLE_START = 3.0  # [s] without CPU time after which a program won't begin to spin any more
+MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
+HUNG_AFTER = 5.0  # [s] in a callback at the scenario's end
+STALL = 0.1  # [s] that a message of the robot may be late, or a ready thread wait for a CPU ...
+STALL_SHARE = 0.8  # ... and in periods of the lidar: the answer has to come before the next scan
+TURN = 0.02  # [s] between looks at the hosts, at most
+ATTEMPTS = 2  # of a trial on a machine that stalls
+HUNG = "the node did not come back from a callback"
+
+
+def run_live_trial(
+    submission: Submission,
+    scenario: Scenario,
+    nursery: Nursery,
+    *,
+    seed: int | None = None,
+    arguments: Sequence[str] = (),
+    stamped: bool = False,
+    files: Mapping[str, bytes] | None = None,
+    reason: str = "",
+) -> Recording:
+    """Run a student's file in a scenario in wall-clock time and return what happened.
+
+    Parameters
+    ----------
+    nursery
+        One for virtual time; its sister for real time is used.
+    reason
+        Why the trial isn't in virtual time, for the report.
+
+    The other parameters are those of `grader.trial.run_trial`. If the machine stalls, the trial is
+    repeated; if it stalls again, the recording says so (`live.stall`).
+
+    Raises
+    ------
+    GraderError
+        The grader or the machine failed; nothing can be said of the submission.
+    """
+    for attempt in range(ATTEMPTS):
+        simulation = prepared(scenario, seed)
+        problem = not_runnable(submission, scenario)
+        if problem is not None:
+            return not_run(simulation, problem)
+        with (
+            _CROWD.joined(alone=attempt > 0),
+            stage(submission, scenario, arguments, files) as staged,
+            own_domain() as domain,
+        ):
+            trial = _LiveTrial(Tape(simulation, stamped=stamped), nursery.live, staged, domain)
+            recording = trial.run(reason)
+        if not recording.live or not recording.live.stall:
+            break
+    return recording
+
+
+class _Crowd:
+    """Trials that run at the same time; one that was disturbed runs again with nobody beside it."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._inside = 0
+        self._waiting_alone = 0
+
+    @contextlib.contextmanager
+    def joined(self, *, alone: bool) -> Iterator[None]:
+        """Be one of the trials, or the only one."""
+        with self._changed:
+            self._waiting_alone += alone
+            self._changed.wait_for(lambda: self._may_enter(alone))
+            self._waiting_alone -= alone
+            self._inside += WHOLE if alone else 1
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._inside -= WHOLE if alone else 1
+                self._changed.notify_all()
+
+    def _may_enter(self, alone: bool) -> bool:
+        if alone:
+            return self._inside == 0
+        return self._inside < WHOLE and not self._waiting_alone
+
+
+WHOLE = 1_000  # trials: as many as there never are
+_CROWD = _Crowd()
+
+
+def _longest_stall(scenario: Scenario) -> float:
+    """Return how long the machine may keep a trial waiting [s]."""
+    if not scenario.lidar.enabled:
+        return STALL
+    return min(STALL, STALL_SHARE / scan_rate(scenario))
+
+
+class LiveLink(Channel):
+    """Frames to and from a host that speaks whenever it wants."""
+
+    def __init__(self, host: HostProcess, decode: Callable[[bytes], Any]) -> None:
+        super().__init__(host)
+        self._decode = decode
+        self.gone = False  # it has hung up
+        self.descriptors = (host.link_in, host.stdout, host.stderr)
+
+    def send(self, frame: ToHost) -> None:
+        """Send a frame; HostDied if nobody is there."""
+        self._write(frame, time.perf_counter() + SEND_LIMIT)
+
+    def hear(self) -> list[Any]:
+        """Return the frames that have come."""
+        try:
+            while True:
+                self._read(self._host.link_in)
+        except BlockingIOError:
+            pass
+        except HostDied:
+            self.gone = True
+        self._drain_all()
+        frames = []
+        while (body := self._take_frame()) is not None:
+            frames.append(decoded(body, self._decode))
+        return frames
+
+    def note_time(self, now: int) -> None:
+        """Say what time it is [ns]: output that comes from now on was said then."""
+        for output in (self.stdout, self.stderr):
+            output.clock = now
+
+
+@dataclass
+class _Program:
+    """One of the node's programs."""
+
+    start: ProgramStart
+    host: HostProcess
+    link: LiveLink
+    queue: RunQueue
+    pulse: Pulse = field(default_factory=lambda: Pulse(False, 0.0, [], {}))
+    ended: Ended | None = None
+    idle_since: float = math.inf
+    cpu: float = 0.0
+
+    def ready(self, now: float) -> bool:
+        """It spins, has ended, or sleeps so long that it won't spin any more."""
+        if self.ended is not None or self.link.gone or self.pulse.spinning:
+            return True
+        cpu = self.link.cpu()
+        if not cpu - self.cpu < 0.01 or self.idle_since == math.inf:
+            self.cpu, self.idle_since = cpu, now
+        return now - self.idle_since > IDLE_START
+
+
+class _Over(Exception):
+    """A program has ended."""
+
+
+class _LiveTrial:
+    """A trial on its way."""
+
+    def __init__(self, tape: Tape, nursery: Nursery, staged: Stage, domain: int) -> None:
+        self.tape = tape
+        self._nursery = nursery
+        self._stage = staged
+        self._domain = domain
+        self._hosts = contextlib.ExitStack()
+        self._poll = select.poll()
+        self._radio: LiveLink
+        self._programs: list[_Program] = []
+        self._waiting = sorted(staged.programs, key=lambda program: program.start)
+        self._user = 0
+        self._epoch = 0  # [ns] since 1970 at the scenario's start; 0: not yet
+        self._connected: dict[str, int] = {}  # the radio's view
+        self._reports: list[EndpointReport] = []  # that the radio has dealt with
+        self._asked = 0  # endpoints that it was told of
+        self._heard: list[Published] = []
+        self._lateness = 0.0  # [s] of the robot's latest message
+        self._starved = 0.0  # [s] that a thread of the node has waited for a CPU, at worst
+
+    def run(self, reason: str) -> Recording:
+        """Run the trial to its end."""
+        stall = ""
+        take_priority()  # of this thread
+        with self._hosts:
+            try:
+                self._open()
+                self._meet()
+                self._drive()
+                outcome = self._final_outcome()
+            except _Over:
+                outcome = self._end_outcome()
+            except (HostForged, Flood) as error:
+                outcome = self._outcome(*misbehaviour(error))
+            except TimeoutError as error:
+                stall, outcome = str(error), self._outcome("hung", str(error))
+            log = [line for program in self._programs for line in program.link.log()]
+            output = [o for p in self._programs for o in (p.link.stdout, p.link.stderr)]
+        limit = _longest_stall(self.tape.simulation.scenario)
+        if self._lateness > limit:
+            stall = f"a message of the robot left {self._lateness:.3f} s late"
+        elif self._starved > limit:
+            stall = f"the node had to wait {self._starved:.3f} s for a CPU"
+        epoch = self._epoch or time.time_ns()
+        live = Live(epoch, reason, self._lateness, self._starved, stall)
+        log.sort(key=lambda line: line.time)
+        return self.tape.freeze(outcome, self._stage.folder, log, output, live)
+
+    # --- the hosts -------------------------------------------------------------------------------
+
+    def _open(self) -> None:
+        """Start the radio and the programs that run from the beginning."""
+        place = self._hosts.enter_context(tempfile.TemporaryDirectory(prefix="course-"))
+        self._radio = LiveLink(
+            self._hosts.enter_context(self._nursery.host(Path(place))), decode_from_radio
+        )
+        self._register(self._radio)
+        self._radio.send(TuneIn(self._domain, self._stage.offers))
+        self._user = self._nursery.new_user()
+        self._start_programs(0)
+
+    def _start_programs(self, now: int) -> None:
+        while self._waiting and self._waiting[0].start <= now:
+            program = self._waiting.pop(0)
+            host = self._hosts.enter_context(self._nursery.host(self._stage.folder, self._user))
+            link = LiveLink(host, decode_from_live)
+            self._register(link)
+            seed = self.tape.simulation.seed
+            link.send(Start((program,), 0, seed, self._stage.offers, self._domain))
+            self._programs.append(_Program(program, host, link, RunQueue(host.pid)))
+
+    def _stop_programs(self, now: int) -> None:
+        for program in self._programs:
+            if program.start.stop is not None and program.start.stop <= now:
+                program.host.kill()
+
+    def _register(self, link: LiveLink) -> None:
+        for descriptor in link.descriptors:
+            self._poll.register(descriptor, select.POLLIN)
+
+    def _meet(self) -> None:
+        """Wait until the programs spin and all ends have found each other; time begins then."""
+        limit = time.monotonic() + START_LIMIT
+        while not all(program.ready(time.monotonic()) for program in self._programs):
+            self._listen(TURN)
+            if time.monotonic() > limit:
+                break  # the node never spins
+        limit = time.monotonic() + MEETING_LIMIT
+        while not self._all_met():
+            self._listen(TURN)
+            if time.monotonic() > limit:
+                raise TimeoutError("DDS did not bring the node and the robot together in time")
+        typestore()  # it takes a while, once
+        self._epoch = time.time_ns()
+        for published in self._heard:  # sent before time began
+            self._note([msgspec.structs.replace(published, time=self._epoch)])
+        self._heard = []
+
+    def _all_met(self) -> bool:
+        if len(self._reports) < self._asked:
+            return False
+        wanted: dict[str, int] = {}
+        for end in self._reports:
+            if end.kind == "publisher" or (end.kind == "subscription" and end.topic in OFFERED):
+                name = f"{end.kind} {end.topic}"
+                if not end.mismatch:
+                    wanted[name] = wanted.get(name, 0) + 1
+        mine = all(self._connected.get(name, 0) >= n for name, n in wanted.items())
+        theirs: dict[str, int] = {}
+        for program in self._programs:
+            for name, count in program.pulse.connected.items():
+                theirs[name] = max(theirs.get(name, 0), count)
+        return mine and all(theirs.get(name, 0) > 0 for name in wanted)
+
+    # --- the clock -------------------------------------------------------------------------------
+
+    def _now(self) -> int:
+        """Return the time since the scenario's start [ns]."""
+        return time.time_ns() - self._epoch if self._epoch else 0
+
+    def _drive(self) -> None:
+        """Let the robot live through the scenario, on time."""
+        tape, simulation = self.tape, self.tape.simulation
+        pending = simulation.advance(0)
+        while True:
+            self._transmit(pending)
+            self._start_programs(simulation.now)
+            self._stop_programs(simulation.now)
+            if simulation.now >= tape.end:
+                return
+            until = min(self._next_moment(simulation.now), tape.end)
+            commands: list[Command] = []
+            cpu = self._cpu()
+            began = simulation.now
+            answered = math.nan
+            while (left := until - self._now()) > 0:
+                self._listen(min(left / 1e9, TURN))
+                commands += self._take_heard()
+                if commands and math.isnan(answered):
+                    answered = (commands[0][0] - began) / 1e9
+            for program in self._programs:
+                self._starved = max(self._starved, program.queue.worst())
+            used = self._cpu() - cpu
+            wall = min(used, (until - began) / 1e9) if math.isnan(answered) else answered
+            tape.compute.append((began / 1e9, max(0.0, wall), used))
+            pending = simulation.advance(until, [c for c in commands if c[0] <= until])
+
+    def _next_moment(self, now: int) -> int:
+        moments = [self.tape.simulation.next_event(), *(p.start for p in self._waiting)]
+        moments += [p.start.stop for p in self._programs]
+        return min((m for m in moments if m is not None and m > now), default=self.tape.end)
+
+    def _transmit(self, messages: Sequence[Message]) -> None:
+        if not messages:
+            return
+        real = [with_epoch(message, self._epoch) for message in messages]
+        self._lateness = max(self._lateness, (self._now() - messages[0].time) / 1e9)
+        self._radio.send(Transmit(tuple(Delivery(m.topic, m.data) for m in real)))
+        self.tape.delivered += real
+
+    # --- what comes from the hosts ---------------------------------------------------------------
+
+    def _listen(self, patience: float) -> None:
+        """Wait for the hosts to say something, `patience` [s] at most, and take it in."""
+        self._poll.poll(max(1, math.ceil(patience * 1e3)))
+        now = self._now()
+        for program in self._programs:
+            program.link.note_time(now)
+            self._hear_program(program)
+        for frame in self._radio.hear():
+            match frame:
+                case Tuned():
+                    self.tape.note_endpoints(frame.endpoints)
+                    self._reports += frame.endpoints
+                    self._connected = frame.connected
+                case HeardNow():
+                    self._heard += frame.published
+        if self._radio.gone:
+            raise GraderError("the robot's radio has died: nothing can be said of the node")
+
+    def _hear_program(self, program: _Program) -> None:
+        for frame in program.link.hear():
+            match frame:
+                case Pulse():
+                    program.pulse = frame
+                    if frame.endpoints:
+                        self._asked += len(frame.endpoints)
+                        self._radio.send(Meet(tuple(frame.endpoints)))
+                case Ended():
+                    program.ended = frame
+        stopped = program.start.stop is not None and program.start.stop <= self._now()
+        if (program.ended or program.link.gone) and not stopped:
+            raise _Over
+
+    def _take_heard(self) -> list[Command]:
+        heard, self._heard = self._heard, []
+        return self._note(heard)
+
+    def _note(self, heard: Sequence[Published]) -> list[Command]:
+        """Note messages with the time of the scenario; slightly late ones came just now."""
+        last = self.tape.published[-1].time if self.tape.published else 0
+        now = max(self._now(), last)
+        timed = [
+            msgspec.structs.replace(m, time=min(max(m.time - self._epoch, last), now))
+            for m in sorted(heard, key=lambda m: m.time)
+        ]
+        return self.tape.hear(timed, last, now)
+
+    def _cpu(self) -> float:
+        used = [p.link.cpu() for p in self._programs if not p.link.gone]
+        return math.fsum(used) if used else 0.0
+
+    # --- how it ended ----------------------------------------------------------------------------
+
+    def _final_outcome(self) -> Outcome:
+        for program in self._programs:
+            if program.start.stop is not None:
+                continue
+            if not program.pulse.spinning:
+                return self._outcome("never_spun", NEVER_SPUN)
+            if program.pulse.busy > HUNG_AFTER:
+                return self._outcome("hung", HUNG, program.link.stacks())
+        return self._outcome(COMPLETED, "")
+
+    def _end_outcome(self) -> Outcome:
+        """Say how the program ended that has ended; let the robot roll on."""
+        reached = max(self._now(), self.tape.simulation.now)
+        with contextlib.suppress(HostForged, Flood):
+            self.tape.roll_on(min(reached, self.tape.end), self._take_heard())
+        program = next(p for p in self._programs if p.ended or p.link.gone)
+        name = f"{Path(program.start.file).name}: " if len(self._stage.programs) > 1 else ""
+        if program.ended is None:
+            return self._outcome("died", name + died_text(program.host.wait(GRACE)))
+        end = program.ended
+        return self._outcome(end.kind, name + end.text, end.detail)
+
+    def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:
+        return Outcome(kind, text, min(self._now(), self.tape.end) / 1e9, detail)

@@ -1,0 +1,112 @@
+"""What a trial starts with: the files in the node's working folder, its programs, the topics."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.host.frames import Offer, ProgramStart
+from grader.models import write_models
+from grader.submission import Submission
+from sim.messages import (
+    BOOL,
+    CMD_VEL_RAW_TOPIC,
+    E_STOP_TOPIC,
+    GOAL_TOPIC,
+    LASER_SCAN,
+    ODOM_TOPIC,
+    ODOMETRY,
+    POSE_STAMPED,
+    SCAN_TOPIC,
+    TWIST,
+)
+from sim.scenario import Scenario
+
+SUPPLIED = Path(__file__).parent / "host" / "supplied"  # programs of ours that run beside students'
+OFFERED = {
+    SCAN_TOPIC: LASER_SCAN,
+    ODOM_TOPIC: ODOMETRY,
+    GOAL_TOPIC: POSE_STAMPED,
+    CMD_VEL_RAW_TOPIC: TWIST,
+    E_STOP_TOPIC: BOOL,
+}
+SENSORS = {SCAN_TOPIC, ODOM_TOPIC}  # the topics that a scenario's QoS is about
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A folder with everything in it, and what to run there."""
+
+    folder: Path
+    programs: tuple[ProgramStart, ...]
+    offers: tuple[Offer, ...]
+
+
+@contextlib.contextmanager
+def stage(
+    submission: Submission,
+    scenario: Scenario,
+    arguments: Sequence[str] = (),
+    files: Mapping[str, bytes] | None = None,
+) -> Iterator[Stage]:
+    """Lay out a submission for a scenario, in a fresh folder that goes when the block ends."""
+    with submission.folder() as folder:
+        write_models(scenario.node.models, folder)
+        for name, content in (files or {}).items():
+            (folder / name).write_bytes(content)
+        programs = _programs(scenario, submission, folder, arguments)
+        yield Stage(folder, programs, _offers(scenario))
+
+
+def missing_file(scenario: Scenario, submission: Submission) -> str:
+    """Say which of the scenario's programs the submission lacks; empty if none."""
+    there = [path.name for path in (submission.path, *submission.others)]
+    for spec in scenario.program:
+        if not spec.supplied and spec.file not in ("", *there):
+            return f"there is no {spec.file} in the submission, only {', '.join(there)}"
+    return ""
+
+
+def parameter_arguments(parameters: Mapping[str, str | bool | int | float]) -> list[str]:
+    """Return the command line that sets ROS parameters."""
+    if not parameters:
+        return []
+    texts = {
+        name: str(value).lower() if isinstance(value, bool) else str(value)
+        for name, value in parameters.items()
+    }
+    flags = [word for name, text in texts.items() for word in ("-p", f"{name}:={text}")]
+    return ["--ros-args", *flags]
+
+
+def _programs(
+    scenario: Scenario, submission: Submission, folder: Path, arguments: Sequence[str]
+) -> tuple[ProgramStart, ...]:
+    """Return what to run: the submission's own file, or what the scenario asks for."""
+    common = (*arguments, *parameter_arguments(scenario.node.parameters))
+    if not scenario.program:
+        file = str(folder / submission.path.name)
+        return (ProgramStart(file, common, hides=scenario.node.hides),)
+    for spec in scenario.program:
+        if spec.supplied:
+            shutil.copyfile(SUPPLIED / spec.file, folder / spec.file)
+    return tuple(
+        ProgramStart(
+            file=str(folder / (spec.file or submission.path.name)),
+            arguments=(*common, *spec.arguments),
+            start=round(spec.start * 1e9),
+            stop=None if spec.stop is None else round(spec.stop * 1e9),
+            hides=scenario.node.hides,
+        )
+        for spec in scenario.program
+    )
+
+
+def _offers(scenario: Scenario) -> tuple[Offer, ...]:
+    reliable = scenario.qos.sensors == "reliable"
+    return tuple(
+        Offer(topic, type, reliable or topic not in SENSORS) for topic, type in OFFERED.items()
+    )

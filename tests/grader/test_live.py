@@ -1,0 +1,288 @@
+"""Nodes in real time, on DDS. What they do is asserted; how fast the machine is, never."""
+
+import textwrap
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from conftest import PREAMBLE, RunNode, short
+
+from grader import bag
+from grader.exercises import find_exercise
+from grader.grading import grade_live
+from grader.launch import Nursery
+from grader.live import run_live_trial
+from grader.recording import Recording
+from grader.submission import Submission
+from grader.trial import Limits
+from grader.trials import LiveTrials
+from sim.messages import EPOCH_NS
+from sim.scenario import Scenario, ScriptEvent
+
+RunLive = Callable[..., Recording]
+
+
+@pytest.fixture
+def run_live(nursery: Nursery, tmp_path: Path) -> RunLive:
+    """Run a few lines of node (after PREAMBLE) in a scenario, in real time."""
+
+    def run(source: str, scenario: Scenario | None = None, **options: object) -> Recording:
+        file = tmp_path / "node.py"
+        file.write_text(PREAMBLE + textwrap.dedent(source))
+        return run_live_trial(
+            Submission(file),
+            scenario or short(1.0),
+            nursery,
+            **options,  # type: ignore[arg-type]
+        )
+
+    return run
+
+
+def test_every_scan_is_answered_over_dds(run_live: RunLive) -> None:
+    recording = run_live("rclpy.init(); rclpy.spin(Echo())")
+
+    assert recording.outcome.completed
+    assert len(recording.scans()) == 10
+    assert len(recording.twists().t) == 10
+    assert recording.live is not None
+    assert [(end.kind, end.topic, end.matched) for end in recording.endpoints] == [
+        ("publisher", "/cmd_vel", True),
+        ("subscription", "/scan", True),
+    ]
+
+
+def test_stamps_and_clocks_are_of_today(run_live: RunLive) -> None:
+    recording = run_live("""
+        class Clock(Echo):
+            def on_scan(self, scan):
+                age = self.get_clock().now() - rclpy.time.Time.from_msg(scan.header.stamp)
+                print('fresh' if 0 <= age.nanoseconds < 60e9 else age)
+        rclpy.init(); rclpy.spin(Clock())
+    """)
+
+    assert {line.text for line in recording.log} == {"fresh"}
+    assert recording.epoch > EPOCH_NS
+    assert np.allclose([scan.stamp for scan in recording.scans()], recording.times("/scan"))
+
+
+def test_commands_move_the_robot(run_live: RunLive) -> None:
+    recording = run_live("""
+        class Drive(Echo):
+            def on_scan(self, scan):
+                twist = Twist(); twist.linear.x = 0.3; self.publisher.publish(twist)
+        rclpy.init(); rclpy.spin(Drive())
+    """, short(1.5))  # fmt: skip
+
+    assert recording.truth.x[-1] - recording.truth.x[0] > 0.1
+
+
+def test_a_goal_and_what_is_said_about_it(run_live: RunLive) -> None:
+    scenario = msgspec.structs.replace(
+        short(1.0, "demo_open"), script=(ScriptEvent(at=0.25, goal=(1.0, -2.0, 0.0)),)
+    )
+    recording = run_live(
+        """
+        from geometry_msgs.msg import PoseStamped
+        rclpy.init(); node = Node('listener')
+        node.create_subscription(PoseStamped, 'goal_pose',
+            lambda goal: print(goal.pose.position.x, goal.pose.position.y), 10)
+        rclpy.spin(node)
+        """,
+        scenario,
+    )
+
+    assert [line.text for line in recording.log] == ["1.0 -2.0"]
+    assert recording.log[0].t >= 0.25
+    assert (recording.goals().x, recording.goals().y) == ([1.0], [-2.0])
+
+
+ENDS = {
+    "exception": "raise KeyError('x')",
+    "exited": "rclpy.init(); sys.exit(3)",
+    "returned": "rclpy.init(); Echo()",
+    "syntax_error": "def",
+    "died": "os._exit(7)",
+    "never_spun": "rclpy.init(); node = Echo(); threading.Event().wait()",
+}
+
+
+@pytest.mark.parametrize("kind", ENDS)
+def test_each_end_has_a_name(kind: str, run_live: RunLive, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.live.IDLE_START", 0.5)
+    assert run_live(ENDS[kind]).outcome.kind == kind
+
+
+def test_a_callback_that_never_returns_hangs(
+    run_live: RunLive, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("grader.live.HUNG_AFTER", 0.5)
+    recording = run_live("""
+        class Stuck(Echo):
+            def on_scan(self, scan):
+                while True: pass
+        rclpy.init(); rclpy.spin(Stuck())
+    """)
+
+    assert recording.outcome.kind == "hung"
+    assert "on_scan" in recording.outcome.detail
+
+
+def test_a_wrong_type_is_silence_and_is_reported(run_live: RunLive) -> None:
+    recording = run_live("""
+        rclpy.init(); node = Node('deaf')
+        node.create_subscription(String, '/scan', print, 10)
+        rclpy.spin(node)
+    """)
+
+    (end,) = recording.endpoints
+    assert end.mismatch == "the robot publishes sensor_msgs/msg/LaserScan"
+    assert recording.log == ()
+
+
+def test_a_node_that_speaks_for_the_robot_is_kept_apart(run_live: RunLive) -> None:
+    recording = run_live("""
+        class Liar(Echo):
+            def __init__(self):
+                super().__init__()
+                self.liar = self.create_publisher(LaserScan, '/scan', 10)
+            def on_scan(self, scan):
+                if scan.ranges: self.liar.publish(LaserScan())
+        rclpy.init(); rclpy.spin(Liar())
+    """)
+
+    assert len(recording.scans()) == 10
+    assert len(recording.of("/from_node/scan")) > 0
+
+
+def test_two_trials_at_once_do_not_hear_each_other(nursery: Nursery, tmp_path: Path) -> None:
+    recordings: dict[str, Recording] = {}
+
+    def run(name: str, speed: float) -> None:
+        file = tmp_path / f"{name}.py"
+        file.write_text(
+            PREAMBLE
+            + textwrap.dedent(f"""
+            class Drive(Echo):
+                def on_scan(self, scan):
+                    twist = Twist(); twist.linear.x = {speed}; self.publisher.publish(twist)
+            rclpy.init(); rclpy.spin(Drive())
+            """)
+        )
+        recordings[name] = run_live_trial(Submission(file), short(1.0), nursery)
+
+    threads = [threading.Thread(target=run, args=pair) for pair in (("slow", 0.1), ("fast", 0.2))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+    assert set(recordings["slow"].twists().linear_x) == {0.1}
+    assert set(recordings["fast"].twists().linear_x) == {0.2}
+    assert all(len(recording.twists().t) == 10 for recording in recordings.values())
+
+
+def test_a_live_recording_survives_a_bag(run_live: RunLive, tmp_path: Path) -> None:
+    recording = run_live("rclpy.init(); rclpy.spin(Echo())", reason="because")
+    again = bag.load(bag.save(recording, tmp_path / "bag"))
+
+    assert again.digest() == recording.digest()
+    assert again.live == recording.live
+    assert again.live is not None and again.live.reason == "because"
+    assert [scan.stamp for scan in again.scans()] == [scan.stamp for scan in recording.scans()]
+
+
+# --- what virtual time can't carry ---------------------------------------------------------------
+
+UNVIRTUAL = {
+    "EventsExecutor": """
+        from rclpy.experimental.events_executor import EventsExecutor
+        rclpy.init(); executor = EventsExecutor(); executor.add_node(Echo()); executor.spin()
+    """,
+    "while not done": """
+        rclpy.init(); node = Echo()
+        threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+        while not getattr(node, 'done', False): pass
+    """,
+}
+
+
+@pytest.mark.parametrize("style", UNVIRTUAL)
+def test_what_virtual_time_cannot_carry_is_noticed(style: str, run_node: RunNode) -> None:
+    recording = run_node(UNVIRTUAL[style], limits=Limits(start=1.0, step=1.0, total=5.0))
+    assert recording.outcome.kind in ("real_time", "hung")
+
+
+def test_it_is_graded_in_real_time_and_the_report_says_so(nursery: Nursery, tmp_path: Path) -> None:
+    exercise = find_exercise("obstacle_avoidance")
+    source = (exercise.solutions / exercise.files[0]).read_text()
+    spin = "        rclpy.spin(node)\n"
+    assert spin in source
+    own = """\
+        from rclpy.experimental.events_executor import EventsExecutor
+        executor = EventsExecutor()
+        executor.add_node(node)
+        executor.spin()
+"""
+    file = tmp_path / exercise.files[0]
+    file.write_text(source.replace(spin, own))
+    grading = grade_live(exercise, Submission(file), nursery, file=file.name, only=["clear_zone"])
+
+    outcomes = {check.id: check.outcome for check in grading.checks}
+    assert "fail" not in outcomes.values()
+    assert outcomes["wiring"] == "pass"
+    (note,) = grading.as_dict()["notes"]
+    assert "ran in real time" in note
+    assert all(recording.live is not None for recording in grading.recordings)
+
+
+def test_a_busy_wait_runs_in_real_time(nursery: Nursery, tmp_path: Path) -> None:
+    file = tmp_path / "node.py"
+    file.write_text(PREAMBLE + textwrap.dedent(UNVIRTUAL["while not done"]))
+    limits = Limits(start=1.0, step=1.0, total=5.0)
+    with LiveTrials(Submission(file), nursery, limits=limits) as trials:
+        first, second = trials.get("avoid_infinity"), trials.get("avoid_blind")
+
+    for recording in (first, second):
+        assert recording.outcome.completed
+        assert recording.live is not None and "without letting time pass" in recording.live.reason
+        assert len(recording.twists().t) == len(recording.scans())
+
+
+def test_a_node_that_hangs_in_real_time_too_has_hung(
+    nursery: Nursery, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("grader.live.HUNG_AFTER", 0.5)
+    exercise = find_exercise("obstacle_avoidance")
+    file = tmp_path / exercise.files[0]
+    file.write_text(
+        PREAMBLE
+        + textwrap.dedent("""
+        class Stuck(Echo):
+            def on_scan(self, scan):
+                while True: pass
+        rclpy.init(); rclpy.spin(Stuck())
+        """)
+    )
+    grading = grade_live(exercise, Submission(file), nursery, file=file.name, only=["wiring"])
+
+    (check,) = grading.checks
+    assert (check.outcome, check.actual) == ("fail", "hung")
+    assert grading.as_dict()["notes"] == []
+
+
+def test_wait_for_message_is_virtual(run_node: RunNode) -> None:
+    recording = run_node("""
+        from rclpy.wait_for_message import wait_for_message
+        rclpy.init(); node = Node('patient')
+        print(wait_for_message(LaserScan, node, '/scan')[0], time.monotonic())
+        print(wait_for_message(LaserScan, node, '/other', time_to_wait=0.5), time.monotonic())
+        rclpy.spin(Echo())
+    """)
+
+    assert recording.outcome.completed
+    assert [line.text for line in recording.log] == ["True 1000.013", "(False, None) 1000.513"]
+    assert len(recording.twists().t) == len(recording.scans()) - 6
