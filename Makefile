@@ -1,13 +1,14 @@
 # Every command a person needs. `make` alone lists them.
 PYTHON ?= python3
 VENV := .venv
+DEEP := .venv-deep
 BIN := $(VENV)/bin
 PIP := $(BIN)/pip --disable-pip-version-check --quiet
 REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test lint format prove bench skeletons goldens constraints clean
+.PHONY: help setup grade test test-deep lint format prove students bench skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -19,6 +20,10 @@ grade: $(VENV)/.course ## set up, grade a reference solution, print the table, w
 
 test: $(VENV)/.dev ## set up, run the tests
 	$(BIN)/pytest -n auto --dist worksteal
+
+test-deep: $(DEEP)/.deep ## make .venv-deep with PyTorch and Keras, run what needs them
+	$(DEEP)/bin/pytest -m deep
+	$(DEEP)/bin/python -m grader.proof model_formats
 
 lint: $(VENV)/.dev ## ruff, mypy, skeletons in step with the solutions
 	$(BIN)/ruff check .
@@ -38,18 +43,23 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lidar.py
 	$(BIN)/python benchmarks/lockstep.py
 	$(BIN)/python benchmarks/determinism.py obstacle_avoidance goal_seeking
-	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20
+	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20 --variants 0
 
-skeletons: $(VENV)/.dev ## make the skeletons and docs/mutants.md anew from the solutions
+students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (half an hour; goes on where it was)
+	mkdir -p build
+	$(BIN)/python benchmarks/students.py --keep build/students.jsonl
+
+skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python -m grader.skeletons
 	$(BIN)/python -m grader.catalogue
+	$(BIN)/python -m grader.listings
 
 constraints: ## pin the newest versions that fit pyproject.toml
-	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,dev]' \
+	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,dev]' \
 	  | $(PYTHON) .ci/constraints.py > constraints.txt
 
 clean: ## remove what can be made again
-	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache report.html
+	rm -rf $(VENV) $(DEEP) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache report.html
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' \
@@ -62,4 +72,12 @@ $(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt
 
 $(VENV)/.dev: $(VENV)/.course
 	$(PIP) install --constraint constraints.txt --editable '.[ros,ml,dev]'
+	touch $@
+
+# PyTorch from the index of packages comes with CUDA, gigabytes of it. For its CPU build:
+# PIP_EXTRA_INDEX_URL=https://download.pytorch.org/whl/cpu make test-deep
+$(DEEP)/.deep: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(DEEP)
+	$(DEEP)/bin/pip --disable-pip-version-check --quiet install --constraint constraints.txt \
+	  --editable '.[ros,ml,deep,dev]'
 	touch $@

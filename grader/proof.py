@@ -5,6 +5,8 @@ Every mutant says in its docstring which checks it fails::
     fails: stop_zone, no_contact        (core checks; those skipped through `needs` are not listed)
     field: field_speckle                (field checks, when they are run)
 
+    requires: torch                     (modules without which the node would fail otherwise)
+
 Field checks are only judged when all of the core passed, so a mutant names either kind. A variant
 that claims the badge says `field: all`. `python -m grader.proof [EXERCISE …]` prints
 which mutant is killed by which check.
@@ -29,8 +31,9 @@ from pathlib import Path
 from grader.errors import GraderError
 from grader.exercises import Exercise, all_exercises, find_exercise
 from grader.grading import Grading, grade_live
+from grader.installed import why_not
 from grader.launch import Nursery
-from grader.plugin import FAIL
+from grader.plugin import FAIL, UNAVAILABLE
 from grader.submission import Submission, find_submission
 from sim.messages import EPOCH_NS
 
@@ -46,6 +49,12 @@ class Claim:
     path: Path
     fails: frozenset[str] = frozenset()  # checks, core and field
     field_ready: bool = False
+    requires: frozenset[str] = frozenset()  # modules without which it can't be graded
+
+    @property
+    def lacks(self) -> str:
+        """Say which of its modules are not installed here; empty if all are."""
+        return why_not(sorted(self.requires))
 
     @property
     def name(self) -> str:
@@ -68,7 +77,8 @@ def claims(exercise: Exercise) -> Iterator[Claim]:
         yield Claim(exercise, "variant", path, field_ready=ready)
     for path in _solutions(exercise, "mutants"):
         doc = _docstring(path)
-        yield Claim(exercise, "mutant", path, _listed("fails", doc) | _listed("field", doc))
+        fails = _listed("fails", doc) | _listed("field", doc)
+        yield Claim(exercise, "mutant", path, fails, requires=_listed("requires", doc))
 
 
 def grade_claim(claim: Claim, nursery: Nursery) -> Grading:
@@ -96,13 +106,15 @@ def complete(claim: Claim) -> Iterator[Submission]:
 def objections(claim: Claim, grading: Grading) -> list[str]:
     """Return what the grading has against the claim; nothing if it holds."""
     failed = {check.id for check in grading.checks if check.outcome == FAIL}
+    absent = unavailable(grading)
     found = [
         f"{check.id} is {check.outcome}: {check.message}"
         for check in grading.checks
         if check.outcome in ("error", "inconclusive")
     ]
     if claim.kind == "mutant":
-        found += [f"should fail {check}, and does not" for check in sorted(claim.fails - failed)]
+        missed = claim.fails - failed - set(absent)
+        found += [f"should fail {check}, and does not" for check in sorted(missed)]
         found += [
             f"fails {check}, which it does not name" for check in sorted(failed - claim.fails)
         ]
@@ -112,11 +124,25 @@ def objections(claim: Claim, grading: Grading) -> list[str]:
         if grading.score > SKELETON_POINTS:
             found.append(f"gets {grading.score} points, at most {SKELETON_POINTS} are allowed")
     else:
-        if grading.score != grading.exercise.max_points:
-            found.append(f"gets {grading.score} of {grading.exercise.max_points}: fails {failed}")
+        most = grading.exercise.max_points - sum(absent.values())
+        if grading.score != most:
+            found.append(f"gets {grading.score} of {most}: fails {failed}")
         if claim.field_ready and grading.field_ready is False:
             found.append(f"claims to be field-ready and fails {sorted(failed)}")
     return found
+
+
+def unavailable(grading: Grading) -> dict[str, int]:
+    """Return the checks, with their points, whose libraries are not installed on this machine."""
+    return {c.id: c.max_points for c in grading.checks if c.outcome == UNAVAILABLE}
+
+
+def unproven(claim: Claim, grading: Grading) -> str:
+    """Say what of the claim could not be proven for lack of libraries; empty if all was."""
+    absent = unavailable(grading)
+    if claim.kind == "mutant":
+        return ", ".join(sorted(claim.fails & set(absent)))
+    return f"{sum(absent.values())} points" if absent and claim.kind != "skeleton" else ""
 
 
 def main(names: list[str]) -> int:
@@ -133,13 +159,22 @@ def main(names: list[str]) -> int:
 def _prove(exercise: Exercise, nursery: Nursery) -> list[str]:
     bad: list[str] = []
     used: set[str] = set()
-    core: set[str] = set()
-    killed = mutants = 0
+    judged: set[str] = set()
+    killed = mutants = in_part = 0
+    reasons: dict[str, None] = {}  # why checks can't be judged here
     for claim in claims(exercise):
+        if claim.lacks:
+            in_part += 1
+            mutants += claim.kind == "mutant"
+            reasons[claim.lacks] = None
+            print(f"~ {claim.name:64}   -  not proven here", flush=True)
+            continue
         grading = grade_claim(claim, nursery)
         against = objections(claim, grading)
         bad += [f"{claim.name}: {line}" for line in against]
-        core |= {check.id for check in grading.checks}
+        absent = unavailable(grading)
+        judged |= {check.id for check in grading.checks if check.id not in absent}
+        reasons |= {check.message: None for check in grading.checks if check.id in absent}
         by = sorted(check.id for check in grading.checks if check.outcome == FAIL)
         if claim.kind == "mutant":
             mutants += 1
@@ -147,10 +182,17 @@ def _prove(exercise: Exercise, nursery: Nursery) -> list[str]:
             used |= set(by)
         badge = {True: "field-ready", False: "", None: ""}[grading.field_ready]
         said = ", ".join(by) if claim.kind == "mutant" else badge
-        mark = "!" if against else " "
+        if lacking := unproven(claim, grading):
+            in_part += 1
+            said += f"{'; ' if said else ''}not proven here: {lacking}"
+        mark = "!" if against else "~" if lacking else " "
         print(f"{mark} {claim.name:64} {grading.score:3}  {said}", flush=True)
     print(f"{exercise.slug}: {killed} of {mutants} mutants killed")
-    bad += [f"{exercise.slug}: no mutant needs the check {check}" for check in sorted(core - used)]
+    if in_part:
+        print(f"{exercise.slug}: {in_part} claims (~) could not be proven in full")
+        print("".join(f"  {reason}\n" for reason in reasons), end="")
+    unused = sorted(judged - used)
+    bad += [f"{exercise.slug}: no mutant needs the check {check}" for check in unused]
     return bad
 
 

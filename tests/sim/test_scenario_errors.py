@@ -173,6 +173,14 @@ MISTAKES = {
         INLINE + "[[world.carts]]\nsize = [1, 1]\npath = [[0, 0, 0], [1, 1, 0]]\nloop = true",
         "world.carts[0].path = [[0, 0, 0], [1, 1, 0]]: expected a loop to end where it begins",
     ),
+    "nobody's program": (
+        HEAD + "[[program]]\nsupplied = true",
+        "program[0]: expected a file beside supplied = true",
+    ),
+    "a library that is no name": (
+        HEAD + "[node]\nhides = ['torch.nn']",
+        "node.hides[0] = \"torch.nn\": expected a text matching regex '^\\\\w+$'",
+    ),
     "a number too large": (
         HEAD + "duration = 1" + 400 * "0",
         "duration = 1" + 58 * "0" + "…: number out of range",

@@ -1,0 +1,128 @@
+"""Policy controller: a trained model in any of four formats, between the lidar and the motors.
+
+Subscribes  /scan     sensor_msgs/msg/LaserScan  distances all around the robot [m]
+Publishes   /cmd_vel  geometry_msgs/msg/Twist    forward speed [m/s], one for each scan
+Parameters  model_path  string  .pkl, .onnx, .pt2 or .keras; features (n, 5) -> speeds [m/s]
+            max_speed   double  no command is faster [m/s]
+            device      string  cpu or cuda: where PyTorch computes
+"""
+
+import math
+import os
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import rclpy
+from geometry_msgs.msg import Twist
+from numpy.typing import ArrayLike, NDArray
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+FRONT_HALF_ANGLE = math.radians(60)  # [rad] the front sector is |θ| ≤ 60°
+
+Policy = Callable[[NDArray[np.float32]], ArrayLike]  # features (1, 5) -> speed (1,) or (1, 1) [m/s]
+
+
+def scan_features(
+    ranges: NDArray[np.float64],
+    angles: NDArray[np.float64],
+    range_min: float,
+    range_max: float,
+) -> NDArray[np.float32] | None:
+    """Return what the model sees of one scan: the function of exercise 2.
+
+    Parameters
+    ----------
+    ranges
+        (beams,) readings [m].
+    angles
+        (beams,) their angles [rad], 0 ahead, positive to the left, of any turn.
+    range_min, range_max
+        Limits of the lidar [m].
+
+    Returns
+    -------
+    NDArray | None
+        (1, 5) minimum, mean and standard deviation of the front sector, minimum of the left
+        sector, minimum of the right sector [m]. ``None`` if a sector has no usable reading.
+    """
+    # TODO(task 2): bring your function of exercise 2 along; return a row of float32.
+    return None
+
+
+def load_pickle(path: str) -> Policy:
+    """Load a scikit-learn model. Unpickling runs code: load only models that you made yourself."""
+    # TODO(task 3): unpickle the model; its method predict is a Policy.
+    raise NotImplementedError
+
+
+def load_onnx(path: str) -> Policy:
+    """Load an ONNX model: one session, which lives as long as the node."""
+    # TODO(task 4): import onnxruntime here, make a session, return a function that runs it.
+    raise NotImplementedError
+
+
+def load_torch(path: str, device: str) -> Policy:
+    """Load a PyTorch program that torch.export.save wrote, onto a device."""
+    # TODO(task 5): import torch here, load the program, return a function that calls its module.
+    raise NotImplementedError
+
+
+def load_keras(path: str) -> Policy:
+    """Load a Keras 3 model."""
+    # TODO(task 6): import keras here, load the model, return a function that calls it.
+    raise NotImplementedError
+
+
+class PolicyController(Node):
+    """Drives as a model says, whoever made it, and never trusts it blindly."""
+
+    def __init__(self) -> None:
+        super().__init__("policy_controller")
+        # TODO(task 1): declare the parameters model_path, max_speed and device, create a
+        # publisher of Twist on /cmd_vel and a subscription to LaserScan on /scan.
+        # TODO(task 7): load the policy, once, here.
+        self.policy = None
+        self.max_speed = 0.5
+        self.device = "cpu"
+        self.get_logger().info("Policy controller started")
+
+    def load_policy(self, path: str) -> Policy | None:
+        """Return the model in this file as a function; ``None`` and an error if there is none."""
+        # TODO(task 7): choose the loader by the suffix. What if there is none, or it raises?
+        return None
+
+    def usable_device(self) -> str:
+        """Return the device asked for, or ``cpu`` (and a warning) if there is no GPU."""
+        # TODO(task 5): ask torch.cuda.is_available().
+        return self.device
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        """Run the loop once: exactly one Twist for each scan."""
+        # TODO(task 8): publish a Twist with linear.x = self.choose_speed(scan).
+
+    def choose_speed(self, scan: LaserScan) -> float:
+        """Return the policy's speed within 0 … max_speed [m/s]; 0.0 when it cannot be had."""
+        # TODO(task 8): ask the policy, and be ready for any answer.
+        return 0.0
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the controller until Ctrl-C."""
+    rclpy.init(args=args)
+    node = PolicyController()
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

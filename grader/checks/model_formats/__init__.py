@@ -1,0 +1,1 @@
+"""Checks of exercise 8, model_formats."""
