@@ -45,7 +45,7 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/determinism.py obstacle_avoidance goal_seeking
 	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20 --variants 0
 
-students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (half an hour; goes on where it was)
+students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour; goes on where it was)
 	mkdir -p build
 	$(BIN)/python benchmarks/students.py --keep build/students.jsonl
 

@@ -17,6 +17,8 @@ readings below range_min are dropped.
 from __future__ import annotations
 
 import itertools
+import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +31,7 @@ NAMES = ("front minimum", "front mean", "front deviation", "left minimum", "righ
 FRONT_EDGE = 60.0  # [°]
 BACK_EDGE = 180.0  # [°] between left and right
 HAIR = 1.0  # [°] beams this near to a sector's edge may count on either side
+ROUNDING = 0.01  # [°] of angles in float32
 
 
 def features(
@@ -66,19 +69,37 @@ def features(
     return np.where(np.isfinite(found), found, np.nan)
 
 
+def scan_features(scan: Scan) -> Floats:
+    """Return the (5,) features of a scan, to the letter; NaN where a sector is blind."""
+    edges = (FRONT_EDGE + ROUNDING, -FRONT_EDGE - ROUNDING, BACK_EDGE + ROUNDING)
+    found: Floats = _of_scan(scan, edges)[0]
+    return found
+
+
+@lru_cache(maxsize=2048)
 def possible_features(scan: Scan) -> Floats:
     """Return the (k, 5) features that are right for a scan: the contract does not split hairs.
 
-    Angles are float32, so a beam within 1° of a sector's edge may count on either side.
+    A beam within 1° of a sector's edge may count on either side: rounding decides on one that lies
+    on the edge, and some nodes count beams instead of angles. A row has NaN where a sector is
+    blind. Several checks look at the same scan, so it is computed once.
     """
-    degrees = np.degrees(scan.angles)
-    front = (FRONT_EDGE - HAIR, FRONT_EDGE - HAIR / 2, FRONT_EDGE + HAIR / 2, FRONT_EDGE + HAIR)
     rows = [
-        features(
-            scan.ranges[None, :], degrees, scan.range_min, scan.range_max, (left, -right, back)
-        )
-        for left, right, back in itertools.product(
-            front, front, (BACK_EDGE - HAIR, BACK_EDGE + HAIR)
-        )
+        _of_scan(scan, (FRONT_EDGE + left, -FRONT_EDGE - right, BACK_EDGE + back))
+        for hair in (ROUNDING, HAIR)
+        for left, right in itertools.product((hair, -hair), repeat=2)
+        for back in (ROUNDING, -ROUNDING, HAIR, -HAIR)
     ]
-    return np.unique(np.concatenate(rows), axis=0)
+    found = np.unique(np.concatenate(rows), axis=0)
+    found.flags.writeable = False
+    return found
+
+
+def spell_features(values: Floats) -> str:
+    """Return features as a student should see them."""
+    return "[" + ", ".join("?" if math.isnan(x) else f"{x:.3f}" for x in values.tolist()) + "] m"
+
+
+def _of_scan(scan: Scan, edges: tuple[float, float, float]) -> Floats:
+    degrees = np.degrees(scan.angles)
+    return features(scan.ranges[None, :], degrees, scan.range_min, scan.range_max, edges)

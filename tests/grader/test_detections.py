@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from grader.checks.model_server.answers import read_detection
+from grader.checks.model_server.answers import read_detection, require_detection
 from grader.verdict import CheckFailed
 
 GOOD = '{"label": "free", "confidence": 0.9, "stamp": 1.0}'
@@ -22,3 +22,21 @@ def test_a_detection_is_read() -> None:
 def test_anything_else_is_the_students_mistake(message: str) -> None:
     with pytest.raises(CheckFailed):
         read_detection(None, ask(message))
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        '"label": "a", "confidence": 1' + "0" * 400 + ', "stamp": 1.0',
+        '"label": "a", "confidence": 0.5, "stamp": -1' + "0" * 400,
+        '"label": "a", "confidence": true, "stamp": 1.0',
+        '"label": "a", "confidence": "0.5", "stamp": 1.0',
+        '"label": "\\ud800", "confidence": NaN, "stamp": 1.0',
+        '"label": ' + "[" * 500 + "]" * 500 + ', "confidence": 0.5, "stamp": 1.0',
+    ],
+)
+def test_odd_values_are_the_students_mistake(fields: str) -> None:
+    odd = ask("{" + fields + "}")
+    odd.answered, odd.success, odd.scan = True, True, object()
+    with pytest.raises(CheckFailed, match="the server's message is not right"):
+        require_detection(None, odd)

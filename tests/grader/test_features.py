@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from grader.features import features, possible_features
+from grader.features import features, possible_features, scan_features, spell_features
 from grader.recording import Scan
 
 DEGREES = np.arange(-180.0, 180.0)
@@ -55,3 +55,24 @@ def test_edges_do_not_split_hairs() -> None:
     step = math.radians(1)
     possible = possible_features(Scan(0.0, 0.0, -math.pi, step, 0.15, 12.0, ranges))
     assert set(possible[:, 0]) == {1.0, 4.0}
+
+
+def test_a_scan_has_its_features_to_the_letter() -> None:
+    ranges = np.full(360, 4.0, np.float32)
+    ranges[np.abs(DEGREES) == 60] = 1.0
+    ranges[DEGREES == 61] = 0.5
+    scan = Scan(0.0, 0.0, -math.pi, math.radians(1), 0.15, 12.0, ranges)
+    found = scan_features(scan)
+    assert found[[0, 3, 4]].tolist() == [1.0, 0.5, 4.0]
+    assert any(np.allclose(found, row) for row in possible_features(scan))
+
+
+def test_a_blind_scan_has_no_possible_features() -> None:
+    ranges = np.full(360, math.nan, np.float32)
+    scan = Scan(0.0, 0.0, -math.pi, math.radians(1), 0.15, 12.0, ranges)
+    assert np.isnan(scan_features(scan)).all()
+    assert np.isnan(possible_features(scan)).all()
+
+
+def test_features_as_a_student_sees_them() -> None:
+    assert spell_features(np.array([1.0, 2.34567, np.nan])) == "[1.000, 2.346, ?] m"

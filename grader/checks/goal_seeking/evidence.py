@@ -108,13 +108,17 @@ def require_reached(recording: Recording, quest: Quest, within: float = math.inf
     # The robot stops on what it was told up to one odometry message and one tick ago.
     near = np.flatnonzero(distance <= TOLERANCE + 0.01)
     if not len(near):
+        last = np.flatnonzero(during)[-1]
+        off = quest.heading_error(Pose(*(float(a[last]) for a in (t, truth.x, truth.y, truth.yaw))))
         fail(
             f"the robot did not reach {quest.what}",
             expected=f"within {TOLERANCE} m after at most {end - quest.begin:.0f} s",
-            actual=f"{distance.min():.2f} m at the nearest, {distance[-1]:.2f} m at the end",
+            actual=f"{distance.min():.2f} m at the nearest, {distance[-1]:.2f} m at the end, where "
+            f"it looks {abs(off):.1f} rad away from the goal",
             at=float(t[during][int(np.argmin(distance))]),
             recording=recording,
-            help="Watch the replay: does it turn toward the goal, and does it keep driving?",
+            help="It turns until it faces the goal, and keeps driving: the heading error is the "
+            "bearing to the goal minus the robot's yaw. Watch the replay.",
         )
     return float(t[during][near[0]])
 

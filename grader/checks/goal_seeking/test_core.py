@@ -247,6 +247,8 @@ def test_bad_input(recordings: Recordings) -> None:
 @pytest.mark.check(points=5, scenarios=(FIRST, *AROUND), needs=("reaches_goal", "reaches_any_goal"))
 def test_path_efficiency(recordings: Recordings) -> None:
     """The robot does not wander: its paths are short (SPL of at least 0.7)."""
+    for recording in recordings:
+        require_alive(recording)
     ratios = [_path_ratio(recording) for recording in recordings]
     spl = sum(ratios) / len(ratios)
     if spl < LEAST_SPL:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from grader.checks.features import features
 from grader.checks.predictions import MODEL
+from grader.features import scan_features
 from grader.recording import Recording
 
 TOPIC = "/diagnostics"
@@ -30,7 +32,7 @@ class Statistics:
     latencies: tuple[float, ...]  # [ms]
     deadline: float  # [ms]
 
-    @property
+    @cached_property
     def numbers(self) -> dict[str, float]:
         """The eight values."""
         found = self.latencies
@@ -61,15 +63,22 @@ def right_statistics(
     recording: Recording, time: float, window: int = WINDOW
 ) -> tuple[Statistics, ...]:
     """Return what may be said at a time [s]: a call that ends just then may count or not."""
-    ended = _calls(recording)
+    ends = [end for end, _ in _calls(recording)]
+    latencies = [latency for _, latency in _calls(recording)]
     deadline = float(recording.scenario.node.parameters.get("deadline_ms", 100.0))
-    least, most = (sum(end <= time + hair for end, _ in ended) for hair in (-HAIR, HAIR))
+    least, most = (bisect_right(ends, time + hair) for hair in (-HAIR, HAIR))
     return tuple(
-        Statistics(tuple(ms for _, ms in ended[max(0, n - window) : n]), deadline)
+        _statistics(tuple(latencies[max(0, n - window) : n]), deadline)
         for n in range(least, most + 1)
     )
 
 
+@lru_cache(maxsize=4096)  # a node may report very often
+def _statistics(latencies: tuple[float, ...], deadline: float) -> Statistics:
+    return Statistics(latencies, deadline)
+
+
+@lru_cache(maxsize=8)
 def _calls(recording: Recording) -> list[tuple[float, float]]:
     """Return (end [s], latency [ms]) of each call of predict that returns, in order."""
     spec = recording.scenario.node.models[MODEL]
@@ -80,8 +89,8 @@ def _calls(recording: Recording) -> list[tuple[float, float]]:
     raises_below = float(str(spec.settings.get("distance", 0.0)))  # of the probe raises_near
     free, found = 0.0, []
     for scan in recording.scans():
-        row = features(scan)
-        if row is None:
+        row = scan_features(scan)
+        if not np.isfinite(row).all():
             continue
         took = times[int(np.clip(np.rint(row[0]), 0, len(times) - 1))]
         free = max(free, scan.t) + took  # one call after another

@@ -20,13 +20,11 @@ from grader.checks.latency_monitor.contract import (
     Statistics,
     right_statistics,
 )
-from grader.checks.predictions import Oracle
+from grader.checks.predictions import predictions
+from grader.checks.reading import published
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 from grader.verdict import fail
-from sim.messages import decode
-
-ZERO = 1e-6  # [m/s] "zero"
 
 
 @dataclass(frozen=True)
@@ -77,16 +75,16 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
     """Fail unless each scan (with this tag) was answered by its clipped prediction, or 0.0."""
     require_alive(recording)
     twists, bench = recording.twists(), recording.scenario.bench_scans
-    predictions = Oracle(recording).predictions
-    if not predictions:
+    said = predictions(recording)
+    if not said:
         fail("no scan was sent", recording=recording)
-    ends = [*(right.scan.t for right in predictions[1:]), math.inf]
-    for number, (right, end) in enumerate(zip(predictions, ends, strict=True)):
+    ends = [*(right.scan.t for right in said[1:]), math.inf]
+    for number, (right, end) in enumerate(zip(said, ends, strict=True)):
         if tag and tag not in bench[number].tags:
             continue
         during = np.flatnonzero((twists.t >= right.scan.t) & (twists.t < end))
         speed = float(twists.linear_x[during[-1]]) if len(during) else None
-        if speed is not None and (right.allows(speed) if right.exists else abs(speed) < ZERO):
+        if speed is not None and right.allows(speed):
             continue
         label = f"“{bench[number].label}”" if bench else f"the scan at {right.scan.t:.2f} s"
         fail(
@@ -103,10 +101,9 @@ def require_reports(recording: Recording) -> list[Report]:
     """Fail if there is no report at all; else return all of them."""
     require_alive(recording)
     found = [
-        Report(message.time / 1e9, status.level, {v.key: v.value for v in status.values})
-        for message in recording.of(TOPIC)
-        if message.type == DIAGNOSTICS
-        for status in decode(message.data, DIAGNOSTICS).status
+        Report(time, int(status.level), {v.key: v.value for v in status.values})
+        for time, value in published(recording, TOPIC, DIAGNOSTICS)
+        for status in value.status
         if status.name == STATUS_NAME
     ]
     if not found:
@@ -123,11 +120,11 @@ def require_reports(recording: Recording) -> list[Report]:
 def require_form(recording: Recording) -> None:
     """Fail unless each message has one status with its eight decimal strings."""
     require_alive(recording)
-    messages = [m for m in recording.of(TOPIC) if m.type == DIAGNOSTICS]
+    messages = published(recording, TOPIC, DIAGNOSTICS)
     if not messages:
         require_reports(recording)
-    for message in messages:
-        statuses, at = decode(message.data, DIAGNOSTICS).status, message.time / 1e9
+    for at, array in messages:
+        statuses = array.status
         if len(statuses) != 1 or statuses[0].name != STATUS_NAME:
             names = ", ".join(f"“{status.name}”" for status in statuses) or "no status"
             fail(

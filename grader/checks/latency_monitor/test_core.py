@@ -7,7 +7,6 @@ import pytest
 
 from grader.checks.latency_monitor.contract import KEYS, STALE, right_statistics
 from grader.checks.latency_monitor.evidence import (
-    ZERO,
     require_form,
     require_level,
     require_numbers,
@@ -16,6 +15,7 @@ from grader.checks.latency_monitor.evidence import (
     require_reports,
     require_speeds,
 )
+from grader.checks.predictions import ZERO
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
 from grader.verdict import fail

@@ -43,7 +43,8 @@ def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
             actual="nothing on /cmd_vel",
             at=answer.scan.t,
             recording=recording,
-            help="Publish once at the end of the scan callback, whatever the scan was.",
+            help="Publish once at the end of the scan callback, whatever the scan was: a return "
+            "before the publish() leaves the last command in force.",
         )
     if not _is_right(answer.speed, right):
         fail(

@@ -9,11 +9,19 @@ from itertools import pairwise
 import numpy as np
 
 from grader.checks.model_server.contract import LONGEST_GAP, ROLES, Floats
-from grader.checks.model_server.notes import ANSWERS, REQUESTS, notes
+from grader.checks.model_server.notes import (
+    ANSWERS,
+    REQUESTS,
+    Answered,
+    Asked,
+    fail_forged,
+    notes,
+)
+from grader.checks.reading import published
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 from grader.verdict import fail
-from sim.messages import STRING, UINT32, decode
+from sim.messages import STRING, UINT32
 
 TICK = 1e-6  # [s] rounding
 BLOCKED = (
@@ -43,16 +51,19 @@ def requests(recording: Recording) -> list[Request]:
     """Return the requests that reached the grader's server, in order."""
     found: list[Request] = []
     places: dict[int, int] = {}  # number of a request: its place; a new server counts anew
-    heard = [(at, 0, said) for at, said in notes(recording, REQUESTS)]
-    heard += [(at, 1, said) for at, said in notes(recording, ANSWERS)]
-    for at, is_answer, said in sorted(heard, key=lambda note: note[:2]):
-        number = said["number"]
-        if not is_answer:
-            places[number] = len(found)
-            found.append(Request(at, math.inf))
+    heard: list[tuple[float, int, Asked | Answered]] = [
+        (at, 0, note) for at, note in notes(recording, REQUESTS, Asked)
+    ]
+    heard += [(at, 1, note) for at, note in notes(recording, ANSWERS, Answered)]
+    for at, _, note in sorted(heard, key=lambda one: one[:2]):
+        if isinstance(note, Answered):
+            if note.number not in places:
+                fail_forged(recording, ANSWERS, at)
+            asked = found[places[note.number]].at
+            found[places[note.number]] = Request(asked, at, note.success, note.message)
         else:
-            asked = found[places[number]].at
-            found[places[number]] = Request(asked, at, said["success"], said["message"])
+            places[note.number] = len(found)
+            found.append(Request(at, math.inf))
     return found
 
 
@@ -60,18 +71,15 @@ def detections(recording: Recording) -> list[tuple[float, str, str]]:
     """Return what the clients published on their detection topics: time [s], role, text."""
     found = []
     for role in roles(recording):
-        for message in recording.of(f"/{role}/detection"):
-            if message.type == STRING:
-                text = str(decode(message.data, STRING).data)
-                found.append((message.time / 1e9, role, text))
+        said = published(recording, f"/{role}/detection", STRING)
+        found += [(time, role, str(value.data)) for time, value in said]
     return sorted(found)
 
 
 def beats(recording: Recording, role: str) -> tuple[Floats, list[int]]:
     """Return times [s] and values of a client's heartbeats."""
-    messages = [m for m in recording.of(f"/{role}/heartbeat") if m.type == UINT32]
-    times = np.array([message.time for message in messages], dtype=float) / 1e9
-    return times, [int(decode(message.data, UINT32).data) for message in messages]
+    heard = published(recording, f"/{role}/heartbeat", UINT32)
+    return np.array([t for t, _ in heard], dtype=float), [int(value.data) for _, value in heard]
 
 
 def require_unblocked(recording: Recording) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.checks.features import right_features
+from grader.features import possible_features
 from grader.models import probe
 from grader.recording import Scan
 from sim.scenario import Scenario
@@ -44,19 +44,19 @@ def allowed(scan: Scan | None, asked: float) -> Allowed:
     age = asked - scan.stamp
     if age > MAX_SCAN_AGE + HAIR:
         return Allowed(False, True, f"the newest scan is {age:.2f} s old")
-    blind = [features is None for features in right_features(scan)]
-    if all(blind):
+    blind = np.isnan(possible_features(scan)).any(axis=1)
+    if blind.all():
         return Allowed(False, True, "a sector of the newest scan has no usable reading")
-    return Allowed(True, any(blind) or age > MAX_SCAN_AGE - HAIR)
+    return Allowed(True, bool(blind.any()) or age > MAX_SCAN_AGE - HAIR)
 
 
 def spelt_features(label: str) -> Floats | None:
-    """Return the five features [m] that the model `describes` puts into its label."""
+    """Return the five features [m] that the model `describes` puts into its label; None: others."""
     try:
         numbers = [float(word) for word in label.split()]
     except ValueError:
         return None
-    return np.array(numbers) if len(numbers) == 5 else None
+    return np.array(numbers) if len(numbers) == 5 and np.isfinite(numbers).all() else None
 
 
 def confidence_in(scenario: Scenario, features: Floats) -> float:

@@ -1,31 +1,62 @@
-"""What the grader's own programs, which run beside the student's, noted for the judge."""
+"""What the grader's own programs, which run beside the student's, noted for the judge.
+
+They share a process with the student's nodes, so their notes are read as if those had written them.
+"""
 
 from __future__ import annotations
 
-import json
-from typing import Any
+from typing import NoReturn, TypeVar
 
+import msgspec
+
+from grader.checks.reading import published
 from grader.recording import Recording
 from grader.verdict import fail
-from sim.messages import STRING, decode
+from sim.messages import STRING
 
 ASKED, TOLD = "/probe/asked", "/probe/told"  # of grader/host/supplied/detection_asker.py
 REQUESTS, ANSWERS = "/probe/requests", "/probe/answers"  # of detection_double.py
 
 
-def notes(recording: Recording, topic: str) -> list[tuple[float, dict[str, Any]]]:
-    """Return what a program of the grader's noted on a topic: time [s] and JSON object."""
+class Asked(msgspec.Struct, frozen=True):
+    """A request came in."""
+
+    number: int
+
+
+class Answered(msgspec.Struct, frozen=True):
+    """A request was answered."""
+
+    number: int
+    success: bool
+    message: str
+
+
+Note = TypeVar("Note", Asked, Answered)
+
+
+def notes(recording: Recording, topic: str, form: type[Note]) -> list[tuple[float, Note]]:
+    """Return what a program of the grader's noted on a topic: time [s] and note."""
     ends = [e for e in recording.endpoints if e.topic == topic and e.kind == "publisher"]
     if len(ends) > sum(program.supplied for program in recording.scenario.program):
-        fail(
-            f"{topic} is a topic of the grader's, and one of your nodes publishes on it",
-            expected="only the topics of the exercise",
-            actual=", ".join(end.node for end in ends),
-            recording=recording,
-            help="Choose another name for your topic.",
-        )
-    return [
-        (message.time / 1e9, json.loads(decode(message.data, STRING).data))
-        for message in recording.of(topic)
-        if message.type == STRING
-    ]
+        fail_forged(recording, topic, None)
+    found = []
+    for at, value in published(recording, topic, STRING):
+        try:
+            found.append((at, msgspec.json.decode(value.data, type=form)))
+        except (msgspec.MsgspecError, ValueError, RecursionError):
+            fail_forged(recording, topic, at)
+    return found
+
+
+def fail_forged(recording: Recording, topic: str, at: float | None) -> NoReturn:
+    """Fail because something on a topic of the grader's is not the grader's."""
+    ends = [e.node for e in recording.endpoints if e.topic == topic and e.kind == "publisher"]
+    fail(
+        f"{topic} is a topic of the grader's, and one of your nodes publishes on it",
+        expected="only the topics of the exercise",
+        actual=", ".join(ends) or "a message that is not the grader's",
+        at=at,
+        recording=recording,
+        help="Choose another name for your topic.",
+    )

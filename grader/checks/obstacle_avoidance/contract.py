@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -17,6 +18,7 @@ EDGE = 1.0  # [°] beams this near to the sector's edge may or may not count
 HAIR = 0.001  # [m] distances this near to a threshold may fall on either side, unless exact
 
 
+@lru_cache(maxsize=4096)  # many checks look at the same scan
 def front_distance(scan: Scan, half_angle: float = FRONT_HALF_ANGLE) -> float | None:
     """Return the smallest usable distance within ±half_angle [°] of ahead [m]; None: blind."""
     degrees = np.degrees(scan.angles)
@@ -34,19 +36,20 @@ def speed_for(distance: float | None) -> float:
     return SLOW_SPEED if distance < SLOW_DISTANCE else FULL_SPEED
 
 
-def right_speeds(scan: Scan) -> set[float]:
+@lru_cache(maxsize=4096)
+def right_speeds(scan: Scan) -> frozenset[float]:
     """Return the speeds [m/s] that are right for a scan.
 
     More than one where the contract does not split hairs: beams within 1° of the sector's edge,
     distances within 1 mm of a threshold (the threshold itself excepted).
     """
-    speeds = set()
+    speeds: set[float] = set()
     for half_angle in (FRONT_HALF_ANGLE - EDGE, FRONT_HALF_ANGLE + EDGE):
         distance = front_distance(scan, half_angle)
         speeds.add(speed_for(distance))
         if distance is not None and math.isfinite(distance) and _splits_hairs(distance):
             speeds |= {speed_for(distance - HAIR), speed_for(distance + HAIR)}
-    return speeds
+    return frozenset(speeds)
 
 
 def _splits_hairs(distance: float) -> bool:

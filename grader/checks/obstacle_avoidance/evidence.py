@@ -75,7 +75,7 @@ def require_reaction(recording: Recording) -> None:
     Without this a node that only ever says "stop" would win the points of every stop.
     """
     found = answers(recording)
-    same_is_right = bool(set.intersection(*(right_speeds(answer.scan) for answer in found)))
+    same_is_right = bool(frozenset.intersection(*(right_speeds(answer.scan) for answer in found)))
     said = {round(answer.speed, 3) for answer in found if answer.speed is not None}
     if same_is_right or len(said) > 1:
         return

@@ -102,7 +102,10 @@ def test_sees_sides(recordings: Recordings) -> None:
     """What is ahead but far to one side (up to ±90°) counts."""
     for recording in recordings:
         require_speeds(
-            recording, "side", "All beams within ±90° count, to the left and to the right."
+            recording,
+            "side",
+            "All beams within ±90° count, to the left and to the right: compare each beam's "
+            "angle, angle_min + i · angle_increment, with ±π/2.",
         )
 
 

@@ -10,11 +10,11 @@ from itertools import pairwise
 import numpy as np
 
 from grader.checks.obstacle_avoidance.evidence import FIELDS, garbage, spell
+from grader.checks.reading import published
 from grader.checks.safety_supervisor.contract import LEVELS, ZERO, Tick, ticks
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 from grader.verdict import fail
-from sim.messages import decode
 
 TOPIC = "/diagnostics"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
@@ -46,12 +46,10 @@ class Report:
 def reports(recording: Recording) -> list[Report]:
     """Return what the node said on /diagnostics."""
     found = []
-    for message in recording.published:
-        if message.topic != TOPIC or message.type != DIAGNOSTICS:
-            continue
-        status = list(decode(message.data, DIAGNOSTICS).status)
+    for time, value in published(recording, TOPIC, DIAGNOSTICS):
+        status = value.status
         level, text = (int(status[0].level), str(status[0].message)) if status else (-1, "")
-        found.append(Report(message.time / 1e9, len(status), level, text))
+        found.append(Report(time, len(status), level, text))
     return found
 
 

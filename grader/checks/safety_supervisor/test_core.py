@@ -85,7 +85,8 @@ def test_limits(recordings: Recordings) -> None:
                     help="Clamp both ways: max(-limit, min(limit, value)).",
                 )
         ends = [stream.end for stream in recording.scenario.raw]
-        settled = [max(tick.t for tick in ticks(recording) if tick.t < end) for end in ends]
+        times = [tick.t for tick in ticks(recording)]
+        settled = [max((t for t in times if t < end), default=-1.0) for end in ends]
 
         def _is_settled(tick: Tick, settled: list[float] = settled) -> bool:
             return tick.t in settled

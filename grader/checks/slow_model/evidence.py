@@ -6,13 +6,12 @@ import math
 
 import numpy as np
 
-from grader.checks.predictions import TOLERANCE, Oracle
+from grader.checks.predictions import TOLERANCE, ZERO, predictions
 from grader.checks.slow_model.contract import LATEST_STOP
 from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording
 from grader.verdict import fail
 
-ZERO = 1e-6  # [m/s] "zero"
 START_UP = 0.125  # [s] in which the first tick of a 50 ms timer has come
 STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; nobody's prediction
 
@@ -22,10 +21,10 @@ def behind(recording: Recording) -> np.ndarray:
 
     STANDING where the command is zero, STRAY where it is no scan's prediction.
     """
-    twists, predictions = recording.twists(), Oracle(recording).predictions
-    arrived = np.array([prediction.scan.t for prediction in predictions])
-    least = np.array([prediction.least for prediction in predictions])
-    most = np.array([prediction.most for prediction in predictions])
+    twists, said = recording.twists(), predictions(recording)
+    arrived = np.array([prediction.scan.t for prediction in said])
+    least = np.array([prediction.least for prediction in said])
+    most = np.array([prediction.most for prediction in said])
     found = np.full(len(twists.t), STRAY)
     for i, (t, speed) in enumerate(zip(twists.t, twists.linear_x, strict=True)):
         right = (arrived <= t) & (least - TOLERANCE <= speed) & (speed <= most + TOLERANCE)
@@ -56,7 +55,7 @@ def require_no_strays(recording: Recording, scans: np.ndarray) -> None:
     if len(strays) <= 0.02 * len(scans):
         return
     i = int(strays[0])
-    arrived = [p for p in Oracle(recording).predictions if p.scan.t <= twists.t[i]]
+    arrived = [p for p in predictions(recording) if p.scan.t <= twists.t[i]]
     newest = arrived[-1].text if arrived else "nothing yet"
     fail(
         "a command is not what the model says of any scan",
@@ -94,7 +93,7 @@ def require_rate(recording: Recording, least: float) -> None:
             help="Does inference run at all? If it does, are its scans too old already?",
         )
     begin = float(twists.t[known[0]])
-    seconds = recording.duration_s - begin
+    seconds = max(recording.duration_s - begin, LATEST_STOP)
     rate = len(np.unique(scans[known])) / seconds
     if rate < least:
         fail(
@@ -145,7 +144,7 @@ def require_held(recording: Recording, tag: str, help: str) -> None:
             continue
         judged += 1
         during = np.flatnonzero((twists.t >= begin + LATEST_STOP) & (twists.t < end))
-        right = Oracle(recording).predictions[number]
+        right = predictions(recording)[number]
         if not len(during):
             fail(
                 f"the node says nothing at “{label}”",
@@ -157,7 +156,7 @@ def require_held(recording: Recording, tag: str, help: str) -> None:
             )
         for i in during.tolist():
             speed = float(twists.linear_x[i])
-            if right.allows(speed) if right.exists else abs(speed) < ZERO:
+            if right.allows(speed):
                 continue
             fail(
                 f"“{label}”: wrong speed",

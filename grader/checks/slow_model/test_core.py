@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grader.checks.predictions import ZERO
 from grader.checks.slow_model.contract import (
     AGE_P95,
     AGE_P95_5_HZ,
@@ -17,7 +18,6 @@ from grader.checks.slow_model.contract import (
 )
 from grader.checks.slow_model.evidence import (
     START_UP,
-    ZERO,
     ages,
     behind,
     require_ages,

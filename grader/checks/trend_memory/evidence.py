@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.checks.obstacle_avoidance.evidence import Answer, answers, garbage, spell
+from grader.checks.reading import published
 from grader.checks.trend_memory.contract import (
     CLOSING_TOLERANCE,
     MEMORY_SIZE,
@@ -17,7 +18,7 @@ from grader.checks.trend_memory.contract import (
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 from grader.verdict import fail
-from sim.messages import FLOAT64, decode
+from sim.messages import FLOAT64
 
 TOPIC = "/closing_speed"
 SPEED_TOLERANCE = 1e-3  # [m/s]
@@ -54,8 +55,8 @@ def cases(recording: Recording) -> list[Case]:
 
 def closing_speeds(recording: Recording) -> tuple[list[float], list[float]]:
     """Return when closing speeds came [s], and their values [m/s]."""
-    messages = [m for m in recording.published if m.topic == TOPIC and m.type == FLOAT64]
-    return [m.time / 1e9 for m in messages], [float(decode(m.data, FLOAT64).data) for m in messages]
+    said = published(recording, TOPIC, FLOAT64)
+    return [time for time, _ in said], [float(value.data) for _, value in said]
 
 
 def require_scans(recording: Recording) -> None:

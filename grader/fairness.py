@@ -1,0 +1,216 @@
+"""Is the exam the same for everybody? Grade right solutions with the worlds of many students.
+
+Every student has worlds of their own, so a right solution must get full marks in all of them. Of
+many scenarios (open-loop benches, scripted runs) every student gets the same: these are run for the
+first students, and the recording then stands for all whose robot would send the same. Neither half
+of that is taken for granted: what the robot sends to a student is compared, byte for byte, while it
+drives a fixed course without a node, and a recording is only used again after two students' own
+runs have come out the same.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import msgspec
+
+from grader.exercises import find_exercise
+from grader.grading import Grading, grade
+from grader.launch import Nursery
+from grader.plugin import INCONCLUSIVE, PASS, SKIP
+from grader.proof import Claim, claims, complete, objections
+from grader.recording import Recording
+from grader.students import student_seed
+from grader.submission import Submission
+from grader.trials import LiveTrials
+from sim.difficulty import Difficulty, difficulty
+from sim.layout import layout_to_json
+from sim.messages import EPOCH_NS
+from sim.scenario import Scenario, load_scenario
+from sim.simulation import Simulation
+
+SECRET = b"not a secret: for measuring only"
+ATTEMPTS = 3  # where the machine stalls
+COURSE = ((0.3, 0.0), (0.4, 0.6), (0.2, -0.9), (0.5, 0.0))  # [m/s, rad/s] driven in turn
+COURSE_NS = 100_000_000  # between two commands of it [ns]
+
+
+class Verdict(msgspec.Struct, frozen=True):
+    """What one student's worlds were to one right solution."""
+
+    solution: str  # "goal_seeking/reference/goal_seeking_agent"
+    exercise: str
+    student: int
+    field: bool  # the field checks count, where the solution claims the badge
+    against: tuple[str, ...]  # why it is not as it should be; nothing if it is
+    unsure: tuple[str, ...]  # checks that the machine, each time, did not allow to judge
+    stalls: int  # gradings that the machine spoilt
+    runs: int  # scenarios judged
+    own: int  # of these, run for this student
+    seconds: float
+    difficulties: dict[str, Difficulty]  # of the scenarios that differ from student to student
+
+
+def right_solutions(slug: str, *, variants: bool = True) -> list[Claim]:
+    """Return the reference of an exercise, and its variants."""
+    kinds = ("reference", "variant") if variants else ("reference",)
+    return [claim for claim in claims(find_exercise(slug)) if claim.kind in kinds]
+
+
+def examine(claim: Claim, students: Iterable[int], *, field: int = 0) -> Iterator[Verdict]:
+    """Yield what the worlds of each student are to a right solution.
+
+    The field checks are judged as well, if it claims the badge, in those of the first `field`
+    students.
+    """
+    libraries = claim.exercise.libraries
+    with Nursery(EPOCH_NS, libraries=libraries) as nursery, complete(claim) as submission:
+        shared = Shared()
+        for student in students:
+            yield _examine(claim, submission, student, nursery, shared, student < field)
+
+
+def _examine(
+    claim: Claim,
+    submission: Submission,
+    student: int,
+    nursery: Nursery,
+    shared: Shared,
+    field: bool,
+) -> Verdict:
+    begin = time.perf_counter()
+    seed = student_seed(SECRET, f"student {student}", claim.exercise.slug)
+    judged = field and claim.field_ready
+    stalls = 0
+    while True:
+        trials = ThriftyTrials(submission, nursery, seed=seed, shared=shared)
+        with trials:
+            grading = grade(claim.exercise, trials, file=claim.path.name, field=judged)
+        stalled = any(check.outcome == INCONCLUSIVE for check in grading.checks)
+        if not stalled or stalls == ATTEMPTS - 1:
+            break
+        stalls += 1
+        shared.forget()
+    return Verdict(
+        solution=claim.name,
+        exercise=claim.exercise.slug,
+        student=student,
+        field=field,
+        against=tuple(_against(claim, grading)),
+        unsure=tuple(check.id for check in grading.checks if check.outcome == INCONCLUSIVE),
+        stalls=stalls,
+        runs=len(grading.recordings),
+        own=len(trials.made),
+        seconds=time.perf_counter() - begin,
+        difficulties=trials.difficulties,
+    )
+
+
+def _against(claim: Claim, grading: Grading) -> list[str]:
+    """Return the objections to a grading, with what the student would read.
+
+    Checks that the machine did not allow to judge are none: they say nothing about the worlds.
+    """
+    judged = [check for check in grading.checks if check.outcome != INCONCLUSIVE]
+    if len(judged) < len(grading.checks) and all(check.outcome in (PASS, SKIP) for check in judged):
+        return []
+    said = [
+        f"{check.id} in {check.scenario}: {check.message} (expected {check.expected}, "
+        f"actual {check.actual}, at {check.time})"
+        for check in grading.checks
+        if check.outcome == "fail"
+    ]
+    found = objections(claim, grading)
+    return [*found, *said] if found else []
+
+
+# --- runs that stand for many students -----------------------------------------------------------
+
+
+@dataclass
+class _Known:
+    recording: Recording
+    confirmed: bool  # a second student's run came out the same
+
+
+@dataclass
+class Shared:
+    """The recordings of one solution that stand for every student."""
+
+    known: dict[str, _Known] = field(default_factory=dict)  # by scenario
+
+    def get(self, scenario: str) -> Recording | None:
+        """Return the recording of a scenario that may be used again, if there is one."""
+        known = self.known.get(scenario)
+        return known.recording if known is not None and known.confirmed else None
+
+    def add(self, recording: Recording) -> None:
+        """Note a run of a scenario that is the same for every student."""
+        before = self.known.get(recording.name)
+        same = before is not None and _fingerprint(before.recording) == _fingerprint(recording)
+        self.known[recording.name] = _Known(recording, same)
+
+    def forget(self) -> None:
+        """Forget everything: the machine may have spoilt it."""
+        self.known.clear()
+
+
+@dataclass
+class ThriftyTrials(LiveTrials):
+    """Runs what is a student's own; takes what is the same for all from earlier students."""
+
+    shared: Shared = field(default_factory=Shared)
+    made: list[str] = field(default_factory=list)  # scenarios run for this student
+    difficulties: dict[str, Difficulty] = field(default_factory=dict)  # by scenario
+
+    def _run(self, scenario: Scenario) -> Recording:
+        seed = self.seed_of(scenario)
+        own = scenario.training is not None or is_own(scenario, seed)
+        known = None if own else self.shared.get(scenario.name)
+        if known is not None:
+            return known
+        recording = super()._run(scenario)
+        self.made.append(scenario.name)
+        if not own:
+            self.shared.add(recording)
+        elif scenario.training is None:
+            self.difficulties[scenario.name] = difficulty(scenario, seed)
+        return recording
+
+
+def is_own(scenario: Scenario, seed: int) -> bool:
+    """Tell whether the robot sends something else with this seed than with the scenario's own."""
+    simulation = Simulation(scenario)
+    simulation.reset(seed=seed)
+    layout, sent = _own_fingerprint(scenario.name)
+    return layout_to_json(simulation.layout) != layout or fingerprint(simulation) != sent
+
+
+def fingerprint(simulation: Simulation) -> str:
+    """Return a hash of all that the robot sends and does on a fixed course, without a node."""
+    end = round(simulation.scenario.duration * 1e9)
+    commands = [
+        (time, *COURSE[i // 10 % len(COURSE)]) for i, time in enumerate(range(0, end, COURSE_NS))
+    ]
+    result = hashlib.sha256()
+    for message in simulation.advance(end, commands):
+        result.update(f"{message.time} {message.topic} {message.type}".encode() + message.data)
+    truth = simulation.truth()
+    for array in (truth.x, truth.y, truth.yaw, truth.v, truth.w, truth.clearance, truth.contact):
+        result.update(array.tobytes())
+    return result.hexdigest()
+
+
+@lru_cache(maxsize=256)
+def _own_fingerprint(name: str) -> tuple[str, str]:
+    simulation = Simulation(load_scenario(name))
+    return layout_to_json(simulation.layout), fingerprint(simulation)
+
+
+def _fingerprint(recording: Recording) -> str:
+    """Return what two students' recordings must have in common: all but the seed."""
+    return replace(recording, seed=0).digest()

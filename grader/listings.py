@@ -1,0 +1,190 @@
+"""Write docs/listing-style.md: four textbook listings, each graded, and what to do about it.
+
+The nodes are in docs/listings/. Scores, tables and messages on the page are what the grader says of
+them; nothing is pasted. `python -m grader.listings` writes the page, `--check` tells whether it is
+what the grader says now.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+
+from grader.errors import GraderError
+from grader.exercises import ROOT, find_exercise
+from grader.grading import Grading
+from grader.launch import Nursery
+from grader.plugin import FAIL, CheckResult
+from grader.proof import Claim, grade_claim
+from grader.report import render_terminal
+from sim.messages import EPOCH_NS
+
+PAGE = ROOT / "docs" / "listing-style.md"
+NODES = ROOT / "docs" / "listings"
+BEGIN, END = "# the mistake", "# the end of it"  # around a listing's crucial lines
+WIDTH = 100  # [characters] of the tables
+HEAD = """\
+# Four listings that look right
+
+Much of what is printed about robots is written in one style: short, plausible, and right on the
+author's desk. These nodes are in that style. Each is complete, runs, and has one mistake; below it
+stands what the grader says of it, and what a student does about that.
+
+Nobody typed the scores and messages: `python -m grader.listings` grades the nodes in
+[docs/listings](listings) and writes this page, and a test fails when it is no longer what the
+grader says. To see one for yourself, with a replay of every run:
+
+    course grade 1 docs/listings/front_by_index.py --report report.html
+"""
+
+
+@dataclass(frozen=True)
+class Listing:
+    """One node in the listing style."""
+
+    file: str
+    exercise: str
+    title: str
+    mistake: str  # what is wrong, in a sentence or two
+    acts: Mapping[str, str]  # failing check: what a student does about its message
+    lesson: str  # what is left when all is said
+
+
+LISTINGS = (
+    Listing(
+        "front_by_index.py",
+        "obstacle_avoidance",
+        "The front is a slice of the list",
+        "The front sector is a third of `ranges`, wherever that third may look. Here it is ±60°, "
+        "and the task asks for ±90°; on a lidar that counts from 0 to 2π it would be the back.",
+        {
+            "sees_sides": "The message names the scan. Print the angles of the first and the last "
+            "beam of the slice: they are not ±90°.",
+        },
+        "Compute the angle of each beam, `angle_min + i * angle_increment`, wrap it, and compare "
+        "that with π/2. Then it does not matter how many beams there are, or where they begin.",
+    ),
+    Listing(
+        "min_over_raw.py",
+        "obstacle_avoidance",
+        "min() of whatever came",
+        "`min()` takes readings that say nothing for distances, finds no order among NaN, and "
+        "raises when there is nothing to choose from.",
+        {
+            "invalid_readings": "0.05 m is below `range_min`: not a thing in front of the robot, "
+            "but the sensor's word for an error. Keep only readings within the limits, and ±inf.",
+            "blind": "The message says which line raised, and after which message. An empty list "
+            "has no minimum; decide what a robot does that sees nothing (it stands), and test it.",
+        },
+        "Ask of each reading whether it says anything (REP-117) before you ask which is smallest.",
+    ),
+    Listing(
+        "heading_without_yaw.py",
+        "goal_seeking",
+        "The heading error without the heading",
+        "The robot turns by the bearing to the goal and never subtracts where it looks already. "
+        "On its way it turns on and on; only goals straight ahead of its first pose are reached.",
+        {
+            "reaches_goal": "The distances say that it came no nearer, and the angle that it did "
+            "not face the goal: look at the turning, not at the speed.",
+            "reaches_any_goal": "The same fault from other starts; one correction mends both.",
+            "turns_short_way": "Here stand the right sign, the heading error and what was sent. "
+            "Compute the error of this moment by hand: the yaw is what is missing.",
+            "stops_once": "The robot never came to where it has to stop, and the message says "
+            "so: it is not the stop that is wrong. Leave it until the goals are reached.",
+            "new_goal": "Again a goal that is not reached; nothing about new goals is wrong.",
+        },
+        "Heading error = bearing - yaw, wrapped to [-π, π]. Five messages, one line of code: the "
+        "one that shows the wrong sign is the one to start with.",
+    ),
+    Listing(
+        "no_stop_without_model.py",
+        "ml_velocity",
+        "No model, no command",
+        "Without a model the callback returns, and nothing is published. A robot that was driving "
+        "goes on with its last command for as long as its base allows. (Graded with the "
+        "reference's training script beside it.)",
+        {
+            "no_model": "The run `ml_no_model` has no model file: the expected Twist is a zero, "
+            "and nothing came. Let every way through the callback end at the `publish()`.",
+        },
+        "Saying nothing is not the same as saying stop.",
+    ),
+)
+
+
+def page() -> str:
+    """Grade the listings and return the page."""
+    return "\n".join([HEAD, *(section(number, one) for number, one in enumerate(LISTINGS, 1))])
+
+
+def grade_listing(listing: Listing) -> Grading:
+    """Grade a listing, core and (if the core is full) field, with the reference's other files."""
+    exercise = find_exercise(listing.exercise)
+    claim = Claim(exercise, "mutant", NODES / listing.file)
+    with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
+        return grade_claim(claim, nursery)
+
+
+def main(arguments: list[str]) -> int:
+    """Write the page, or with `--check` compare it; 1 if it is out of date."""
+    text = page()
+    if "--check" in arguments:
+        if PAGE.is_file() and PAGE.read_text("utf-8") == text:
+            return 0
+        print(f"{PAGE.relative_to(ROOT)} is out of date: run `python -m grader.listings`")
+        return 1
+    PAGE.write_text(text, "utf-8")
+    return 0
+
+
+def section(number: int, listing: Listing) -> str:
+    grading = grade_listing(listing)
+    failed = [check for check in grading.checks if check.outcome == FAIL]
+    if {check.id for check in failed} != set(listing.acts):
+        found = ", ".join(check.id for check in failed)
+        raise GraderError(f"{listing.file}: fails {found}; expected {', '.join(listing.acts)}")
+    exercise = grading.exercise
+    return "\n".join(
+        [
+            f"## {number}. {listing.title}: {grading.score} of {grading.max_score} points\n",
+            f"Exercise {exercise.number}, {exercise.title}: "
+            f"[{listing.file}](listings/{listing.file}). {listing.mistake}\n",
+            f"```python\n{crucial_lines(NODES / listing.file)}\n```\n",
+            f"```text\n{_printed(grading)}\n```\n",
+            *(_advice(check, listing.acts[check.id]) for check in failed),
+            f"\n{listing.lesson}\n",
+        ]
+    )
+
+
+def crucial_lines(file: Path) -> str:
+    """Return the lines between the marks, without their common indentation."""
+    lines = file.read_text("utf-8").splitlines()
+    begin, end = (next(i for i, line in enumerate(lines) if line.strip() == mark)
+                  for mark in (BEGIN, END))  # fmt: skip
+    chosen = lines[begin + 1 : end]
+    indent = len(lines[begin]) - len(BEGIN)
+    return "\n".join(line[indent:] for line in chosen)
+
+
+def _printed(grading: Grading) -> str:
+    """Return what `course grade` prints, without colour."""
+    text = io.StringIO()
+    console = Console(file=text, width=WIDTH, color_system=None, force_terminal=False)
+    core = [check.as_dict() for check in grading.checks if check.kind == "core"]
+    render_terminal({**grading.as_dict(), "checks": core, "field_ready": None}, console)
+    return "\n".join(line.rstrip() for line in text.getvalue().strip("\n").splitlines())
+
+
+def _advice(check: CheckResult, act: str) -> str:
+    return f"- **{check.id}**: {check.message}  \n  *What to do:* {act}"
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
