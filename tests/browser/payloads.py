@@ -297,6 +297,13 @@ def failing_checks() -> list[JsonDict]:
             max_points=5,
             message="The grader itself failed here. That costs you nothing.",
         ),
+        check(
+            "pt2",
+            "Drives as a PyTorch program says (.pt2).",
+            "unavailable",
+            max_points=8,
+            message="skipped: PyTorch is not installed here",
+        ),
         *[
             check(name, title, outcome, kind="field", max_points=0, message=message)
             for name, title, outcome, message in (
@@ -326,6 +333,12 @@ def page(
 
 def failing_page() -> JsonDict:
     return page([goal_run(), wall_run()], failing_checks())
+
+
+def page_with_notes(*notes: str) -> JsonDict:
+    payload = failing_page()
+    payload["grading"]["notes"] = list(notes)
+    return payload
 
 
 def drive_page() -> JsonDict:

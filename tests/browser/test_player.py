@@ -50,7 +50,19 @@ def test_shows_the_score_the_badge_and_every_check(open_page: Open) -> None:
     checks = payloads.failing_checks()
     assert page.locator(".check").count() == len(checks)
     words = page.locator(".check-word").all_inner_texts()
-    assert {"Passed", "Failed", "Skipped", "Grader error", "Inconclusive"} == set(words)
+    assert set(words) == {
+        "Passed", "Failed", "Skipped", "Grader error", "Inconclusive", "Not installed"
+    }  # fmt: skip
+
+
+def test_notes_stand_under_the_score_as_text(open_page: Open) -> None:
+    page = open_page(
+        payloads.page_with_notes("18 of 18 trials ran in real time.", payloads.HOSTILE)
+    )
+    notes = page.locator(".score-note").all_inner_texts()
+    assert notes[0] == "18 of 18 trials ran in real time."
+    assert len(notes) == 2
+    assert open_page(payloads.failing_page()).locator(".score-note").count() == 0
 
 
 def test_failed_checks_are_open_and_say_all_that_is_known(open_page: Open) -> None:
