@@ -25,7 +25,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from grader.errors import GraderError
@@ -145,55 +145,86 @@ def unproven(claim: Claim, grading: Grading) -> str:
     return f"{sum(absent.values())} points" if absent and claim.kind != "skeleton" else ""
 
 
+@dataclass
+class Tally:
+    """What the proof of one exercise came to."""
+
+    slug: str
+    mutants: int = 0
+    killed: int = 0
+    in_part: int = 0  # claims that could not be proven in full for lack of libraries
+    uncaught: list[str] = field(default_factory=list)  # mutants that don't fail as they say
+    unneeded: list[str] = field(default_factory=list)  # checks that no mutant fails
+    other: list[str] = field(default_factory=list)  # objections to right solutions and skeletons
+
+    @property
+    def objections(self) -> list[str]:
+        """All that is wrong."""
+        return self.uncaught + self.unneeded + self.other
+
+
 def main(names: list[str]) -> int:
     """Print the table of the exercises named (all by default); 1 if anything is wrong."""
     exercises = [find_exercise(name) for name in names] or all_exercises()
-    bad: list[str] = []
+    tallies = []
     for exercise in exercises:
         with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
-            bad += _prove(exercise, nursery)
+            tallies.append(_prove(exercise, nursery))
+    print(f"\n  {'exercise':24} killed  of")
+    for tally in tallies:
+        rest = f"  ({tally.in_part} claims not proven in full here)" if tally.in_part else ""
+        print(f"  {tally.slug:24} {tally.killed:6} {tally.mutants:3}{rest}")
+    killed, mutants = sum(t.killed for t in tallies), sum(t.mutants for t in tallies)
+    print(f"  {'together':24} {killed:6} {mutants:3}")
+    _print_list("Mutants that do not fail as they say", [x for t in tallies for x in t.uncaught])
+    _print_list("Checks that no mutant needs", [x for t in tallies for x in t.unneeded])
+    bad = [line for tally in tallies for line in tally.objections]
     print(f"\n{len(bad)} objections" + "".join(f"\n  {line}" for line in bad))
     return 1 if bad else 0
 
 
-def _prove(exercise: Exercise, nursery: Nursery) -> list[str]:
-    bad: list[str] = []
+def _print_list(title: str, lines: list[str]) -> None:
+    print(f"\n{title}: {'none' if not lines else len(lines)}")
+    print("".join(f"  {line}\n" for line in lines), end="")
+
+
+def _prove(exercise: Exercise, nursery: Nursery) -> Tally:
+    tally = Tally(exercise.slug)
     used: set[str] = set()
     judged: set[str] = set()
-    killed = mutants = in_part = 0
     reasons: dict[str, None] = {}  # why checks can't be judged here
     for claim in claims(exercise):
+        tally.mutants += claim.kind == "mutant"
         if claim.lacks:
-            in_part += 1
-            mutants += claim.kind == "mutant"
+            tally.in_part += 1
             reasons[claim.lacks] = None
             print(f"~ {claim.name:64}   -  not proven here", flush=True)
             continue
         grading = grade_claim(claim, nursery)
-        against = objections(claim, grading)
-        bad += [f"{claim.name}: {line}" for line in against]
+        against = [f"{claim.name}: {line}" for line in objections(claim, grading)]
         absent = unavailable(grading)
         judged |= {check.id for check in grading.checks if check.id not in absent}
         reasons |= {check.message: None for check in grading.checks if check.id in absent}
         by = sorted(check.id for check in grading.checks if check.outcome == FAIL)
         if claim.kind == "mutant":
-            mutants += 1
-            killed += bool(by)
+            tally.killed += bool(by)
+            tally.uncaught += against
             used |= set(by)
+        else:
+            tally.other += against
         badge = {True: "field-ready", False: "", None: ""}[grading.field_ready]
         said = ", ".join(by) if claim.kind == "mutant" else badge
         if lacking := unproven(claim, grading):
-            in_part += 1
+            tally.in_part += 1
             said += f"{'; ' if said else ''}not proven here: {lacking}"
         mark = "!" if against else "~" if lacking else " "
         print(f"{mark} {claim.name:64} {grading.score:3}  {said}", flush=True)
-    print(f"{exercise.slug}: {killed} of {mutants} mutants killed")
-    if in_part:
-        print(f"{exercise.slug}: {in_part} claims (~) could not be proven in full")
+    print(f"{exercise.slug}: {tally.killed} of {tally.mutants} mutants killed")
+    if tally.in_part:
+        print(f"{exercise.slug}: {tally.in_part} claims (~) could not be proven in full")
         print("".join(f"  {reason}\n" for reason in reasons), end="")
-    unused = sorted(judged - used)
-    bad += [f"{exercise.slug}: no mutant needs the check {check}" for check in unused]
-    return bad
+    tally.unneeded = [f"{exercise.slug}: {check}" for check in sorted(judged - used)]
+    return tally
 
 
 def _solutions(exercise: Exercise, kind: str) -> list[Path]:
