@@ -221,6 +221,25 @@ def check_bag(
     return _exit_code(grading)
 
 
+@cli.command()
+def doctor() -> int:
+    """Say what this machine offers: ROS, libraries, and the layers around students' code.
+
+    Exit code 0: nodes can run here, and other people's code may be graded. 1: only one's own. 2: no
+    node can run.
+    """
+    from rich.console import Console  # noqa: PLC0415
+
+    from grader.doctor import diagnose  # noqa: PLC0415
+    from grader.terminal import render_diagnosis  # noqa: PLC0415
+
+    found = diagnose()
+    render_diagnosis(found, Console())
+    if found.problem:
+        return 2
+    return 1 if found.foreign_code else 0
+
+
 def main() -> None:
     """Run the command; errors take one line."""
     try:

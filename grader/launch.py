@@ -16,19 +16,30 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 
+from grader.claims import claim
 from grader.errors import GraderError
 from grader.host.frames import Birth, Hello, Request
+from grader.host.isolation import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
 from grader.host.privileges import USERS, closed_ancestor
+from grader.host.sandbox import hide_memory
 from grader.ros import RosEnvironment, find_ros
 
 ROOT = Path(__file__).resolve().parent.parent
 TRAINING_LIBRARIES = ("numpy", "sklearn.ensemble", "skl2onnx", "onnxruntime")
+LAYER_TEXTS = {
+    LIMITS: "resource limits",
+    USER: "a user of its own for each run",
+    MOUNTS: "its own /tmp and /dev/shm",
+    NETWORK: "no network",
+    FILES: "no files but its own (Landlock)",
+    CALLS: "no programs, processes or sockets (seccomp)",
+}
 NODES, SCRIPTS, LIVE = "nodes", "scripts", "live"  # what a nursery's hosts do
 NO_GPU = {"CUDA_VISIBLE_DEVICES": ""}  # the same run on every machine
 LEARNING = {  # for whoever imports Keras
@@ -96,6 +107,8 @@ class Nursery:
         Modules that are imported before hosts are forked, because they take long.
     kind
         What its hosts run: nodes in virtual time, scripts that return, or nodes in real time.
+    layers
+        Of isolation, those that its hosts put on if the machine has them; all by default.
     """
 
     def __init__(
@@ -105,18 +118,20 @@ class Nursery:
         *,
         libraries: Sequence[str] = (),
         kind: str = NODES,
+        layers: Collection[str] = LAYERS,
     ) -> None:
+        hide_memory()  # from hosts that may be the same user
         self._epoch = epoch
         self._libraries = tuple(libraries)
         self._kind = kind
         self._sisters: dict[str, Nursery] = {}  # by kind; they start when first asked for
         self.ros = ros or find_ros()
         self._lock = threading.Lock()
-        self._unprivileged = False
+        self._wanted = tuple(layers)
+        self._layers: tuple[str, ...] = ()
         self._users = itertools.cycle(USERS)
         for _ in range(os.getpid() % len(USERS)):  # away from other graders on this machine
             next(self._users)
-        self._private_shm = False
         self._ready = False
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._log = tempfile.TemporaryFile()  # noqa: SIM115  (closed in __exit__)
@@ -146,12 +161,15 @@ class Nursery:
         self._log.close()
 
     @property
-    def isolation(self) -> str:
-        """Say who the student's code runs as."""
+    def layers(self) -> tuple[str, ...]:
+        """The layers of isolation that hosts have here (see grader.host.isolation)."""
         self._await_ready()
-        if self._unprivileged:
-            return "an unprivileged user for each run, resource limits"
-        return "resource limits only (same user as the grader)"
+        return self._layers
+
+    @property
+    def isolation(self) -> str:
+        """Say what stands between students' code and this machine."""
+        return ", ".join(LAYER_TEXTS[layer] for layer in self.layers)
 
     @property
     def workshop(self) -> Nursery:
@@ -166,15 +184,30 @@ class Nursery:
     def _sister(self, kind: str, libraries: Sequence[str]) -> Nursery:
         with self._lock:
             if kind not in self._sisters:
-                sister = Nursery(self._epoch, self.ros, libraries=libraries, kind=kind)
+                sister = Nursery(
+                    self._epoch, self.ros, libraries=libraries, kind=kind, layers=self._wanted
+                )
                 sister._users = self._users  # no two hosts are the same user
                 self._sisters[kind] = sister
             return self._sisters[kind]
 
-    def new_user(self) -> int:
-        """Return a user for a host [uid]; 0, which is the judge's own, if it can't be another."""
+    @contextlib.contextmanager
+    def user(self) -> Iterator[int]:
+        """Hold a user [uid] for hosts, which nobody else on this machine has.
+
+        0, which stands for the judge's own, if hosts can't be another here.
+        """
         self._await_ready()
-        return next(self._users) if self._unprivileged else 0
+        if USER not in self._layers:
+            yield 0
+            return
+        for _ in USERS:
+            uid = next(self._users)
+            with claim(f"user/{uid}") as mine:
+                if mine:
+                    yield uid
+                    return
+        raise GraderError("no free user for a host: too many run on this machine")
 
     @contextlib.contextmanager
     def host(self, folder: Path, user: int | None = None) -> Iterator[HostProcess]:
@@ -182,14 +215,20 @@ class Nursery:
 
         Each host is another user, unless several are to share their folder.
         """
-        uid = self.new_user() if user is None else user
-        if uid:
-            _give(folder, uid)
+        with self.user() if user is None else contextlib.nullcontext(user) as uid:
+            if uid:
+                _give(folder, uid)
+            with self._forked(folder, uid) as host:
+                yield host
+
+    @contextlib.contextmanager
+    def _forked(self, folder: Path, uid: int) -> Iterator[HostProcess]:
+        self._await_ready()
         host = self._fork(folder, uid)
         try:
             yield host
         finally:
-            shared_memory = [] if self._private_shm else shared_memory_of(host.pid)
+            shared_memory = [] if MOUNTS in self._layers else shared_memory_of(host.pid)
             host.kill()
             host.wait()
             host.close()
@@ -198,7 +237,8 @@ class Nursery:
 
     def _command(self, control: int) -> list[str]:
         paths = [str(ROOT), *map(str, self.ros.python_path)]
-        arguments = [str(control), str(self._epoch), self._kind, *self._libraries]
+        layers = ",".join(self._wanted)
+        arguments = [str(control), str(self._epoch), self._kind, layers, *self._libraries]
         boot = (
             f"import sys; sys.path[:0] = {paths!r}; sys.argv[1:] = {arguments!r};"
             "import runpy; runpy.run_module('grader.host', run_name='__main__')"
@@ -234,8 +274,7 @@ class Nursery:
                 hello = msgspec.json.decode(self._control.recv(4096), type=Hello)
             except (OSError, msgspec.DecodeError) as error:
                 raise GraderError(f"no host for students' nodes: {self._last_words()}") from error
-            self._unprivileged = hello.unprivileged
-            self._private_shm = hello.private_shm
+            self._layers = hello.layers
             self._ready = True
 
     def _last_words(self) -> str:
@@ -250,7 +289,7 @@ class Nursery:
         stderr, their_stderr = os.pipe()
         status, their_status = os.pipe()
         theirs = [their_in, their_out, their_stdout, their_stderr, their_status]
-        request = msgspec.json.encode(Request(str(folder), uid, self._private_shm))
+        request = msgspec.json.encode(Request(str(folder), uid, self._layers))
         try:
             with self._lock:
                 socket.send_fds(self._control, [request], theirs)

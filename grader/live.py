@@ -10,15 +10,15 @@ import contextlib
 import math
 import select
 import tempfile
-import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from grader.crowd import CROWD
 from grader.domains import own_domain
 from grader.errors import GraderError
 from grader.host.frames import (
@@ -48,6 +48,7 @@ from grader.submission import Submission
 from grader.tape import Command, Flood, Tape, not_run
 from grader.trial import (
     GRACE,
+    LOOK_EVERY,
     NEVER_SPUN,
     died_text,
     misbehaviour,
@@ -104,7 +105,7 @@ def run_live_trial(
         if problem is not None:
             return not_run(simulation, problem)
         with (
-            _CROWD.joined(alone=attempt > 0),
+            CROWD.joined(alone=attempt > 0),
             stage(submission, scenario, arguments, files) as staged,
             own_domain() as domain,
         ):
@@ -113,39 +114,6 @@ def run_live_trial(
         if not recording.live or not recording.live.stall:
             break
     return recording
-
-
-class _Crowd:
-    """Trials that run at the same time; one that was disturbed runs again with nobody beside it."""
-
-    def __init__(self) -> None:
-        self._changed = threading.Condition()
-        self._inside = 0
-        self._waiting_alone = 0
-
-    @contextlib.contextmanager
-    def joined(self, *, alone: bool) -> Iterator[None]:
-        """Be one of the trials, or the only one."""
-        with self._changed:
-            self._waiting_alone += alone
-            self._changed.wait_for(lambda: self._may_enter(alone))
-            self._waiting_alone -= alone
-            self._inside += WHOLE if alone else 1
-        try:
-            yield
-        finally:
-            with self._changed:
-                self._inside -= WHOLE if alone else 1
-                self._changed.notify_all()
-
-    def _may_enter(self, alone: bool) -> bool:
-        if alone:
-            return self._inside == 0
-        return self._inside < WHOLE and not self._waiting_alone
-
-
-WHOLE = 1_000  # trials: as many as there never are
-_CROWD = _Crowd()
 
 
 def _longest_stall(scenario: Scenario) -> float:
@@ -276,7 +244,7 @@ class _LiveTrial:
         )
         self._register(self._radio)
         self._radio.send(TuneIn(self._domain, self._stage.offers))
-        self._user = self._nursery.new_user()
+        self._user = self._hosts.enter_context(self._nursery.user())
         self._start_programs(0)
 
     def _start_programs(self, now: int) -> None:
@@ -363,6 +331,8 @@ class _LiveTrial:
             used = self._cpu() - cpu
             wall = min(used, (until - began) / 1e9) if math.isnan(answered) else answered
             tape.compute.append((began / 1e9, max(0.0, wall), used))
+            if len(tape.compute) % LOOK_EVERY == 0:
+                tape.check_folder(self._stage.folder)
             pending = simulation.advance(until, [c for c in commands if c[0] <= until])
 
     def _next_moment(self, now: int) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -25,6 +26,8 @@ from sim.simulation import Simulation
 MAX_BYTES = 64 * 1024 * 1024  # a node may publish in one trial
 MESSAGE_BYTES = 128  # what a message takes besides its data and names
 MAX_ENDPOINTS = 1_000
+MAX_FOLDER = 256 * 1024 * 1024  # [bytes] that a node may leave in its folder
+MAX_FILES = 5_000
 AFTERMATH_NS = 10**9  # the robot rolls on for this long when its node is gone
 OURS = ("/course/", "/ground_truth/", "/rosout")  # topics of our own in a bag
 
@@ -78,6 +81,15 @@ class Tape:
             if command is not None:
                 commands.append(command)
         return commands
+
+    def check_folder(self, folder: Path) -> None:
+        """Make sure that the node doesn't fill the disk."""
+        size = 0
+        for count, path in enumerate(folder.rglob("*"), start=1):
+            with contextlib.suppress(OSError):
+                size += path.lstat().st_size
+            if size > MAX_FOLDER or count > MAX_FILES:
+                raise Flood(f"more than {MAX_FILES:,} files or {MAX_FOLDER:,} bytes in its folder")
 
     def roll_on(self, reached: int, commands: Sequence[Command]) -> None:
         """Let the robot roll on for a while after its node has ended."""

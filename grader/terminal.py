@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
+
+if TYPE_CHECKING:
+    from grader.doctor import Diagnosis
 
 Check = Mapping[str, Any]
 
@@ -59,6 +62,37 @@ def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
             Padding(Text(printable(note, console), style="yellow"), (0, 0, 0, 8)), width=width
         )
     console.print()
+
+
+def render_diagnosis(found: Diagnosis, console: Console) -> None:
+    """Print what `course doctor` found."""
+    width = min(console.width, MAX_WIDTH)
+    facts = Table(box=None, show_header=False, padding=(0, 2, 0, 1))
+    facts.add_row("Python", found.python)
+    facts.add_row("ROS 2", found.ros or "not found")
+    for what, missing in found.extras.items():
+        facts.add_row(
+            Text("not here" if missing else "here", style="yellow" if missing else "green"),
+            f"{what}: {', '.join(missing)} missing" if missing else what,
+        )
+    console.print(facts, width=width)
+    layers = Table(box=None, padding=(0, 2, 0, 1), header_style="bold")
+    for heading in ("Layer", "", "What it is for"):
+        layers.add_column(heading)
+    for layer in found.layers:
+        sign, ascii_sign, _, style = OUTCOMES["pass" if layer.here else "fail"]
+        mark = Text(ascii_sign if _ascii(console) else sign, style=style)
+        layers.add_row(layer.name, mark, layer.text)
+    console.print()
+    console.print(layers, width=width)
+    console.print()
+    if found.problem:
+        said = Text(f" No node can run here: {printable(found.problem, console)}", style="bold red")
+    elif found.foreign_code:
+        said = Text(f" Your own code only: {found.foreign_code}", style="yellow")
+    else:
+        said = Text(" Other people's code may be graded here.", style="green")
+    console.print(said, width=width)
 
 
 def printable(text: Any, console: Console) -> str:

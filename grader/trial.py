@@ -21,6 +21,7 @@ from sim.messages import EPOCH_NS, Message
 from sim.scenario import Scenario
 from sim.simulation import Simulation
 
+LOOK_EVERY = 64  # exchanges, at the node's folder
 GRACE = 1.0  # [s] for the end of a process that has hung up
 STUCK = (
     "the node stopped for good: every thread waits for something that can't come any more "
@@ -121,6 +122,8 @@ class _Trial:
             while isinstance(answer, Settled) and simulation.now < tape.end:
                 if time.perf_counter() > clock_end:
                     raise HostHung("")
+                if len(tape.compute) % LOOK_EVERY == 0:
+                    tape.check_folder(staged.folder)
                 began = simulation.now
                 self._at = began / 1e9
                 until = min(simulation.next_event() or tape.end, tape.end)

@@ -1,6 +1,6 @@
 """Entry of the nursery, started by the judge only.
 
-python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts|live [LIBRARY …]
+python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts|live LAYER,… [LIBRARY …]
 """
 
 from __future__ import annotations
@@ -10,5 +10,5 @@ import sys
 
 from .nursery import serve
 
-control, epoch, kind, *libraries = sys.argv[1:]
-serve(socket.socket(fileno=int(control)), int(epoch), kind, libraries)
+control, epoch, kind, layers, *libraries = sys.argv[1:]
+serve(socket.socket(fileno=int(control)), int(epoch), kind, layers.split(","), libraries)

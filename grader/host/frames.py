@@ -205,14 +205,13 @@ class Request(msgspec.Struct, frozen=True):
 
     folder: str
     uid: int
-    private_shm: bool  # with a /dev/shm of its own
+    layers: tuple[str, ...]  # of isolation, by their names in `isolation.py`
 
 
 class Hello(msgspec.Struct, frozen=True):
     """The nursery's first words: ready, and what it can do for isolation."""
 
-    unprivileged: bool  # hosts can run as another user
-    private_shm: bool  # hosts can have a /dev/shm of their own
+    layers: tuple[str, ...]  # of isolation that this machine has
 
 
 class Birth(msgspec.Struct, frozen=True):

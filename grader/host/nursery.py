@@ -19,14 +19,13 @@ import select
 import signal
 import socket
 import sys
-from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable, Collection, Sequence
+from typing import Any, NamedTuple
 
 import msgspec
 
+from . import isolation, privileges, scripts, threads
 from . import kernel as kernel_module
-from . import privileges, scripts, threads
 from .frames import Birth, Hello, Request
 
 REQUEST_DESCRIPTORS = 5  # link in, link out, stdout, stderr, status
@@ -64,11 +63,29 @@ TYPE_SUPPORT = (  # the types of every node and of the exercises: their C librar
 
 NODES, SCRIPTS, LIVE = "nodes", "scripts", "live"
 
+
+class Child(NamedTuple):
+    """A host that lives."""
+
+    pid: int
+    status: int  # descriptor: the judge waits there for the exit status
+    uid: int
+
+
 Body = Callable[[int, int], None]  # what a host does with its link: descriptors to read and write
 
 
-def serve(control: socket.socket, epoch: int, kind: str, libraries: Sequence[str]) -> None:
-    """Fork hosts until the judge closes `control`; import `libraries` before."""
+def serve(
+    control: socket.socket,
+    epoch: int,
+    kind: str,
+    layers: Collection[str],
+    libraries: Sequence[str],
+) -> None:
+    """Fork hosts until the judge closes `control`; import `libraries` before.
+
+    `layers` are the layers of isolation that the judge wants, if the machine has them.
+    """
     body: Body = scripts.serve
     if kind == NODES:
         kernel = kernel_module.Kernel()
@@ -79,21 +96,20 @@ def serve(control: socket.socket, epoch: int, kind: str, libraries: Sequence[str
         _warm_up(virtual=False)
         body = _run_live
     _import(libraries)
-    mounts = os.getuid() == 0 and privileges.own_mounts()
-    unprivileged = os.getuid() == 0 and privileges.open_to_others(_needed_paths())
-    control.sendall(msgspec.json.encode(Hello(unprivileged, private_shm=mounts)))
+    control.sendall(msgspec.json.encode(Hello(isolation.prepare(layers))))
     gc.freeze()
-    children: dict[int, tuple[int, int]] = {}  # pidfd: (pid, status descriptor)
+    children: dict[int, Child] = {}  # by pidfd
     while True:
         readable, _, _ = select.select([control.fileno(), *children], [], [])
         for pidfd in readable:
             if pidfd in children:
-                _bury(pidfd, *children.pop(pidfd))
+                child = children.pop(pidfd)
+                _bury(pidfd, child, alone=all(c.uid != child.uid for c in children.values()))
         if control.fileno() in readable and not _answer(control, body, children):
             return
 
 
-def _answer(control: socket.socket, body: Body, children: dict[int, tuple[int, int]]) -> bool:
+def _answer(control: socket.socket, body: Body, children: dict[int, Child]) -> bool:
     data, descriptors, _, _ = socket.recv_fds(control, 65536, REQUEST_DESCRIPTORS)
     if not data:
         return False
@@ -101,28 +117,31 @@ def _answer(control: socket.socket, body: Body, children: dict[int, tuple[int, i
     pid = os.fork()
     if pid == 0:
         control.close()
-        for pidfd, (_, status) in children.items():
+        for pidfd, child in children.items():
             os.close(pidfd)
-            os.close(status)
+            os.close(child.status)
         _become_host(request, descriptors, body)
     *link, status = descriptors
     for descriptor in link:
         os.close(descriptor)
     pidfd = os.pidfd_open(pid)
-    children[pidfd] = (pid, status)
+    children[pidfd] = Child(pid, status, request.uid)
     birth = msgspec.json.encode(Birth(pid))
     rights = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [pidfd]))
     control.sendmsg([birth], [rights])
     return True
 
 
-def _bury(pidfd: int, pid: int, status: int) -> None:
+def _bury(pidfd: int, child: Child, *, alone: bool) -> None:
+    """Reap a host and end what it started; `alone`: no other host is the same user."""
     with contextlib.suppress(OSError):
-        os.killpg(pid, signal.SIGKILL)  # not yet reaped, so the number is still the host's own
-    _, wait_status = os.waitpid(pid, 0)
+        os.killpg(child.pid, signal.SIGKILL)  # not yet reaped, so the number is still its own
+    if child.uid and alone:
+        privileges.end_all_of(child.uid)
+    _, wait_status = os.waitpid(child.pid, 0)
     with contextlib.suppress(OSError):
-        os.write(status, str(os.waitstatus_to_exitcode(wait_status)).encode())
-    os.close(status)
+        os.write(child.status, str(os.waitstatus_to_exitcode(wait_status)).encode())
+    os.close(child.status)
     os.close(pidfd)
 
 
@@ -140,13 +159,9 @@ def _become_host(request: Request, descriptors: list[int], body: Body) -> None:
         os.chdir(request.folder)
         os.environ["HOME"] = os.environ["TMPDIR"] = request.folder
         os.environ["ROS_LOG_DIR"] = request.folder
-        if request.private_shm:
-            privileges.private_shared_memory()
-        privileges.set_limits()
         if body is _run_live:
             privileges.take_priority()
-        if request.uid:
-            privileges.drop_to(request.uid)
+        isolation.enter(request, datagrams=body is _run_live)
         body(link_in, link_out)
     finally:
         os._exit(70)
@@ -211,11 +226,3 @@ def _import(libraries: Sequence[str]) -> None:
     for name in libraries:
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
-
-
-def _needed_paths() -> list[Path]:
-    """Folders that the student's process reads from: the interpreter and its libraries."""
-    paths = [Path(sys.prefix), Path(sys.base_prefix), Path(__file__).parent]
-    paths += [Path(entry) for entry in sys.path if entry]
-    paths += [Path(entry) for entry in os.environ.get("LD_LIBRARY_PATH", "").split(":") if entry]
-    return [path.resolve() for path in paths if path.is_dir()]

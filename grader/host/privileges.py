@@ -1,15 +1,19 @@
 """What a host may use: limits and an unprivileged user.
 
-The full sandbox will be built on this seam.
+What the kernel offers to everybody is in `sandbox.py`; who puts on what, in `isolation.py`.
 """
 
 from __future__ import annotations
 
 import contextlib
 import ctypes
+import fcntl
 import os
 import resource
+import signal
+import socket
 import stat
+import struct
 from pathlib import Path
 
 # Users that exist only while something runs, by the convention of systemd's DynamicUser=. Each host
@@ -19,11 +23,14 @@ LIMITS = {
     resource.RLIMIT_CORE: 0,
     resource.RLIMIT_FSIZE: 64 * 1024 * 1024,  # [bytes] of one file
     resource.RLIMIT_NOFILE: 256,
-    resource.RLIMIT_AS: 8 * 1024 * 1024 * 1024,  # [bytes] address space: numeric libraries map much
+    resource.RLIMIT_AS: 4 * 1024 * 1024 * 1024,  # [bytes] address space: numeric libraries map much
 }
 MAX_PROCESSES = 512  # threads count too; of the unprivileged user as a whole
 PRIORITY = -10  # nice value
-CLONE_NEWNS = 0x00020000
+CLONE_NEWNS, CLONE_NEWNET = 0x00020000, 0x40000000
+SIOCGIFFLAGS, SIOCSIFFLAGS, IFF_UP = 0x8913, 0x8914, 1
+SHM_SIZE = "64m"
+ROUNDS = 100
 MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18
 
 
@@ -56,10 +63,47 @@ def own_mounts() -> bool:
     return True
 
 
-def private_shared_memory() -> None:
-    """Cover /dev/shm with an empty one that vanishes with this process (needs own mounts)."""
+def own_network() -> bool:
+    """Give this process a network of its own, with nothing but loopback (needs root)."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.unshare(CLONE_NEWNET):
+        return False
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
+        request = struct.pack("16sh14x", b"lo", 0)
+        flags = struct.unpack("16sh14x", fcntl.ioctl(any_socket, SIOCGIFFLAGS, request))[1]
+        fcntl.ioctl(any_socket, SIOCSIFFLAGS, struct.pack("16sh14x", b"lo", flags | IFF_UP))
+    return True
+
+
+def private_mounts(folder: Path, needed: list[Path]) -> None:
+    """Give this process a /dev/shm and a temporary folder of its own (needs own mounts).
+
+    Of the folder that holds `folder` nothing stays visible but that, and what is `needed` in there.
+    """
     _unshare_mounts()
-    _mount("tmpfs", "/dev/shm", "tmpfs", 0, "mode=1777,size=64m")
+    _mount("tmpfs", "/dev/shm", "tmpfs", 0, f"mode=1777,size={SHM_SIZE}")
+    inside = [path for path in needed if path.is_relative_to(folder.parent)]
+    _expose_only(folder.parent, [folder, *inside])
+
+
+def end_all_of(uid: int) -> None:
+    """End every process of a user, also those that hid in a session of their own (needs root)."""
+    for _ in range(ROUNDS):  # one that forks can get away once, not for ever: it is limited
+        processes = (path for path in Path("/proc").iterdir() if path.name.isdigit())
+        found = [int(path.name) for path in processes if _is_of(path, uid)]
+        for pid in found:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        if not found:
+            return
+
+
+def _is_of(process: Path, uid: int) -> bool:
+    try:
+        state = (process / "stat").read_text().rpartition(")")[2].split()[0]
+        return process.stat().st_uid == uid and state != "Z"
+    except OSError:
+        return False
 
 
 def open_to_others(paths: list[Path]) -> bool:

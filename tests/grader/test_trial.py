@@ -514,3 +514,24 @@ def test_a_scan_of_the_nodes_own_is_not_the_robots(forge) -> None:  # type: igno
 def test_the_fixture_is_what_the_tests_assume(short_scenario: Scenario) -> None:
     assert short_scenario.lidar.phase == FIRST / 1e9
     assert short(1.0).odometry.enabled is False
+
+
+@pytest.mark.parametrize("size", [0, 1_000])
+def test_a_full_folder_ends_the_trial(
+    run_node: RunNode, monkeypatch: pytest.MonkeyPatch, size: int
+) -> None:
+    monkeypatch.setattr(tape, "MAX_FILES", 50)
+    monkeypatch.setattr(tape, "MAX_FOLDER", 20_000)
+    monkeypatch.setattr(trial, "LOOK_EVERY", 1)
+    recording = run_node(f"""
+        class Hoarder(Echo):
+            def on_scan(self, scan):
+                self.count = getattr(self, 'count', 0) + 1
+                for i in range(10):
+                    open(f'{{self.count}}_{{i}}', 'w').write('x' * {size})
+        rclpy.init(); rclpy.spin(Hoarder())
+    """)
+
+    assert recording.outcome.kind == "flooded"
+    assert "files" in recording.outcome.text
+    assert 0.1 < recording.outcome.at < 1.0

@@ -183,3 +183,20 @@ def test_importing_the_simulation_does_not_load_rosbags_or_rclpy():
     code = "import sys, sim.simulation; print(sorted({'rosbags', 'rclpy'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_message_can_be_of_another_epoch() -> None:
+    today = 1_795_260_000 * 10**9 + 7
+    message = scan(np.ones(3, np.float32), time=1_500_000_000)
+    moved = messages.with_epoch(message, today)
+
+    stamp = decode(moved.data, moved.type).header.stamp
+    assert stamp.sec * 10**9 + stamp.nanosec == today + 1_500_000_000
+    assert moved.time == message.time
+    assert moved.data[12:] == message.data[12:]
+    assert messages.with_epoch(message, EPOCH_NS) == message
+
+
+def test_a_message_without_a_header_has_no_epoch() -> None:
+    message = messages.twist(time=5, linear_x=0.1)
+    assert messages.with_epoch(message, 0) is message

@@ -1,0 +1,81 @@
+"""The layers between a host and the machine: which there are here, and how a host puts them on.
+
+Each is independent of the others. `limits` is always there; the rest depends on the kernel and on
+who runs the grader. The judge may leave layers out, to show what each is for.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Collection
+from pathlib import Path
+
+from . import privileges, sandbox
+from .frames import Request
+
+LIMITS, USER, MOUNTS, NETWORK, FILES, CALLS = (
+    "limits", "user", "mounts", "network", "files", "calls",
+)  # fmt: skip
+LAYERS = (LIMITS, USER, MOUNTS, NETWORK, FILES, CALLS)
+HERE = Path(__file__).parent
+SYSTEM = (  # what the interpreter and its libraries read besides their own files
+    "/usr", "/lib", "/lib64", "/bin",
+    "/etc/ld.so.cache", "/etc/localtime", "/etc/os-release",
+    "/proc/self", "/proc/cpuinfo", "/proc/meminfo", "/proc/stat", "/proc/sys/vm/overcommit_memory",
+    "/sys/devices/system/cpu", "/sys/devices/system/node",
+    "/dev/null", "/dev/zero", "/dev/random", "/dev/urandom",
+)  # fmt: skip
+DEVICES = (Path("/dev/null"), Path("/dev/shm"))
+
+
+def prepare(wanted: Collection[str]) -> tuple[str, ...]:
+    """Do in the nursery what its hosts need; return the layers that they can have."""
+    found = [LIMITS]
+    if os.getuid() == 0:
+        mounts = privileges.own_mounts()
+        if USER in wanted and privileges.open_to_others(needed_paths()):
+            found.append(USER)
+        if MOUNTS in wanted and mounts:
+            found.append(MOUNTS)
+        if NETWORK in wanted and privileges.own_network():
+            found.append(NETWORK)
+    if FILES in wanted and sandbox.landlock_abi():
+        found.append(FILES)
+    if CALLS in wanted and sandbox.has_seccomp():
+        found.append(CALLS)
+    return tuple(found)
+
+
+def enter(request: Request, *, datagrams: bool) -> None:
+    """Put the layers on, in this process, for good."""
+    folder = Path(request.folder)
+    if MOUNTS in request.layers:
+        privileges.private_mounts(folder, needed_paths())
+        os.chdir(folder)
+    privileges.set_limits()
+    if USER in request.layers:
+        privileges.drop_to(request.uid)
+    if FILES in request.layers:
+        sandbox.restrict_files(readable_paths(), [folder, *DEVICES])
+    if CALLS in request.layers:
+        sandbox.restrict_calls(datagrams=datagrams)
+
+
+def needed_paths() -> list[Path]:
+    """Return the folders of the interpreter, its libraries and this package."""
+    checkout = HERE.parent.parent
+    paths = [Path(sys.prefix), Path(sys.base_prefix), HERE]
+    paths += [Path(entry) for entry in sys.path if entry]
+    paths += [Path(entry) for entry in os.environ.get("LD_LIBRARY_PATH", "").split(":") if entry]
+    found = [path.resolve() for path in paths if path.is_dir()]
+    return [path for path in found if path != checkout.resolve()]
+
+
+def readable_paths() -> list[Path]:
+    """Return all that a host may read; solutions, scenarios and other students are not there."""
+    own = [*needed_paths(), HERE.parent / "__init__.py"]
+    with contextlib.suppress(KeyError):
+        own.append(Path(os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"]))
+    return [*own, *map(Path, SYSTEM)]

@@ -1,0 +1,241 @@
+"""What the kernel keeps a host from doing, for good: Landlock for files, seccomp for calls.
+
+Both need no privileges and no library. Each layer stands alone: what this machine lacks, or a
+person has switched off, is left out, and `course doctor` says what that opens.
+
+Sources: landlock(7), `linux/landlock.h` (ABI 1 to 6), seccomp(2), `linux/bpf_common.h`, and the
+system call tables of x86_64 and of arm64 (`asm-generic/unistd.h`).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import os
+import platform
+import stat
+import struct
+from collections.abc import Iterable
+from pathlib import Path
+
+PR_SET_DUMPABLE, PR_GET_SECCOMP, PR_SET_SECCOMP, PR_SET_NO_NEW_PRIVS = 4, 21, 22, 38
+
+# --- Landlock ------------------------------------------------------------------------------------
+
+CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446  # the same on every architecture
+VERSION_FLAG = 1
+PATH_BENEATH = 1
+EXECUTE, WRITE_FILE, READ_FILE, READ_DIR = 1 << 0, 1 << 1, 1 << 2, 1 << 3
+ABI_1_RIGHTS = (1 << 13) - 1  # up to MAKE_SYM
+REFER, TRUNCATE, IOCTL_DEV = 1 << 13, 1 << 14, 1 << 15  # new with ABI 2, 3 and 5
+TCP_RIGHTS = 0b11  # bind and connect, ABI 4
+SCOPES = 0b11  # abstract sockets and signals stay inside, ABI 6
+READING = READ_FILE | READ_DIR
+OF_FILES = EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE | IOCTL_DEV  # others are a folder's
+
+
+def landlock_abi() -> int:
+    """Return the version of the kernel's Landlock; 0 if it has none."""
+    found = _libc().syscall(CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint32(VERSION_FLAG))
+    return max(int(found), 0)
+
+
+def restrict_files(read: Iterable[Path], write: Iterable[Path]) -> None:
+    """Let this process see nothing but `read`, and change nothing outside `write`, for good.
+
+    Raises
+    ------
+    OSError
+        The kernel has no Landlock.
+    """
+    abi = landlock_abi()
+    if not abi:
+        raise OSError(errno.ENOSYS, "no Landlock")
+    rights = ABI_1_RIGHTS
+    for since, right in ((2, REFER), (3, TRUNCATE), (5, IOCTL_DEV)):
+        rights |= right if abi >= since else 0
+    net, scopes = (TCP_RIGHTS if abi >= 4 else 0), (SCOPES if abi >= 6 else 0)
+    attributes = struct.pack("QQQ", rights, net, scopes)[: 8 if abi < 4 else 16 if abi < 6 else 24]
+    libc = _libc()
+    ruleset = _checked(
+        libc.syscall(
+            CREATE_RULESET, attributes, ctypes.c_size_t(len(attributes)), ctypes.c_uint32(0)
+        )
+    )
+    try:
+        for paths, wanted in ((read, READING), (write, rights & ~EXECUTE & ~IOCTL_DEV)):
+            for path in paths:
+                _allow_beneath(ruleset, path, wanted & rights)
+        _no_new_privileges()
+        _checked(libc.syscall(RESTRICT_SELF, ctypes.c_int(ruleset), ctypes.c_uint32(0)))
+    finally:
+        os.close(ruleset)
+
+
+def _allow_beneath(ruleset: int, path: Path, rights: int) -> None:
+    try:
+        descriptor = os.open(path, os.O_PATH | os.O_CLOEXEC)
+    except OSError:
+        return  # what isn't there needs no rule
+    try:
+        if not stat.S_ISDIR(os.fstat(descriptor).st_mode):
+            rights &= OF_FILES
+        rule = struct.pack("<Qi", rights, descriptor)
+        _checked(
+            _libc().syscall(ADD_RULE, ctypes.c_int(ruleset), ctypes.c_int(PATH_BENEATH), rule, 0)
+        )
+    finally:
+        os.close(descriptor)
+
+
+# --- seccomp -------------------------------------------------------------------------------------
+
+ARCHITECTURES = {"x86_64": (0xC000003E, 0), "aarch64": (0xC00000B7, 1)}  # AUDIT_ARCH, column
+NONE = -1  # this architecture doesn't have the call
+CALLS = {  # name: number on x86_64, on arm64
+    "accept": (43, 202), "accept4": (288, 242), "acct": (163, 89), "add_key": (248, 217),
+    "adjtimex": (159, 171), "bpf": (321, 280), "chroot": (161, 51),
+    "clock_adjtime": (305, 266), "clock_settime": (227, 112),
+    "delete_module": (176, 106), "execve": (59, 221), "execveat": (322, 281),
+    "fanotify_init": (300, 262), "finit_module": (313, 273), "fork": (57, NONE),
+    "fsopen": (430, 430), "fsmount": (432, 432), "init_module": (175, 105),
+    "io_uring_enter": (426, 426), "io_uring_register": (427, 427), "io_uring_setup": (425, 425),
+    "kcmp": (312, 272), "kexec_load": (246, 104), "keyctl": (250, 219), "listen": (50, 201),
+    "mbind": (237, 235), "memfd_create": (319, 279), "migrate_pages": (256, 238),
+    "mount": (165, 40), "mount_setattr": (442, 442), "move_mount": (429, 429),
+    "move_pages": (279, 239), "mq_open": (240, 180), "msgget": (68, 186),
+    "name_to_handle_at": (303, 264), "open_by_handle_at": (304, 265), "open_tree": (428, 428),
+    "perf_event_open": (298, 241), "personality": (135, 92), "pidfd_getfd": (438, 438),
+    "pidfd_open": (434, 434), "pidfd_send_signal": (424, 424), "pivot_root": (155, 41),
+    "process_vm_readv": (310, 270), "process_vm_writev": (311, 271), "ptrace": (101, 117),
+    "quotactl": (179, 60), "reboot": (169, 142), "request_key": (249, 218),
+    "rt_sigqueueinfo": (129, 138), "rt_tgsigqueueinfo": (297, 240), "sched_setaffinity": (203, 122),
+    "semget": (64, 190), "sethostname": (170, 161),
+    "setns": (308, 268), "setpgid": (109, 154), "setsid": (112, 157),
+    "settimeofday": (164, 170), "shmget": (29, 194), "swapon": (167, 224),
+    "syslog": (103, 116), "tkill": (200, 130), "umount2": (166, 39), "unshare": (272, 97),
+    "userfaultfd": (323, 282), "vfork": (58, NONE),
+}  # fmt: skip
+CLONE, CLONE3, KILL, TGKILL = (56, 220), (435, 435), (62, 129), (234, 131)
+SOCKET, CONNECT = (41, 198), (42, 203)
+CLONE_THREAD = 0x00010000
+X32_BIT = 0x40000000
+AF_INET, AF_NETLINK = 2, 16
+SOCK_DGRAM, SOCK_TYPE = 2, 0xF
+
+LOAD, AND, JUMP_EQUAL, JUMP_AT_LEAST, JUMP_SET, RETURN = 0x20, 0x54, 0x15, 0x35, 0x45, 0x06
+ALLOW, REFUSE, KILL_PROCESS = 0x7FFF0000, 0x00050000, 0x80000000
+NUMBER, ARCHITECTURE, FIRST, SECOND = 0, 4, 16, 24  # offsets in struct seccomp_data (low halves)
+
+Instruction = tuple[int, int, int, int]  # code, jump if true, jump if false, constant
+
+
+def has_seccomp() -> bool:
+    """Tell whether this kernel filters system calls, and their numbers are known here."""
+    strict_or_filter = _libc().prctl(PR_GET_SECCOMP, 0, 0, 0, 0)
+    return strict_or_filter >= 0 and platform.machine() in ARCHITECTURES
+
+
+def restrict_calls(*, datagrams: bool = False) -> None:
+    """Take away from this process what no node needs: sockets, programs, processes, others' memory.
+
+    Threads go on to work, and so do signals to the process itself. `datagrams` leaves it UDP.
+
+    Raises
+    ------
+    OSError
+        The kernel has no seccomp, or the architecture is another.
+    """
+    if platform.machine() not in ARCHITECTURES:
+        raise OSError(errno.ENOSYS, f"no table of system calls for {platform.machine()}")
+    program = _filter(datagrams)
+    code = b"".join(struct.pack("HBBI", c, jt, jf, k) for c, jt, jf, k in program)
+    instructions = ctypes.create_string_buffer(code, len(code))
+    header = struct.pack("HxxxxxxQ", len(program), ctypes.addressof(instructions))
+    filter_ = ctypes.create_string_buffer(header, len(header))
+    _no_new_privileges()
+    _checked(_libc().prctl(PR_SET_SECCOMP, 2, ctypes.c_void_p(ctypes.addressof(filter_)), 0, 0))
+
+
+def _filter(datagrams: bool) -> list[Instruction]:
+    audit, column = ARCHITECTURES[platform.machine()]
+    program: list[Instruction] = [
+        (LOAD, 0, 0, ARCHITECTURE),
+        (JUMP_EQUAL, 1, 0, audit),
+        (RETURN, 0, 0, KILL_PROCESS),
+        (LOAD, 0, 0, NUMBER),
+    ]
+    if column == 0:  # the x32 calls of x86_64 have other numbers
+        program += [(JUMP_AT_LEAST, 0, 1, X32_BIT), _refuse(errno.ENOSYS)]
+    for numbers in CALLS.values():
+        if numbers[column] != NONE:
+            program += [(JUMP_EQUAL, 0, 1, numbers[column]), _refuse(errno.EPERM)]
+    program += _only_if(CLONE[column], JUMP_SET, CLONE_THREAD)
+    # glibc falls back to clone(), whose flags a filter can see
+    program += [(JUMP_EQUAL, 0, 1, CLONE3[column]), _refuse(errno.ENOSYS)]
+    for number in (KILL[column], TGKILL[column]):  # abort() and raise() of the process itself
+        program += _only_if(number, JUMP_EQUAL, os.getpid())
+    program += _only_datagrams(column) if datagrams else _only_netlink(column)
+    return [*program, (RETURN, 0, 0, ALLOW)]
+
+
+def _refuse(error: int) -> Instruction:
+    return (RETURN, 0, 0, REFUSE | error)
+
+
+def _only_if(number: int, test: int, constant: int) -> list[Instruction]:
+    """Refuse a call unless its first argument passes a test."""
+    return [
+        (JUMP_EQUAL, 0, 4, number),
+        (LOAD, 0, 0, FIRST),
+        (test, 1, 0, constant),
+        _refuse(errno.EPERM),
+        (LOAD, 0, 0, NUMBER),
+    ]
+
+
+def _only_netlink(column: int) -> list[Instruction]:
+    """Refuse every socket but those that list network interfaces (Fast DDS asks at its start)."""
+    return [
+        (JUMP_EQUAL, 0, 1, CONNECT[column]),
+        _refuse(errno.EPERM),
+        *_only_if(SOCKET[column], JUMP_EQUAL, AF_NETLINK),
+    ]
+
+
+def _only_datagrams(column: int) -> list[Instruction]:
+    """Refuse every socket but UDP's and those that list network interfaces."""
+    return [
+        (JUMP_EQUAL, 0, 8, SOCKET[column]),
+        (LOAD, 0, 0, FIRST),
+        (JUMP_EQUAL, 5, 0, AF_NETLINK),
+        (JUMP_EQUAL, 0, 3, AF_INET),
+        (LOAD, 0, 0, SECOND),
+        (AND, 0, 0, SOCK_TYPE),
+        (JUMP_EQUAL, 1, 0, SOCK_DGRAM),
+        _refuse(errno.EPERM),
+        (LOAD, 0, 0, NUMBER),
+    ]
+
+
+# --- both ----------------------------------------------------------------------------------------
+
+
+def hide_memory() -> None:
+    """Let no other process of the same user read or trace this one (nor its environment)."""
+    _libc().prctl(PR_SET_DUMPABLE, 0, 0, 0, 0)
+
+
+def _no_new_privileges() -> None:
+    _checked(_libc().prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0))
+
+
+def _libc() -> ctypes.CDLL:
+    return ctypes.CDLL(None, use_errno=True)
+
+
+def _checked(result: int) -> int:
+    if result < 0:
+        number = ctypes.get_errno()
+        raise OSError(number, os.strerror(number))
+    return result

@@ -1,0 +1,87 @@
+"""What `course doctor` says of a machine."""
+
+import io
+
+import pytest
+from click.testing import CliRunner
+from rich.console import Console
+
+from grader import doctor
+from grader.cli import cli
+from grader.doctor import Diagnosis, Layer, diagnose, foreign_code_problem
+from grader.errors import GraderError
+from grader.host.isolation import CALLS, FILES, LAYERS, LIMITS, USER
+from grader.terminal import render_diagnosis
+
+
+def test_this_machine_can_run_nodes() -> None:
+    found = diagnose()
+
+    assert found.problem == ""
+    assert found.ros
+    assert tuple(layer.name for layer in found.layers) == LAYERS
+    assert found.layers[0] == Layer(LIMITS, True)
+
+
+@pytest.mark.parametrize(
+    ("layers", "allowed"),
+    [(LAYERS, True), ((LIMITS, FILES), True), ((LIMITS, USER, CALLS), False), ((LIMITS,), False)],
+)
+def test_foreign_code_needs_a_wall_around_files(layers: tuple[str, ...], allowed: bool) -> None:
+    assert (foreign_code_problem(layers) == "") == allowed
+
+
+def test_every_layer_says_what_it_is_for() -> None:
+    for name in LAYERS:
+        assert Layer(name, True).text.startswith("keeps out: ")
+        assert Layer(name, False).text.startswith("open: ")
+        assert doctor.NEEDS[name]
+
+
+def said_of(found: Diagnosis) -> str:
+    console = Console(file=io.StringIO(), width=100)
+    render_diagnosis(found, console)
+    text: str = console.file.getvalue()  # type: ignore[attr-defined]
+    return " ".join(text.split())
+
+
+def machine(problem: str = "", layers: tuple[str, ...] = LAYERS) -> Diagnosis:
+    return Diagnosis(
+        python="3.12",
+        ros="wheels",
+        problem=problem,
+        layers=tuple(Layer(name, name in layers) for name in LAYERS),
+        extras={"clusters": ("distributed",), "models": ()},
+    )
+
+
+def test_the_page_names_what_is_missing() -> None:
+    said = said_of(machine(layers=(LIMITS,)))
+
+    assert "clusters: distributed missing" in said
+    assert "open: a node reads what its user can read" in said
+    assert "Your own code only" in said and "--trust" in said
+    assert "Other people's code may be graded here." in said_of(machine())
+
+
+@pytest.mark.parametrize(
+    ("found", "code"),
+    [(machine(), 0), (machine(layers=(LIMITS,)), 1), (machine("no ROS 2"), 2)],
+)
+def test_the_exit_code(found: Diagnosis, code: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(doctor, "diagnose", lambda: found)
+    result = CliRunner().invoke(cli, ["doctor"], standalone_mode=False)
+
+    assert result.return_value == code
+    assert ("No node can run here: no ROS 2" in result.output) == (code == 2)
+
+
+def test_a_machine_without_ros_is_diagnosed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_nursery(*_: object) -> None:
+        raise GraderError("ROS 2 Jazzy was not found")
+
+    monkeypatch.setattr(doctor, "Nursery", no_nursery)
+    found = diagnose()
+
+    assert (found.ros, found.problem) == ("", "ROS 2 Jazzy was not found")
+    assert not any(layer.here for layer in found.layers)
