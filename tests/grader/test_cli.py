@@ -116,7 +116,6 @@ WRONG: dict[str, tuple[tuple[object, ...], tuple[str, ...]]] = {
     "a device": (("grade", "1", "/dev/zero"), ("not a regular file",)),
     "a name too long": (("grade", "1", "x" * 5_000), ("name too long",)),
     "unknown check": ((*GRADE, "--only", "stop_zoen"), ("unknown check 'stop_zoen'", "stop_zone")),
-    "tier 2": ((*GRADE, "--tier", "2"), ("--tier 1",)),
     "tier 3": ((*GRADE, "--tier", "3"), ("--tier",)),
     "a seed below zero": ((*GRADE, "--seed", "-1"), ("--seed",)),
     "a seed in words": ((*GRADE, "--seed", "one"), ("--seed",)),
