@@ -60,7 +60,7 @@ from sim.scenario import Scenario
 from sim.schedule import scan_rate
 
 SEND_LIMIT = 5.0  # [s] for a frame to a host
-START_LIMIT = 30.0  # [s] for a program to begin to spin: imports, models
+START_LIMIT = 20.0  # [s] for a program to begin to spin: imports, models
 IDLE_START = 3.0  # [s] without CPU time after which a program won't begin to spin any more
 MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
 HUNG_AFTER = 5.0  # [s] in a callback at the scenario's end
@@ -69,6 +69,7 @@ STALL_SHARE = 0.8  # ... and in periods of the lidar: the answer has to come bef
 TURN = 0.02  # [s] between looks at the hosts, at most
 ATTEMPTS = 2  # of a trial on a machine that stalls
 HUNG = "the node did not come back from a callback"
+HUNG_AT_START = "the node did not come back from its start-up"
 
 
 def run_live_trial(
@@ -184,6 +185,10 @@ class _Over(Exception):
     """A program has ended."""
 
 
+class _NotReady(Exception):
+    """A program does not begin to spin; the text says why not."""
+
+
 class _LiveTrial:
     """A trial on its way."""
 
@@ -218,6 +223,10 @@ class _LiveTrial:
                 outcome = self._final_outcome()
             except _Over:
                 outcome = self._end_outcome()
+            except _NotReady as error:
+                kind = "hung" if str(error) == HUNG_AT_START else "never_spun"
+                stacks = self._programs[0].link.stacks() if kind == "hung" else ""
+                outcome = self._outcome(kind, str(error), stacks)
             except (HostForged, Flood) as error:
                 outcome = self._outcome(*misbehaviour(error))
             except TimeoutError as error:
@@ -272,7 +281,9 @@ class _LiveTrial:
         while not all(program.ready(time.monotonic()) for program in self._programs):
             self._listen(TURN)
             if time.monotonic() > limit:
-                break  # the node never spins
+                raise _NotReady(HUNG_AT_START)
+        if not all(program.pulse.spinning for program in self._programs):
+            raise _NotReady(NEVER_SPUN)
         limit = time.monotonic() + MEETING_LIMIT
         while not self._all_met():
             self._listen(TURN)

@@ -35,7 +35,7 @@ NEVER_SPUN = "the program runs, but its node never spins"
 class Limits:
     """Wall-clock limits of a trial [s]; a correct node stays far below them on a slow machine."""
 
-    start: float = 30.0  # importing libraries, constructing nodes, loading models
+    start: float = 20.0  # importing libraries, constructing nodes, loading models
     step: float = 5.0  # between one message and the node's being done with it
     total: float = 120.0
 

@@ -16,10 +16,11 @@ from grader import bag, installed
 from grader.launch import Nursery
 from grader.live import run_live_trial
 from grader.models import OWN
-from grader.recording import Recording
+from grader.recording import Outcome, Recording
 from grader.submission import Submission
+from grader.tape import not_run
 from grader.training import Trained, run_training
-from grader.trial import Limits, run_trial
+from grader.trial import Limits, prepared, run_trial
 from sim.difficulty import comparable_seed
 from sim.scenario import Scenario, load_scenario
 
@@ -69,6 +70,7 @@ class LiveTrials:
         self._hung = False
         self._second_look = threading.Lock()  # at a node that hung in virtual time
         self._why_real: str | None = None  # the node can't run in virtual time
+        self._dead: Outcome | None = None  # it hangs before it has started, whatever the scenario
 
     def __enter__(self) -> LiveTrials:
         return self
@@ -131,6 +133,8 @@ class LiveTrials:
     def _drive_or_train(self, scenario: Scenario) -> Recording:
         if scenario.training is not None:
             return self._trained[scenario.name].result().recording
+        if self._dead is not None:
+            return not_run(prepared(scenario, self.seed_of(scenario)), self._dead)
         if self.real_time or self._why_real is not None:
             return self._run_in_real_time(scenario, self._why_real or "")
         limits = IMPATIENT if self._hung else self.limits
@@ -159,10 +163,12 @@ class LiveTrials:
         with self._second_look:
             if not self._hung and self._why_real is None:
                 real = self._run_in_real_time(scenario, BUSY_WAIT)
-                if real.outcome.kind != "hung":
+                if real.outcome.kind not in ("hung", "never_spun"):
                     self._why_real = BUSY_WAIT
                     return real
                 self._hung = True
+                if not virtual.delivered:
+                    self._dead = virtual.outcome
         if self._why_real is not None:
             return self._run_in_real_time(scenario, self._why_real)
         return virtual

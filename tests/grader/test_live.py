@@ -286,3 +286,18 @@ def test_wait_for_message_is_virtual(run_node: RunNode) -> None:
     assert recording.outcome.completed
     assert [line.text for line in recording.log] == ["True 1000.013", "(False, None) 1000.513"]
     assert len(recording.twists().t) == len(recording.scans()) - 6
+
+
+def test_a_node_that_never_gets_started_is_not_run_again_and_again(
+    nursery: Nursery, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("grader.live.START_LIMIT", 0.5)
+    file = tmp_path / "node.py"
+    file.write_text("while True: pass")
+    with LiveTrials(Submission(file), nursery, limits=Limits(start=0.5, step=1.0)) as trials:
+        first = trials.get("avoid_infinity")
+        monkeypatch.setattr("grader.trials.run_trial", None)
+        second = trials.get("avoid_blind")
+
+    assert [first.outcome.kind, second.outcome.kind] == ["hung", "hung"]
+    assert second.duration_s == 0.0
