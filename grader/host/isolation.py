@@ -57,6 +57,7 @@ def enter(request: Request, *, datagrams: bool) -> None:
     privileges.set_limits()
     if USER in request.layers:
         privileges.drop_to(request.uid)
+    sandbox.die_with_parent()
     if FILES in request.layers:
         sandbox.restrict_files(readable_paths(), [folder, *DEVICES])
     if CALLS in request.layers:

@@ -106,7 +106,9 @@ def serve(
                 child = children.pop(pidfd)
                 _bury(pidfd, child, alone=all(c.uid != child.uid for c in children.values()))
         if control.fileno() in readable and not _answer(control, body, children):
-            return
+            break
+    for pidfd, child in children.items():  # the judge is gone, maybe killed: so are its hosts
+        _bury(pidfd, child, alone=True)
 
 
 def _answer(control: socket.socket, body: Body, children: dict[int, Child]) -> bool:

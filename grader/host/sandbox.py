@@ -13,12 +13,14 @@ import ctypes
 import errno
 import os
 import platform
+import signal
 import stat
 import struct
 from collections.abc import Iterable
 from pathlib import Path
 
-PR_SET_DUMPABLE, PR_GET_SECCOMP, PR_SET_SECCOMP, PR_SET_NO_NEW_PRIVS = 4, 21, 22, 38
+PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_GET_SECCOMP, PR_SET_SECCOMP = 1, 4, 21, 22
+PR_SET_NO_NEW_PRIVS = 38
 
 # --- Landlock ------------------------------------------------------------------------------------
 
@@ -224,6 +226,11 @@ def _only_datagrams(column: int) -> list[Instruction]:
 def hide_memory() -> None:
     """Let no other process of the same user read or trace this one (nor its environment)."""
     _libc().prctl(PR_SET_DUMPABLE, 0, 0, 0, 0)
+
+
+def die_with_parent() -> None:
+    """Be killed when the process that forked this one ends (a change of user takes that back)."""
+    _libc().prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
 
 
 def _no_new_privileges() -> None:

@@ -134,6 +134,40 @@ def test_what_a_node_starts_ends_with_it(session: str, echo: Submission) -> None
     assert is_over(int(line.text))
 
 
+def test_hosts_end_with_a_judge_that_is_killed(echo: Submission) -> None:
+    echo.path.write_text("print('here', flush=True)\nwhile True: pass")
+    judge = subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(KILLED_JUDGE).format(file=str(echo.path))],
+        stdout=subprocess.PIPE, text=True, cwd=ROOT,
+    )  # fmt: skip
+    assert judge.stdout is not None
+    host = int(judge.stdout.readline())
+    judge.kill()
+    judge.wait()
+    judge.stdout.close()
+    assert is_over(host)
+
+
+KILLED_JUDGE = """
+    from pathlib import Path
+    from grader.host.frames import Start
+    from grader.launch import Nursery
+    from grader.link import Link
+    from grader.staging import stage
+    from grader.submission import Submission
+    from sim.messages import EPOCH_NS
+    from sim.scenario import load_scenario
+
+    with (
+        Nursery(EPOCH_NS) as nursery,
+        stage(Submission(Path({file!r})), load_scenario("demo_wall")) as staged,
+        nursery.host(staged.folder) as host,
+    ):
+        print(host.pid, flush=True)
+        Link(host).start(Start(staged.programs, EPOCH_NS, 1, staged.offers), 60.0)
+"""
+
+
 # --- many at once --------------------------------------------------------------------------------
 
 
