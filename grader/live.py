@@ -38,7 +38,7 @@ from grader.host.frames import (
     decode_from_live,
     decode_from_radio,
 )
-from grader.host.privileges import take_priority
+from grader.host.privileges import priority
 from grader.launch import HostProcess, Nursery
 from grader.link import Channel, HostDied, HostForged, decoded
 from grader.recording import COMPLETED, Live, Outcome, Recording
@@ -214,8 +214,7 @@ class _LiveTrial:
     def run(self, reason: str) -> Recording:
         """Run the trial to its end."""
         stall = ""
-        take_priority()  # of this thread
-        with self._hosts:
+        with priority(), self._hosts:
             try:
                 self._open()
                 self._meet()

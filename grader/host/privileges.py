@@ -14,6 +14,7 @@ import signal
 import socket
 import stat
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 
 # Users that exist only while something runs, by the convention of systemd's DynamicUser=. Each host
@@ -44,6 +45,17 @@ def take_priority() -> None:
     """Go before others on the machine, if that is allowed: real time leaves no time to wait."""
     with contextlib.suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, PRIORITY)
+
+
+@contextlib.contextmanager
+def priority() -> Iterator[None]:
+    """Let the calling thread go before others until the block ends, if that is allowed."""
+    before = os.getpriority(os.PRIO_PROCESS, 0)
+    take_priority()
+    try:
+        yield
+    finally:
+        os.setpriority(os.PRIO_PROCESS, 0, before)
 
 
 def drop_to(uid: int) -> None:

@@ -1,5 +1,6 @@
 """Nodes in real time, on DDS. What they do is asserted; how fast the machine is, never."""
 
+import os
 import textwrap
 import threading
 from collections.abc import Callable
@@ -301,3 +302,9 @@ def test_a_node_that_never_gets_started_is_not_run_again_and_again(
 
     assert [first.outcome.kind, second.outcome.kind] == ["hung", "hung"]
     assert second.duration_s == 0.0
+
+
+def test_the_judge_gives_its_priority_back(run_live: RunLive) -> None:
+    before = os.getpriority(os.PRIO_PROCESS, 0)
+    run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
+    assert os.getpriority(os.PRIO_PROCESS, 0) == before
