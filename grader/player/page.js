@@ -178,7 +178,7 @@ function buildPage(page, payload) {
     bringIntoView(root);
   };
   const checks = grading ? toArray(grading.checks).filter(Boolean) : [];
-  page.className = grading ? 'page has-grading' : 'page';
+  page.className = grading && replays.length ? 'page has-grading' : 'page'; // has-grading: two columns
   replaceChildren(page, buildTop(payload), grading ? buildScore(grading, checks) : null,
     el('div', { class: 'columns' },
       grading ? buildChecks(grading, checks, { runs: replays.map(toRun), show }) : null,

@@ -1,0 +1,1 @@
+"""Grade a whole class: take in submissions, keep a queue that survives, run it, store results."""

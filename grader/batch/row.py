@@ -1,0 +1,33 @@
+"""What the batch keeps of one student and one exercise: the form that everything after it reads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+WAITING: Final = "waiting"
+RUNNING: Final = "running"
+GRADED: Final = "graded"
+HELD: Final = "held"  # a person has to look before it counts
+
+STATES = (WAITING, RUNNING, GRADED, HELD)
+
+
+@dataclass(frozen=True)
+class StoredResult:
+    """One student, one exercise."""
+
+    student: str  # a safe name for a folder, made by intake
+    exercise: str  # slug
+    file_names: tuple[str, ...]  # the files that were graded, as the exercise names them
+    input_hash: str  # sha256 over all that the grading depends on
+    state: str  # one of STATES
+    grading: dict[str, Any] | None  # `Grading.as_dict()`; None while there is none
+    recordings: Path | None  # a folder of bags
+    cpu_s: float  # [s]
+    wall_s: float  # [s]
+    attempts: int
+    problem: str  # why it is held, or why nothing could be graded; "" if nothing
+    finished: str  # UTC, ISO 8601; "" while unfinished
+    canary: bool  # a known solution that the batch grades to watch itself

@@ -1,0 +1,233 @@
+"""The class report: what an instructor reads first. One page, no script, no network."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from urllib.parse import quote
+
+from grader.batch.row import GRADED, StoredResult
+from grader.report import GENERATED_BY
+from grader.results.charts import sparkline
+from grader.results.clean import folder_name, one_line
+from grader.results.exercise_section import exercise_section
+from grader.results.items import Distribution, distribution
+from grader.results.marks import Task, is_graded, is_held, points_of, why_held
+from grader.results.options import ResultOptions
+from grader.results.page import Element, document, el, name, section, table
+from grader.results.words import NOTHING, moment, plural, points
+
+FILES = (
+    ("scores.csv", "every grading, for a spreadsheet"),
+    ("canvas.csv", "Canvas gradebook"),
+    ("moodle.csv", "Moodle grade import"),
+    ("junit.xml", "JUnit XML"),
+)
+
+Results = Sequence[StoredResult]
+Scores = Mapping[str, Distribution]  # by exercise
+
+
+def class_page(results: Results, tasks: Sequence[Task], options: ResultOptions) -> str:
+    """Return the report's HTML."""
+    scores = {task.slug: distribution(_of(results, task), task) for task in tasks}
+    held = [result for result in results if is_held(result)]
+    return document(
+        f"{options.title}: class report",
+        _top(results, held, tasks, options),
+        el(
+            "main",
+            _held(held, tasks),
+            _overview(results, tasks, scores),
+            [
+                exercise_section(_of(results, task), task, scores[task.slug], options)
+                for task in tasks
+            ],
+            _students(results, tasks),
+            _notes(results, options),
+        ),
+        el(
+            "footer",
+            el("p", "Also in this folder: ", _joined(
+                [[el("a", file, href=file), f" ({what})"] for file, what in FILES]), "."),
+            el("p", f"Made by {GENERATED_BY}."),
+            class_="foot",
+        ),
+    )  # fmt: skip
+
+
+def _top(results: Results, held: Results, tasks: Sequence[Task], options: ResultOptions) -> Element:
+    students = len({result.student for result in results})
+    graded = sum(is_graded(result) for result in results)
+    open_ = sum(result.state != GRADED and not is_held(result) for result in results)
+    last = max((result.finished for result in results if result.finished), default="")
+    facts = [
+        plural(students, "student"),
+        plural(len(tasks), "exercise"),
+        plural(graded, "grading"),
+        f"{len(held)} held" if held else None,
+        f"{open_} not graded yet" if open_ else None,
+        f"last graded {moment(last)}" if last else None,
+    ]
+    links = [("#overview", "Overview")]
+    links += [(f"#exercise-{task.folder}", task.heading) for task in tasks]
+    links += [("#students", "Students"), ("#notes", "Notes")]
+    if held:
+        links.insert(0, ("#held", f"Held ({len(held)})"))
+    return el(
+        "header",
+        el("p", "Class report", class_="eyebrow"),
+        el("h1", el("bdi", one_line(options.title))),
+        el("p", [el("span", fact) for fact in facts if fact], class_="facts-line"),
+        el("nav", el("ul", [el("li", el("a", text, href=href)) for href, text in links]),
+           aria_label="Sections"),
+        class_="top",
+    )  # fmt: skip
+
+
+# --- what needs a person -------------------------------------------------------------------
+
+
+def _held(held: Results, tasks: Sequence[Task]) -> Element:
+    if not held:
+        return el(
+            "p",
+            el("strong", "Nothing is held. "),
+            "Every grading that finished has a score.",
+            class_="banner is-pass",
+        )
+    titles = {task.slug: task.heading for task in tasks}
+    rows = []
+    for result in held:
+        why = why_held(result)
+        rows.append(
+            el("tr", el("th", name(result.student), scope="row"), el("td", titles[result.exercise]),
+               el("td", el("span", why.reason, dir="auto", class_="said")), el("td", why.action))
+        )  # fmt: skip
+    headings = [("Student", ""), ("Exercise", ""), ("Why", "wide"), ("What to do", "wide")]
+    return section(
+        "held",
+        "Held for you",
+        "These have no score and are in no gradebook until you have looked. "
+        "Nothing counts against the student.",
+        table("Held gradings", headings, rows, stacks=True),
+        class_="is-held",
+    )
+
+
+# --- all exercises -------------------------------------------------------------------------
+
+
+def _overview(results: Results, tasks: Sequence[Task], scores: Scores) -> Element:
+    rows = []
+    for task in tasks:
+        mine, spread = _of(results, task), scores[task.slug]
+        ready = [(r.grading or {}).get("field_ready") for r in mine if is_graded(r)]
+        asked = sum(value is not None for value in ready)
+        rows.append(
+            el(
+                "tr",
+                el("th", el("a", task.heading, href=f"#exercise-{task.folder}"), scope="row"),
+                el("td", str(sum(is_graded(result) for result in mine)), class_="number"),
+                el("td", str(sum(is_held(result) for result in mine)), class_="number"),
+                el("td", points(spread.median), class_="number"),
+                el("td", points(spread.mean), class_="number"),
+                el("td", str(spread.full), class_="number"),
+                el("td", f"{sum(bool(v) for v in ready)} of {asked}" if asked else NOTHING,
+                   class_="number"),
+                el("td", sparkline(spread)),
+            )
+        )  # fmt: skip
+    number = "number"
+    headings = [
+        ("Exercise", ""), ("Graded", number), ("Held", number), ("Median", number),
+        ("Mean", number), ("Full marks", number), ("Field-ready", number), ("Scores", ""),
+    ]  # fmt: skip
+    return section("overview", "Overview", "", table("All exercises", headings, rows))
+
+
+# --- students and notes --------------------------------------------------------------------
+
+
+def _students(results: Results, tasks: Sequence[Task]) -> Element:
+    found = {(result.student, result.exercise): result for result in results}
+    rows = []
+    for student in sorted({result.student for result in results}):
+        folder = f"feedback/{quote(folder_name(student))}"
+        mine = [(task, found.get((student, task.slug))) for task in tasks]
+        counted = [points_of(result, task) for task, result in mine if result is not None]
+        total = sum(points for points in counted if points is not None)
+        rows.append(
+            el(
+                "tr",
+                el("th", el("a", name(student, 48), href=f"{folder}/index.html"), scope="row"),
+                [_mark(result, task, folder) for task, result in mine],
+                el("td", f"{total:g}", class_="number") if len(tasks) > 1 else None,
+            )
+        )
+    headings = [("Student", "")]
+    headings += [(task.heading if len(tasks) <= 4 else _short(task), "number") for task in tasks]
+    if len(tasks) > 1:
+        headings.append(("Points", "number"))
+    return section(
+        "students",
+        "Students",
+        "Each score leads to the page that the student gets.",
+        table("Scores of all students", headings, rows),
+    )
+
+
+def _mark(result: StoredResult | None, task: Task, folder: str) -> Element:
+    if result is None:
+        return el("td", NOTHING, class_="number quiet", title="nothing handed in")
+    if is_held(result):
+        return el("td", el("a", "held", href="#held"), class_="number is-warn")
+    points = points_of(result, task)
+    if not is_graded(result):
+        return el("td", "open", class_="number quiet")
+    if points is None:
+        return el("td", "not counted", class_="number quiet")
+    full = points >= task.points
+    link = el("a", f"{points:g}", href=f"{folder}/{quote(task.folder)}.html")
+    return el("td", link, class_="number is-pass" if full else "number")
+
+
+def _short(task: Task) -> str:
+    return f"Ex. {task.number}" if task.number else one_line(task.title, 16)
+
+
+def _notes(results: Results, options: ResultOptions) -> Element:
+    notes = [el("li", el("span", one_line(note, 600), dir="auto")) for note in options.notes]
+    again = sum(result.attempts > 1 for result in results)
+    if again:
+        notes.append(el("li", f"{plural(again, 'grading')} took more than one attempt."))
+    made = Counter(
+        tuple(sorted((str(k), str(v)) for k, v in (result.grading.get("versions") or {}).items()))
+        for result in results
+        if result.grading is not None
+    )
+    if len(made) > 1:
+        notes.append(
+            el("li", "Gradings were made with different versions, listed below: scores may not "
+                     "compare. Grade the rest again with one.", class_="is-warn")
+        )  # fmt: skip
+    versions = [
+        el("li", el("strong", plural(count, "grading")), ": ",
+           ", ".join(f"{one_line(key)} {one_line(value)}" for key, value in each) or "unknown")
+        for each, count in sorted(made.items(), key=lambda pair: (-pair[1], pair[0]))
+    ]  # fmt: skip
+    return section(
+        "notes",
+        "Notes of the batch",
+        "" if notes else "The batch has nothing to remark.",
+        el("ul", notes, class_="notes") if notes else None,
+        [el("h3", "Versions"), el("ul", versions, class_="notes")] if versions else None,
+    )
+
+
+def _joined(parts: Sequence[list[Element | str]]) -> list[Element | str]:
+    return [piece for i, part in enumerate(parts) for piece in ([", "] if i else []) + part]
+
+
+def _of(results: Results, task: Task) -> list[StoredResult]:
+    return [result for result in results if result.exercise == task.slug]

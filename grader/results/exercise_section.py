@@ -1,0 +1,177 @@
+"""One exercise in the class report: scores, checks, slow gradings, similar submissions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from grader.batch.row import StoredResult
+from grader.exercises import EXERCISES
+from grader.results.charts import failures, histogram
+from grader.results.clean import one_line
+from grader.results.items import ENOUGH, Distribution, Item, item_analysis
+from grader.results.marks import Task, is_graded
+from grader.results.options import ResultOptions, Sources
+from grader.results.page import Element, el, name, section, table
+from grader.results.similarity import Group, similar_groups
+from grader.results.words import NOTHING, plural, points, seconds, signed
+
+SLOWEST = 5
+FEW = " With {} these figures are mostly chance, so nothing is read into them here."
+
+Results = Sequence[StoredResult]
+
+
+def exercise_section(
+    results: Results, task: Task, scores: Distribution, options: ResultOptions
+) -> Element:
+    """Return what the class report says of one exercise."""
+    graded = [result for result in results if is_graded(result)]
+    if not graded:
+        return section(f"exercise-{task.folder}", task.heading, "Nothing is graded and counts yet.")
+    items = item_analysis(graded)
+    return section(
+        f"exercise-{task.folder}",
+        task.heading,
+        "",
+        el("div", _scores(scores), _slowest(graded), class_="pair"),
+        _checks(items, len(graded)),
+        _similar(results, options.sources, task),
+    )
+
+
+def _scores(scores: Distribution) -> Element:
+    middle = scores.quartiles
+    facts = [
+        f"mean {points(scores.mean)}",
+        f"middle half {middle[0]:g} to {middle[1]:g}" if middle else None,
+        f"{scores.full} of {len(scores.scores)} with full marks",
+    ]
+    caption = " · ".join(fact for fact in facts if fact)
+    return el(
+        "figure",
+        el("h3", "Scores"),
+        histogram(scores),
+        el("figcaption", caption),
+        class_="card",
+    )
+
+
+def _slowest(graded: Results) -> Element:
+    slowest = sorted(graded, key=lambda result: (-result.wall_s, result.student))[:SLOWEST]
+    rows = [
+        el("tr", el("th", name(result.student, 40), scope="row"),
+           el("td", seconds(result.wall_s), class_="number"),
+           el("td", seconds(result.cpu_s), class_="number"),
+           el("td", str(result.attempts), class_="number"))
+        for result in slowest
+    ]  # fmt: skip
+    number = "number"
+    headings = [("Student", ""), ("Wall", number), ("CPU", number), ("Attempts", number)]
+    return el(
+        "div",
+        el("h3", "Slowest gradings"),
+        table("Slowest gradings", headings, rows, "is-plain"),
+        class_="card",
+    )
+
+
+def _checks(items: Sequence[Item], submissions: int) -> Element:
+    headings = [
+        ("Check", "wide"), ("Did not pass", ""), ("Difficulty", "number"),
+        ("Discrimination", "number"), ("What it may mean", "hint"),
+    ]  # fmt: skip
+    bodies = []
+    for kind, words in (("core", "Core"), ("field", "Field, no points")):
+        group = [item for item in items if item.kind == kind]
+        if group:
+            group.sort(key=lambda item: -item.failed)  # stable: then in the checks' order
+            head = el("tr", el("th", words, scope="rowgroup", colspan=len(headings)),
+                      class_="group-row")  # fmt: skip
+            bodies.append(el("tbody", head, [_check(item, submissions) for item in group]))
+    return el(
+        "div",
+        el("h3", "Checks, the most failed first"),
+        table("Checks, the most failed first", headings, bodies, stacks=True),
+        el(
+            "p",
+            "Difficulty is the share of submissions that pass: 0 is hardest. Discrimination is the "
+            "point-biserial correlation between passing the check and the points of all the "
+            "others: near 0 it separates nobody, below 0 look at the check itself."
+            + ("" if submissions >= ENOUGH else FEW.format(plural(submissions, "submission"))),
+            class_="quiet",
+        ),
+    )
+
+
+def _check(item: Item, submissions: int) -> Element:
+    counts = [f"{item.failed} failed"] if item.failed else []
+    counts += [f"{item.skipped} skipped"] if item.skipped else []
+    heard = None
+    if item.often:
+        heard = el(
+            "p",
+            f"{item.times} times: ",
+            el("span", item.often, dir="auto", class_="said"),
+            class_="often",
+        )
+    return el(
+        "tr",
+        el("th", el("span", item.title, dir="auto"), el("code", one_line(item.id)), heard,
+           scope="row"),
+        el("td", failures(item, submissions),
+           el("span", ", ".join(counts) or "none", class_="counts-word")),
+        el("td", NOTHING if item.difficulty is None else f"{item.difficulty:.2f}", class_="number"),
+        el("td", signed(item.discrimination), class_="number"),
+        el("td", item.hint if submissions >= ENOUGH else NOTHING, class_="hint"),
+    )  # fmt: skip
+
+
+def _similar(results: Results, sources: Sources, task: Task) -> Element | None:
+    texts = {
+        result.student: sources[result.student, task.slug]
+        for result in results
+        if (result.student, task.slug) in sources
+    }
+    if not texts:
+        return None
+    groups = similar_groups(texts, _skeletons(task))
+    heading = el("h3", "Nearly the same")
+    if not groups:
+        words = f"No two of {plural(len(texts), 'submission')} are nearly the same."
+        return el("div", heading, el("p", words, class_="quiet"))
+    return el(
+        "div",
+        heading,
+        table(
+            "Groups of submissions that are nearly the same",
+            [("Students", "wide"), ("Similarity", "number"), ("File", "wide")],
+            [_group(group) for group in groups],
+            stacks=True,
+        ),
+        el(
+            "p",
+            "Names, comments, numbers and layout are ignored, and the skeleton is left out. "
+            "Similarity is the share of the smaller file that the closest two have in common. "
+            "It is a reason to ask, not an answer.",
+            class_="quiet",
+        ),
+    )
+
+
+def _group(group: Group) -> Element:
+    degree = f"{100 * group.similarity:.0f} %"
+    word = (
+        el("span", "identical but for names and layout", class_="tag") if group.identical else None
+    )
+    return el(
+        "tr",
+        el("th", el("ul", [el("li", name(student)) for student in group.students],
+                    class_="people"), scope="row"),
+        el("td", degree, class_="number"),
+        el("td", el("code", one_line(group.file)), " " if word is not None else None, word),
+    )  # fmt: skip
+
+
+def _skeletons(task: Task) -> dict[str, bytes]:
+    folder = EXERCISES / task.slug
+    return {file.name: file.read_bytes() for file in sorted(folder.glob("*.py"))}

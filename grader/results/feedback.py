@@ -1,0 +1,81 @@
+"""What a student gets: a page for each exercise, with replays, and a page that leads to them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from pathlib import Path
+
+from grader.batch.row import StoredResult
+from grader.errors import InputError
+from grader.recording import Recording
+from grader.report import page_html, page_payload
+from grader.results.clean import one_line
+from grader.results.marks import Task, checks_of, is_graded, is_held, points_of
+from grader.results.page import Element, document, el, name, table
+from grader.results.withheld import for_students, hides_worlds, runs_for_students
+
+WAITING = "Not graded yet."
+HELD = "A person is looking at this one; it has no score yet, and it will not be forgotten."
+
+
+def exercise_page(
+    result: StoredResult, task: Task, hidden: Collection[str], bags: Path | None
+) -> str:
+    """Return the page of one grading, as its student may see it."""
+    grading = for_students(result.grading or {}, result.file_names, hidden)
+    recordings = runs_for_students(_recordings(bags), hidden) if bags else []
+    title = f"{task.title}: {one_line(result.student, 60)}"
+    return page_html(page_payload(grading, recordings, title))
+
+
+def wants_bags(hidden: Collection[str]) -> bool:
+    """Tell whether the pages have any use for recordings."""
+    return not hides_worlds(hidden)
+
+
+def index_page(
+    student: str, results: Sequence[StoredResult], tasks: Sequence[Task], course: str
+) -> str:
+    """Return the page that a student opens first."""
+    by_slug = {result.exercise: result for result in results}
+    rows = [_row(by_slug[task.slug], task) for task in tasks if task.slug in by_slug]
+    headings = [("Exercise", ""), ("Points", "number"), ("Checks", ""), ("Field", "")]
+    return document(
+        f"{course}: {one_line(student)}",
+        el(
+            "header",
+            el("p", one_line(course), class_="eyebrow"),
+            el("h1", name(student, 80)),
+            el("p", "Your results. Each exercise leads to its checks.", class_="lead"),
+            class_="top",
+        ),
+        el("main", el("section", table("Your results", headings, rows), class_="block")),
+    )
+
+
+def _row(result: StoredResult, task: Task) -> Element:
+    if not is_graded(result):
+        words = HELD if is_held(result) else WAITING
+        return el("tr", el("th", task.heading, scope="row"), el("td", words, colspan=3))
+    checks = [check for check in checks_of(result) if check.get("kind") != "field"]
+    passed = sum(check.get("outcome") == "pass" for check in checks)
+    points = points_of(result, task)
+    ready = (result.grading or {}).get("field_ready")
+    return el(
+        "tr",
+        el("th", el("a", task.heading, href=f"{task.folder}.html"), scope="row"),
+        el("td", "not counted" if points is None else f"{points:g} / {task.points:g}",
+           class_="number"),
+        el("td", f"{passed} of {len(checks)} passed"),
+        el("td", "" if ready is None else "field-ready" if ready else "not field-ready yet"),
+    )  # fmt: skip
+
+
+def _recordings(bags: Path) -> list[Recording]:
+    """Return the replays' recordings; a page without them is better than none."""
+    from grader.trials import load_bags  # noqa: PLC0415  (rosbags: 0.2 s)
+
+    try:
+        return load_bags(bags)
+    except (InputError, OSError):
+        return []

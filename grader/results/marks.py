@@ -1,0 +1,144 @@
+"""What a stored result is worth: the score, or why there is none, and what to do about that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from grader.batch.row import GRADED, HELD, StoredResult
+from grader.errors import GraderError
+from grader.exercises import all_exercises
+from grader.results.clean import one_line
+
+Check = Mapping[str, Any]
+
+UNJUDGED = ("error", "inconclusive", "unavailable")
+TO_HOLD = ("error", "inconclusive")
+FULL = 100.0  # points of an exercise that nobody describes any more
+
+
+@dataclass(frozen=True)
+class Task:
+    """An exercise as the results name it."""
+
+    slug: str
+    number: int
+    title: str
+    points: float
+    folder: str = ""  # of the feedback page
+
+    @property
+    def heading(self) -> str:
+        """Number and title."""
+        return f"{self.number} · {self.title}" if self.number else self.title
+
+
+def tasks_of(results: Iterable[StoredResult]) -> list[Task]:
+    """Return the exercises that occur, in the order of the lesson."""
+    try:
+        known = {exercise.slug: exercise for exercise in all_exercises()}
+    except GraderError:
+        known = {}
+    tasks = []
+    for slug in sorted({result.exercise for result in results}):
+        found = known.get(slug)
+        if found is None:
+            tasks.append(Task(slug, 0, one_line(slug), FULL))
+        else:
+            tasks.append(Task(slug, found.number, found.title, float(found.max_points)))
+    return sorted(tasks, key=lambda task: (task.number or 10**6, task.slug))
+
+
+def checks_of(result: StoredResult) -> list[Check]:
+    """Return the checks of a grading; none if there is none."""
+    checks = (result.grading or {}).get("checks") or ()
+    return [check for check in checks if isinstance(check, Mapping)]
+
+
+def is_held(result: StoredResult) -> bool:
+    """Tell whether a person has to look before this counts."""
+    if result.state == HELD or (result.state == GRADED and result.grading is None):
+        return True
+    if result.state != GRADED:
+        return False
+    return any(check.get("outcome") in TO_HOLD for check in checks_of(result))
+
+
+def is_graded(result: StoredResult) -> bool:
+    """Tell whether there is a score that counts."""
+    return result.state == GRADED and not is_held(result)
+
+
+def points_of(result: StoredResult, task: Task) -> float | None:
+    """Return the points in the gradebook; None if there is no score yet.
+
+    Checks about libraries that the grading machine lacks don't count; what was judged is scaled
+    to the exercise's points, so that their absence is not the student's loss.
+    """
+    if not is_graded(result) or result.grading is None:
+        return None
+    score, most = _number(result.grading.get("score")), _number(result.grading.get("max_score"))
+    if most <= 0:
+        return None
+    return round(min(1.0, max(0.0, score / most)) * task.points, 2)
+
+
+def raw_points(result: StoredResult) -> tuple[float, float]:
+    """Return the points won and those that could be won, as graded."""
+    grading = result.grading or {}
+    return _number(grading.get("score")), _number(grading.get("max_score"))
+
+
+@dataclass(frozen=True)
+class Held:
+    """Why a grading is held, and what a person does about it."""
+
+    reason: str
+    action: str
+
+
+def why_held(result: StoredResult) -> Held:
+    """Say why this one is held, in words for the instructor."""
+    again = "run the batch again with --retry-held"
+    failed = [check for check in checks_of(result) if check.get("outcome") in TO_HOLD]
+    errors = [check for check in failed if check.get("outcome") == "error"]
+    if errors:
+        return Held(
+            _first(errors, "The grader itself failed in"),
+            "This is not the student's fault. Repair the check, then judge the stored recordings "
+            "again with --regrade; no student code runs.",
+        )
+    if failed:
+        return Held(
+            _first(failed, "The machine stalled, twice, during"),
+            f"On a quiet machine, or with fewer --workers, {again}.",
+        )
+    if result.problem and not result.file_names:
+        return Held(
+            one_line(result.problem, 400),
+            "Ask for the file, or put it in its place, and run the batch again: it grades only "
+            "what is new.",
+        )
+    if result.problem:
+        return Held(
+            one_line(result.problem, 400),
+            f"Read the submission first; then {again}.",
+        )
+    return Held("No result came back.", f"{again[0].upper()}{again[1:]}.")
+
+
+def _first(checks: Sequence[Check], what: str) -> str:
+    first = checks[0]
+    more = f" and {len(checks) - 1} more" if len(checks) > 1 else ""
+    message = one_line(first.get("message") or "", 240)
+    title = one_line(first.get("title") or first.get("id") or "a check", 160).rstrip(".")
+    return f"{what} “{title}”{more}" + (f": {message}" if message else ".")
+
+
+def _number(value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        return 0.0
+    return number if abs(number) < 1e9 else 0.0  # False for NaN too

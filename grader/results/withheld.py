@@ -1,0 +1,77 @@
+"""What students don't get to see of a grading, as the instructor decided."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from pathlib import PurePath
+from typing import Any
+
+from grader.recording import Recording
+
+# `course` and the batch know where files lie on the instructor's machine; students needn't.
+DETAILS = ("message", "expected", "actual")
+FIELD_RUN = "field"  # in the names of the field checks' scenarios
+
+
+def for_students(
+    grading: Mapping[str, Any], file_names: Collection[str], hidden: Collection[str]
+) -> dict[str, Any]:
+    """Return the grading as its student may see it."""
+    shown = dict(grading)
+    shown["file"] = ", ".join(file_names) or PurePath(str(grading.get("file") or "")).name
+    shown["checks"] = [
+        _check(check, hidden)
+        for check in grading.get("checks") or ()
+        if not ("field" in hidden and check.get("kind") == "field")
+    ]
+    shown["recordings"] = [
+        _recording(recording, hidden)
+        for recording in grading.get("recordings") or ()
+        if shows_run(str(recording.get("scenario")), hidden)
+    ]
+    if "field" in hidden:
+        shown["field_ready"] = None
+    if hides_worlds(hidden):
+        shown["notes"] = [
+            *(grading.get("notes") or ()),
+            "This course keeps its worlds to itself: the report has no replays. "
+            "The public scenarios can be driven with the command course drive.",
+        ]
+    return shown
+
+
+def hides_worlds(hidden: Collection[str]) -> bool:
+    """Tell whether worlds, seeds and replays stay with the instructor."""
+    return "worlds" in hidden or "details" in hidden
+
+
+def shows_run(scenario: str, hidden: Collection[str]) -> bool:
+    """Tell whether students may know of the run."""
+    return not ("field" in hidden and FIELD_RUN in scenario.split("_"))
+
+
+def runs_for_students(
+    recordings: Collection[Recording], hidden: Collection[str]
+) -> list[Recording]:
+    """Return the recordings that the student's page may replay."""
+    if hides_worlds(hidden):
+        return []
+    return [recording for recording in recordings if shows_run(recording.name, hidden)]
+
+
+def _check(check: Mapping[str, Any], hidden: Collection[str]) -> dict[str, Any]:
+    shown = dict(check)
+    if hides_worlds(hidden):
+        shown["time"] = shown["scenario"] = None
+    if "details" in hidden and check.get("outcome") == "fail":
+        shown.update(dict.fromkeys(DETAILS, ""))
+        shown["message"] = "What this check saw is not published."
+    return shown
+
+
+def _recording(recording: Mapping[str, Any], hidden: Collection[str]) -> dict[str, Any]:
+    shown = {**recording, "bag": None}
+    if not hides_worlds(hidden):
+        return shown
+    # neither the seed nor the scenario's name: both lead to the world
+    return {key: shown[key] for key in ("duration", "outcome", "bag") if key in shown}

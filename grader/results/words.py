@@ -1,0 +1,38 @@
+"""Numbers, times and counts in words, as the reports print them."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+from grader.results.clean import one_line
+
+NOTHING = "\N{EN DASH}"
+
+
+def moment(stamp: str) -> str:
+    """Return "2026-05-04 09:12 UTC" of an ISO 8601 time; what it isn't stays as it is."""
+    try:
+        moment = datetime.fromisoformat(stamp).astimezone(UTC)
+    except ValueError:
+        return one_line(stamp)
+    return f"{moment:%Y-%m-%d %H:%M} UTC"
+
+
+def points(value: float | None) -> str:
+    """Return points with at most one decimal."""
+    return NOTHING if value is None else f"{value:.1f}".removesuffix(".0")
+
+
+def signed(value: float | None) -> str:
+    """Return a correlation with its sign."""
+    return NOTHING if value is None else f"{value:+.2f}".replace("-", "\N{MINUS SIGN}")
+
+
+def seconds(value: float) -> str:
+    """Return a duration."""
+    return f"{value:.1f} s" if value < 100 else f"{value:.0f} s"
+
+
+def plural(n: int, word: str) -> str:
+    """Return a count with its noun."""
+    return f"{n} {word}" if n == 1 else f"{n} {word}s"

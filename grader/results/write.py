@@ -1,0 +1,135 @@
+"""Write everything that comes out of a graded class."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+
+from grader.batch.row import StoredResult
+from grader.report import json_text, page_html
+from grader.results.class_page import class_page
+from grader.results.clean import folder_name
+from grader.results.feedback import exercise_page, index_page, wants_bags
+from grader.results.gradebooks import canvas_csv, moodle_csv, scores_csv
+from grader.results.gradescope import results_json
+from grader.results.junit import junit_xml
+from grader.results.marks import Task, is_graded, tasks_of
+from grader.results.options import ResultOptions
+
+PAGES = ".pages.json"  # of what each feedback page was made
+BOM = "\ufeff"  # without it Excel reads UTF-8 as something else
+
+
+def write_results(
+    results: Sequence[StoredResult], out: Path, options: ResultOptions | None = None
+) -> list[Path]:
+    """Write the class report, feedback, gradebooks and JUnit XML into `out`; return the files.
+
+    The same results make the same files. Each file is replaced whole, so that a reader never
+    meets half of one.
+    """
+    options = options or ResultOptions()
+    known = sorted(
+        (result for result in results if not result.canary),
+        key=lambda result: (result.student, result.exercise),
+    )
+    tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
+    order = {task.slug: index for index, task in enumerate(tasks)}
+    known.sort(key=lambda result: (result.student, order[result.exercise]))
+    written = [
+        _write(out / "class.html", class_page(known, tasks, options)),
+        _write(out / "scores.csv", BOM + scores_csv(known, tasks)),
+        _write(out / "canvas.csv", canvas_csv(known, tasks)),
+        _write(out / "moodle.csv", moodle_csv(known, tasks)),
+        _write(out / "junit.xml", junit_xml(known, tasks)),
+    ]
+    pages = _Pages(out / PAGES)
+    for student, mine in groupby(known, key=lambda result: result.student):
+        written += _write_student(student, list(mine), tasks, out, options, pages)
+    pages.save()
+    return written
+
+
+class _Pages:
+    """Remembers of what each page was made: a replay takes half a second, a class has thousands."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        self._before = self._load()
+        self._now: dict[str, str] = {}
+        self._look = page_html({})  # another player, other pages
+
+    def is_fresh(self, page: Path, *made_of: object) -> bool:
+        """Tell whether the page is there and made of the same; take down what it is made of."""
+        name = page.relative_to(self._file.parent).as_posix()
+        text = json.dumps([self._look, *made_of], sort_keys=True, default=str)
+        self._now[name] = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+        return page.is_file() and self._before.get(name) == self._now[name]
+
+    def save(self) -> None:
+        """Write it down, after the pages."""
+        _write(self._file, json.dumps(self._now, indent=1, sort_keys=True) + "\n")
+
+    def _load(self) -> dict[str, str]:
+        try:
+            found = json.loads(self._file.read_text("utf-8"))
+        except (OSError, ValueError):
+            return {}
+        return found if isinstance(found, dict) else {}
+
+
+def _write_student(
+    student: str,
+    results: Sequence[StoredResult],
+    tasks: Sequence[Task],
+    out: Path,
+    options: ResultOptions,
+    pages: _Pages,
+) -> list[Path]:
+    by_slug = {task.slug: task for task in tasks}
+    folder = out / "feedback" / folder_name(student)
+    text = index_page(student, results, tasks, options.title)
+    written = [_write(folder / "index.html", text)]
+    for result in results:
+        task = by_slug[result.exercise]
+        page = folder / f"{task.folder}.html"
+        if not is_graded(result):
+            page.unlink(missing_ok=True)  # of an earlier run: it no longer counts
+            continue
+        bags = None
+        if options.replays and result.recordings is not None and wants_bags(options.hidden):
+            bags = out / result.recordings  # an absolute path stays itself
+        bags = bags if bags is not None and bags.is_dir() else None
+        written.append(page)
+        hidden = sorted(options.hidden)
+        made_of = (student, task.title, result.grading, result.file_names, result.finished)
+        if not pages.is_fresh(page, *made_of, hidden, None if bags is None else _state(bags)):
+            _write(page, exercise_page(result, task, options.hidden, bags))
+    handed_in = out / "gradescope" / folder_name(student) / "results.json"
+    final = results_json(results, tasks, options.hidden)
+    if final is None:
+        handed_in.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # not there, or something of somebody else's in it
+            handed_in.parent.rmdir()
+    else:
+        written.append(_write(handed_in, json_text(final)))
+    return written
+
+
+def _state(bags: Path) -> list[tuple[str, int, int]]:
+    """Return what tells that recordings are others: names, sizes and times of the files."""
+    files = sorted(path for path in bags.rglob("*") if path.is_file())
+    stats = [(path.name, path.stat()) for path in files]
+    return [(name, stat.st_size, stat.st_mtime_ns) for name, stat in stats]
+
+
+def _write(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(path.name + ".part")
+    part.write_bytes(text.encode("utf-8", "replace"))
+    return part.replace(path)

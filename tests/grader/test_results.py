@@ -1,0 +1,500 @@
+"""What is written of a class: right formats, hostile names and messages, the same bytes again."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import io
+import json
+import math
+import os
+import random
+import re
+import statistics
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from grader.batch.row import GRADED, HELD, RUNNING, StoredResult
+from grader.errors import InputError
+from grader.results import ResultOptions, write_results
+from grader.results.clean import cell, folder_name, one_line, visible
+from grader.results.gradebooks import canvas_csv, moodle_csv, scores_csv
+from grader.results.gradescope import results_json
+from grader.results.items import distribution, item_analysis, point_biserial
+from grader.results.junit import junit_xml
+from grader.results.marks import points_of, tasks_of, why_held
+from grader.results.similarity import NOISE, WINDOW, fingerprints, similar_groups, tokens
+from grader.results.withheld import for_students
+
+_CLASSES = Path(__file__).resolve().parent.parent / "browser" / "classes.py"
+_spec = importlib.util.spec_from_file_location("classes", _CLASSES)
+assert _spec and _spec.loader
+classes: Any = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(classes)
+
+OBSTACLES = "obstacle_avoidance"
+FORMULAS = ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "  =1", "\uff1d1", "%0A", "|x")
+NAMES = (
+    *FORMULAS, "..", "../../etc/passwd", "a/b", "x" * 300, "e\u0301va", "\u05e9\u05dc\u05d5\u05dd",
+    "\u202eevil", "new\nline", "quote\"'<b>", "nul", "-rf", "\udcff", "\x1b[31mred", "a,b;c", "",
+)  # fmt: skip
+
+
+def check(id_: str, outcome: str, points: float = 10, **parts: Any) -> dict[str, Any]:
+    won = points if outcome == "pass" else 0
+    return {
+        "id": id_, "title": f"The robot does {id_}.", "kind": "core", "outcome": outcome,
+        "points": won, "max_points": points, "message": "", "expected": "", "actual": "",
+        "time": None, "help": "", "scenario": None, **parts,
+    }  # fmt: skip
+
+
+def result(student: str, *checks: dict[str, Any], **parts: Any) -> StoredResult:
+    judged = [c for c in checks if c["outcome"] not in ("error", "inconclusive", "unavailable")]
+    grading = {
+        "exercise": OBSTACLES,
+        "file": "/home/prof/in/agent.py",
+        "score": sum(c["points"] for c in checks),
+        "max_score": sum(c["max_points"] for c in judged),
+        "field_ready": None,
+        "checks": list(checks),
+        "recordings": [],
+        "versions": {"python": "3.11.2"},
+    }
+    return classes.stored(student, OBSTACLES, grading if checks else None, **parts)
+
+
+def right(student: str, **parts: Any) -> StoredResult:
+    return result(student, check("a", "pass", 60), check("b", "pass", 40), **parts)
+
+
+def rows(text: str) -> list[list[str]]:
+    return list(csv.reader(io.StringIO(text, newline="")))
+
+
+# --- text made harmless --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_no_cell_is_a_formula(text: str) -> None:
+    assert cell(text).startswith("'")
+    assert cell("ada") == "ada"
+    assert cell("a=b") == "a=b"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_folder_is_made_for_any_name(name: str, tmp_path: Path) -> None:
+    folder = tmp_path / folder_name(name)
+    folder.mkdir()
+    assert folder.resolve().parent == tmp_path.resolve()
+    assert folder_name(name).isascii()
+
+
+def test_folders_of_different_names_differ() -> None:
+    assert len({folder_name(name).casefold() for name in NAMES}) == len(NAMES)
+    assert folder_name("ada.lovelace_2@uni") == "ada.lovelace_2@uni"
+
+
+def test_what_is_seen_has_no_control_characters() -> None:
+    assert visible("a\x1b[31mb\x1b]0;title\x07c\x00\u202ed\r\ne\ufffe\ud800") == "abcd\ne"
+    assert len(one_line("y" * 1000)) <= 120
+    assert one_line(" a\n\tb ") == "a b"
+
+
+# --- what counts ---------------------------------------------------------------------------
+
+
+def test_held_gradings_have_no_points_anywhere() -> None:
+    stalled = result("ada", check("a", "pass", 60), check("b", "inconclusive", 40))
+    broken = result("ben", check("a", "pass", 60), check("b", "error", 40, message="KeyError"))
+    died = result("chen", state=HELD, problem="the worker died three times")
+    running = right("dan", state=RUNNING)
+    nothing = result("eve")
+    tasks = tasks_of([stalled])
+    everyone = [stalled, broken, died, running, nothing, right("zoe")]
+    for one in everyone[:-1]:
+        assert points_of(one, tasks[0]) is None
+        assert results_json([one], tasks, frozenset()) is None
+    assert [row[0] for row in rows(canvas_csv(everyone, tasks))[2:]] == ["zoe"]
+    assert [row[0] for row in rows(moodle_csv(everyone, tasks))[1:]] == ["zoe"]
+    states = {row[0]: (row[2], row[3]) for row in rows(scores_csv(everyone, tasks))[1:]}
+    assert states["ada"] == states["chen"] == states["eve"] == ("held", "")
+    assert states["dan"] == ("running", "")
+    assert states["zoe"] == ("graded", "100")
+
+
+def test_the_reason_says_whose_fault_it_is_and_what_to_do() -> None:
+    stalled = why_held(result("ada", check("b", "inconclusive", message="stood still for 2 s")))
+    assert "machine stalled" in stalled.reason
+    assert "stood still for 2 s" in stalled.reason
+    assert "--retry-held" in stalled.action
+    broken = why_held(result("ada", check("b", "error", message="KeyError"), check("c", "error")))
+    assert "grader itself failed" in broken.reason
+    assert "and 1 more" in broken.reason
+    assert "--regrade" in broken.action
+    assert why_held(result("ada", state=HELD, problem="died")).reason == "died"
+    missing = result("ada", state=HELD, problem="the archive is broken", file_names=())
+    assert "run the batch again" in why_held(missing).action
+
+
+def test_a_missing_library_costs_the_student_nothing() -> None:
+    some = result(
+        "ada", check("a", "pass", 45), check("b", "fail", 15), check("c", "unavailable", 40)
+    )
+    task = tasks_of([some])[0]
+    assert points_of(some, task) == 75.0
+    assert rows(scores_csv([some], [task]))[1][3:7] == ["75", "100", "45", "60"]
+
+
+# --- formats -------------------------------------------------------------------------------
+
+
+def test_canvas_reads_its_gradebook() -> None:
+    other = replace(right("zoe"), exercise="goal_seeking")
+    everyone = [right("ada"), right("=cmd|' /C calc'!A0"), other]
+    tasks = tasks_of(everyone)
+    header, possible, *students = rows(canvas_csv(everyone, tasks))
+    assert header == [
+        "Student", "ID", "SIS Login ID", "Section", "Obstacle avoidance", "Goal seeking",
+    ]  # fmt: skip
+    assert possible == ["    Points Possible", "", "", "", "100", "100"]
+    assert students == [
+        ["'=cmd|' /C calc'!A0", "", "'=cmd|' /C calc'!A0", "", "100", ""],
+        ["ada", "", "ada", "", "100", ""],
+        ["zoe", "", "zoe", "", "", "100"],
+    ]
+
+
+def test_moodle_reads_its_grades() -> None:
+    table = rows(moodle_csv([right("ada")], tasks_of([right("ada")])))
+    assert table == [["username", "Obstacle avoidance"], ["ada", "100"]]
+
+
+def test_gradescope_reads_its_results() -> None:
+    one = result(
+        "ada",
+        check("a", "pass", 60),
+        check("b", "fail", 40, message="\x1b[31mtoo fast\x00", expected="0 m/s", help="look"),
+        check("f", "skip", 0, kind="field"),
+        wall_s=2.4,
+    )
+    made = results_json([one], tasks_of([one]), frozenset())
+    assert made is not None
+    assert (made["score"], made["execution_time"], made["visibility"]) == (60.0, 2, "visible")
+    assert [test["name"] for test in made["tests"]] == [
+        "The robot does a.", "The robot does b.", "The robot does f.",
+    ]  # fmt: skip
+    first, second, third = made["tests"]
+    assert (first["score"], first["max_score"], first["status"]) == (60, 60, "passed")
+    assert (second["score"], second["max_score"], second["status"]) == (0, 40, "failed")
+    assert second["output"] == "too fast\nExpected: 0 m/s\nLook at next: look"
+    assert "score" not in third  # field checks have no points
+    documented = {
+        "name", "name_format", "number", "score", "max_score", "status", "output",
+        "output_format", "tags", "visibility", "extra_data",
+    }  # fmt: skip
+    assert all(set(test) <= documented for test in made["tests"])
+    assert set(made) <= {
+        "score", "execution_time", "output", "output_format", "visibility", "stdout_visibility",
+        "extra_data", "tests", "leaderboard",
+    }  # fmt: skip
+
+
+def test_gradescope_waits_until_every_exercise_counts() -> None:
+    other = replace(right("ada"), exercise="goal_seeking")
+    tasks = tasks_of([right("ada"), other])
+    both = results_json([right("ada"), other], tasks, frozenset())
+    assert both is not None
+    assert both["score"] == 200.0
+    assert both["tests"][2]["name"].startswith("Goal seeking: ")
+    assert results_json([right("ada"), replace(other, state=HELD)], tasks, frozenset()) is None
+
+
+def test_junit_counts_and_survives_any_text() -> None:
+    nasty = ']]> \x00\x08 \x1b[31m \ufffe \ud800 <x> & "quoted"'
+    everyone = [
+        result(nasty, check("a", "fail", message=nasty, expected=nasty), check("b", "skip")),
+        result("ben", check("a", "inconclusive", message=nasty), check("b", "unavailable")),
+        result("chen", state=HELD, problem="died"),
+        right("dan"),
+    ]
+    root = ET.fromstring(junit_xml(everyone, tasks_of(everyone)))
+    counts = {key: root.get(key) for key in ("tests", "failures", "errors", "skipped")}
+    assert counts == {"tests": "7", "failures": "1", "errors": "2", "skipped": "2"}
+    suites = {suite.get("name"): suite for suite in root}
+    assert suites["chen / obstacle_avoidance"].find("testcase/error").get("message") == "died"  # type: ignore[union-attr]
+    assert all(suite.get("time") == "1.500" for suite in root)
+
+
+def test_nothing_written_is_nan() -> None:
+    odd = result("ada", check("a", "pass", 60), check("b", "fail", 40, time=math.nan))
+    assert odd.grading is not None
+    odd.grading.update(score=math.nan, max_score="many")
+    task = tasks_of([odd])[0]
+    assert points_of(odd, task) is None
+    assert "nan" not in scores_csv([odd], [task]).casefold()
+
+
+# --- what students don't see -----------------------------------------------------------------
+
+SECRET = check(
+    "b", "fail", 40, message="0.42 m ahead", expected="0.00 m/s", actual="0.50 m/s",
+    time=2.2, scenario="avoid_zones", help="compare with 0.5 m",
+)  # fmt: skip
+
+
+def hiding(hide: str) -> dict[str, Any]:
+    one = result("ada", check("a", "pass", 60), SECRET, check("f", "fail", 0, kind="field"))
+    assert one.grading is not None
+    runs = [
+        {"scenario": name, "title": name, "seed": 4711, "outcome": "completed", "bag": "/b"}
+        for name in ("avoid_zones", "avoid_field_lds01")
+    ]
+    one.grading.update(recordings=runs, field_ready=False)
+    return for_students(one.grading, ("agent.py",), ResultOptions(hide=hide).hidden)
+
+
+def test_students_never_see_the_instructors_paths() -> None:
+    shown = json.dumps(hiding("nothing"))
+    assert "/home/prof" not in shown
+    assert "/b" not in shown
+    assert "4711" in shown
+    assert "0.42 m ahead" in shown
+
+
+def test_hidden_field_checks_leave_no_trace() -> None:
+    shown = hiding("field")
+    assert [c["id"] for c in shown["checks"]] == ["a", "b"]
+    assert "field_lds01" not in json.dumps(shown)
+    assert shown["field_ready"] is None
+
+
+def test_hidden_worlds_have_neither_name_nor_seed() -> None:
+    shown = json.dumps(hiding("worlds"))
+    for word in ("4711", "avoid_zones", "avoid_field_lds01"):
+        assert word not in shown
+    assert "0.42 m ahead" in shown
+
+
+def test_hidden_details_leave_title_and_next_step() -> None:
+    shown = json.dumps(hiding("details,field"))
+    for word in ("4711", "avoid_", "0.42", "0.00 m/s", "0.50 m/s", "2.2", '"kind": "field"'):
+        assert word not in shown
+    assert "compare with 0.5 m" in shown
+    assert "The robot does b." in shown
+
+
+def test_an_unknown_word_to_hide_is_refused() -> None:
+    with pytest.raises(InputError, match=r"'detials'; did you mean details\?"):
+        ResultOptions(hide="field,detials")
+
+
+# --- the exercise itself -----------------------------------------------------------------------
+
+
+def test_point_biserial_is_the_textbook_formula() -> None:
+    passed = [True, True, True, False, False, True, False, True]
+    rest = [80.0, 70.0, 90.0, 30.0, 40.0, 60.0, 50.0, 50.0]
+    ones = [r for p, r in zip(passed, rest, strict=True) if p]
+    zeros = [r for p, r in zip(passed, rest, strict=True) if not p]
+    p = len(ones) / len(rest)
+    gap = statistics.fmean(ones) - statistics.fmean(zeros)
+    expected = gap / statistics.pstdev(rest) * math.sqrt(p * (1 - p))
+    assert point_biserial(passed, rest) == pytest.approx(expected)
+    assert point_biserial([True] * 3, [1.0, 2.0, 3.0]) is None
+    assert point_biserial([True, False], [1.0, 1.0]) is None
+
+
+def test_item_analysis_counts_and_says_what_it_means() -> None:
+    graded = [
+        result(
+            f"s{i}",
+            check("easy", "pass", 20),
+            check("hard", "pass" if i == 11 else "fail", 20, message=f"at {i}.5 s: too fast"),
+            check("odd", "pass" if i < 6 else "fail", 20),
+            check("good", "pass" if i >= 6 else "fail", 40),
+            check("field", "skip" if i else "fail", 0, kind="field"),
+        )
+        for i in range(12)
+    ]
+    items = {item.id: item for item in item_analysis(graded)}
+    assert list(items) == ["easy", "hard", "odd", "good", "field"]
+    assert items["easy"].difficulty == 1.0
+    assert items["easy"].discrimination is None
+    assert "Nearly all pass" in items["easy"].hint
+    assert items["hard"].failed == items["hard"].times == 11
+    assert items["hard"].often == "at 0.5 s: too fast"
+    assert "Few pass" in items["hard"].hint
+    assert items["odd"].discrimination is not None
+    assert items["odd"].discrimination < 0
+    assert "look at the check" in items["odd"].hint
+    assert items["field"].judged == 1
+    assert "too few" in items["field"].hint
+
+
+def test_one_odd_title_does_not_rename_a_check() -> None:
+    odd = result("zed", check("a", "pass", title="zzz <b>"))
+    items = item_analysis([right("ada"), right("ben"), odd])
+    assert items[0].title == "The robot does a."
+
+
+def test_scores_fall_into_tenths() -> None:
+    marks = [0, 9, 10, 55, 99, 100, 100]
+    graded = [result(str(m), check("a", "pass", m), check("b", "fail", 100 - m)) for m in marks]
+    spread = distribution(graded, tasks_of(graded)[0])
+    assert spread.bins == (2, 1, 0, 0, 0, 1, 0, 0, 0, 3)
+    assert (spread.full, spread.median) == (2, 55)
+    assert distribution([], tasks_of(graded)[0]).median is None
+
+
+# --- similar submissions ------------------------------------------------------------------------
+
+
+def renamed(source: bytes) -> bytes:
+    """Other names, comments and line breaks, the same program."""
+    text = re.sub(r"\bpart_(\d)", r"stage_\1", source.decode()).replace("scan", "reading")
+    return text.replace("# ", "# mine: ").replace("\n        ", "\n\n        ").encode()
+
+
+def test_renaming_hides_nothing_and_the_skeleton_is_no_similarity() -> None:
+    original, other = classes.program(3), classes.program(4)
+    texts = {
+        "ada": {"a.py": original},
+        "ben": {"a.py": renamed(original)},
+        "chen": {"a.py": other},
+        "dan": {"a.py": original + b"\n" + other[: len(other) // 9]},
+    }
+    groups = similar_groups(texts, {})
+    assert [group.students for group in groups] == [("ada", "ben", "dan")]
+    assert groups[0].similarity == 1.0
+    assert not groups[0].identical
+    del texts["dan"]  # what he added is a part of chen's
+    assert similar_groups(texts, {"a.py": original}) == []
+
+
+def test_winnowing_finds_every_match_that_is_long_enough() -> None:
+    chance = random.Random(4)
+    for _ in range(300):
+        shared = [str(chance.random()) for _ in range(NOISE + WINDOW - 1)]
+        one, other = (
+            [str(chance.random()) for _ in range(chance.randrange(60))]
+            + shared
+            + [str(chance.random()) for _ in range(chance.randrange(60))]
+            for _ in range(2)
+        )
+        assert fingerprints(one) & fingerprints(other)
+
+
+def test_the_courses_own_solutions_are_not_similar() -> None:
+    folder = Path(__file__).resolve().parents[2] / "solutions" / OBSTACLES
+    files = [folder / "obstacle_avoidance_agent.py", *sorted(folder.glob("variants/*.py"))]
+    texts = {file.stem: {"a.py": file.read_bytes()} for file in files}
+    assert len(texts) > 5
+    assert similar_groups(texts, {}) == []
+
+
+def test_what_is_not_python_is_compared_by_words() -> None:
+    for source in (b"", b"\x00\xff", b"def (", b"'''", b"\tif x:\n  y", b"# coding: nonsense\nx"):
+        assert isinstance(fingerprints(tokens(source)), frozenset)
+
+
+def test_what_half_the_class_has_is_common_ground() -> None:
+    shared = classes.program(3)
+    texts = {f"s{i}": {"a.py": shared + classes.program(100 + i)[17:]} for i in range(12)}
+    assert similar_groups(texts, {}) == []
+    assert len(similar_groups(dict(list(texts.items())[:2]), {})) <= 1
+
+
+# --- the whole -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def whole(tmp_path: Path) -> tuple[Path, list[Path]]:
+    results, options = classes.whole_class()
+    results.append(replace(results[0], student="canary/mutant", canary=True))
+    return tmp_path, write_results(results, tmp_path, options)
+
+
+def test_everything_is_written_below_out(whole: tuple[Path, list[Path]]) -> None:
+    out, written = whole
+    assert all(path.resolve().is_relative_to(out.resolve()) for path in written)
+    there = {path for path in out.rglob("*") if path.is_file() and path.name != ".pages.json"}
+    assert there == set(written)
+    for name in ("class.html", "scores.csv", "canvas.csv", "moodle.csv", "junit.xml"):
+        assert out / name in there
+    assert not any("canary" in path.read_text("utf-8") for path in written if path.suffix == ".csv")
+    assert not (out / "gradescope" / "ben").exists()  # one of his is held
+    assert not (out / "feedback" / "ben" / "goal_seeking.html").exists()
+    assert (out / "feedback" / "ben" / "obstacle_avoidance.html").is_file()
+
+
+def test_the_same_results_make_the_same_bytes(
+    whole: tuple[Path, list[Path]], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    out, written = whole
+    again = tmp_path_factory.mktemp("again")
+    results, options = classes.whole_class()
+    write_results(results[::-1], again, options)
+    for path in written:
+        assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
+
+
+def test_hostile_text_stays_text_in_every_file(whole: tuple[Path, list[Path]]) -> None:
+    _, written = whole
+    for path in written:
+        text = path.read_text("utf-8")
+        if path.suffix == ".html":
+            assert text.count("<img") == 0, path
+            assert text.count("</style>") == 1, path
+            assert "<script>window" not in text
+        if path.suffix == ".json":
+            json.loads(text, parse_constant=pytest.fail)
+        assert not re.search("[\x00-\x08\x0b\x0c\x0e-\x1f\u202a-\u202e]", text.lstrip("\ufeff")), (
+            path
+        )
+
+
+def test_what_was_graded_and_is_now_held_is_taken_back(tmp_path: Path) -> None:
+    write_results([right("ada")], tmp_path)
+    page = tmp_path / "feedback" / "ada" / "obstacle_avoidance.html"
+    handed_in = tmp_path / "gradescope" / "ada" / "results.json"
+    assert page.is_file()
+    assert handed_in.is_file()
+    write_results([right("ada", state=HELD)], tmp_path)
+    assert not page.exists()
+    assert not handed_in.exists()
+    assert "A person is looking" in (tmp_path / "feedback" / "ada" / "index.html").read_text()
+
+
+def test_pages_are_made_again_only_for_another_result(tmp_path: Path) -> None:
+    page = tmp_path / "feedback" / "ada" / "obstacle_avoidance.html"
+
+    def written_again(one: StoredResult, hide: str = "nothing") -> bool:
+        os.utime(page, (0, 0))
+        assert page in write_results([one], tmp_path, ResultOptions(hide=hide))
+        return page.stat().st_mtime > 0
+
+    write_results([right("ada")], tmp_path)
+    assert not written_again(right("ada"))
+    assert written_again(result("ada", check("a", "fail", 100)))
+    assert written_again(result("ada", check("a", "fail", 100)), hide="details")
+    (tmp_path / ".pages.json").write_text("nonsense")
+    assert written_again(result("ada", check("a", "fail", 100)), hide="details")
+
+
+def test_an_empty_class_is_a_report_too(tmp_path: Path) -> None:
+    write_results([], tmp_path)
+    assert "Nothing is held" in (tmp_path / "class.html").read_text("utf-8")
+    assert GRADED not in (tmp_path / "canvas.csv").read_text("utf-8")
+
+
+def test_pages_load_nothing_and_run_nothing(whole: tuple[Path, list[Path]]) -> None:
+    text = (whole[0] / "class.html").read_text("utf-8")
+    assert "<script" not in text
+    assert "https://" not in text
+    assert not re.search(r"url\(|@import|<[a-z][^>]*\s(on\w+|style)=", text)
+    assert "default-src 'none'" in text

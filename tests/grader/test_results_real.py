@@ -1,0 +1,114 @@
+"""Results of a real class: right and wrong solutions, graded on the real rclpy, with their bags."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from grader.batch.row import StoredResult
+from grader.exercises import ROOT, find_exercise
+from grader.grading import grade_live
+from grader.launch import Nursery
+from grader.results import ResultOptions, write_results
+from grader.results.items import item_analysis
+from grader.results.withheld import shows_run
+from grader.submission import find_submission
+
+SUBMISSIONS = {
+    ("ada", "obstacle_avoidance"): "obstacle_avoidance_agent.py",
+    ("ben", "obstacle_avoidance"): "mutants/drives_blind.py",
+    ("chen", "obstacle_avoidance"): "mutants/wrong_topic.py",
+    ("dan", "obstacle_avoidance"): "mutants/full_speed_is_one.py",
+    ("ada", "goal_seeking"): "goal_seeking_agent.py",
+    ("ben", "goal_seeking"): "mutants/constant_speed.py",
+}
+
+
+@pytest.fixture(scope="module")
+def graded(
+    nursery: Nursery, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, list[StoredResult]]:
+    out = tmp_path_factory.mktemp("class")
+    results = []
+    for (student, slug), name in SUBMISSIONS.items():
+        exercise = find_exercise(slug)
+        file = exercise.solutions / name
+        # replays of one are enough here, and quick
+        bags = out / "recordings" / student / slug if student == "ben" else None
+        grading = grade_live(
+            exercise, find_submission(file), nursery, file=str(file), bags=bags, field=True
+        )
+        results.append(
+            StoredResult(
+                student=student,
+                exercise=slug,
+                file_names=exercise.files,
+                input_hash="0" * 64,
+                state="graded",
+                grading=json.loads(json.dumps(grading.as_dict())),
+                recordings=bags.relative_to(out) if bags else None,
+                cpu_s=1.0,
+                wall_s=1.0,
+                attempts=1,
+                problem="",
+                finished="2026-05-04T09:12:00Z",
+                canary=False,
+            )
+        )
+    return out, results
+
+
+def payload(page: Path) -> dict[str, object]:
+    text = page.read_text("utf-8")
+    start = text.index('id="payload">') + len('id="payload">')
+    found: dict[str, object] = json.loads(text[start : text.index("</script>", start)])
+    return found
+
+
+def test_a_class_gets_its_pages_with_replays(graded: tuple[Path, list[StoredResult]]) -> None:
+    out, results = graded
+    written = write_results(results, out, ResultOptions(hide="field"))
+    page = payload(out / "feedback" / "ben" / "obstacle_avoidance.html")
+    replays = page["replays"]
+    assert isinstance(replays, list)
+    assert len(replays) >= 5
+    assert all(shows_run(replay["scenario"], {"field"}) for replay in replays)
+    assert payload(out / "feedback" / "ada" / "obstacle_avoidance.html")["replays"] == []
+    for file in written:
+        assert str(ROOT) not in file.read_text("utf-8"), file
+
+
+def test_hidden_worlds_are_in_no_page(graded: tuple[Path, list[StoredResult]]) -> None:
+    out, results = graded
+    write_results(results, out, ResultOptions(hide="details"))
+    page = out / "feedback" / "ben" / "obstacle_avoidance.html"
+    assert payload(page)["replays"] == []
+    text = json.dumps(payload(page))
+    assert "avoid_" not in text
+    assert '"seed"' not in text
+
+
+def test_the_checks_of_real_gradings_are_analysed(
+    graded: tuple[Path, list[StoredResult]],
+) -> None:
+    _, results = graded
+    mine = [result for result in results if result.exercise == "obstacle_avoidance"]
+    items = {item.id: item for item in item_analysis(mine)}
+    assert items["wiring"].failed == 1
+    assert items["blind"].failed == 2
+    assert items["blind"].skipped == 1
+    assert items["blind"].difficulty == 0.25
+
+
+def test_broken_bags_cost_the_replays_only(
+    graded: tuple[Path, list[StoredResult]], tmp_path: Path
+) -> None:
+    _, results = graded
+    (tmp_path / "bags").mkdir()
+    (tmp_path / "bags" / "metadata.yaml").write_text("nonsense: [")
+    one = replace(results[1], recordings=Path("bags"))
+    write_results([one], tmp_path)
+    assert payload(tmp_path / "feedback" / "ben" / "obstacle_avoidance.html")["replays"] == []
