@@ -45,7 +45,7 @@ from grader.recording import COMPLETED, Live, Outcome, Recording
 from grader.runqueue import RunQueue
 from grader.staging import OFFERED, Stage, stage
 from grader.submission import Submission
-from grader.tape import Command, Flood, Tape, not_run
+from grader.tape import MAX_ENDPOINTS, Command, Flood, Tape, not_run
 from grader.trial import (
     GRACE,
     LOOK_EVERY,
@@ -67,6 +67,8 @@ HUNG_AFTER = 5.0  # [s] in a callback at the scenario's end
 STALL = 0.1  # [s] that a message of the robot may be late, or a ready thread wait for a CPU ...
 STALL_SHARE = 0.8  # ... and in periods of the lidar: the answer has to come before the next scan
 TURN = 0.02  # [s] between looks at the hosts, at most
+MAX_CHUNKS = 64  # read at once from one host
+MAX_PULSES = 100  # of a program at a time: it sends ten a second
 ATTEMPTS = 2  # of a trial on a machine that stalls
 HUNG = "the node did not come back from a callback"
 HUNG_AT_START = "the node did not come back from its start-up"
@@ -140,7 +142,7 @@ class LiveLink(Channel):
     def hear(self) -> list[Any]:
         """Return the frames that have come."""
         try:
-            while True:
+            for _ in range(MAX_CHUNKS):  # one that never ceases to write must not hold the judge
                 self._read(self._host.link_in)
         except BlockingIOError:
             pass
@@ -379,12 +381,17 @@ class _LiveTrial:
             raise GraderError("the robot's radio has died: nothing can be said of the node")
 
     def _hear_program(self, program: _Program) -> None:
-        for frame in program.link.hear():
+        frames = program.link.hear()
+        if len(frames) > MAX_PULSES:
+            raise Flood(f"more than {MAX_PULSES} pulses at a time")
+        for frame in frames:
             match frame:
                 case Pulse():
                     program.pulse = frame
                     if frame.endpoints:
                         self._asked += len(frame.endpoints)
+                        if self._asked > MAX_ENDPOINTS:  # the radio would choke on them
+                            raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
                         self._radio.send(Meet(tuple(frame.endpoints)))
                 case Ended():
                     program.ended = frame

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Sequence
+import errno
+import itertools
+import os
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -85,9 +88,9 @@ class Tape:
     def check_folder(self, folder: Path) -> None:
         """Make sure that the node doesn't fill the disk."""
         size = 0
-        for count, path in enumerate(folder.rglob("*"), start=1):
+        for count, entry in enumerate(_entries(folder), start=1):
             with contextlib.suppress(OSError):
-                size += path.lstat().st_size
+                size += entry.stat(follow_symlinks=False).st_size
             if size > MAX_FOLDER or count > MAX_FILES:
                 raise Flood(f"more than {MAX_FILES:,} files or {MAX_FOLDER:,} bytes in its folder")
 
@@ -164,6 +167,27 @@ def _endpoint(report: EndpointReport) -> Endpoint:
         report.depth,
         report.mismatch,
     )
+
+
+def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
+    """Return what lies in a folder; without recursion, because it may be deep.
+
+    Raises
+    ------
+    Flood
+        It is deeper than a path may be long: what lies there can't be counted.
+    """
+    pending = [str(folder)]
+    while pending:
+        try:
+            with os.scandir(pending.pop()) as entries:
+                found = list(itertools.islice(entries, MAX_FILES + 1))
+        except OSError as error:
+            if error.errno == errno.ENAMETOOLONG:
+                raise Flood("folders in one another without end") from None
+            continue  # gone, or closed to the judge: then nobody else can use it either
+        yield from found
+        pending += [entry.path for entry in found if entry.is_dir(follow_symlinks=False)]
 
 
 def without_folder(outcome: Outcome, folder: Path) -> Outcome:

@@ -11,7 +11,6 @@ import importlib.util
 import math
 import os
 import stat
-import tempfile
 import time
 import zlib
 from collections.abc import Iterator
@@ -38,7 +37,7 @@ from grader.recording import (
     ScriptRun,
     Training,
 )
-from grader.submission import Submission
+from grader.submission import Submission, fresh_folder
 from grader.tape import line_without_folder, not_run, without_folder
 from grader.trial import GRACE, status_text
 from sim.scenario import Scenario, TrainingSpec
@@ -193,8 +192,7 @@ def _question(
 ) -> Training:
     """Let a fresh host load the models, without the script beside them, and predict."""
     seen = features(hidden.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
-    with tempfile.TemporaryDirectory(prefix="course-", ignore_cleanup_errors=True) as name:
-        folder = Path(name).resolve()
+    with fresh_folder() as folder:
         for file, content in files.items():
             (folder / file).write_bytes(content)
         with _link(workshop, folder) as (link, _):

@@ -16,7 +16,7 @@ import platform
 import signal
 import stat
 import struct
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_GET_SECCOMP, PR_SET_SECCOMP = 1, 4, 21, 22
@@ -101,6 +101,7 @@ CALLS = {  # name: number on x86_64, on arm64
     "delete_module": (176, 106), "execve": (59, 221), "execveat": (322, 281),
     "fanotify_init": (300, 262), "finit_module": (313, 273), "fork": (57, NONE),
     "fsopen": (430, 430), "fsmount": (432, 432), "init_module": (175, 105),
+    "inotify_add_watch": (254, 27), "inotify_init": (253, NONE), "inotify_init1": (294, 26),
     "io_uring_enter": (426, 426), "io_uring_register": (427, 427), "io_uring_setup": (425, 425),
     "kcmp": (312, 272), "kexec_load": (246, 104), "keyctl": (250, 219), "listen": (50, 201),
     "mbind": (237, 235), "memfd_create": (319, 279), "migrate_pages": (256, 238),
@@ -109,6 +110,7 @@ CALLS = {  # name: number on x86_64, on arm64
     "name_to_handle_at": (303, 264), "open_by_handle_at": (304, 265), "open_tree": (428, 428),
     "perf_event_open": (298, 241), "personality": (135, 92), "pidfd_getfd": (438, 438),
     "pidfd_open": (434, 434), "pidfd_send_signal": (424, 424), "pivot_root": (155, 41),
+    "process_madvise": (440, 440), "process_mrelease": (448, 448),
     "process_vm_readv": (310, 270), "process_vm_writev": (311, 271), "ptrace": (101, 117),
     "quotactl": (179, 60), "reboot": (169, 142), "request_key": (249, 218),
     "rt_sigqueueinfo": (129, 138), "rt_tgsigqueueinfo": (297, 240), "sched_setaffinity": (203, 122),
@@ -118,16 +120,28 @@ CALLS = {  # name: number on x86_64, on arm64
     "syslog": (103, 116), "tkill": (200, 130), "umount2": (166, 39), "unshare": (272, 97),
     "userfaultfd": (323, 282), "vfork": (58, NONE),
 }  # fmt: skip
+PRETENDED = {  # to work: they reach what is others' past Landlock, and libraries use them
+    "chmod": (90, NONE), "chown": (92, NONE), "fchmod": (91, 52), "fchmodat": (268, 53),
+    "fchmodat2": (452, 452), "fchown": (93, 55), "fchownat": (260, 54), "fremovexattr": (199, 16),
+    "fsetxattr": (190, 7), "futimesat": (261, NONE), "ioprio_set": (251, 30), "lchown": (94, NONE),
+    "lremovexattr": (198, 15), "lsetxattr": (189, 6), "removexattr": (197, 14),
+    "removexattrat": (466, 466), "sched_setattr": (314, 274), "sched_setparam": (142, 118),
+    "sched_setscheduler": (144, 119), "setpriority": (141, 140), "setxattr": (188, 5),
+    "setxattrat": (463, 463), "utime": (132, NONE), "utimensat": (280, 88), "utimes": (235, NONE),
+}  # fmt: skip
+PRLIMIT = (302, 261)
 CLONE, CLONE3, KILL, TGKILL = (56, 220), (435, 435), (62, 129), (234, 131)
-SOCKET, CONNECT = (41, 198), (42, 203)
+SOCKET, CONNECT, FCNTL, IOCTL = (41, 198), (42, 203), (72, 25), (16, 29)
+OWNERSHIP = ((FCNTL, (8, 10, 15, 1026)), (IOCTL, (0x8901, 0x8902)))  # F_SETOWN …: signals by I/O
 CLONE_THREAD = 0x00010000
 X32_BIT = 0x40000000
-AF_INET, AF_NETLINK = 2, 16
+AF_INET, AF_NETLINK, NETLINK_ROUTE = 2, 16, 0
 SOCK_DGRAM, SOCK_TYPE = 2, 0xF
 
 LOAD, AND, JUMP_EQUAL, JUMP_AT_LEAST, JUMP_SET, RETURN = 0x20, 0x54, 0x15, 0x35, 0x45, 0x06
 ALLOW, REFUSE, KILL_PROCESS = 0x7FFF0000, 0x00050000, 0x80000000
-NUMBER, ARCHITECTURE, FIRST, SECOND = 0, 4, 16, 24  # offsets in struct seccomp_data (low halves)
+# offsets in struct seccomp_data, of arguments the low halves
+NUMBER, ARCHITECTURE, FIRST, SECOND, THIRD = 0, 4, 16, 24, 32
 
 Instruction = tuple[int, int, int, int]  # code, jump if true, jump if false, constant
 
@@ -141,7 +155,8 @@ def has_seccomp() -> bool:
 def restrict_calls(*, datagrams: bool = False) -> None:
     """Take away from this process what no node needs: sockets, programs, processes, others' memory.
 
-    Threads go on to work, and so do signals to the process itself. `datagrams` leaves it UDP.
+    Threads go on to work, and so do signals to the process itself. Owners, modes and times of files
+    and priorities stay as they are, though the calls seem to work. `datagrams` leaves it UDP.
 
     Raises
     ------
@@ -169,14 +184,18 @@ def _filter(datagrams: bool) -> list[Instruction]:
     ]
     if column == 0:  # the x32 calls of x86_64 have other numbers
         program += [(JUMP_AT_LEAST, 0, 1, X32_BIT), _refuse(errno.ENOSYS)]
-    for numbers in CALLS.values():
-        if numbers[column] != NONE:
-            program += [(JUMP_EQUAL, 0, 1, numbers[column]), _refuse(errno.EPERM)]
+    for calls, error in ((CALLS, errno.EPERM), (PRETENDED, 0)):
+        for numbers in calls.values():
+            if numbers[column] != NONE:
+                program += [(JUMP_EQUAL, 0, 1, numbers[column]), _refuse(error)]
     program += _only_if(CLONE[column], JUMP_SET, CLONE_THREAD)
     # glibc falls back to clone(), whose flags a filter can see
     program += [(JUMP_EQUAL, 0, 1, CLONE3[column]), _refuse(errno.ENOSYS)]
     for number in (KILL[column], TGKILL[column]):  # abort() and raise() of the process itself
         program += _only_if(number, JUMP_EQUAL, os.getpid())
+    for numbers, commands in OWNERSHIP:
+        program += _unless_second(numbers[column], commands)
+    program += _only_if(PRLIMIT[column], JUMP_EQUAL, 0)  # its own
     program += _only_datagrams(column) if datagrams else _only_netlink(column)
     return [*program, (RETURN, 0, 0, ALLOW)]
 
@@ -196,21 +215,37 @@ def _only_if(number: int, test: int, constant: int) -> list[Instruction]:
     ]
 
 
+def _unless_second(number: int, constants: Collection[int]) -> list[Instruction]:
+    """Refuse a call if its second argument is one of these."""
+    tests = [(JUMP_EQUAL, 0, 1, constant) for constant in constants]
+    refusals = [step for test in tests for step in (test, _refuse(errno.EPERM))]
+    load = [(JUMP_EQUAL, 0, 2 + len(refusals), number), (LOAD, 0, 0, SECOND)]
+    return [*load, *refusals, (LOAD, 0, 0, NUMBER)]
+
+
 def _only_netlink(column: int) -> list[Instruction]:
     """Refuse every socket but those that list network interfaces (Fast DDS asks at its start)."""
     return [
         (JUMP_EQUAL, 0, 1, CONNECT[column]),
         _refuse(errno.EPERM),
-        *_only_if(SOCKET[column], JUMP_EQUAL, AF_NETLINK),
+        (JUMP_EQUAL, 0, 6, SOCKET[column]),
+        (LOAD, 0, 0, FIRST),
+        (JUMP_EQUAL, 0, 2, AF_NETLINK),
+        (LOAD, 0, 0, THIRD),
+        (JUMP_EQUAL, 1, 0, NETLINK_ROUTE),
+        _refuse(errno.EPERM),
+        (LOAD, 0, 0, NUMBER),
     ]
 
 
 def _only_datagrams(column: int) -> list[Instruction]:
     """Refuse every socket but UDP's and those that list network interfaces."""
     return [
-        (JUMP_EQUAL, 0, 8, SOCKET[column]),
+        (JUMP_EQUAL, 0, 10, SOCKET[column]),
         (LOAD, 0, 0, FIRST),
-        (JUMP_EQUAL, 5, 0, AF_NETLINK),
+        (JUMP_EQUAL, 0, 2, AF_NETLINK),
+        (LOAD, 0, 0, THIRD),
+        (JUMP_EQUAL, 5, 4, NETLINK_ROUTE),
         (JUMP_EQUAL, 0, 3, AF_INET),
         (LOAD, 0, 0, SECOND),
         (AND, 0, 0, SOCK_TYPE),

@@ -1,0 +1,175 @@
+"""Hostile submissions gain nothing, honest ones lose nothing; both are graded for real.
+
+`make test` looks at the scenario in which points are cheapest; `COURSE_ATTACKS=full` (`make
+attacks`) runs every check.
+"""
+
+import io
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from arena import (
+    EXERCISE,
+    FULL,
+    HERE,
+    HONEST,
+    HOSTILE,
+    REFERENCE,
+    SOME,
+    Arena,
+    children,
+    claim,
+    orphans,
+)
+from rich.console import Console
+
+from grader.exercises import find_exercise
+from grader.grading import Grading, grade_live
+from grader.launch import Nursery
+from grader.plugin import UNJUDGED
+from grader.report import page_html, page_payload
+from grader.submission import Submission
+from grader.terminal import render_terminal
+from grader.trial import run_trial
+from sim.messages import EPOCH_NS
+from sim.scenario import load_scenario
+
+NEXT = load_scenario("avoid_zones")
+UNFAIR = {  # honest ones that lose points today, and why
+    "sleeps_while_imported": "the scenario begins before the node spins, and its time runs",
+}
+BENCHES = ("clear_zone", "slow_zone", "stop_zone", "infinite_readings", "invalid_readings", "blind")
+FEEDBACK = [path for path in HOSTILE if path.stem.startswith("feedback_")]
+
+
+@pytest.fixture(scope="module")
+def nursery() -> Iterator[Nursery]:
+    with Nursery(EPOCH_NS) as nursery:
+        yield nursery
+
+
+@pytest.fixture(scope="module")
+def arena(nursery: Nursery) -> Iterator[Arena]:
+    with Arena(nursery.layers) as arena:
+        yield arena
+
+
+@pytest.fixture(scope="module")
+def digest(nursery: Nursery) -> str:
+    """What the reference does when nobody has attacked yet."""
+    return run_trial(REFERENCE, NEXT, nursery).digest()
+
+
+@pytest.fixture(scope="module")
+def honest_points(arena: Arena, nursery: Nursery) -> int:
+    """What the honest part of the hostile submissions is worth."""
+    path = arena.folder / "constant.py"
+    path.write_text("from kit import drive\n\ndrive()\n")
+    grading = arena.grade(path, nursery, hasty=False, everything=FULL)
+    path.unlink()
+    return grading.score
+
+
+def named(path: Path) -> str:
+    return path.stem
+
+
+def test_there_are_enough_of_both() -> None:
+    assert len(HOSTILE) >= 45
+    assert len(HONEST) >= 15
+    assert all(claim(path).outcomes for path in HOSTILE)
+
+
+@pytest.mark.parametrize("path", HOSTILE, ids=named)
+def test_a_hostile_submission_gains_nothing(
+    path: Path, arena: Arena, nursery: Nursery, digest: str, honest_points: int
+) -> None:
+    wanted = claim(path)
+    if wanted.full and not FULL:
+        pytest.skip("shows only with all checks: make attacks")
+    before = orphans()
+    hasty = wanted.hangs and (not FULL or path.stem != "exhaust_sleep_for_ever")
+    grading = arena.grade(path, nursery, hasty=hasty, everything=FULL)
+
+    assert arena.said(grading.recordings) == []
+    assert arena.losses() == []
+    assert orphans() <= before
+    assert children(nursery._process.pid) == []
+    assert grading.score <= max(wanted.score if FULL else 0, honest_points)
+    assert_judged(grading, wanted.outcomes)
+    assert run_trial(REFERENCE, NEXT, nursery).digest() == digest
+
+
+def assert_judged(grading: Grading, outcomes: frozenset[str]) -> None:
+    unjudged = [check for check in grading.checks if check.outcome in UNJUDGED]
+    assert not [check for check in unjudged if check.outcome == "error"]
+    assert grading.faulty == bool(unjudged), "points are out of reach, and nobody is told"
+    if "any" not in outcomes:
+        assert {recording.outcome.kind for recording in grading.recordings} <= outcomes
+
+
+def honest() -> list[Any]:
+    """Return the honest submissions, as parameters of a test."""
+    unfair = {
+        name: [pytest.mark.xfail(reason=reason, strict=True)] for name, reason in UNFAIR.items()
+    }
+    return [pytest.param(path, id=path.stem, marks=unfair.get(path.stem, [])) for path in HONEST]
+
+
+@pytest.mark.parametrize("path", honest())
+def test_an_odd_but_honest_submission_loses_nothing(
+    path: Path, arena: Arena, nursery: Nursery
+) -> None:
+    only = () if FULL else BENCHES
+    grading = grade_live(EXERCISE, arena.submission(path), nursery, file=path.name, only=only)
+
+    assert [(c.id, c.message) for c in grading.checks if c.outcome != "pass"] == []
+    assert arena.said(grading.recordings) == []
+    assert arena.losses() == []
+    if FULL:
+        assert (grading.score, grading.max_score) == (100, 100)
+
+
+@pytest.mark.skipif(not FULL, reason="trains a model: make attacks")
+def test_a_model_with_a_payload_gains_nothing(arena: Arena, nursery: Nursery) -> None:
+    """A pickle runs code where it is loaded: in a host, behind the same layers."""
+    pytest.importorskip("sklearn")
+    exercise = find_exercise("ml_velocity")
+    controller, script = exercise.files
+    beside = tuple(arena.beside.iterdir())
+    others = (HERE / "training" / script, *beside)
+    submission = Submission(exercise.folder / controller, "", others)
+    only = ("training_runs", "model_loads", "onnx_form")
+    grading = grade_live(exercise, submission, nursery, file=controller, only=only)
+
+    assert arena.said(grading.recordings) == []
+    assert arena.losses() == []
+    assert {check.id: check.outcome for check in grading.checks}["model_loads"] != "pass"
+    assert not grading.faulty
+
+
+def test_after_all_attacks_the_reference_has_full_marks(nursery: Nursery, digest: str) -> None:
+    grading = grade_live(EXERCISE, REFERENCE, nursery, file="reference.py")
+
+    assert (grading.score, grading.max_score, grading.faulty) == (100, 100, False)
+    assert digest in [recording.digest() for recording in grading.recordings]
+
+
+@pytest.mark.parametrize("path", FEEDBACK, ids=named)
+def test_feedback_is_text_and_nothing_else(path: Path, arena: Arena, nursery: Nursery) -> None:
+    """What a submission says is shown, but it can't become part of a page or steer a terminal."""
+    submission = arena.submission(path)
+    grading = grade_live(EXERCISE, submission, nursery, file=path.name, only=SOME)
+    result = grading.as_dict()
+    page = page_html(page_payload(result, grading.recordings, path.name))
+    screen = io.StringIO()
+    render_terminal(result, Console(file=screen, width=120, force_terminal=False))
+
+    assert "<script>document.title" not in page
+    assert "<img src=x" not in page
+    assert page.count("</script>") == page_html(page_payload(None, [], "")).count("</script>")
+    assert not set(screen.getvalue()) & {"\x1b", "\x07", "\x9b", "\u202e", "\r"}
+    assert len(page) < 4_000_000
+    assert (HERE / "kit.py").exists()
