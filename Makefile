@@ -8,7 +8,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-deep lint format prove students bench skeletons goldens constraints clean
+.PHONY: help setup grade test test-deep lint format prove attacks students bench skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -45,6 +45,10 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/determinism.py obstacle_avoidance goal_seeking
 	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20 --variants 0
 
+attacks: $(VENV)/.dev ## every attack with all checks; what opens without each layer (docs/attacks.md)
+	COURSE_ATTACKS=full $(BIN)/pytest -n auto --dist worksteal tests/attacks tests/grader/test_sandbox.py
+	$(BIN)/python tests/attacks/layers.py --write
+
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour; goes on where it was)
 	mkdir -p build
 	$(BIN)/python benchmarks/students.py --keep build/students.jsonl
@@ -55,7 +59,7 @@ skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python -m grader.listings
 
 constraints: ## pin the newest versions that fit pyproject.toml
-	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,dev]' \
+	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,dev]' \
 	  | $(PYTHON) .ci/constraints.py > constraints.txt
 
 clean: ## remove what can be made again
@@ -71,7 +75,7 @@ $(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.dev: $(VENV)/.course
-	$(PIP) install --constraint constraints.txt --editable '.[ros,ml,dev]'
+	$(PIP) install --constraint constraints.txt --editable '.[ros,ml,cluster,dev]'
 	touch $@
 
 # PyTorch from the index of packages comes with CUDA, gigabytes of it. For its CPU build:

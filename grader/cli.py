@@ -45,6 +45,17 @@ Examples:
   course check-bag bags/goal_origin_to_5_3 goal_seeking
   course check-bag bags goal_seeking
 """
+AUTOGRADE_EXAMPLES = """\b
+Examples:
+  course autograde handed_in --out graded --workers 4
+  course autograde handed_in --out graded --exercise 1 --field --secret course.secret
+  course autograde handed_in --out graded --regrade
+"""
+RELEASE_EXAMPLES = """\b
+Examples:
+  course release for_students
+  course release week_1 --exercise obstacle_avoidance --student-package
+"""
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -238,6 +249,95 @@ def doctor() -> int:
     if found.problem:
         return 2
     return 1 if found.foreign_code else 0
+
+
+@cli.command(epilog=AUTOGRADE_EXAMPLES)
+@click.argument("submissions", type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Results, and state.")
+@click.option("--exercise", "exercises", multiple=True, metavar="EXERCISE", help="Only this one.")
+@click.option(
+    "--workers", type=click.IntRange(1, 256), default=1, help="Processes on this machine."
+)
+@click.option("--dask", default="", metavar="ADDRESS|FILE", help="Use a Dask cluster's workers.")
+@click.option("--secret", type=click.Path(path_type=Path), help="Each student's own worlds.")
+@click.option("--field", is_flag=True, help="Run the field checks too (badge, no points).")
+@click.option("--regrade", is_flag=True, help="Judge stored recordings again; runs no nodes.")
+@click.option("--retry-held", is_flag=True, help="Grade again what was held after a try.")
+@click.option("--no-bags", is_flag=True, help="Keep no recordings: no replays, no --regrade.")
+@click.option("--trust", is_flag=True, help="Run submissions even where isolation is too weak.")
+@click.option("--canaries", type=click.IntRange(0, 10_000), default=25, metavar="N",
+              help="Grade known solutions every N submissions; 0: never.")  # fmt: skip
+@click.option("--hide", default="nothing", help="From students: nothing, field, worlds, details.")
+def autograde(
+    submissions: Path,
+    out: Path,
+    exercises: tuple[str, ...],
+    workers: int,
+    dask: str,
+    secret: Path | None,
+    field: bool,
+    regrade: bool,
+    retry_held: bool,
+    no_bags: bool,
+    trust: bool,
+    canaries: int,
+    hide: str,
+) -> int:
+    """Grade a class: SUBMISSIONS holds a folder or an archive per student.
+
+    Run it again after anything: it goes on where it was, and grades only what is new or changed.
+    Exit code 0: all graded. 1: some are held for a person. 2: wrong usage, or the grader's fault.
+    """
+    from rich.console import Console  # noqa: PLC0415
+
+    from grader.batch.batch import Options  # noqa: PLC0415
+    from grader.batch.batch import autograde as grade_class  # noqa: PLC0415
+    from grader.batch.progress import ConsoleWatcher, summary  # noqa: PLC0415
+    from grader.results import ResultOptions  # noqa: PLC0415
+    from grader.students import read_secret  # noqa: PLC0415
+
+    ResultOptions(hide=hide)  # refuses unknown words before the work
+    options = Options(
+        exercises=exercises,
+        workers=workers,
+        dask=dask,
+        secret=None if secret is None else read_secret(secret),
+        field=field,
+        bags=not no_bags,
+        trust=trust,
+        canaries=canaries,
+        hide=hide,
+        retry_held=retry_held,
+    )
+    console = Console()
+    with ConsoleWatcher(console) as watcher:
+        results = grade_class(submissions, out, options, watcher, regrade=regrade)
+    lines, held = summary(results, out)
+    console.print(lines, markup=False, highlight=False, soft_wrap=True)
+    return LESS if held else FULL
+
+
+@cli.command(epilog=RELEASE_EXAMPLES)
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--exercise", "exercises", multiple=True, metavar="EXERCISE", help="Only this one.")
+@click.option("--student-package", is_flag=True, help="Make DIR.zip too, for `pip install`.")
+def release(folder: Path, exercises: tuple[str, ...], student_package: bool) -> int:
+    """Write into DIR what students get: no solutions, no rubrics, no tests."""
+    from grader.exercises import find_exercise  # noqa: PLC0415
+    from grader.release import release as make_release  # noqa: PLC0415
+
+    slugs = [find_exercise(name).slug for name in exercises]
+    for leak in make_release(folder, exercises=slugs, archive=student_package):
+        click.echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
+    click.echo(f"Students' material: {folder}")
+    if student_package:
+        click.echo(f"The same, packed: {folder}.zip")
+    return FULL
+
+
+for _command, _room in {"autograde": "batch", "release": "release.py"}.items():
+    if not Path(__file__).with_name(_room).exists():
+        cli.commands.pop(_command, None)  # the students' package does without
 
 
 def main() -> None:

@@ -1,0 +1,115 @@
+"""What grading a class costs: CPU and wall time per submission, memory, and a peer's figure.
+
+The peer is `nbgrader autograde` of a notebook with one trivial cell, in the same run; without
+nbgrader that line says so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from statistics import median
+
+from grader.batch.work import Unit, UnitResult, grade_unit
+from grader.exercises import find_exercise
+
+FEW = 10  # the cost from here on must not grow
+SETTINGS = "c = get_config()\nc.CourseDirectory.course_id = 'bench'\n"
+
+
+def main() -> int:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--submissions", type=int, default=12)
+    parser.add_argument("--exercise", default="obstacle_avoidance")
+    parser.add_argument("--trust", action="store_true")
+    given = parser.parse_args()
+    exercise = find_exercise(given.exercise)
+    texts = {name: (exercise.solutions / name).read_bytes() for name in exercise.files}
+    unit = Unit("warm", exercise.slug, texts, bags=False, field=True, trust=given.trust)
+    first = grade_unit(unit)
+    if first.grading is None:
+        print(first.problem)
+        return 1
+    results = [grade_unit(replace(unit, student=str(n))) for n in range(given.submissions)]
+    cpu, wall = median(r.cpu_s for r in results), median(r.wall_s for r in results)
+    load = os.getloadavg()[0]
+    print(
+        f"{exercise.slug} in full (core and field, {len(first.grading['recordings'])} trials), "
+        f"one warm worker, {len(results)} submissions, load {load:.1f}: "
+        f"{cpu:.2f} CPU s and {wall:.2f} s each (medians); the first, cold: {first.cpu_s:.2f} CPU s"
+    )
+    _growth(results)
+    _peer(cpu)
+    return 0
+
+
+def _growth(results: list[UnitResult]) -> None:
+    if len(results) <= FEW:
+        print(f"growth: not measured with {len(results)} submissions, at least {FEW + 1} needed")
+        return
+    early, late = results[:FEW], results[FEW:]
+    cost = median(r.cpu_s for r in late) / median(r.cpu_s for r in early)
+    megabytes = [r.memory / 2**20 for r in (results[0], results[FEW - 1], results[-1])]
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(
+        f"submissions {FEW + 1} to {len(results)} cost {cost:.2f} times the first {FEW}; "
+        f"judge's memory after 1, {FEW} and {len(results)}: "
+        + ", ".join(f"{size:.0f}" for size in megabytes)
+        + f" MiB (peak {peak:.0f})"
+    )
+
+
+def _peer(cpu: float) -> None:
+    if importlib.util.find_spec("nbgrader") is None:
+        print("nbgrader: skipped, it is not installed (the extra `notebooks`); no ratio")
+        return
+    theirs = _nbgrader_seconds()
+    print(
+        f"nbgrader autograde, one trivial cell: {theirs:.2f} CPU s (a process each, as it is "
+        f"run); ours is {cpu / theirs:.2f} times that"
+    )
+
+
+def _nbgrader_seconds() -> float:
+    import nbformat  # noqa: PLC0415
+    from nbformat import v4  # noqa: PLC0415
+
+    cell = v4.new_code_cell("assert 1 + 1 == 2")
+    cell.metadata["nbgrader"] = {
+        "grade": True, "grade_id": "one", "locked": True, "points": 1, "schema_version": 3,
+        "solution": False, "task": False,
+    }  # fmt: skip
+    spec = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    notebook = v4.new_notebook(cells=[cell], metadata={"kernelspec": spec})
+    with tempfile.TemporaryDirectory(prefix="course-peer-") as name:
+        folder = Path(name)
+        (folder / "nbgrader_config.py").write_text(SETTINGS)
+        for part in ("source/one", "submitted/ann/one"):
+            (folder / part).mkdir(parents=True)
+            nbformat.write(notebook, folder / part / "one.ipynb")
+        command = [sys.executable, "-m", "nbgrader"]
+        quiet = {"cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        subprocess.run([*command, "generate_assignment", "one"], check=True, **quiet)
+        times = []
+        for _ in range(3):
+            before = _children_seconds()
+            subprocess.run([*command, "autograde", "one", "--force"], check=True, **quiet)
+            times.append(_children_seconds() - before)
+        return median(times)
+
+
+def _children_seconds() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+if __name__ == "__main__":
+    sys.exit(main())

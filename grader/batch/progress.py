@@ -1,0 +1,86 @@
+"""How far a batch is: a bar with the time left on a terminal, a line per unit elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Protocol
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from grader.batch.row import GRADED, HELD, StoredResult
+
+MOST_HELD = 20  # lines at the end
+
+
+def summary(results: Sequence[StoredResult], out: Path) -> tuple[str, int]:
+    """Return what the instructor reads at the end, and how many wait for a person."""
+    ours = [result for result in results if not result.canary]
+    held = [result for result in ours if result.state == HELD]
+    graded = sum(result.state == GRADED for result in ours)
+    lines = [f"{graded} graded, {len(held)} held for a person. Open {out / 'class.html'}"]
+    lines += [f"  held: {r.student}  {r.exercise}  {r.problem}" for r in held[:MOST_HELD]]
+    if len(held) > MOST_HELD:
+        lines.append(f"  and {len(held) - MOST_HELD} more, in the class report")
+    return "\n".join(lines), len(held)
+
+
+class Watcher(Protocol):
+    """Somebody who is told."""
+
+    def begin(self, total: int) -> None:
+        """So many units are to be graded."""
+
+    def done(self, student: str, exercise: str, outcome: str, *, counts: bool = True) -> None:
+        """One has come back; `counts`: it is over with it."""
+
+    def say(self, text: str) -> None:
+        """Something else happened."""
+
+
+class ConsoleWatcher:
+    """Shows it on the console."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._total = self._over = 0
+        self._bar: Progress | None = None
+        self._task: Any = None
+
+    def __enter__(self) -> ConsoleWatcher:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def begin(self, total: int) -> None:
+        """Show the bar."""
+        self._total = total
+        if self._console.is_terminal and total:
+            self._bar = Progress(
+                BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
+                TextColumn("{task.description}"), console=self._console, transient=True,
+            )  # fmt: skip
+            self._bar.start()
+            self._task = self._bar.add_task("", total=total)
+
+    def done(self, student: str, exercise: str, outcome: str, *, counts: bool = True) -> None:
+        """Print a line."""
+        self._over += counts
+        shown = "".join(c if c.isprintable() else "?" for c in student)
+        self.say(f"{self._over:4}/{self._total}  {shown}  {exercise}  {outcome}")
+        if self._bar is not None:
+            self._bar.update(self._task, completed=self._over, description=escape(exercise))
+
+    def say(self, text: str) -> None:
+        """Print a line above the bar."""
+        self._console.print(text, markup=False, highlight=False, soft_wrap=True)

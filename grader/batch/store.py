@@ -1,0 +1,298 @@
+"""The queue and the results of a class, in one SQLite file that survives any moment's end.
+
+Only the process that runs the batch writes. Each change is a transaction that is on the disk when
+it returns (WAL, synchronous=FULL), and a result is there in full or not at all.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+import sqlite3
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from grader.batch.row import GRADED, HELD, RUNNING, WAITING, StoredResult
+from grader.errors import InputError
+
+SCHEMA = 1
+MEASURED = re.compile(r"[\d.]+ ms")  # of computing, never of the scenario
+TABLES = """
+CREATE TABLE IF NOT EXISTS units (
+    student TEXT NOT NULL, exercise TEXT NOT NULL, canary INTEGER NOT NULL DEFAULT 0,
+    file_names TEXT NOT NULL DEFAULT '[]', input_hash TEXT NOT NULL, state TEXT NOT NULL,
+    attempts INTEGER NOT NULL DEFAULT 0,    -- gradings begun
+    deaths INTEGER NOT NULL DEFAULT 0,      -- of workers in the middle of it
+    unsure INTEGER NOT NULL DEFAULT 0,      -- gradings that could not judge
+    quarantines INTEGER NOT NULL DEFAULT 0,
+    verified INTEGER NOT NULL DEFAULT 0,    -- a good canary came after it
+    grading TEXT, recordings TEXT, cpu_s REAL NOT NULL DEFAULT 0, wall_s REAL NOT NULL DEFAULT 0,
+    worker TEXT NOT NULL DEFAULT '', started TEXT NOT NULL DEFAULT '',
+    finished TEXT NOT NULL DEFAULT '', problem TEXT NOT NULL DEFAULT '',
+    PRIMARY KEY (student, exercise)
+) STRICT;
+CREATE TABLE IF NOT EXISTS notes (id INTEGER PRIMARY KEY, text TEXT NOT NULL UNIQUE) STRICT;
+"""
+
+Key = tuple[str, str]  # student, exercise
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What happened to one unit so far."""
+
+    deaths: int
+    unsure: int
+    quarantines: int
+
+
+class Store:
+    """The file of one class.
+
+    Raises
+    ------
+    InputError
+        The file is something else, or of another version of the course.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._db = sqlite3.connect(path, isolation_level=None)
+        try:
+            self._db.execute("PRAGMA journal_mode=WAL")
+            self._db.execute("PRAGMA synchronous=FULL")
+            version = self._db.execute("PRAGMA user_version").fetchone()[0]
+            if version not in (0, SCHEMA):
+                raise InputError(
+                    f"{path}: a store of form {version}, expected {SCHEMA}; go on with the version "
+                    "of the course that made it, or give another --out"
+                )
+            with self._change():
+                for statement in filter(str.strip, TABLES.split(";")):
+                    self._db.execute(statement)
+                self._db.execute(f"PRAGMA user_version={SCHEMA}")
+        except sqlite3.DatabaseError as error:
+            self._db.close()
+            raise InputError(f"{path}: expected the store of a graded class ({error})") from None
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._db.close()
+
+    def enter(
+        self, key: Key, input_hash: str, *, problem: str = "", compared: int | None = None
+    ) -> None:
+        """Put a unit into the queue unless it is there unchanged; with a problem it is held.
+
+        Of the hash, `compared` characters count; all by default.
+        """
+        with self._change():
+            old = self._db.execute(
+                "SELECT input_hash, problem FROM units WHERE student=? AND exercise=?", key
+            ).fetchone()
+            same = old is not None and old[0][:compared] == input_hash[:compared]
+            if same and (not problem or old[1] == problem):
+                return
+            state = HELD if problem else WAITING
+            self._db.execute(
+                "INSERT OR REPLACE INTO units (student, exercise, input_hash, state, problem,"
+                " verified, finished) VALUES (?, ?, ?, ?, ?, ?, ?)",
+                (*key, input_hash, state, problem, int(bool(problem)), _now() if problem else ""),
+            )
+
+    def keep_only(self, keys: Iterable[Key], exercises: Iterable[str]) -> int:
+        """Forget units of these exercises whose students are gone; return how many."""
+        kept, looked_at = set(keys), set(exercises)
+        gone = [key for key in self._keys("canary=0") if key[1] in looked_at and key not in kept]
+        with self._change():
+            self._db.executemany("DELETE FROM units WHERE student=? AND exercise=?", gone)
+        return len(gone)
+
+    def give_back(self) -> int:
+        """Put what is running back into the queue (whoever ran it is gone); return how many."""
+        with self._change():
+            changed = self._db.execute("UPDATE units SET state=? WHERE state=?", (WAITING, RUNNING))
+            return changed.rowcount
+
+    def retry_held(self) -> None:
+        """Put what was held after a try back into the queue."""
+        with self._change():
+            self._db.execute(
+                "UPDATE units SET state=?, problem='', deaths=0, unsure=0, quarantines=0,"
+                " verified=0, finished='' WHERE state=? AND attempts>0 AND canary=0",
+                (WAITING, HELD),
+            )
+
+    def claim(self, key: Key, input_hash: str, file_names: Iterable[str]) -> None:
+        """Note that a worker begins with the unit."""
+        with self._change():
+            self._db.execute(
+                "UPDATE units SET state=?, attempts=attempts+1, started=?, finished='',"
+                " input_hash=?, file_names=? WHERE student=? AND exercise=?",
+                (RUNNING, _now(), input_hash, json.dumps(list(file_names)), *key),
+            )
+
+    def finish(
+        self,
+        key: Key,
+        grading: dict[str, Any] | None,
+        *,
+        problem: str = "",
+        recordings: str | None = None,
+        cpu_s: float = 0.0,
+        wall_s: float = 0.0,
+        worker: str = "",
+    ) -> None:
+        """Put a result down; one with a problem is held."""
+        with self._change():
+            self._db.execute(
+                "UPDATE units SET state=?, grading=?, problem=?, recordings=?, cpu_s=?, wall_s=?,"
+                " worker=?, finished=?, verified=0 WHERE student=? AND exercise=?",
+                (
+                    HELD if problem else GRADED,
+                    None if grading is None else json.dumps(grading),
+                    problem, recordings, cpu_s, wall_s, worker, _now(), *key,
+                ),
+            )  # fmt: skip
+
+    def put_off(self, key: Key, *, death: bool = False, unsure: bool = False) -> Counts:
+        """Put a unit back into the queue because its worker died or could not judge."""
+        with self._change():
+            self._db.execute(
+                "UPDATE units SET state=?, deaths=deaths+?, unsure=unsure+?"
+                " WHERE student=? AND exercise=?",
+                (WAITING, int(death), int(unsure), *key),
+            )
+        return self.counts(key)
+
+    def hold(self, key: Key, problem: str) -> None:
+        """Leave a unit to a person; what its last grading said stays with it."""
+        with self._change():
+            self._db.execute(
+                "UPDATE units SET state=?, problem=?, finished=?, verified=1"
+                " WHERE student=? AND exercise=?",
+                (HELD, problem, _now(), *key),
+            )
+
+    def regraded(self, key: Key, grading: dict[str, Any], problem: str, input_hash: str) -> None:
+        """Replace a grading by one of the same recordings."""
+        with self._change():
+            self._db.execute(
+                "UPDATE units SET state=?, grading=?, problem=?, input_hash=?, finished=?"
+                " WHERE student=? AND exercise=?",
+                (HELD if problem else GRADED, json.dumps(grading), problem, input_hash, _now(),
+                 *key),
+            )  # fmt: skip
+
+    def canary(self, key: Key, grading: dict[str, Any] | None, problem: str, cpu_s: float) -> None:
+        """Put down how a known solution came out the last time."""
+        with self._change():
+            self._db.execute(
+                "INSERT OR REPLACE INTO units (student, exercise, canary, input_hash, state,"
+                " attempts, grading, problem, cpu_s, finished, verified)"
+                " VALUES (?, ?, 1, '', ?, 1, ?, ?, ?, ?, 1)",
+                (*key, HELD if problem else GRADED, json.dumps(grading), problem, cpu_s, _now()),
+            )
+
+    def verify(self, keys: Iterable[Key]) -> None:
+        """Note that a good canary came after these."""
+        with self._change():
+            self._db.executemany(
+                "UPDATE units SET verified=1 WHERE student=? AND exercise=?", list(keys)
+            )
+
+    def quarantine(self, keys: Iterable[Key]) -> None:
+        """Put graded units back into the queue: the grader can't be trusted with them."""
+        with self._change():
+            self._db.executemany(
+                "UPDATE units SET state=?, grading=NULL, recordings=NULL, finished='', problem='',"
+                " quarantines=quarantines+1 WHERE student=? AND exercise=?",
+                [(WAITING, *key) for key in keys],
+            )
+
+    def note(self, text: str) -> None:
+        """Keep a remark for the report."""
+        with self._change():
+            self._db.execute("INSERT OR IGNORE INTO notes (text) VALUES (?)", (text,))
+
+    def notes(self) -> list[str]:
+        """Return the remarks."""
+        return [row[0] for row in self._db.execute("SELECT text FROM notes ORDER BY id")]
+
+    def waiting(self) -> list[Key]:
+        """Return what is in the queue: exercise by exercise, those that killed a worker last."""
+        return self._keys(f"state='{WAITING}' AND canary=0", "deaths, exercise, student")
+
+    def unverified(self, exercise: str) -> list[Key]:
+        """Return what was graded since the last good canary."""
+        keys = self._keys(f"verified=0 AND canary=0 AND state IN ('{GRADED}', '{HELD}')")
+        return [key for key in keys if key[1] == exercise]
+
+    def counts(self, key: Key) -> Counts:
+        """Return what happened to a unit so far."""
+        row = self._db.execute(
+            "SELECT deaths, unsure, quarantines FROM units WHERE student=? AND exercise=?", key
+        ).fetchone()
+        return Counts(*row) if row else Counts(0, 0, 0)
+
+    def results(self) -> list[StoredResult]:
+        """Return all units, in order."""
+        rows = self._db.execute(
+            "SELECT student, exercise, file_names, input_hash, state, grading, recordings, cpu_s,"
+            " wall_s, attempts, problem, finished, canary FROM units ORDER BY student, exercise"
+        )
+        return [
+            StoredResult(
+                student=row[0], exercise=row[1], file_names=tuple(json.loads(row[2])),
+                input_hash=row[3], state=row[4],
+                grading=None if row[5] is None else json.loads(row[5]),
+                recordings=None if row[6] is None else Path(row[6]),
+                cpu_s=row[7], wall_s=row[8], attempts=row[9], problem=row[10],
+                finished=row[11], canary=bool(row[12]),
+            )
+            for row in rows
+        ]  # fmt: skip
+
+    def _keys(self, where: str, order: str = "exercise, student") -> list[Key]:
+        rows = self._db.execute(
+            f"SELECT student, exercise FROM units WHERE {where} ORDER BY {order}"
+        )
+        return [(row[0], row[1]) for row in rows]
+
+    @contextlib.contextmanager
+    def _change(self) -> Iterator[None]:
+        self._db.execute("BEGIN IMMEDIATE")
+        try:
+            yield
+        except BaseException:
+            self._db.execute("ROLLBACK")
+            raise
+        self._db.execute("COMMIT")
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def stable(result: StoredResult) -> tuple[object, ...]:
+    """Return what the same submission comes to whenever and wherever it is graded.
+
+    Times, attempts and workers are left out; so are texts that quote a measured time. Whether
+    trials ran in real time is part of it: that should not depend on how busy the machine is.
+    """
+    told = (result.student, result.exercise, result.file_names, result.input_hash, result.state)
+    if result.grading is None:
+        return (*told, result.problem)
+    grading = result.grading
+    measured = any(recording["real_time"] is not None for recording in grading["recordings"])
+    checks = [
+        (c["id"], c["outcome"], c["points"], "" if measured else MEASURED.sub("# ms", c["message"]))
+        for c in grading["checks"]
+    ]
+    runs = [(r["scenario"], r["seed"], r["outcome"]) for r in grading["recordings"]]
+    return (*told, grading["score"], grading["max_score"], tuple(checks), tuple(runs), measured)

@@ -1,0 +1,313 @@
+"""A whole class: the queue, held units, canaries, quarantine, regrading, with a fake judge."""
+
+import contextlib
+import shutil
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Future
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grader.batch import batch
+from grader.batch.batch import Options, autograde
+from grader.batch.engine import DaskCrew
+from grader.batch.row import GRADED, HELD, RUNNING, StoredResult
+from grader.batch.store import Store
+from grader.batch.work import Unit, UnitResult, isolation_problem
+from grader.errors import GraderError, InputError
+from grader.exercises import find_exercise
+from grader.proof import claims
+from grader.students import student_seed
+
+SLUG = "obstacle_avoidance"
+FILE = "obstacle_avoidance_agent.py"
+MUTANT_FAILS = next(c for c in claims(find_exercise(SLUG)) if c.kind == "mutant").fails
+
+Judge = Callable[[Unit], UnitResult]
+
+
+class Quiet:
+    """A watcher that writes down what it is told."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    def begin(self, total: int) -> None:
+        self.lines.append(f"{total} to grade")
+
+    def done(self, student: str, exercise: str, outcome: str, *, counts: bool = True) -> None:
+        self.lines.append(f"{student}: {outcome}")
+
+    def say(self, text: str) -> None:
+        self.lines.append(text)
+
+
+class FakeCrew:
+    """Runs the fake judge on the spot."""
+
+    local, slots = True, 2
+
+    def __init__(self, judge: Judge, refusal: str = "") -> None:
+        self.judge = judge
+        self.refusal = refusal
+        self.seen: list[Unit] = []
+
+    def submit(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        if task is isolation_problem:
+            future.set_result(self.refusal)
+            return future
+        (unit,) = arguments
+        self.seen.append(unit)
+        if unit.room:
+            Path(unit.room, "trial").mkdir(exist_ok=True)
+        try:
+            future.set_result(self.judge(unit))
+        except BrokenExecutor as error:
+            future.set_exception(error)
+        return future
+
+    @property
+    def students(self) -> list[str]:
+        return [unit.student for unit in self.seen if not unit.canary]
+
+
+def grading(*failed: str, outcome: str = "fail", score: int = 100) -> dict[str, Any]:
+    checks = [
+        {"id": name, "kind": "core", "outcome": outcome, "points": 0, "max_points": 5,
+         "title": name, "message": "because", "expected": "", "actual": "", "time": None,
+         "help": "", "scenario": None}
+        for name in failed
+    ]  # fmt: skip
+    return {
+        "exercise": SLUG, "file": FILE, "tier": 1, "score": score, "max_score": 100,
+        "provisional": False, "field_ready": None, "isolation": "all", "notes": [],
+        "checks": checks, "recordings": [], "versions": {"python": "3"},
+    }  # fmt: skip
+
+
+def fair(unit: Unit) -> UnitResult:
+    return UnitResult(grading(*MUTANT_FAILS) if unit.student == ".mutant" else grading())
+
+
+@pytest.fixture
+def handed_in(tmp_path: Path) -> Path:
+    for name in ("ann", "bob", "eve"):
+        (tmp_path / "in" / name).mkdir(parents=True)
+        (tmp_path / "in" / name / FILE).write_text(f"# {name}\n")
+    return tmp_path / "in"
+
+
+@pytest.fixture
+def grade_class(
+    handed_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., tuple[dict[str, StoredResult], FakeCrew, Quiet]]:
+    def grade(
+        judge: Judge = fair, *, regrade: bool = False, refusal: str = "", **options: Any
+    ) -> tuple[dict[str, StoredResult], FakeCrew, Quiet]:
+        crew, quiet = FakeCrew(judge, refusal), Quiet()
+
+        @contextlib.contextmanager
+        def fake_crew(_: Options) -> Iterator[FakeCrew]:
+            yield crew
+
+        monkeypatch.setattr(batch, "_crew", fake_crew)
+        options.setdefault("exercises", (SLUG,))
+        options.setdefault("canaries", 0)
+        results = autograde(handed_in, tmp_path / "out", Options(**options), quiet, regrade=regrade)
+        return {r.student: r for r in results if not r.canary}, crew, quiet
+
+    return grade
+
+
+def test_everybody_is_graded_once(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:
+    results, crew, _ = grade_class()
+    assert {r.state for r in results.values()} == {GRADED}
+    assert crew.students == ["ann", "bob", "eve"]
+    assert (tmp_path / "out" / "recordings" / "ann" / SLUG / "trial").is_dir()
+    assert (tmp_path / "out" / "class.html").is_file()
+
+    (handed_in / "bob" / FILE).write_text("# better\n")
+    (handed_in / "new").mkdir()
+    (handed_in / "new" / FILE).write_text("# new\n")
+    results, crew, _ = grade_class()
+    assert crew.students == ["bob", "new"]
+
+    shutil.rmtree(handed_in / "bob")
+    results, crew, _ = grade_class()
+    assert crew.students == []
+    assert sorted(results) == ["ann", "eve", "new"]
+
+
+def test_settings_are_part_of_what_was_graded(grade_class: Any) -> None:
+    secret = b"0123456789abcdef"
+    grade_class()
+    assert grade_class(field=True)[1].students == ["ann", "bob", "eve"]
+    crew = grade_class(secret=secret)[1]
+    assert [u.seed for u in crew.seen] == [student_seed(secret, s, SLUG) for s in crew.students]
+    assert grade_class(secret=secret)[1].students == []
+
+
+def test_missing_and_unreadable_files_are_held(grade_class: Any, handed_in: Path) -> None:
+    (handed_in / "lea").mkdir()
+    (handed_in / "kim.zip").write_bytes(b"broken")
+    results, crew, _ = grade_class()
+    assert crew.students == ["ann", "bob", "eve"]
+    assert results["lea"].problem == f"expected a file {FILE}; there are no files"
+    assert results["kim"].state == HELD
+
+
+def test_exercises_are_those_that_somebody_handed_in(grade_class: Any, handed_in: Path) -> None:
+    results, _, _ = grade_class(exercises=())
+    assert {r.exercise for r in results.values()} == {SLUG}
+    for name in ("ann", "bob", "eve"):
+        (handed_in / name / FILE).rename(handed_in / name / "robot.py")
+    with pytest.raises(InputError, match="none of 3 students has a file of any exercise; ann"):
+        grade_class(exercises=())
+
+
+def test_a_dying_worker_is_tried_three_times_the_last_alone(grade_class: Any) -> None:
+    def deadly(unit: Unit) -> UnitResult:
+        if unit.student == "bob":
+            raise BrokenExecutor
+        return fair(unit)
+
+    results, crew, _ = grade_class(deadly)
+    assert crew.students == ["ann", "bob", "eve", "bob", "bob"]
+    assert [u.alone for u in crew.seen if u.student == "bob"] == [False, False, True]
+    assert results["bob"].state == HELD
+    assert "died" in results["bob"].problem
+    assert results["eve"].state == GRADED
+    assert grade_class()[1].students == []  # held ones wait for a person
+    results, crew, _ = grade_class(retry_held=True)
+    assert crew.students == ["bob"]
+    assert results["bob"].state == GRADED
+
+
+@pytest.mark.parametrize("outcome", ["inconclusive", "error"])
+def test_what_could_not_be_judged_gets_another_try(grade_class: Any, outcome: str) -> None:
+    def unsure(unit: Unit) -> UnitResult:
+        if unit.student == "bob":
+            return UnitResult(grading("stop_zone", outcome=outcome))
+        return fair(unit)
+
+    results, crew, _ = grade_class(unsure)
+    assert crew.students.count("bob") == 2
+    assert results["bob"].state == HELD
+    assert results["bob"].problem == "could not judge stop_zone: because"
+
+
+def test_the_graders_own_problem_holds(grade_class: Any) -> None:
+    results, _, _ = grade_class(lambda unit: UnitResult(None, "no host"))
+    assert {r.problem for r in results.values()} == {"no host"}
+
+
+def test_weak_isolation_is_refused(grade_class: Any) -> None:
+    with pytest.raises(InputError, match="nothing between"):
+        grade_class(refusal="nothing between them")
+    assert grade_class(refusal="nothing between them", trust=True)[1].seen[0].trust
+
+
+def test_canaries_begin_and_end_a_run(grade_class: Any) -> None:
+    _, crew, quiet = grade_class(canaries=25)
+    order = [unit.student for unit in crew.seen]
+    assert order == [".reference", ".mutant", "ann", "bob", "eve", ".reference", ".mutant"]
+    assert not [line for line in quiet.lines if "quarantine" in line]
+    assert grade_class(canaries=25)[1].seen == []
+
+
+def test_canaries_come_every_so_often(grade_class: Any) -> None:
+    _, crew, _ = grade_class(canaries=1)
+    assert [u.student for u in crew.seen].count(".reference") >= 3
+
+
+def test_a_drift_puts_what_came_before_in_quarantine(grade_class: Any, tmp_path: Path) -> None:
+    rounds: list[str] = []
+
+    def drifting(unit: Unit) -> UnitResult:
+        if unit.student == ".reference":
+            rounds.append("")
+            if len(rounds) == 2:  # after the class
+                return UnitResult(grading("stop_zone"))
+        return fair(unit)
+
+    results, crew, quiet = grade_class(drifting, canaries=25)
+    assert crew.students == ["ann", "bob", "eve"] * 2
+    assert {r.state for r in results.values()} == {GRADED}
+    (note,) = [line for line in quiet.lines if "quarantine" in line]
+    assert "reference came out otherwise in stop_zone" in note
+    assert "(3 submissions)" in note
+    assert "quarantine" in (tmp_path / "out" / "class.html").read_text()
+
+
+@pytest.mark.parametrize("bad", [".reference", ".mutant"])
+def test_a_grader_that_judges_wrong_grades_nobody(grade_class: Any, bad: str) -> None:
+    def wrong(unit: Unit) -> UnitResult:
+        return UnitResult(grading("wiring")) if unit.student == bad else fair(unit)
+
+    results, crew, _ = grade_class(wrong, canaries=25)
+    assert crew.students == []
+    assert {r.state for r in results.values()} == {HELD}
+    assert "could not be trusted" in results["ann"].problem
+
+
+def test_one_submission_cannot_put_the_others_in_quarantine(grade_class: Any) -> None:
+    def unsure(unit: Unit) -> UnitResult:
+        if unit.student == "ann":
+            return UnitResult(grading("stop_zone", outcome="inconclusive"))
+        return fair(unit)
+
+    results, crew, _ = grade_class(unsure, canaries=25)
+    assert (crew.students.count("bob"), crew.students.count("eve")) == (1, 1)
+    assert [r.state for r in results.values()] == [HELD, GRADED, GRADED]
+
+
+def test_ctrl_c_gives_back_what_runs(grade_class: Any, tmp_path: Path) -> None:
+    def interrupted(unit: Unit) -> UnitResult:
+        if unit.student == "bob":
+            raise KeyboardInterrupt
+        return fair(unit)
+
+    with pytest.raises(KeyboardInterrupt):
+        grade_class(interrupted)
+    with Store(tmp_path / "out" / "store.sqlite") as store:
+        assert RUNNING not in {result.state for result in store.results()}
+    assert "bob" in grade_class()[1].students
+
+
+def test_two_batches_on_one_folder(grade_class: Any, tmp_path: Path) -> None:
+    def nested(unit: Unit) -> UnitResult:
+        with pytest.raises(GraderError, match="another"), batch._locked(tmp_path / "out"):
+            pass
+        return fair(unit)
+
+    assert {r.state for r in grade_class(nested)[0].values()} == {GRADED}
+
+
+def test_regrading_runs_no_code_and_changes_the_score(grade_class: Any, handed_in: Path) -> None:
+    grade_class()
+    (handed_in / "bob" / FILE).write_text("# other\n")
+    results, crew, _ = grade_class(lambda _: UnitResult(grading(score=90)), regrade=True)
+    assert all(unit.saved and not unit.files for unit in crew.seen)
+    assert crew.students == ["ann", "eve"]  # bob's recordings are of another file
+    assert results["ann"].grading["score"] == 90
+    assert grade_class()[1].students == ["bob"]
+
+
+def test_regrading_after_a_check_was_repaired(
+    grade_class: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    grade_class()
+    monkeypatch.setattr(batch, "fingerprint", lambda _: "f" * 32)
+    assert grade_class(regrade=True)[1].students == ["ann", "bob", "eve"]
+    assert grade_class()[1].students == []  # what the repaired checks judged need not run again
+
+    monkeypatch.setattr(batch, "fingerprint", lambda _: "e" * 32)
+    assert grade_class()[1].students == ["ann", "bob", "eve"]
+
+
+def test_no_scheduler(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    with pytest.raises(InputError, match="no scheduler there"):
+        DaskCrew("nonsense://nowhere:1")

@@ -1,0 +1,55 @@
+"""Local workers: they are replaced when they die or grow old, and end with their parent."""
+
+import os
+import subprocess
+import sys
+from concurrent.futures import BrokenExecutor
+from pathlib import Path
+
+import pytest
+
+from grader.batch import engine
+from grader.batch.engine import LocalCrew
+
+ROOT = Path(__file__).resolve().parents[2]
+PARENT = """\
+import os
+from grader.batch.engine import LocalCrew
+
+if __name__ == "__main__":
+    crew = LocalCrew(1)
+    print(crew.submit(os.getpid).result(), flush=True)
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_a_dead_worker_is_replaced() -> None:
+    crew = LocalCrew(1)
+    try:
+        first = crew.submit(os.getpid).result()
+        with pytest.raises(BrokenExecutor):
+            crew.submit(os._exit, 3).result()
+        assert crew.submit(os.getpid).result() not in (first, os.getpid())
+    finally:
+        crew.close(now=True)
+
+
+def test_an_old_worker_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine, "RENEWED", 1)
+    crew = LocalCrew(1)
+    try:
+        assert crew.submit(os.getpid).result() != crew.submit(os.getpid).result()
+    finally:
+        crew.close(now=False)
+
+
+def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
+    """The pipe to the parent's stdout is the worker's too: it ends when both are gone."""
+    script = tmp_path / "parent.py"
+    script.write_text(PARENT)
+    done = subprocess.run(
+        [sys.executable, script], check=False, stdout=subprocess.PIPE, text=True, timeout=60,
+        stderr=subprocess.DEVNULL, env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert done.returncode == -9
+    assert int(done.stdout) > 0  # and here nobody holds the pipe any more
