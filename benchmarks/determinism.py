@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator
 
 from grader.exercises import Exercise, all_exercises, find_exercise
-from grader.grading import grade_live
+from grader.grading import grade_submission
 from grader.launch import Nursery
 from grader.submission import find_submission
 from sim.messages import EPOCH_NS
@@ -37,7 +37,7 @@ def _grade_often(exercise: Exercise, nursery: Nursery) -> int:
         start = time.perf_counter()
         with _load(loaded):
             for _ in range(GRADINGS // 2):
-                grading = grade_live(exercise, submission, nursery, file=file.name, field=True)
+                grading = grade_submission(exercise, submission, nursery, file=file.name, field=True)
                 scores.add(grading.score)
                 for recording in grading.recordings:
                     seen.setdefault(recording.name, set()).add(recording.digest())

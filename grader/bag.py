@@ -46,7 +46,7 @@ TRUTH_ODOMETRY = "/ground_truth/odom"
 TRUTH_CLEARANCE = "/ground_truth/clearance"
 TRUTH_CONTACT = "/ground_truth/contact"
 LEVELS = {"debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
-FORMAT = 1
+FORMAT = 2
 MAX_REASON = 300  # [characters] of why a bag can't be read
 
 
@@ -64,7 +64,7 @@ class _Document(msgspec.Struct, frozen=True):
     yaw: list[float]  # [rad] ground truth, exact: a quaternion loses the last digits
     delivered: dict[str, str]  # topic: type
     published: dict[str, str]
-    compute: list[tuple[float, float, float | None]]
+    compute: list[tuple[float, float, float | None, float]]
     training: Training | None = None
     live: Live | None = None
 
@@ -136,7 +136,7 @@ def _assemble(messages: list[Message], folder: str) -> Recording:
         endpoints=document.endpoints,
         log=tuple(_log_line(m) for m in messages if m.topic == LOG_TOPIC),
         log_truncated=document.log_truncated,
-        compute=Compute(*np.array(document.compute, dtype=float).reshape(-1, 3).T),
+        compute=Compute(*np.array(document.compute, dtype=float).reshape(-1, 4).T),
         training=document.training,
         live=document.live,
         bag=folder,
@@ -202,7 +202,13 @@ def _document(recording: Recording) -> _Document:
         delivered={m.topic: m.type for m in recording.delivered},
         published={m.topic: m.type for m in recording.published},
         compute=list(
-            zip(compute.time.tolist(), compute.wall.tolist(), compute.cpu.tolist(), strict=True)
+            zip(
+                compute.time.tolist(),
+                compute.wall.tolist(),
+                compute.cpu.tolist(),
+                compute.queued.tolist(),
+                strict=True,
+            )
         ),
         training=recording.training,
         live=recording.live,

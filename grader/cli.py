@@ -124,9 +124,9 @@ def grade(
         seed = _student_seed(student, secret, chosen.slug, seed)
     _check_writable(report, json_)
     with _nursery(chosen.libraries) as nursery:
-        from grader.grading import grade_live  # noqa: PLC0415
+        from grader.grading import grade_submission  # noqa: PLC0415
 
-        grading = grade_live(
+        grading = grade_submission(
             chosen,
             submission,
             nursery,

@@ -26,7 +26,7 @@ from grader.proof import Claim, claims, complete, objections
 from grader.recording import Recording
 from grader.students import student_seed
 from grader.submission import Submission
-from grader.trials import LiveTrials
+from grader.trials import NodeTrials
 from sim.difficulty import Difficulty, difficulty
 from sim.layout import layout_to_json
 from sim.messages import EPOCH_NS
@@ -160,7 +160,7 @@ class Shared:
 
 
 @dataclass
-class ThriftyTrials(LiveTrials):
+class ThriftyTrials(NodeTrials):
     """Runs what is a student's own; takes what is the same for all from earlier students."""
 
     shared: Shared = field(default_factory=Shared)

@@ -28,7 +28,7 @@ from grader.plugin import (
 )
 from grader.recording import Recording
 from grader.submission import Submission
-from grader.trials import LiveTrials, Trials
+from grader.trials import NodeTrials, Trials
 
 ATTEMPTS = 2
 REPORTED_PACKAGES = (
@@ -146,7 +146,7 @@ def grade(
     )
 
 
-def grade_live(
+def grade_submission(
     exercise: Exercise,
     submission: Submission,
     nursery: Nursery,
@@ -169,7 +169,7 @@ def grade_live(
     """
     only = tuple(only)
     for _ in range(ATTEMPTS):
-        with LiveTrials(submission, nursery, seed=seed, bags=bags, real_time=tier == 2) as trials:
+        with NodeTrials(submission, nursery, seed=seed, bags=bags, real_time=tier == 2) as trials:
             grading = grade(
                 exercise,
                 trials,

@@ -28,22 +28,26 @@ from grader.host.frames import (
     Run,
     Script,
     Settled,
+    Slept,
     Start,
     ToHost,
+    ToJudge,
     decode_from_script,
     decode_to_judge,
     encode,
 )
 from grader.launch import HostProcess
 from grader.log import LogLine
+from grader.runqueue import RunQueue
 
 MAX_OUTPUT = 512 * 1024  # [bytes] of stdout and stderr each that are kept
 MAX_LINES = 20_000  # of stdout and stderr each that are kept
 CHUNK = 65536  # [bytes] read at once; as much as a pipe holds
 DRAINS = 16  # chunks read at the end, from a host that may still be writing
 DRAIN_EVERY = 16  # exchanges
-PATROL = 0.02  # [s] a host that waits for room in its output pipes waits no longer than this
+PATROL = 0.02  # [s] after which the judge, waiting for an answer, reads output as it comes
 MAX_REASON = 300  # [characters] of why a frame was refused: it may quote the frame
+UNEXPLAINED = 0.02  # [s] of an exchange without CPU time: something was waited for
 STACK_TIME = 0.3  # [s] a hung host gets for writing its stacks
 TIME_MARK = re.compile(rf"(.*){MARK}([0-9]{{1,19}})")
 ROS_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
@@ -120,6 +124,7 @@ class Cost:
 
     wall: float  # [s]
     cpu: float  # [s]; nan where the system doesn't tell
+    queued: float = 0.0  # [s] waited for a CPU, by host or judge; measured only if wall >> cpu
 
 
 class Channel:
@@ -221,12 +226,18 @@ class Link(Channel):
     def __init__(self, host: HostProcess) -> None:
         super().__init__(host)
         self._exchanges = 0
+        self._queues = (RunQueue(host.pid), RunQueue(os.getpid()))
         self._answers = select.poll()
         self._answers.register(host.link_in, select.POLLIN)
+        self._all = select.poll()
+        for fd in (host.link_in, host.stdout, host.stderr):
+            self._all.register(fd, select.POLLIN)
 
-    def start(self, frame: Start, limit: float) -> tuple[Settled | Ended, Cost]:
+    def start(self, frame: Start, limit: float) -> tuple[ToJudge, Cost]:
         """Run the student's file up to the point where it waits; limit [s] of wall time."""
-        return self._exchange(frame, 0, limit, decode_to_judge)
+        answer, cost = self._exchange(frame, 0, limit, decode_to_judge)
+        self._queued()  # what was waited for until now
+        return answer, cost
 
     def run(self, frame: Run, limit: float) -> tuple[Settled | Ended, Cost]:
         """Let the node go on; limit [s] of wall time.
@@ -236,7 +247,10 @@ class Link(Channel):
         HostDied, HostHung, HostForged
             The process ended, did not answer in time, or sent nonsense.
         """
-        return self._exchange(frame, frame.until, limit, decode_to_judge)
+        answer, cost = self._exchange(frame, frame.until, limit, decode_to_judge)
+        if isinstance(answer, Slept):
+            raise HostForged("a start in the middle of the trial")
+        return answer, cost
 
     def ask(self, frame: Script | LoadModels | Predict, limit: float) -> tuple[FromScript, Cost]:
         """Give an order to a host that runs scripts; it raises as `run` does."""
@@ -250,8 +264,13 @@ class Link(Channel):
         started, cpu = time.perf_counter(), self.cpu()
         self._write(frame, started + limit)
         body = self._receive(started + limit)
-        cost = Cost(time.perf_counter() - started, self.cpu() - cpu)
-        return decoded(body, decode), cost
+        wall, cpu = time.perf_counter() - started, self.cpu() - cpu
+        queued = self._queued() if wall - cpu > UNEXPLAINED else 0.0
+        return decoded(body, decode), Cost(wall, cpu, queued)
+
+    def _queued(self) -> float:
+        """Return how long host and judge have waited for a CPU since the last call [s]."""
+        return sum(queue.worst() for queue in self._queues)
 
     def _expect_silence(self) -> None:
         """Make sure that the host has not answered before it was asked."""
@@ -264,15 +283,22 @@ class Link(Channel):
         raise HostForged("an answer before the question") if early else HostDied
 
     def _receive(self, deadline: float) -> bytes:
+        # At first output alone does not wake the judge: that would double the cost of an exchange.
+        source = self._answers
         while (body := self._take_frame()) is None:
             remaining = deadline - time.perf_counter()
             if remaining <= 0:
                 raise HostHung(self.stacks())
-            # Output alone must not wake the judge: that would double the cost of an exchange.
-            if self._answers.poll(min(remaining, PATROL) * 1e3):
-                self._read(self._host.link_in)
-            else:
-                self._drain_all()
+            ready = source.poll(min(remaining, PATROL) * 1e3)
+            if not ready:
+                source = self._all
+            for fd, event in ready:
+                if fd == self._host.link_in:
+                    self._read(fd)
+                elif event & select.POLLIN:
+                    self._drain(fd)
+                else:  # closed by the host
+                    self._all.unregister(fd)
         self._exchanges += 1
         if self._exchanges % DRAIN_EVERY == 0:
             self._drain_all()

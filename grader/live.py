@@ -338,11 +338,11 @@ class _LiveTrial:
                 commands += self._take_heard()
                 if commands and math.isnan(answered):
                     answered = (commands[0][0] - began) / 1e9
-            for program in self._programs:
-                self._starved = max(self._starved, program.queue.worst())
+            queued = max((program.queue.worst() for program in self._programs), default=0.0)
+            self._starved = max(self._starved, queued)
             used = self._cpu() - cpu
             wall = min(used, (until - began) / 1e9) if math.isnan(answered) else answered
-            tape.compute.append((began / 1e9, max(0.0, wall), used))
+            tape.compute.append((began / 1e9, max(0.0, wall), used, queued))
             if len(tape.compute) % LOOK_EVERY == 0:
                 tape.check_folder(self._stage.folder)
             pending = simulation.advance(until, [c for c in commands if c[0] <= until])

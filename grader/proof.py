@@ -30,7 +30,7 @@ from pathlib import Path
 
 from grader.errors import GraderError
 from grader.exercises import Exercise, all_exercises, find_exercise
-from grader.grading import Grading, grade_live
+from grader.grading import Grading, grade_submission
 from grader.installed import why_not
 from grader.launch import Nursery
 from grader.plugin import FAIL, UNAVAILABLE
@@ -84,7 +84,7 @@ def claims(exercise: Exercise) -> Iterator[Claim]:
 def grade_claim(claim: Claim, nursery: Nursery) -> Grading:
     """Grade a solution with the core and the field checks."""
     with complete(claim) as submission:
-        return grade_live(claim.exercise, submission, nursery, file=claim.path.name, field=True)
+        return grade_submission(claim.exercise, submission, nursery, file=claim.path.name, field=True)
 
 
 @contextlib.contextmanager

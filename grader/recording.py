@@ -85,6 +85,7 @@ class Compute:
     time: Floats  # (n,) [s] scenario time at which it began
     wall: Floats  # (n,) [s]
     cpu: Floats  # (n,) [s] of the host's process; nan where the system doesn't tell
+    queued: Floats  # (n,) [s] waited for a CPU, by host or judge; measured only if wall >> cpu
 
 
 class ScriptRun(msgspec.Struct, frozen=True):
@@ -219,7 +220,7 @@ class Recording:
     endpoints: tuple[Endpoint, ...]
     log: tuple[LogLine, ...] = ()
     log_truncated: bool = False
-    compute: Compute = field(default_factory=lambda: Compute(*(np.empty(0),) * 3))
+    compute: Compute = field(default_factory=lambda: Compute(*(np.empty(0),) * 4))
     training: Training | None = None
     live: Live | None = None  # None: in virtual time
     bag: str | None = None  # where it is saved

@@ -56,7 +56,7 @@ class Tape:
         self.delivered: list[Message] = []
         self.published: list[Message] = []
         self.endpoints: list[Endpoint] = []
-        self.compute: list[tuple[float, float, float]] = []
+        self.compute: list[tuple[float, float, float, float]] = []
         self._stamped = stamped
         self._bytes = 0
 
@@ -108,7 +108,7 @@ class Tape:
         live: Live | None = None,
     ) -> Recording:
         """Return the recording; paths in `folder` are shown as the student knows them."""
-        compute = np.array(self.compute, dtype=float).reshape(-1, 3).T
+        compute = np.array(self.compute, dtype=float).reshape(-1, 4).T
         return Recording(
             scenario=self.simulation.scenario,
             layout=self.simulation.layout,

@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from grader.host.frames import Delivery, Ended, Run, Settled, Start
+from grader.host.frames import Delivery, Ended, Run, Settled, Slept, Start
 from grader.launch import HostProcess, Nursery
 from grader.link import Cost, HostDied, HostForged, HostHung, Link
 from grader.recording import COMPLETED, Outcome, Recording
@@ -69,18 +69,24 @@ def run_trial(
     GraderError
         The grader or the machine failed; nothing can be said of the submission.
     """
-    simulation = prepared(scenario, seed)
     problem = not_runnable(submission, scenario)
     if problem is not None:
-        return not_run(simulation, problem)
-    with (
-        stage(submission, scenario, arguments, files) as staged,
-        nursery.host(staged.folder) as host,
-    ):
-        trial = _Trial(Tape(simulation, stamped=stamped), Link(host), host)
-        outcome = trial.conduct(staged, limits or Limits())
-        output = (trial.link.stdout, trial.link.stderr)
-        return trial.tape.freeze(outcome, staged.folder, trial.link.log(), output)
+        return not_run(prepared(scenario, seed), problem)
+    lead = 0
+    while True:
+        simulation = prepared(scenario, seed)
+        with (
+            stage(submission, scenario, arguments, files) as staged,
+            nursery.host(staged.folder) as host,
+        ):
+            trial = _Trial(Tape(simulation, stamped=stamped), Link(host), host)
+            try:
+                outcome = trial.conduct(staged, limits or Limits(), lead)
+            except _Early as early:
+                lead = early.lead
+                continue
+            output = (trial.link.stdout, trial.link.stderr)
+            return trial.tape.freeze(outcome, staged.folder, trial.link.log(), output)
 
 
 def prepared(scenario: Scenario, seed: int | None) -> Simulation:
@@ -100,6 +106,14 @@ def not_runnable(submission: Submission, scenario: Scenario) -> Outcome | None:
     return None
 
 
+class _Early(Exception):
+    """The program sleeps before it spins or speaks: it has to be started before the scenario."""
+
+    def __init__(self, lead: int) -> None:
+        super().__init__(f"{lead} ns")
+        self.lead = lead  # [ns]
+
+
 class _Trial:
     """A trial on its way."""
 
@@ -111,13 +125,16 @@ class _Trial:
         self._spun = False
         self._stuck: float | None = None  # [s] since when nothing in the node can ever run again
 
-    def conduct(self, staged: Stage, limits: Limits) -> Outcome:
-        """Run the trial to its end; say how it ended."""
+    def conduct(self, staged: Stage, limits: Limits, lead: int) -> Outcome:
+        """Run the trial to its end, with the node `lead` [ns] ahead; say how it ended."""
         tape, simulation = self.tape, self.tape.simulation
-        start = Start(staged.programs, EPOCH_NS, simulation.seed, staged.offers)
+        start = Start(staged.programs, EPOCH_NS, simulation.seed, staged.offers, lead=lead)
         clock_end = time.perf_counter() + limits.total
         try:
-            answer, cost = self.link.start(start, limits.start)
+            first, cost = self.link.start(start, limits.start)
+            if isinstance(first, Slept):
+                raise HostForged("a second early start") if lead else _Early(first.lead)
+            answer: Settled | Ended = first
             pending = self._take(answer, cost, began=0, agreed=0)
             while isinstance(answer, Settled) and simulation.now < tape.end:
                 if time.perf_counter() > clock_end:
@@ -154,7 +171,7 @@ class _Trial:
         self._at = reached / 1e9
         tape.note_endpoints(answer.endpoints)
         commands = tape.hear(answer.published, began, reached)
-        tape.compute.append((began / 1e9, cost.wall, cost.cpu))
+        tape.compute.append((began / 1e9, cost.wall, cost.cpu, cost.queued))
         if isinstance(answer, Ended):
             tape.roll_on(reached, commands)
             return []

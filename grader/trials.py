@@ -50,7 +50,7 @@ class Trials(Protocol):
 
 
 @dataclass
-class LiveTrials:
+class NodeTrials:
     """Runs the student's node, a few scenarios at a time."""
 
     submission: Submission
@@ -72,7 +72,7 @@ class LiveTrials:
         self._why_real: str | None = None  # the node can't run in virtual time
         self._dead: Outcome | None = None  # it hangs before it has started, whatever the scenario
 
-    def __enter__(self) -> LiveTrials:
+    def __enter__(self) -> NodeTrials:
         return self
 
     def __exit__(

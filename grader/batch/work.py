@@ -157,7 +157,7 @@ def _grade(unit: Unit) -> UnitResult:
 
 
 def _run(exercise: Exercise, unit: Unit, bags: Path | None) -> dict[str, Any]:
-    from grader.grading import grade_live  # noqa: PLC0415  (pulls the whole judge in)
+    from grader.grading import grade_submission  # noqa: PLC0415  (pulls the whole judge in)
     from grader.submission import find_submission  # noqa: PLC0415
 
     nursery = _nursery(exercise.libraries)
@@ -169,7 +169,7 @@ def _run(exercise: Exercise, unit: Unit, bags: Path | None) -> dict[str, Any]:
         for file, data in unit.files.items():
             (folder / file).write_bytes(data)
         first, *others = exercise.files
-        grading = grade_live(
+        grading = grade_submission(
             exercise,
             find_submission(folder / first, first, others),
             nursery,

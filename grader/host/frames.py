@@ -14,6 +14,7 @@ import msgspec
 MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
 MAX_PUBLISHED = 4_000  # messages a node may publish between two events of the world
 MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
+MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
 LENGTH = struct.Struct("<I")
@@ -57,6 +58,7 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     seed: int  # for `random`, in case the student uses it
     offers: tuple[Offer, ...]
     domain: int = 0  # of DDS; for a host in real time
+    lead: Annotated[int, msgspec.Meta(ge=0, le=MAX_LEAD)] = 0  # [ns] to begin before the scenario
 
 
 class Run(msgspec.Struct, frozen=True, tag="run"):
@@ -220,8 +222,14 @@ class Birth(msgspec.Struct, frozen=True):
     pid: int
 
 
+class Slept(msgspec.Struct, frozen=True, tag="slept"):
+    """The program slept before it first waited for work or spoke: start it so much earlier."""
+
+    lead: Annotated[int, msgspec.Meta(gt=0, le=MAX_LEAD)]  # [ns]
+
+
 ToHost = Start | Run | Script | LoadModels | Predict | TuneIn | Meet | Transmit
-ToJudge = Settled | Ended  # from a host that runs nodes
+ToJudge = Settled | Ended | Slept  # from a host that runs nodes
 FromLive = Pulse | Ended  # from a host that runs a node in real time
 FromRadio = Tuned | HeardNow
 FromScript = Ended | Loaded | Predicted  # from a host that runs scripts

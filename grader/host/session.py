@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 
 from . import kernel as kernel_module
-from .frames import MARK, MAX_PUBLISHED, Run, Settled, Start
+from .frames import MARK, MAX_LEAD, MAX_PUBLISHED, Run, Settled, Slept, Start
 from .wire import Wire, ended, flush_output
 
 FLOODED = f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time"
@@ -26,6 +26,7 @@ class Session(kernel_module.World):
         self._wire = Wire(read_fd, write_fd)
         self._marked = -1
         self._looks = 0
+        self._starting = False  # a first try, to learn how long the program's start-up takes
         self.kernel: kernel_module.Kernel
         self.bridge: Any = None
         self.clocks: Any = None
@@ -38,9 +39,23 @@ class Session(kernel_module.World):
             raise ValueError("the first frame must say what to run")
         return frame
 
+    def begin(self, lead: int) -> None:
+        """Begin `lead` [ns] before the scenario; 0: find out how long before is needed.
+
+        A robot that is switched on waits for its node. So the time in which a program sleeps before
+        it first waits for work or speaks must not be the scenario's: the judge is told of it, and
+        starts the program anew, so much earlier.
+        """
+        self.kernel.now = -lead
+        self._starting = lead == 0 and self.programs is None
+        self.until = MAX_LEAD if self._starting else 0
+
     def settled(self) -> None:
         """Collect what was published at this moment."""
-        self.bridge.collect(self.kernel.now)
+        kernel = self.kernel
+        self.bridge.collect(self._time())
+        if self._starting and (kernel.looks or self.bridge.published or not kernel.asleep):
+            self._end_start()
 
     def moved(self) -> None:
         """Time has moved: tell the clocks, and mark the output."""
@@ -55,6 +70,8 @@ class Session(kernel_module.World):
     def exchange(self) -> None:
         """Report to the judge; wait for its messages and its next moment."""
         bridge = self.bridge
+        if self._starting:
+            self._end_start()
         if bridge.overflow:
             self.end("flooded", FLOODED)
             os._exit(0)
@@ -77,10 +94,10 @@ class Session(kernel_module.World):
 
     def end(self, kind: str, text: str, detail: str = "") -> None:
         """Say that the student's program is over."""
-        frame = ended(kind, text, detail, self.kernel.now)
+        frame = ended(kind, text, detail, self._time())
         if self.bridge is not None:
             with contextlib.suppress(Exception):
-                self.bridge.collect(self.kernel.now)
+                self.bridge.collect(self._time())
             frame = msgspec.structs.replace(
                 frame, published=self.bridge.take(), endpoints=self.bridge.new_endpoints()
             )
@@ -93,11 +110,21 @@ class Session(kernel_module.World):
 
     def mark(self) -> None:
         """Note the time in stdout and stderr, if it has changed."""
-        if self.kernel.now == self._marked:
+        if self._time() == self._marked:
             return
-        self._marked = self.kernel.now
+        self._marked = self._time()
         flush_output()
         line = f"{MARK}{self._marked}\n".encode()
         for fd in (1, 2):
             with contextlib.suppress(OSError):
                 os.write(fd, line)
+
+    def _end_start(self) -> None:
+        if self.kernel.now > 0:
+            self._wire.send(Slept(self.kernel.now))
+            os._exit(0)
+        self._starting, self.until = False, 0
+
+    def _time(self) -> int:
+        """Return the scenario's time [ns]; it stands at 0 until the program has started."""
+        return 0 if self._starting else max(0, self.kernel.now)

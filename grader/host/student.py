@@ -23,6 +23,7 @@ def run(session: Session, start: Start) -> None:
     random.seed(start.seed)
     sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
     if len(start.programs) == 1 and start.programs[0].start == 0:
+        session.begin(start.lead)
         session.end(*run_file(start.programs[0]))
         return
     from .programs import Programs  # noqa: PLC0415  (needs rclpy)

@@ -25,14 +25,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.exercises import find_exercise
-from grader.grading import Grading, grade, grade_live
+from grader.grading import Grading, grade, grade_submission
 from grader.host.isolation import CALLS, USER
 from grader.host.privileges import USERS
 from grader.launch import Nursery
 from grader.recording import Recording
 from grader.submission import Submission
 from grader.trial import Limits
-from grader.trials import LiveTrials
+from grader.trials import NodeTrials
 from sim.scenario import Scenario
 
 HERE = Path(__file__).resolve().parent
@@ -85,7 +85,7 @@ def claim(path: Path) -> Claim:
     return Claim(path, int(found["score"]), outcomes, found.get("full") == "yes")
 
 
-class Hasty(LiveTrials):
+class Hasty(NodeTrials):
     """Trials without a second look, in real time, at what hung."""
 
     def _look_again(self, scenario: Scenario, virtual: Recording) -> Recording:
@@ -139,7 +139,7 @@ class Arena:
         """Grade a submission with all checks, or with some."""
         submission, only = self.submission(path), () if everything else SOME
         if not hasty:
-            return grade_live(EXERCISE, submission, nursery, file=path.name, only=only)
+            return grade_submission(EXERCISE, submission, nursery, file=path.name, only=only)
         with Hasty(submission, nursery, limits=HASTY) as trials:
             return grade(EXERCISE, trials, file=path.name, only=only)
 

@@ -26,7 +26,7 @@ from arena import (
 from rich.console import Console
 
 from grader.exercises import find_exercise
-from grader.grading import Grading, grade_live
+from grader.grading import Grading, grade_submission
 from grader.launch import Nursery
 from grader.plugin import UNJUDGED
 from grader.report import page_html, page_payload
@@ -37,9 +37,6 @@ from sim.messages import EPOCH_NS
 from sim.scenario import load_scenario
 
 NEXT = load_scenario("avoid_zones")
-UNFAIR = {  # honest ones that lose points today, and why
-    "sleeps_while_imported": "the scenario begins before the node spins, and its time runs",
-}
 BENCHES = ("clear_zone", "slow_zone", "stop_zone", "infinite_readings", "invalid_readings", "blind")
 FEEDBACK = [path for path in HOSTILE if path.stem.startswith("feedback_")]
 
@@ -110,20 +107,12 @@ def assert_judged(grading: Grading, outcomes: frozenset[str]) -> None:
         assert {recording.outcome.kind for recording in grading.recordings} <= outcomes
 
 
-def honest() -> list[Any]:
-    """Return the honest submissions, as parameters of a test."""
-    unfair = {
-        name: [pytest.mark.xfail(reason=reason, strict=True)] for name, reason in UNFAIR.items()
-    }
-    return [pytest.param(path, id=path.stem, marks=unfair.get(path.stem, [])) for path in HONEST]
-
-
-@pytest.mark.parametrize("path", honest())
+@pytest.mark.parametrize("path", HONEST, ids=lambda path: path.stem)
 def test_an_odd_but_honest_submission_loses_nothing(
     path: Path, arena: Arena, nursery: Nursery
 ) -> None:
     only = () if FULL else BENCHES
-    grading = grade_live(EXERCISE, arena.submission(path), nursery, file=path.name, only=only)
+    grading = grade_submission(EXERCISE, arena.submission(path), nursery, file=path.name, only=only)
 
     assert [(c.id, c.message) for c in grading.checks if c.outcome != "pass"] == []
     assert arena.said(grading.recordings) == []
@@ -142,7 +131,7 @@ def test_a_model_with_a_payload_gains_nothing(arena: Arena, nursery: Nursery) ->
     others = (HERE / "training" / script, *beside)
     submission = Submission(exercise.folder / controller, "", others)
     only = ("training_runs", "model_loads", "onnx_form")
-    grading = grade_live(exercise, submission, nursery, file=controller, only=only)
+    grading = grade_submission(exercise, submission, nursery, file=controller, only=only)
 
     assert arena.said(grading.recordings) == []
     assert arena.losses() == []
@@ -151,7 +140,7 @@ def test_a_model_with_a_payload_gains_nothing(arena: Arena, nursery: Nursery) ->
 
 
 def test_after_all_attacks_the_reference_has_full_marks(nursery: Nursery, digest: str) -> None:
-    grading = grade_live(EXERCISE, REFERENCE, nursery, file="reference.py")
+    grading = grade_submission(EXERCISE, REFERENCE, nursery, file="reference.py")
 
     assert (grading.score, grading.max_score, grading.faulty) == (100, 100, False)
     assert digest in [recording.digest() for recording in grading.recordings]
@@ -161,7 +150,7 @@ def test_after_all_attacks_the_reference_has_full_marks(nursery: Nursery, digest
 def test_feedback_is_text_and_nothing_else(path: Path, arena: Arena, nursery: Nursery) -> None:
     """What a submission says is shown, but it can't become part of a page or steer a terminal."""
     submission = arena.submission(path)
-    grading = grade_live(EXERCISE, submission, nursery, file=path.name, only=SOME)
+    grading = grade_submission(EXERCISE, submission, nursery, file=path.name, only=SOME)
     result = grading.as_dict()
     page = page_html(page_payload(result, grading.recordings, path.name))
     screen = io.StringIO()

@@ -131,7 +131,7 @@ def test_a_trial_that_never_was(recording: Recording, tmp_path: Path) -> None:
 
 
 def test_cpu_times_may_be_unknown(recording: Recording, tmp_path: Path) -> None:
-    unknown = Compute(np.array([0.5]), np.array([0.1]), np.array([np.nan]))
+    unknown = Compute(np.array([0.5]), np.array([0.1]), np.array([np.nan]), np.zeros(1))
     loaded = bag.load(bag.save(replace(recording, compute=unknown), tmp_path / "bag"))
 
     np.testing.assert_array_equal(loaded.compute.cpu, [np.nan])

@@ -27,7 +27,7 @@ from grader.log import LogLine
 from grader.recording import Endpoint, ModelAnswers, Outcome, Recording, ScriptRun
 from grader.report import json_text
 from grader.submission import find_submission
-from grader.trials import LiveTrials
+from grader.trials import NodeTrials
 from grader.verdict import CheckFailed, Inconclusive
 from sim.messages import EPOCH_NS, STRING, TWIST, Message, decode, encode, typestore
 
@@ -347,7 +347,7 @@ def recordings_of(exercise: Exercise, nursery: Nursery, checks: list[Any]) -> di
     file = exercise.solutions / exercise.files[0]
     submission = find_submission(file, exercise.files[0], exercise.files[1:])
     names = list(dict.fromkeys(name for check in checks for name in mark(check)["scenarios"]))
-    with LiveTrials(submission, nursery) as trials:
+    with NodeTrials(submission, nursery) as trials:
         trials.prepare(names)
         return {name: trials.get(name) for name in names}
 

@@ -13,13 +13,13 @@ from conftest import PREAMBLE, RunNode, short
 
 from grader import bag
 from grader.exercises import find_exercise
-from grader.grading import grade_live
+from grader.grading import grade_submission
 from grader.launch import Nursery
 from grader.live import run_live_trial
 from grader.recording import Recording
 from grader.submission import Submission
 from grader.trial import Limits
-from grader.trials import LiveTrials
+from grader.trials import NodeTrials
 from sim.messages import EPOCH_NS
 from sim.scenario import Scenario, ScriptEvent
 
@@ -230,7 +230,7 @@ def test_it_is_graded_in_real_time_and_the_report_says_so(nursery: Nursery, tmp_
 """
     file = tmp_path / exercise.files[0]
     file.write_text(source.replace(spin, own))
-    grading = grade_live(exercise, Submission(file), nursery, file=file.name, only=["clear_zone"])
+    grading = grade_submission(exercise, Submission(file), nursery, file=file.name, only=["clear_zone"])
 
     outcomes = {check.id: check.outcome for check in grading.checks}
     assert "fail" not in outcomes.values()
@@ -244,7 +244,7 @@ def test_a_busy_wait_runs_in_real_time(nursery: Nursery, tmp_path: Path) -> None
     file = tmp_path / "node.py"
     file.write_text(PREAMBLE + textwrap.dedent(UNVIRTUAL["while not done"]))
     limits = Limits(start=1.0, step=1.0, total=5.0)
-    with LiveTrials(Submission(file), nursery, limits=limits) as trials:
+    with NodeTrials(Submission(file), nursery, limits=limits) as trials:
         first, second = trials.get("avoid_infinity"), trials.get("avoid_blind")
 
     for recording in (first, second):
@@ -268,7 +268,7 @@ def test_a_node_that_hangs_in_real_time_too_has_hung(
         rclpy.init(); rclpy.spin(Stuck())
         """)
     )
-    grading = grade_live(exercise, Submission(file), nursery, file=file.name, only=["wiring"])
+    grading = grade_submission(exercise, Submission(file), nursery, file=file.name, only=["wiring"])
 
     (check,) = grading.checks
     assert (check.outcome, check.actual) == ("fail", "hung")
@@ -295,7 +295,7 @@ def test_a_node_that_never_gets_started_is_not_run_again_and_again(
     monkeypatch.setattr("grader.live.START_LIMIT", 0.5)
     file = tmp_path / "node.py"
     file.write_text("while True: pass")
-    with LiveTrials(Submission(file), nursery, limits=Limits(start=0.5, step=1.0)) as trials:
+    with NodeTrials(Submission(file), nursery, limits=Limits(start=0.5, step=1.0)) as trials:
         first = trials.get("avoid_infinity")
         monkeypatch.setattr("grader.trials.run_trial", None)
         second = trials.get("avoid_blind")

@@ -10,7 +10,7 @@ import pytest
 
 from grader.batch.row import StoredResult
 from grader.exercises import ROOT, find_exercise
-from grader.grading import grade_live
+from grader.grading import grade_submission
 from grader.launch import Nursery
 from grader.results import ResultOptions, write_results
 from grader.results.items import item_analysis
@@ -38,7 +38,7 @@ def graded(
         file = exercise.solutions / name
         # replays of one are enough here, and quick
         bags = out / "recordings" / student / slug if student == "ben" else None
-        grading = grade_live(
+        grading = grade_submission(
             exercise, find_submission(file), nursery, file=str(file), bags=bags, field=True
         )
         results.append(

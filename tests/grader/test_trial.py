@@ -14,7 +14,15 @@ from conftest import RunNode, short
 from fake_host import FakeHost, frame, settled
 
 from grader import link, tape, trial
-from grader.host.frames import MAX_NAME, MAX_PUBLISHED, Ended, EndpointReport, Published, encode
+from grader.host.frames import (
+    MAX_NAME,
+    MAX_PUBLISHED,
+    Ended,
+    EndpointReport,
+    Published,
+    Slept,
+    encode,
+)
 from grader.recording import Recording
 from grader.submission import Submission
 from grader.trial import Limits, run_trial
@@ -54,6 +62,61 @@ def test_the_robot_follows_its_commands(run_node: RunNode) -> None:
     assert recording.truth.t[np.argmax(recording.truth.v > 0)] / 1e9 == pytest.approx(
         0.12, abs=0.021
     )
+
+
+def test_a_program_that_sleeps_before_it_spins_misses_nothing(run_node: RunNode) -> None:
+    echo = """
+        class Echo(Node):
+            def __init__(self):
+                super().__init__('echo')
+                self.publisher = self.create_publisher(String, '/said', 10)
+                self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
+                self.create_timer(0.25, lambda: self.say('timer'))
+                print('ready', flush=True)
+            def on_scan(self, scan):
+                sent = scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec
+                self.say(f'scan of {(self.get_clock().now().nanoseconds - sent) / 1e6:.0f} ms ago')
+            def say(self, text):
+                self.publisher.publish(String(data=f'{text} {time.time():.3f}'))
+        rclpy.init()
+        rclpy.spin(Echo())
+    """
+    source = textwrap.dedent(echo)
+    late = "time.sleep(0.7)\nend = time.time() + 0.3\nwhile time.time() < end: pass\n" + source
+    prompt, asleep = run_node(source, short(1.0)), run_node(late, short(1.0))
+
+    assert asleep.outcome.completed
+    assert asleep.published == prompt.published
+    assert [line.time for line in asleep.log] == [0]
+
+
+@pytest.mark.parametrize(
+    ("source", "kind"),
+    [
+        ("time.sleep(3600); rclpy.init(); rclpy.spin(Node('late'))", "never_spun"),
+        ("time.sleep(1.0); raise ValueError('no')", "exception"),
+        ("time.sleep(1.0); rclpy.init(); Node('mute'); threading.Event().wait()", "never_spun"),
+    ],
+)
+def test_a_program_that_sleeps_and_never_spins(run_node: RunNode, source: str, kind: str) -> None:
+    assert run_node(source, short(1.0)).outcome.kind == kind
+
+
+def test_a_program_that_speaks_before_it_spins_is_on_time(run_node: RunNode) -> None:
+    recording = run_node(
+        """
+        rclpy.init()
+        node = Node('speaker')
+        publisher = node.create_publisher(String, '/said', 10)
+        publisher.publish(String(data='here'))
+        time.sleep(0.5)
+        publisher.publish(String(data='still here'))
+        rclpy.spin(node)
+        """,
+        short(1.0),
+    )
+
+    assert [message.time for message in recording.published] == [0, 500_000_000]
 
 
 def test_without_commands_it_stands(run_node: RunNode) -> None:
@@ -434,6 +497,8 @@ TIMES = {
         GO, Published(FIRST - 1, "/cmd_vel", TWIST, b"")])],
     "an end in the future": [settled(), encode(Ended(10**9, "returned", "", "", []))],
     "an end in the past": [settled(), settled(FIRST), encode(Ended(0, "returned", "", "", []))],
+    "early for ever": [encode(Slept(10**9))],
+    "early in the middle": [settled(), encode(Slept(10**9))],
     "two answers": [settled() + settled(FIRST)],
     "another kind of end": [frame({"type": "ended", "now": 0, "kind": "completed", "text": "",
                                    "detail": "", "published": []})],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from grader.checks.wiring import require_alive
 from grader.recording import Recording, Scan
 from grader.verdict import fail
 
+CAUTION = 0.05  # [m/s] slower before an obstacle than where the way is free, on average
 ZERO = 1e-6  # [m/s, rad/s] "zero" in every field
 SPEED_TOLERANCE = 1e-3  # [m/s]
 CLEARANCE = 0.2  # [m] to keep from the robot's edge
@@ -164,6 +166,31 @@ def require_distance(recording: Recording) -> None:
             recording=recording,
             help="It has to stop while the nearest distance ahead is still 0.5 m.",
         )
+
+
+def require_caution(recordings: Sequence[Recording]) -> None:
+    """Fail if the node is no slower before an obstacle than where the way is free.
+
+    Without this a node that creeps or stutters blindly would win the points for touching nothing.
+    """
+    found = [answer for recording in recordings for answer in answers(recording)]
+    free, stop = (_mean_speed(found, frozenset({right})) for right in (0.5, 0.0))
+    if free - stop >= CAUTION:  # not so if one of them is NaN: it was never asked for
+        return
+    fail(
+        "the robot touched nothing, but not because of what it saw",
+        expected="fast where the way is free, standing within 0.5 m of an obstacle",
+        actual=f"on average {free:.2f} m/s where it is free, {stop:.2f} m/s within 0.5 m",
+        recording=recordings[0],
+        help="Get clear_zone and stop_zone right first.",
+    )
+
+
+def _mean_speed(found: Sequence[Answer], right: frozenset[float]) -> float:
+    """Return the mean finite speed where the right speed is this one [m/s]; NaN if there is none."""
+    asked = [answer.speed for answer in found if right_speeds(answer.scan) == right]
+    finite = [speed for speed in asked if speed is not None and math.isfinite(speed)]
+    return sum(finite) / len(finite) if finite else math.nan
 
 
 def require_moving_when_free(recording: Recording, patience: float = 1.5) -> None:

@@ -9,6 +9,7 @@ from grader.checks.obstacle_avoidance.evidence import (
     FIELDS,
     ZERO,
     garbage,
+    require_caution,
     require_distance,
     require_moving_when_free,
     require_one_command_each,
@@ -22,6 +23,7 @@ from grader.verdict import fail, inconclusive
 BENCH = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
 DRIVES = ("avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store")
 CALLBACK_LIMIT = 0.1  # [s], p99
+OFTEN = 90  # [%] no machine stalls in every tenth callback without a queue for its CPUs
 LEAST_WAY = 0.5  # [m]
 
 Recordings = tuple[Recording, ...]
@@ -158,6 +160,7 @@ def test_no_contact(recordings: Recordings) -> None:
             recording=recordings[0],
             help="Get clear_zone and drives_on right first.",
         )
+    require_caution(recordings)
 
 
 @pytest.mark.check(points=5, scenarios=DRIVES, needs=("wiring",))
@@ -170,7 +173,8 @@ def test_drives_on(recordings: Recordings) -> None:
 @pytest.mark.check(points=5, scenarios=(*BENCH, *DRIVES), needs=("wiring", "one_command_per_scan"))
 def test_callback_time(recordings: Recordings) -> None:
     """A scan is dealt with in 100 ms, at least 99 times in 100."""
-    wall, cpu = (np.concatenate(part) for part in zip(*map(_costs, recordings), strict=True))
+    costs = (np.concatenate(part) for part in zip(*map(_costs, recordings), strict=True))
+    wall, cpu, queued = costs
     if len(wall) < 200:
         fail(
             f"only {len(wall)} scans were dealt with before the node ended",
@@ -180,13 +184,16 @@ def test_callback_time(recordings: Recordings) -> None:
     p99 = float(np.percentile(wall, 99))
     if p99 <= CALLBACK_LIMIT:
         return
-    own = float(np.percentile(np.fmin(wall, cpu), 99))  # without the time spent waiting for a CPU
-    if own <= CALLBACK_LIMIT:
+    own = float(np.percentile(np.fmin(wall, cpu), 99))  # computed, not waited for anything
+    often = float(np.percentile(wall - queued, OFTEN))  # other than for a CPU
+    if max(own, often) <= CALLBACK_LIMIT:
         inconclusive("the machine stalled while the callbacks were being measured")
     fail(
         "the scan callback takes too long",
         expected=f"at most {1000 * CALLBACK_LIMIT:.0f} ms (p99)",
-        actual=f"{1000 * own:.0f} ms (p99 of {len(wall)} calls)",
+        actual=f"{1000 * own:.0f} ms (p99 of {len(wall)} calls)"
+        if own > CALLBACK_LIMIT
+        else f"at least {1000 * often:.0f} ms in {100 - OFTEN} of 100 calls, mostly spent waiting",
         help="At 10 Hz the next scan comes after 100 ms. What in the callback costs the time?",
     )
 
@@ -197,8 +204,8 @@ def _way(recording: Recording) -> float:
     return float(np.hypot(np.diff(truth.x), np.diff(truth.y)).sum())
 
 
-def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """Return wall and CPU time [s] of each exchange that began with a scan."""
+def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return wall time, CPU time, wait for a CPU [s] of each exchange that began with a scan."""
     compute = recording.compute
     with_scan = np.isin(compute.time, recording.times("/scan"))
-    return compute.wall[with_scan], compute.cpu[with_scan]
+    return compute.wall[with_scan], compute.cpu[with_scan], compute.queued[with_scan]

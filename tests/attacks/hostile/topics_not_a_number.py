@@ -1,10 +1,7 @@
 """Command NaN and infinity, which compare false with everything that is checked.
 
-Ten points more than for a constant speed: a robot that drives by fits and starts, blind, touches
-nothing in these worlds (no_contact).
-
 gains: nothing
-score: 30
+score: 20
 outcome: completed
 """
 
