@@ -37,7 +37,9 @@ def _grade_often(exercise: Exercise, nursery: Nursery) -> int:
         start = time.perf_counter()
         with _load(loaded):
             for _ in range(GRADINGS // 2):
-                grading = grade_submission(exercise, submission, nursery, file=file.name, field=True)
+                grading = grade_submission(
+                    exercise, submission, nursery, file=file.name, field=True
+                )
                 scores.add(grading.score)
                 for recording in grading.recordings:
                     seen.setdefault(recording.name, set()).add(recording.digest())

@@ -29,6 +29,7 @@ from grader.plugin import (
 from grader.recording import Recording
 from grader.submission import Submission
 from grader.trials import NodeTrials, Trials
+from grader.watch import Watch, nobody
 
 ATTEMPTS = 2
 REPORTED_PACKAGES = (
@@ -115,6 +116,7 @@ def grade(
     field: bool = False,
     only: Iterable[str] = (),
     isolation: str = "",
+    watch: Watch = nobody,
 ) -> Grading:
     """Run the checks of `exercise` over the recordings of `trials`.
 
@@ -127,7 +129,7 @@ def grade(
     """
     import pytest  # noqa: PLC0415  (0.1 s)
 
-    plugin = CheckPlugin(trials, field=field, only=only)
+    plugin = CheckPlugin(trials, field=field, only=only, watch=watch)
     with _undisturbed():
         code = pytest.main(_arguments(exercise), plugins=[plugin])
     if plugin.interrupted:
@@ -157,6 +159,7 @@ def grade_submission(
     seed: int | None = None,
     bags: Path | None = None,
     tier: int = 1,
+    watch: Watch = nobody,
 ) -> Grading:
     """Run the student's node and judge it; a machine that stalled gets a second try.
 
@@ -169,7 +172,9 @@ def grade_submission(
     """
     only = tuple(only)
     for _ in range(ATTEMPTS):
-        with NodeTrials(submission, nursery, seed=seed, bags=bags, real_time=tier == 2) as trials:
+        with NodeTrials(
+            submission, nursery, seed=seed, bags=bags, real_time=tier == 2, watch=watch
+        ) as trials:
             grading = grade(
                 exercise,
                 trials,
@@ -178,6 +183,7 @@ def grade_submission(
                 field=field,
                 only=only,
                 isolation=nursery.isolation,
+                watch=watch,
             )
         if tier == 2 or not any(check.outcome == INCONCLUSIVE for check in grading.checks):
             break  # a trial in real time has had its second try already
@@ -211,6 +217,8 @@ def _arguments(exercise: Exercise) -> list[str]:
         "-p", "no:terminal",
         "-p", "no:cacheprovider",
         "-p", "no:faulthandler",
+        "-p", "no:unraisableexception",  # it collects garbage twice, 40 ms each
+        "-p", "no:threadexception",
     ]  # fmt: skip
 
 

@@ -23,6 +23,7 @@ from grader.errors import GraderError, InputError
 from grader.recording import Recording
 from grader.trials import NoRecording, Trials
 from grader.verdict import CheckFailed, Inconclusive, inconclusive
+from grader.watch import CHECK, Watch, nobody
 
 PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
 UNAVAILABLE = "unavailable"  # an optional library that it is about is not installed here
@@ -73,10 +74,13 @@ class CheckResult:
 class CheckPlugin:
     """Collects the checks, feeds them recordings and writes down their outcomes."""
 
-    def __init__(self, trials: Trials, *, field: bool, only: Iterable[str] = ()) -> None:
+    def __init__(
+        self, trials: Trials, *, field: bool, only: Iterable[str] = (), watch: Watch = nobody
+    ) -> None:
         self._trials = trials
         self._field = field
         self._only = tuple(only)
+        self._watch = watch
         self._checks: dict[str, Check] = {}  # by node id
         self._lacks: dict[str, str] = {}  # by check id: which libraries are not here
         self.results: dict[str, CheckResult] = {}  # by check id
@@ -141,6 +145,7 @@ class CheckPlugin:
             self.results[check.id] = _judge(check, self._excused(check, call.excinfo.value))
         elif call.when == "call":
             self.results[check.id] = _result(check, PASS)
+        self._watch(CHECK, len(self.results), len(self._checks))
 
     def _excused(self, check: Check, error: BaseException) -> BaseException:
         """Return the error, unless the machine stalled: then nobody knows whose fault it is."""

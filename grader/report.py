@@ -19,7 +19,7 @@ from grader.terminal import render_terminal
 if TYPE_CHECKING:
     from grader.recording import Recording
 
-__all__ = ["json_text", "page_html", "page_payload", "render_terminal", "replay_payload"]
+__all__ = ["embedded_payload", "json_text", "page_html", "page_payload", "render_terminal", "replay_payload"]
 
 JsonDict = dict[str, Any]
 
@@ -59,6 +59,14 @@ def page_payload(
         "title": title,
         "generated_by": GENERATED_BY,
     }
+
+
+def embedded_payload(
+    checks: Sequence[Mapping[str, Any]], recordings: Sequence[Recording], title: str
+) -> JsonDict:
+    """Only the replays, for a frame in a notebook that starts at the first one's first moment."""
+    page = page_payload({"checks": checks}, recordings, title)
+    return {**page, "grading": None, "embedded": True}
 
 
 def page_html(payload: Mapping[str, Any]) -> str:

@@ -1,9 +1,9 @@
-"""Show a grading in the terminal: a table, what went wrong, the score."""
+"""Show a grading in the terminal: a table, what went wrong, the score. Notebooks use its words."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -26,6 +26,8 @@ OUTCOMES = {  # outcome: sign, sign on an ASCII terminal, word, style
 }
 SKIPPED = ("skip", "unavailable")
 UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
+PROVISIONAL = "provisional"
+PROVISIONAL_WHY = ": a check could not be judged, so a person has to look"
 MAX_WIDTH = 110  # longer lines are hard to read
 MAX_TEXT = 1200  # [characters] of one message; the page has all of it
 
@@ -51,12 +53,9 @@ def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
             console.print(Padding(_table(group, console), (0, 0, 0, 1)), width=width)
     console.print()
     console.print(_score_line(grading, console, width), width=width)
-    if absent := _points_out_of_reach(checks):
-        said = (
-            f"        {_points(absent)} more points are about libraries that are not installed here"
-        )
-        console.print(Text(said, style="yellow"), width=width)
-    console.print(_field_line(grading, checks, console), width=width)
+    for note in score_notes(grading):
+        console.print(Text(f"        {note}", style="yellow"), width=width)
+    console.print(_field_line(grading, console), width=width)
     for note in grading.get("notes", ()):
         console.print(
             Padding(Text(printable(note, console), style="yellow"), (0, 0, 0, 8)), width=width
@@ -97,11 +96,94 @@ def render_diagnosis(found: Diagnosis, console: Console) -> None:
 
 def printable(text: Any, console: Console) -> str:
     """Student text without escape sequences, control characters or what can't be encoded."""
-    clean = _CONTROLS.sub("", _ESCAPES.sub("", str(text).replace("\r\n", "\n"))).expandtabs(4)
-    if len(clean) > MAX_TEXT:
-        clean = clean[: MAX_TEXT - 2].rstrip() + " …"
     encoding = console.encoding or "utf-8"
-    return clean.encode(encoding, "replace").decode(encoding)
+    return plain(text).encode(encoding, "replace").decode(encoding)
+
+
+def plain(text: Any) -> str:
+    """Student text without escape sequences and control characters, and not too long."""
+    clean = _CONTROLS.sub("", _ESCAPES.sub("", str(text).replace("\r\n", "\n"))).expandtabs(4)
+    return clean if len(clean) <= MAX_TEXT else clean[: MAX_TEXT - 2].rstrip() + " …"
+
+
+# --- what is said, wherever it is shown ----------------------------------------------------------
+
+
+def group_fact(kind: str, group: Sequence[Check]) -> str:
+    """Say how a group of checks, `core` or `field`, went."""
+    if kind != "core":
+        return f"{_passed(group)} of {len(group)} passed, no points"
+    judged = (check for check in group if check["outcome"] not in UNJUDGED)
+    most = sum(check["max_points"] for check in judged)
+    return f"{spell_points(sum(check['points'] for check in group))} of {spell_points(most)} points"
+
+
+def points_of(check: Check) -> str:
+    """Say what a check gave; "-" if it was not judged."""
+    if check.get("kind") == "field" or not check.get("max_points"):
+        return ""
+    if check["outcome"] in UNJUDGED:
+        return "-"
+    return f"{spell_points(check['points'])}/{spell_points(check['max_points'])}"
+
+
+def facts_of(check: Check) -> list[tuple[str, str]]:
+    """Return what is known of a check that did not pass: name, text."""
+    facts = [("expected", check.get("expected")), ("actual", check.get("actual"))]
+    time, scenario = check.get("time"), check.get("scenario")
+    if time is not None:
+        facts.append(("when", f"{time:.2f} s" + (f" in {scenario}" if scenario else "")))
+    elif scenario and check["outcome"] not in SKIPPED:
+        facts.append(("run", str(scenario)))
+    facts.append(("next", check.get("help")))
+    return [(name, str(text)) for name, text in facts if text]
+
+
+def with_details(checks: Iterable[Check]) -> Iterator[tuple[Check, bool]]:
+    """Yield checks, and whether to say more of each: a reason for skipping is said once."""
+    reason = ""  # of the last skipped check
+    for check in checks:
+        skipped = check["outcome"] in SKIPPED
+        yield check, check["outcome"] != "pass" and not (skipped and check.get("message") == reason)
+        reason = check.get("message", "") if skipped else ""
+
+
+def share_of(grading: Mapping[str, Any]) -> float:
+    """Return the part of the points that was won, 0 … 1."""
+    score, most = grading.get("score") or 0, grading.get("max_score") or 0
+    return float(min(1.0, max(0.0, score / most))) if most else 0.0
+
+
+def score_of(grading: Mapping[str, Any]) -> str:
+    """Say the score."""
+    score, most = (grading.get(key) or 0 for key in ("score", "max_score"))
+    return f"{spell_points(score)} / {spell_points(most)}"
+
+
+def score_notes(grading: Mapping[str, Any]) -> list[str]:
+    """Return what else a reader of the score should know."""
+    checks = grading.get("checks", [])
+    absent = sum(float(c["max_points"]) for c in checks if c["outcome"] == "unavailable")
+    said = f"{spell_points(absent)} more points are about libraries that are not installed here"
+    return [said] if absent else []
+
+
+def field_words(grading: Mapping[str, Any]) -> tuple[str, str]:
+    """Return what is said of the field checks: the word, and the rest of the sentence."""
+    field = [check for check in grading.get("checks", []) if check.get("kind") == "field"]
+    if grading.get("field_ready"):
+        return "field-ready", ": works on other sensors and networks too"
+    if grading.get("field_ready") is None:
+        return "", "field checks were not run"
+    return "", f"not field-ready yet ({_passed(field)} of {len(field)} field checks passed)"
+
+
+def spell_points(points: float) -> str:
+    """Return points as they are written."""
+    return f"{points:g}"
+
+
+# --- the terminal --------------------------------------------------------------------------------
 
 
 def _heading(grading: Mapping[str, Any], console: Console) -> Text:
@@ -121,14 +203,7 @@ def _tier(grading: Mapping[str, Any]) -> str:
 def _group_title(kind: str, group: Sequence[Check], console: Console) -> Text:
     title = Text(" ")
     title.append("Core" if kind == "core" else "Field", style="bold")
-    if kind == "core":
-        points = _points(sum(check["points"] for check in group))
-        judged = (check for check in group if check["outcome"] not in UNJUDGED)
-        most = _points(sum(check["max_points"] for check in judged))
-        fact = f"{points} of {most} points"
-    else:
-        fact = f"{_passed(group)} of {len(group)} passed, no points"
-    title.append(_dot(console) + fact, style="dim")
+    title.append(_dot(console) + group_fact(kind, group), style="dim")
     return title
 
 
@@ -137,16 +212,12 @@ def _table(checks: Iterable[Check], console: Console) -> Table:
     table.add_column(width=8, no_wrap=True)
     table.add_column(ratio=1)
     table.add_column(width=7, justify="right", no_wrap=True)
-    reason = ""  # of the last skipped check: said once
-    for check in checks:
+    for check, more in with_details(checks):
         sign, ascii_sign, word, style = OUTCOMES.get(check["outcome"], OUTCOMES["error"])
         outcome = Text(f"{ascii_sign if _ascii(console) else sign} {word}", style=style)
-        table.add_row(outcome, _title(check, console), _points_of(check))
-        skipped = check["outcome"] in SKIPPED
-        skipped_again = skipped and check.get("message") == reason
-        if check["outcome"] != "pass" and not skipped_again:
+        table.add_row(outcome, _title(check, console), Text(points_of(check), style="dim"))
+        if more:
             _add_details(table, check, console)
-        reason = check.get("message", "") if skipped else ""
     return table
 
 
@@ -155,21 +226,13 @@ def _title(check: Check, console: Console) -> Text:
     return Text(printable(check["title"], console), style=style)
 
 
-def _points_of(check: Check) -> Text:
-    if check.get("kind") == "field" or not check.get("max_points"):
-        return Text("")
-    if check["outcome"] in UNJUDGED:
-        return Text("-", style="dim")
-    return Text(f"{_points(check['points'])}/{_points(check['max_points'])}", style="dim")
-
-
 def _add_details(table: Table, check: Check, console: Console) -> None:
     if check.get("message"):
         table.add_row("", Text(printable(check["message"], console)), "")
     facts = Table.grid(padding=(0, 2, 0, 0))
     facts.add_column(width=8, no_wrap=True, style="dim")
     facts.add_column()
-    for name, text in _facts(check):
+    for name, text in facts_of(check):
         facts.add_row(name, Text(printable(text, console)))
     if facts.row_count:
         table.add_row("", facts, "")
@@ -177,59 +240,33 @@ def _add_details(table: Table, check: Check, console: Console) -> None:
         table.add_row("", "", "")
 
 
-def _facts(check: Check) -> list[tuple[str, str]]:
-    facts = [("expected", check.get("expected")), ("actual", check.get("actual"))]
-    time, scenario = check.get("time"), check.get("scenario")
-    if time is not None:
-        facts.append(("when", f"{time:.2f} s" + (f" in {scenario}" if scenario else "")))
-    elif scenario and check["outcome"] not in SKIPPED:
-        facts.append(("run", str(scenario)))
-    facts.append(("next", check.get("help")))
-    return [(name, str(text)) for name, text in facts if text]
-
-
 def _score_line(grading: Mapping[str, Any], console: Console, width: int) -> Text:
-    score, most = grading.get("score") or 0, grading.get("max_score") or 0
-    share = min(1.0, max(0.0, score / most)) if most else 0.0
+    share = share_of(grading)
     cells = min(40, max(10, width - 34))
     full = round(share * cells)
     done, rest = ("#", ".") if _ascii(console) else ("█", "░")
     line = Text(" Score  ")
-    line.append(f"{_points(score)} / {_points(most)}", style="bold")
+    line.append(score_of(grading), style="bold")
     line.append("  ")
     line.append(done * full, style="green" if share >= 1 else "cyan")
     line.append(rest * (cells - full), style="dim")
     if grading.get("provisional"):
-        line.append("\n        provisional", style="bold magenta")
-        line.append(": a check could not be judged, so a person has to look", style="dim")
+        line.append(f"\n        {PROVISIONAL}", style="bold magenta")
+        line.append(PROVISIONAL_WHY, style="dim")
     return line
 
 
-def _points_out_of_reach(checks: Sequence[Check]) -> float:
-    return sum(float(c["max_points"]) for c in checks if c["outcome"] == "unavailable")
-
-
-def _field_line(grading: Mapping[str, Any], checks: Sequence[Check], console: Console) -> Text:
-    field = [check for check in checks if check.get("kind") == "field"]
+def _field_line(grading: Mapping[str, Any], console: Console) -> Text:
+    word, rest = field_words(grading)
     line = Text(" Field  ")
-    ready = grading.get("field_ready")
-    if ready:
-        line.append(("* " if _ascii(console) else "★ ") + "field-ready", style="bold green")
-        line.append(": works on other sensors and networks too", style="dim")
-    elif ready is None:
-        line.append("field checks were not run", style="dim")
-    else:
-        line.append("not field-ready yet")
-        line.append(f" ({_passed(field)} of {len(field)} field checks passed)", style="dim")
+    if word:
+        line.append(("* " if _ascii(console) else "★ ") + word, style="bold green")
+    line.append(rest, style="dim")
     return line
 
 
 def _passed(checks: Sequence[Check]) -> int:
     return sum(check["outcome"] == "pass" for check in checks)
-
-
-def _points(points: float) -> str:
-    return f"{points:g}"
 
 
 def _ascii(console: Console) -> bool:

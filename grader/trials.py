@@ -21,6 +21,7 @@ from grader.submission import Submission
 from grader.tape import not_run
 from grader.training import Trained, run_training
 from grader.trial import Limits, prepared, run_trial
+from grader.watch import TRIAL, Watch, nobody
 from sim.difficulty import comparable_seed
 from sim.scenario import Scenario, load_scenario
 
@@ -59,6 +60,7 @@ class NodeTrials:
     bags: Path | None = None
     limits: Limits = field(default_factory=Limits)
     real_time: bool = False  # Tier 2: all trials in wall-clock time, on DDS
+    watch: Watch = nobody
     _futures: dict[str, Future[Recording]] = field(default_factory=dict)
     _trained: dict[str, Future[Trained]] = field(default_factory=dict)
     _seeds: dict[str, int] = field(default_factory=dict)  # by scenario
@@ -91,6 +93,8 @@ class NodeTrials:
             self._train(needed)
         for name, scenario in new.items():
             self._futures[name] = self._pool.submit(self._run, scenario)
+        for name in new:  # when all are there: their number is told too
+            self._futures[name].add_done_callback(self._tell)
 
     def get(self, scenario: str) -> Recording:
         """Return the recording of a scenario, when its trial is over."""
@@ -110,6 +114,10 @@ class NodeTrials:
         if scenario.name not in self._seeds:
             self._seeds[scenario.name] = trial_seed(scenario, self.seed)
         return self._seeds[scenario.name]
+
+    def _tell(self, _: Future[Recording]) -> None:
+        futures = list(self._futures.values())
+        self.watch(TRIAL, sum(future.done() for future in futures), len(futures))
 
     def _train(self, name: str) -> None:
         if name in self._trained:

@@ -4,6 +4,7 @@ A `Layout` is what is left of a world file once the seed has thrown the clutter 
 mirrored and rotated everything. The physics, the lidar, the checks and the replay all read it.
 """
 
+import bisect
 import json
 import math
 from dataclasses import dataclass
@@ -33,8 +34,17 @@ class Cart:
 
     def pose(self, seconds: float) -> Pose:
         """Return x [m], y [m] and yaw [rad] at one scenario time [s]."""
-        x, y, yaw = self.poses(np.array([seconds]))[0]
-        return float(x), float(y), float(yaw)
+        times, xs, ys, yaws = self._lists
+        t = seconds
+        if self.loop and len(times) > 1 and t > times[0]:
+            t = times[0] + (t - times[0]) % (times[-1] - times[0])
+        i = min(max(bisect.bisect_right(times, t) - 1, 0), len(times) - 1)
+        yaw = yaws[min(i, len(yaws) - 1)]
+        if t <= times[0] or i == len(times) - 1:
+            return xs[i], ys[i], yaw
+        since, lasts = t - times[i], times[i + 1] - times[i]
+        dx, dy = (xs[i + 1] - xs[i]) / lasts, (ys[i + 1] - ys[i]) / lasts
+        return dx * since + xs[i], dy * since + ys[i], yaw
 
     def corners(self, seconds: Floats) -> Floats:
         """Return the (n, 4, 2) corners in the world [m] at these (n,) scenario times [s]."""
@@ -43,6 +53,12 @@ class Cart:
         turn = np.stack((np.stack((c, s), -1), np.stack((-s, c), -1)), 1)  # (n, 2, 2)
         corners: Floats = self.polygon @ turn + poses[:, None, :2]
         return corners
+
+    @cached_property
+    def _lists(self) -> tuple[list[float], ...]:
+        """Times, x, y and yaws, for one pose at a time: ten times faster than arrays of one."""
+        t, x, y = self.path.T.tolist()
+        return t, x, y, self.yaws.tolist()
 
     @cached_property
     def yaws(self) -> Floats:

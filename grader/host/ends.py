@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import rclpy.node
+from rclpy.parameter import Parameter
 from rclpy.qos import (
     QoSCompatibility,
     QoSProfile,
@@ -48,6 +49,7 @@ class RobotEnds:
             use_global_arguments=False,
             start_parameter_services=False,
             enable_rosout=False,
+            parameter_overrides=[Parameter("start_type_description_service", value=False)],
         )
 
     def listen(self, topic: str, msg_type: Any) -> None:

@@ -6,11 +6,16 @@ replaced. Written against rclpy 7.1 (Jazzy).
 
 from __future__ import annotations
 
+import functools
+import inspect
+import os
 from collections.abc import Callable, Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import rclpy.clock
 import rclpy.executors
+import rclpy.impl.rcutils_logger
 import rclpy.node
 import rclpy.task
 import rclpy.time_source
@@ -62,6 +67,7 @@ def install(kernel: Kernel, epoch: int, bridge: Bridge) -> RosClocks:
     _install_wait_for_message(kernel)
     _install_tasks(kernel)
     _install_clocks(kernel, clocks)
+    _quicken_log()
     return clocks
 
 
@@ -250,3 +256,14 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
         return create_timer(self, timer_period_sec, callback, callback_group, clock, **kwargs)
 
     node_cls.create_timer = virtual_create_timer
+
+
+def _quicken_log() -> None:
+    """Let a log line find its caller's file without looking for the source; that took 0.4 ms."""
+    module: Any = rclpy.impl.rcutils_logger
+    module.inspect = SimpleNamespace(
+        currentframe=inspect.currentframe,
+        getframeinfo=lambda frame: SimpleNamespace(filename=frame.f_code.co_filename),
+    )
+    realpath = functools.lru_cache(os.path.realpath)
+    module.os = SimpleNamespace(path=SimpleNamespace(realpath=realpath, abspath=os.path.abspath))

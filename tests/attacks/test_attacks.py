@@ -7,7 +7,6 @@ attacks`) runs every check.
 import io
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from arena import (

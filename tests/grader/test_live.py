@@ -230,7 +230,9 @@ def test_it_is_graded_in_real_time_and_the_report_says_so(nursery: Nursery, tmp_
 """
     file = tmp_path / exercise.files[0]
     file.write_text(source.replace(spin, own))
-    grading = grade_submission(exercise, Submission(file), nursery, file=file.name, only=["clear_zone"])
+    grading = grade_submission(
+        exercise, Submission(file), nursery, file=file.name, only=["clear_zone"]
+    )
 
     outcomes = {check.id: check.outcome for check in grading.checks}
     assert "fail" not in outcomes.values()
