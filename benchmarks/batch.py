@@ -43,7 +43,8 @@ def main() -> int:
     cpu, wall = median(r.cpu_s for r in results), median(r.wall_s for r in results)
     load = os.getloadavg()[0]
     print(
-        f"{exercise.slug} in full ({'core and field' if given.field else 'core'}, {len(first.grading['recordings'])} trials), "
+        f"{exercise.slug} in full ({'core and field' if given.field else 'core'}, "
+        f"{len(first.grading['recordings'])} trials), "
         f"one warm worker, {len(results)} submissions, load {load:.1f}: "
         f"{cpu:.2f} CPU s and {wall:.2f} s each (medians); the first, cold: {first.cpu_s:.2f} CPU s"
     )

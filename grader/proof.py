@@ -84,7 +84,9 @@ def claims(exercise: Exercise) -> Iterator[Claim]:
 def grade_claim(claim: Claim, nursery: Nursery) -> Grading:
     """Grade a solution with the core and the field checks."""
     with complete(claim) as submission:
-        return grade_submission(claim.exercise, submission, nursery, file=claim.path.name, field=True)
+        return grade_submission(
+            claim.exercise, submission, nursery, file=claim.path.name, field=True
+        )
 
 
 @contextlib.contextmanager

@@ -187,7 +187,7 @@ def require_caution(recordings: Sequence[Recording]) -> None:
 
 
 def _mean_speed(found: Sequence[Answer], right: frozenset[float]) -> float:
-    """Return the mean finite speed where the right speed is this one [m/s]; NaN if there is none."""
+    """Return the mean finite speed where this is the right one [m/s]; NaN if there is none."""
     asked = [answer.speed for answer in found if right_speeds(answer.scan) == right]
     finite = [speed for speed in asked if speed is not None and math.isfinite(speed)]
     return sum(finite) / len(finite) if finite else math.nan
