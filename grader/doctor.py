@@ -22,8 +22,8 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions
 NEEDS: Mapping[str, str] = {  # a layer: what a machine must have for it
     LIMITS: "any Linux",
     USER: "the grader run as root",
-    MOUNTS: "the grader run as root, mount namespaces",
-    NETWORK: "the grader run as root, network namespaces",
+    MOUNTS: "the grader run as root, or user namespaces that anybody may make",
+    NETWORK: "as for mounts",
     FILES: "Landlock: Linux 5.13 or later, built and started with it",
     CALLS: "seccomp filters, on x86_64 or arm64",
 }

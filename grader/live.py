@@ -43,6 +43,7 @@ from grader.launch import HostProcess, Nursery
 from grader.link import Channel, HostDied, HostForged, decoded
 from grader.recording import COMPLETED, Live, Outcome, Recording
 from grader.runqueue import RunQueue
+from grader.scratch import prefix
 from grader.staging import OFFERED, Stage, stage
 from grader.submission import Submission
 from grader.tape import MAX_ENDPOINTS, Command, Flood, Tape, not_run
@@ -248,7 +249,7 @@ class _LiveTrial:
 
     def _open(self) -> None:
         """Start the radio and the programs that run from the beginning."""
-        place = self._hosts.enter_context(tempfile.TemporaryDirectory(prefix="course-"))
+        place = self._hosts.enter_context(tempfile.TemporaryDirectory(prefix=prefix()))
         self._radio = LiveLink(
             self._hosts.enter_context(self._nursery.host(Path(place))), decode_from_radio
         )

@@ -19,7 +19,14 @@ from grader.terminal import render_terminal
 if TYPE_CHECKING:
     from grader.recording import Recording
 
-__all__ = ["embedded_payload", "json_text", "page_html", "page_payload", "render_terminal", "replay_payload"]
+__all__ = [
+    "embedded_payload",
+    "json_text",
+    "page_html",
+    "page_payload",
+    "render_terminal",
+    "replay_payload",
+]
 
 JsonDict = dict[str, Any]
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import os
-import secrets
 import shutil
-import stat
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from grader.errors import InputError
+from grader.scratch import fresh_folder
 
 MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
 
@@ -32,40 +29,6 @@ class Submission:
             for path in (self.path, *self.others):
                 shutil.copyfile(path, folder / path.name)
             yield folder
-
-
-@contextlib.contextmanager
-def fresh_folder() -> Iterator[Path]:
-    """Make a temporary folder that may be given away; it goes when the block ends."""
-    folder = Path(tempfile.mkdtemp(prefix="course-")).resolve()
-    try:
-        yield folder
-    finally:
-        with contextlib.suppress(OSError):
-            remove(folder)
-
-
-def remove(top: Path) -> None:
-    """Remove a folder with all that a student's node has made of it.
-
-    Folders come to the top before they are emptied: they may lie in one another deeper than a path
-    may be long, or Python's stack.
-    """
-    pending = [top]
-    while pending:
-        folder = pending.pop()
-        folder.chmod(stat.S_IRWXU)
-        for entry in list(os.scandir(folder)):
-            if not entry.is_dir(follow_symlinks=False):
-                Path(entry).unlink()
-                continue
-            Path(entry).chmod(stat.S_IRWXU)
-            raised = top / secrets.token_hex(16)
-            Path(entry).rename(raised)
-            pending.append(raised)
-        if folder != top:
-            folder.rmdir()
-    top.rmdir()
 
 
 def find_submission(

@@ -37,7 +37,8 @@ from grader.recording import (
     ScriptRun,
     Training,
 )
-from grader.submission import Submission, fresh_folder
+from grader.scratch import fresh_folder
+from grader.submission import Submission
 from grader.tape import line_without_folder, not_run, without_folder
 from grader.trial import GRACE, status_text
 from sim.scenario import Scenario, TrainingSpec

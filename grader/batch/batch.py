@@ -23,6 +23,7 @@ from grader.batch.work import Unit, UnitResult, isolation_is_enough, judge_saved
 from grader.errors import GraderError, InputError
 from grader.exercises import Exercise, all_exercises, find_exercise
 from grader.results import ResultOptions, write_results
+from grader.scratch import sweep
 from grader.students import student_seed
 
 __all__ = ["Options", "autograde", "isolation_is_enough"]
@@ -86,6 +87,7 @@ def autograde(
     out.mkdir(parents=True, exist_ok=True)
     scratch, parts = out / UNPACKED, out / RECORDINGS / PARTS
     with _locked(out), Store(out / STORE) as store, _emptied(scratch), _emptied(parts):
+        sweep()
         store.give_back()
         candidates = _take_in(submissions, scratch, store, options, regrade)
         if options.retry_held and not regrade:
@@ -100,7 +102,10 @@ def autograde(
         results = store.results()
         notes = [*store.notes(), *_version_notes(results)]
         sources = {key: _sources(candidate) for key, candidate in candidates.items()}
-        write_results(results, out, ResultOptions(hide=options.hide, notes=notes, sources=sources))
+        wanted = ResultOptions(
+            hide=options.hide, notes=notes, sources=sources, workers=options.workers
+        )
+        write_results(results, out, wanted)
         return results
 
 

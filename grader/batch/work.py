@@ -25,6 +25,7 @@ from grader.doctor import foreign_code_problem
 from grader.errors import GraderError, InputError
 from grader.exercises import Exercise, find_exercise
 from grader.launch import Nursery
+from grader.scratch import prefix
 
 UNIT_LIMIT = 2 * 3600.0  # [s] after which a worker gives itself up; trials end long before
 TICK = os.sysconf("SC_CLK_TCK")  # of the times in /proc [1/s]
@@ -164,7 +165,7 @@ def _run(exercise: Exercise, unit: Unit, bags: Path | None) -> dict[str, Any]:
     refusal = "" if unit.trust else isolation_is_enough(nursery)
     if refusal:
         raise GraderError(refusal)
-    with tempfile.TemporaryDirectory(prefix="course-unit-") as name:
+    with tempfile.TemporaryDirectory(prefix=prefix()) as name:
         folder = Path(name)
         for file, data in unit.files.items():
             (folder / file).write_bytes(data)
@@ -202,7 +203,7 @@ def _portable(grading: dict[str, Any]) -> dict[str, Any]:
 
 
 def _room(stack: contextlib.ExitStack) -> Path:
-    return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="course-bags-")))
+    return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix=prefix())))
 
 
 def _packed(folder: Path) -> bytes:

@@ -30,12 +30,17 @@ SYSTEM = (  # what the interpreter and its libraries read besides their own file
 DEVICES = (Path("/dev/null"), Path("/dev/shm"))
 
 
-def prepare(wanted: Collection[str]) -> tuple[str, ...]:
+def begin(wanted: Collection[str]) -> bool:
+    """Come to the right to mounts and networks of one's own; no thread may have been started."""
+    return os.getuid() == 0 or (not {MOUNTS, NETWORK}.isdisjoint(wanted) and privileges.own_user())
+
+
+def prepare(wanted: Collection[str], *, may_mount: bool) -> tuple[str, ...]:
     """Do in the nursery what its hosts need; return the layers that they can have."""
     found = [LIMITS]
-    if os.getuid() == 0:
+    if may_mount:
         mounts = privileges.own_mounts()
-        if USER in wanted and privileges.open_to_others(needed_paths()):
+        if USER in wanted and os.getuid() == 0 and privileges.open_to_others(needed_paths()):
             found.append(USER)
         if MOUNTS in wanted and mounts:
             found.append(MOUNTS)
@@ -57,6 +62,8 @@ def enter(request: Request, *, datagrams: bool) -> None:
     privileges.set_limits()
     if USER in request.layers:
         privileges.drop_to(request.uid)
+    elif os.getuid() != 0:
+        privileges.drop_capabilities()
     sandbox.die_with_parent()
     if FILES in request.layers:
         sandbox.restrict_files(readable_paths(), [folder, *DEVICES])

@@ -87,6 +87,7 @@ def serve(
 
     `layers` are the layers of isolation that the judge wants, if the machine has them.
     """
+    may_mount = isolation.begin(layers)
     body: Body = scripts.serve
     if kind == NODES:
         kernel = kernel_module.Kernel()
@@ -98,7 +99,7 @@ def serve(
         body = _run_live
     _import(libraries)
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
-    control.sendall(msgspec.json.encode(Hello(isolation.prepare(layers))))
+    control.sendall(msgspec.json.encode(Hello(isolation.prepare(layers, may_mount=may_mount))))
     gc.freeze()
     children: dict[int, Child] = {}  # by pidfd
     while True:

@@ -28,7 +28,8 @@ LIMITS = {
 }
 MAX_PROCESSES = 512  # threads count too; of the unprivileged user as a whole
 PRIORITY = -10  # nice value
-CLONE_NEWNS, CLONE_NEWNET = 0x00020000, 0x40000000
+CLONE_NEWNS, CLONE_NEWUSER, CLONE_NEWNET = 0x00020000, 0x10000000, 0x40000000
+CAPABILITY_VERSION = 0x20080522  # _LINUX_CAPABILITY_VERSION_3: two words of each set
 SIOCGIFFLAGS, SIOCSIFFLAGS, IFF_UP = 0x8913, 0x8914, 1
 SHM_SIZE = "64m"
 ROUNDS = 100
@@ -66,8 +67,36 @@ def drop_to(uid: int) -> None:
     os.setresuid(uid, uid, uid)
 
 
+def drop_capabilities() -> None:
+    """Give up for good what `own_user` gave."""
+    header, nothing = struct.pack("Ii", CAPABILITY_VERSION, 0), bytes(24)
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.capset(header, nothing):
+        raise OSError(ctypes.get_errno(), "capset")
+
+
+def own_user() -> bool:
+    """Give this process, of an ordinary user, root's rights over namespaces of its own.
+
+    Some machines forbid that (Docker), others allow the step and not what comes after (AppArmor on
+    Ubuntu 24.04), so a child tries first. Return whether it worked. There must be no other thread.
+    """
+    child = os.fork()
+    if child == 0:
+        with contextlib.suppress(OSError):
+            _unshare_user()
+            _unshare_mounts()
+            _mount("tmpfs", "/dev/shm", "tmpfs", 0, "size=4k")
+            os._exit(0)
+        os._exit(1)
+    if os.waitpid(child, 0)[1]:
+        return False
+    _unshare_user()
+    return True
+
+
 def own_mounts() -> bool:
-    """Give this process a mount namespace of its own; tell whether that worked (needs root)."""
+    """Give this process a mount namespace of its own; tell whether that worked."""
     try:
         _unshare_mounts()
     except OSError:
@@ -76,7 +105,7 @@ def own_mounts() -> bool:
 
 
 def own_network() -> bool:
-    """Give this process a network of its own, with nothing but loopback (needs root)."""
+    """Give this process a network of its own, with nothing but loopback."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.unshare(CLONE_NEWNET):
         return False
@@ -145,6 +174,16 @@ def closed_ancestor(path: Path) -> Path | None:
         if folder.is_dir() and not folder.stat().st_mode & stat.S_IXOTH:
             return folder
     return None
+
+
+def _unshare_user() -> None:
+    uid, gid = os.getuid(), os.getgid()
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.unshare(CLONE_NEWUSER):
+        raise OSError(ctypes.get_errno(), "unshare")
+    Path("/proc/self/setgroups").write_text("deny")
+    Path("/proc/self/uid_map").write_text(f"{uid} {uid} 1")
+    Path("/proc/self/gid_map").write_text(f"{gid} {gid} 1")
 
 
 def _unshare_mounts() -> None:

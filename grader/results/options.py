@@ -28,6 +28,7 @@ class ResultOptions:
     # (student, exercise): file name → text; without them no similar submissions are looked for
     sources: Sources = field(default_factory=dict)
     replays: bool = True  # put replays into the feedback pages (where there are recordings)
+    workers: int = 1  # processes that make the feedback pages
 
     def __post_init__(self) -> None:
         """Refuse what nobody can hide.

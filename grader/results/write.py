@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import multiprocessing
 from collections.abc import Sequence
-from dataclasses import replace
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
@@ -22,6 +24,7 @@ from grader.results.marks import Task, is_graded, tasks_of
 from grader.results.options import ResultOptions
 
 PAGES = ".pages.json"  # of what each feedback page was made
+MANY = 20  # pages, from which on more processes are worth their start
 BOM = "\ufeff"  # without it Excel reads UTF-8 as something else
 
 
@@ -49,10 +52,38 @@ def write_results(
         _write(out / "junit.xml", junit_xml(known, tasks)),
     ]
     pages = _Pages(out / PAGES)
+    due: list[_Page] = []
     for student, mine in groupby(known, key=lambda result: result.student):
-        written += _write_student(student, list(mine), tasks, out, options, pages)
+        written += _write_student(student, list(mine), tasks, out, options, pages, due)
+    _make(due, options.workers)
     pages.save()
     return written
+
+
+@dataclass(frozen=True)
+class _Page:
+    """A feedback page to make."""
+
+    path: Path
+    result: StoredResult
+    task: Task
+    hidden: frozenset[str]
+    bags: Path | None
+
+    def make(self) -> None:
+        _write(self.path, exercise_page(self.result, self.task, self.hidden, self.bags))
+
+
+def _make(pages: Sequence[_Page], workers: int) -> None:
+    """Make the pages, with several processes if there are many."""
+    if workers == 1 or len(pages) < MANY:
+        for page in pages:
+            page.make()
+        return
+    # fresh processes: this one may have threads, of Dask or of the display
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+        for _ in pool.map(_Page.make, pages, chunksize=4):
+            pass
 
 
 class _Pages:
@@ -90,6 +121,7 @@ def _write_student(
     out: Path,
     options: ResultOptions,
     pages: _Pages,
+    due: list[_Page],
 ) -> list[Path]:
     by_slug = {task.slug: task for task in tasks}
     folder = out / "feedback" / folder_name(student)
@@ -109,7 +141,7 @@ def _write_student(
         hidden = sorted(options.hidden)
         made_of = (student, task.title, result.grading, result.file_names, result.finished)
         if not pages.is_fresh(page, *made_of, hidden, None if bags is None else _state(bags)):
-            _write(page, exercise_page(result, task, options.hidden, bags))
+            due.append(_Page(page, result, task, options.hidden, bags))
     handed_in = out / "gradescope" / folder_name(student) / "results.json"
     final = results_json(results, tasks, options.hidden)
     if final is None:

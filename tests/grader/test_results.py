@@ -20,7 +20,7 @@ import pytest
 
 from grader.batch.row import GRADED, HELD, RUNNING, StoredResult
 from grader.errors import InputError
-from grader.results import ResultOptions, write_results
+from grader.results import ResultOptions, write, write_results
 from grader.results.clean import cell, folder_name, one_line, visible
 from grader.results.gradebooks import canvas_csv, moodle_csv, scores_csv
 from grader.results.gradescope import results_json
@@ -439,6 +439,20 @@ def test_the_same_results_make_the_same_bytes(
     again = tmp_path_factory.mktemp("again")
     results, options = classes.whole_class()
     write_results(results[::-1], again, options)
+    for path in written:
+        assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
+
+
+def test_several_processes_make_the_same_pages(
+    whole: tuple[Path, list[Path]],
+    tmp_path_factory: pytest.TempPathFactory,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(write, "MANY", 1)
+    out, written = whole
+    again = tmp_path_factory.mktemp("again")
+    results, options = classes.whole_class()
+    write_results(results, again, replace(options, workers=2))
     for path in written:
         assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
 

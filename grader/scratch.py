@@ -1,0 +1,66 @@
+"""Temporary folders, and what a grader that was killed has left of them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import secrets
+import stat
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from grader.host.privileges import USERS
+
+_OURS = re.compile(r"course-([0-9]+)-.*")
+
+
+def prefix() -> str:
+    """Return how this process's temporary folders begin: they tell whose they are."""
+    return f"course-{os.getpid()}-"
+
+
+def sweep() -> None:
+    """Remove the folders of graders that live no more: a killed one can't do it itself."""
+    for entry in list(os.scandir(tempfile.gettempdir())):
+        match = _OURS.fullmatch(entry.name)
+        if match and not Path(f"/proc/{match[1]}").exists():
+            with contextlib.suppress(OSError):
+                status = entry.stat(follow_symlinks=False)
+                if stat.S_ISDIR(status.st_mode) and status.st_uid in (os.geteuid(), *USERS):
+                    remove(Path(entry))
+
+
+@contextlib.contextmanager
+def fresh_folder() -> Iterator[Path]:
+    """Make a temporary folder that may be given away; it goes when the block ends."""
+    folder = Path(tempfile.mkdtemp(prefix=prefix())).resolve()
+    try:
+        yield folder
+    finally:
+        with contextlib.suppress(OSError):
+            remove(folder)
+
+
+def remove(top: Path) -> None:
+    """Remove a folder with all that a student's node has made of it.
+
+    Folders come to the top before they are emptied: they may lie in one another deeper than a path
+    may be long, or Python's stack.
+    """
+    pending = [top]
+    while pending:
+        folder = pending.pop()
+        folder.chmod(stat.S_IRWXU)
+        for entry in list(os.scandir(folder)):
+            if not entry.is_dir(follow_symlinks=False):
+                Path(entry).unlink()
+                continue
+            Path(entry).chmod(stat.S_IRWXU)
+            raised = top / secrets.token_hex(16)
+            Path(entry).rename(raised)
+            pending.append(raised)
+        if folder != top:
+            folder.rmdir()
+    top.rmdir()
