@@ -8,7 +8,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-deep lint format prove attacks students bench skeletons goldens constraints clean
+.PHONY: help setup grade test test-deep lint format prove attacks site students bench skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -31,6 +31,8 @@ lint: $(VENV)/.dev ## ruff, mypy, skeletons in step with the solutions
 	$(BIN)/mypy
 	$(BIN)/python -m grader.skeletons --check
 	$(BIN)/python -m grader.catalogue --check
+	$(BIN)/python -m grader.pitfalls --check
+	$(BIN)/python lessons/figures.py --check
 
 format: $(VENV)/.dev ## let ruff format and fix what it can
 	$(BIN)/ruff format .
@@ -49,6 +51,11 @@ attacks: $(VENV)/.dev ## every attack with all checks; what opens without each l
 	COURSE_ATTACKS=full $(BIN)/pytest -n auto --dist worksteal tests/attacks tests/grader/test_sandbox.py
 	$(BIN)/python tests/attacks/layers.py --write
 
+site: $(VENV)/.dev ## build the lesson as a site into build/site
+	$(BIN)/sphinx-build -q -W --keep-going -n -b html -d build/doctrees lessons build/site
+	$(BIN)/python -m grader.pitfalls build/site/pitfalls/replays
+	@echo "open build/site/index.html"
+
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour; goes on where it was)
 	mkdir -p build
 	$(BIN)/python benchmarks/students.py --keep build/students.jsonl
@@ -57,6 +64,8 @@ skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python -m grader.skeletons
 	$(BIN)/python -m grader.catalogue
 	$(BIN)/python -m grader.listings
+	$(BIN)/python -m grader.pitfalls --made
+	$(BIN)/python lessons/figures.py
 
 constraints: ## pin the newest versions that fit pyproject.toml
 	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,notebooks,site,dev]' \

@@ -21,7 +21,7 @@ from grader.exercises import ROOT, SOLUTIONS, all_exercises
 # The grader's rooms for instructors and contributors; students' `course` does without.
 INSTRUCTORS = (
     "batch", "results", "release.py",
-    "catalogue.py", "fairness.py", "listings.py", "proof.py", "skeletons.py",
+    "catalogue.py", "fairness.py", "listings.py", "pitfalls.py", "proof.py", "skeletons.py",
 )  # fmt: skip
 KEPT = {
     "sim": (".py", ".toml"),

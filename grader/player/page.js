@@ -29,6 +29,22 @@ function toggleTheme() {
   document.dispatchEvent(new CustomEvent('themechange'));
 }
 
+// --- in a frame ------------------------------------------------------------------------------
+
+/** Follow what the page around the frame says: light or dark; and whether the frame is to fit. */
+function followFrame({ data }) {
+  const { theme, fit } = data || {};
+  const root = document.documentElement;
+  if (theme === 'light' || theme === 'dark') root.dataset.theme = theme;
+  else delete root.dataset.theme;
+  document.dispatchEvent(new CustomEvent('themechange'));
+  const page = document.getElementById('page');
+  if (!fit || page.classList.contains('is-fitted')) return;
+  page.classList.add('is-fitted');
+  page.querySelectorAll('.account-part').forEach((part) => { part.open = false; });
+  new ResizeObserver(() => parent.postMessage({ height: page.offsetHeight }, '*')).observe(page);
+}
+
 // --- the score -------------------------------------------------------------------------------
 
 function buildScore(grading, checks) {
@@ -179,13 +195,16 @@ function buildPage(page, payload) {
   };
   const checks = grading ? toArray(grading.checks).filter(Boolean) : [];
   page.className = grading && replays.length ? 'page has-grading' : 'page'; // has-grading: two columns
-  replaceChildren(page, buildTop(payload), grading ? buildScore(grading, checks) : null,
+  if (payload.embedded) page.classList.add('is-embedded'); // in a notebook, which says the rest
+  replaceChildren(page, payload.embedded ? null : buildTop(payload), grading ? buildScore(grading, checks) : null,
     el('div', { class: 'columns' },
       grading ? buildChecks(grading, checks, { runs: replays.map(toRun), show }) : null,
       grading ? el('aside', { class: 'replay-column', 'aria-label': 'Replay' }, root)
         : el('main', { class: 'replay-column' }, root)),
-    buildFooter(payload));
+    payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
+  if (payload.embedded && window.replayPlayer) window.replayPlayer.jumpTo(0, 0);
+  if (payload.embedded) window.addEventListener('message', followFrame);
 }
 
 /** On a narrow page the player is below the check that was pressed. */

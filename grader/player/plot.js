@@ -166,7 +166,9 @@ class Plot {
     ctx.lineJoin = 'round';
     for (const run of runsOf(times, values)) {
       const points = run.map(([t, v]) => [this.xOf(t), yOf(lane, axis, v)]);
-      const end = steps ? this.xOf(this.span) : points[points.length - 1][0];
+      const last = run[run.length - 1][0];
+      const next = steps ? times.find((t) => t > last) ?? this.span : last; // a NaN ends a step
+      const end = this.xOf(next);
       ctx.globalAlpha = alpha;
       tracePlot(ctx, points, steps, end);
       ctx.stroke();

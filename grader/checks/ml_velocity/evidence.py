@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from grader.checks.ml_velocity.contract import MAX_SPEED, Right, right_speed
@@ -53,7 +55,8 @@ def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
             actual=f"linear.x = {_precise(answer.speed)} m/s",
             at=answer.scan.t,
             recording=recording,
-            help=garbage(answer.speed) or help,
+            # a model itself may say NaN; then the check's own advice is the better one
+            help=(help if math.isnan(answer.speed) else "") or garbage(answer.speed) or help,
         )
 
 

@@ -1,0 +1,57 @@
+"""Obstacle avoidance: drives straight ahead, and stops for what is in front."""
+
+import math
+
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+
+def front_distance(scan: LaserScan) -> float | None:
+    """Return the smallest usable distance within ±90° [m]; None: blind."""
+    quarter = len(scan.ranges) // 4
+    front = scan.ranges[quarter : 3 * quarter + 1]
+    usable = [r for r in front if math.isinf(r) or scan.range_min <= r <= scan.range_max]
+    return max(0.0, min(usable)) if usable else None
+
+
+def choose_speed(distance: float | None) -> float:
+    """Return the forward speed for a distance ahead [m/s]."""
+    if distance is None or distance < 0.5:
+        return 0.0
+    return 0.15 if distance < 1.0 else 0.5
+
+
+class ObstacleAvoidanceAgent(Node):
+    def __init__(self) -> None:
+        super().__init__("obstacle_avoidance_agent")
+        self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.create_subscription(LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data)
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        distance = front_distance(scan)
+        speed = choose_speed(distance)
+        twist = Twist()
+        twist.linear.x = speed
+        self.publisher.publish(twist)
+        seen = "nothing usable" if distance is None else f"{distance:.2f} m"
+        self.get_logger().info(f"Ahead: {seen}, velocity: {speed:.2f} m/s")
+
+
+def main(args: list[str] | None = None) -> None:
+    rclpy.init(args=args)
+    node = ObstacleAvoidanceAgent()
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,79 @@
+"""A trained model in the loop: features of a scan go in, a speed comes out."""
+
+import pickle
+
+import numpy as np
+import rclpy
+from geometry_msgs.msg import Twist
+from numpy.typing import NDArray
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+FRONT = np.radians(60)  # the front sector is |angle| <= 60°
+
+
+def scan_features(scan: LaserScan) -> NDArray[np.float64] | None:
+    """Return front min, mean, std, left min, right min [m]; None: blind."""
+    ranges = np.array(scan.ranges)
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
+    angles = np.remainder(angles + np.pi, 2 * np.pi) - np.pi
+    ranges = np.where(ranges == -np.inf, scan.range_min, ranges)
+    usable = ranges >= scan.range_min  # false for NaN
+    front = ranges[usable & (np.abs(angles) <= FRONT)]
+    left = ranges[usable & (angles > FRONT)]
+    right = ranges[usable & (angles < -FRONT)]
+    if not (front.size and left.size and right.size):
+        return None
+    return np.array([front.min(), front.mean(), front.std(), left.min(), right.min()])
+
+
+class MlVelocityController(Node):
+    def __init__(self) -> None:
+        super().__init__("ml_velocity_controller")
+        path = self.declare_parameter("model_path", "velocity_model.pkl").value
+        self.max_speed = self.declare_parameter("max_speed", 0.5).value  # [m/s]
+        self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.create_subscription(LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data)
+        try:
+            with open(path, "rb") as file:
+                self.model = pickle.load(file)
+        except Exception as error:
+            self.model = None
+            self.get_logger().error(f"No model: {path}: {error!r}")
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        twist = Twist()
+        if self.model is not None:
+            twist.linear.x = self.choose_speed(scan)
+        self.publisher.publish(twist)
+
+    def choose_speed(self, scan: LaserScan) -> float:
+        """Return the model's speed [m/s], within 0 … max_speed."""
+        features = scan_features(scan)
+        if features is None:
+            self.get_logger().warning("A sector without a usable reading: standing still")
+            return 0.0
+        try:
+            speed = float(self.model.predict(features.reshape(1, -1))[0])
+        except Exception as error:
+            self.get_logger().error(f"The model failed: {error!r}")
+            return 0.0
+        return float(np.clip(speed, 0.0, self.max_speed))
+
+
+def main(args: list[str] | None = None) -> None:
+    rclpy.init(args=args)
+    node = MlVelocityController()
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,201 @@
+"""Every program in the lesson runs, and prints what the page says that it prints."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from lesson_pages import PAGES, ROOT, Block, blocks
+
+import grader.drive
+from grader.cli import cli
+from grader.launch import Nursery
+from grader.recording import Recording
+from sim.messages import EPOCH_NS
+
+ELISION = "…"
+NEEDS = ("numpy", "sklearn", "skl2onnx", "onnxruntime")
+FRAGMENTS = {"robot.launch.py"}  # launch has no wheels: compiled, not run
+RUNNER = """
+import contextlib, io, json, sys
+namespace, said = {"__name__": "page"}, []
+for block in json.load(sys.stdin):
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        exec(compile(block, "page", "exec"), namespace)
+    said.append(out.getvalue())
+print(json.dumps(said))
+"""
+
+
+def is_node(block: Block) -> bool:
+    return block.info == "python" and "caption" in block.options
+
+
+def snippets(page: Path) -> list[Block]:
+    return [block for block in blocks(page) if block.info == "python" and not is_node(block)]
+
+
+def nodes() -> list[Block]:
+    return [block for page in PAGES for block in blocks(page) if is_node(block)]
+
+
+def commands() -> list[tuple[Block, Block | None]]:
+    """Return each command of the pages, and the block that shows what it prints, if any."""
+    found = []
+    for page in PAGES:
+        listed = [*blocks(page), None]
+        for block, after in pairwise(listed):
+            if block is not None and block.info == "console":
+                shows = after is not None and after.info.startswith("output")
+                found.append((block, after if shows else None))
+    return found
+
+
+def same(expected: str, actual: str) -> None:
+    """Compare line by line; a line of `…` stands for any lines."""
+    wanted = [line.rstrip() for line in expected.rstrip().splitlines()]
+    lines = [line.rstrip() for line in actual.rstrip().splitlines()]
+    if ELISION not in wanted:
+        assert lines == wanted
+        return
+    pieces: list[list[str]] = [[]]
+    for line in wanted:
+        pieces.append([]) if line == ELISION else pieces[-1].append(line)
+    at = 0
+    for number, piece in enumerate(pieces):
+        if not piece:
+            continue
+        anchored = number == 0
+        last = number == len(pieces) - 1
+        starts = [0] if anchored else range(at, len(lines) - len(piece) + 1)
+        hits = [start for start in starts if lines[start : start + len(piece)] == piece]
+        hits = [hit for hit in hits if not last or hit + len(piece) == len(lines)]
+        assert hits, f"not printed: {piece}\nprinted:\n" + "\n".join(lines)
+        at = hits[0] + len(piece)
+
+
+@pytest.fixture(scope="module")
+def nursery() -> Iterator[Nursery]:
+    with Nursery(EPOCH_NS) as nursery:
+        yield nursery
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if snippets(page)], ids=lambda p: p.stem)
+def test_snippets_print_what_the_page_says(page: Path) -> None:
+    listed = snippets(page)
+    source = "".join(block.text for block in listed)
+    for library in NEEDS:
+        if f"import {library}" in source or f"from {library}" in source:
+            pytest.importorskip(library, reason=f"{library} is not installed")
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", RUNNER],
+        input=json.dumps([block.text for block in listed]),
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    everything = blocks(page)
+    for block, said in zip(listed, json.loads(done.stdout), strict=True):
+        after = everything[everything.index(block) + 1 :]
+        assert after, f"{block.place} prints something that the page does not show"
+        assert after[0].info == "output", f"{block.place}: no output below it"
+        same(after[0].text, said)
+
+
+@pytest.mark.parametrize(("command", "shown"), commands(), ids=lambda b: b and b.place)
+def test_commands_print_what_the_page_says(
+    command: Block,
+    shown: Block | None,
+    nursery: Nursery,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    recordings: list[Recording] = []
+    drive_node = grader.drive.drive_node
+
+    def drive(*args: object, **options: object) -> Recording:
+        recordings.append(drive_node(*args, **options))  # type: ignore[arg-type]
+        return recordings[-1]
+
+    monkeypatch.setattr(grader.drive, "drive_node", drive)
+    monkeypatch.setattr("grader.cli._nursery", lambda *_: contextlib.nullcontext(nursery))
+    monkeypatch.setenv("COLUMNS", "80")
+    for block in nodes():
+        (tmp_path / block.options["caption"]).write_text(block.text, "utf-8")
+    shutil.copytree(ROOT / "exercises", tmp_path / "exercises")
+    monkeypatch.chdir(tmp_path)
+
+    prompt, course, *words = shlex.split(command.text.replace("\\\n", " "))
+    assert (prompt, course) == ("$", "course"), command.place
+    done = CliRunner().invoke(cli, words, standalone_mode=False)
+    assert done.exception is None, done.output
+    if shown is None:
+        assert done.return_value == 0
+        return
+    log = "\n".join(line.text for line in recordings[0].log if line.level == "info")
+    same(shown.text, log if shown.info == "output log" else done.output)
+
+
+def test_every_program_is_run() -> None:
+    driven = {shlex.split(command.text)[3] for command, _ in commands()}
+    written = {block.options["caption"] for block in nodes()}
+    assert written - driven == FRAGMENTS
+    count = len(written - FRAGMENTS), sum(len(snippets(page)) for page in PAGES)
+    assert count[0] >= 7 and count[1] >= 10, f"only {count[0]} nodes and {count[1]} snippets"
+
+
+def test_fragments_are_python_all_the_same() -> None:
+    for block in nodes():
+        if block.options["caption"] in FRAGMENTS:
+            assert block.options["class"] == "fragment"
+            compile(block.text, block.options["caption"], "exec")
+
+
+def test_programs_are_in_the_style_of_the_project(tmp_path: Path) -> None:
+    ruff = shutil.which(
+        "ruff", path=os.pathsep.join((str(Path(sys.executable).parent), os.defpath))
+    )
+    if ruff is None:
+        pytest.skip("ruff is not installed")
+    for block in nodes():
+        name = block.options["caption"].removesuffix(".py").replace(".", "_") + ".py"
+        (tmp_path / name).write_text(block.text, "utf-8")
+    for number, block in enumerate(b for page in PAGES for b in snippets(page)):
+        (tmp_path / f"snippet_{number}.py").write_text(block.text, "utf-8")
+    settings = ["--isolated", "--line-length", "100", "--no-cache"]
+    done = subprocess.run(
+        [ruff, "format", "--diff", *settings, "."],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    done = subprocess.run(
+        [ruff, "check", "--select", "E,F,I,UP,B", "--ignore", "F821,E402", *settings, "."],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+
+
+def test_comparison_notices_differences() -> None:
+    same("a\n…\nc\n", "a\nb\nc\n")
+    for expected, actual in (
+        ("a\n", "b\n"),
+        ("a\n…\nc\n", "a\nb\n"),
+        ("…\nb\n", "b\nc\n"),
+        ("b\n…\n", "a\nb\n"),
+        ("…\na\nb\n…\n", "a\nx\nb\n"),
+    ):
+        with pytest.raises(AssertionError):
+            same(expected, actual)

@@ -1,0 +1,209 @@
+"""The lesson's numbers are the contract's: each has a law, and no page writes one by hand."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import math
+import operator
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from contract import FILE, Number, read
+from lesson_pages import LESSONS, PAGES, ROOT, blocks, prose
+
+NUMBERS = read()
+ROLE = re.compile(r"\{contract\}`([^`]+)`")
+UNIT = re.compile(
+    r"(?<![\w.])[-±]?\d[\d.,]*(?:e\d+)?[\s\u00a0-]?"
+    r"(?:m/s²|m/s|rad/s|milliseconds?|seconds?|met(?:er|re)s?|ms|Hz|cm|mm|km|[ms]\b|°|%)"
+)
+# What pages may write by hand, and why: numbers of no contract.
+BY_HAND = {
+    "75 minutes": "the lesson's own length",
+    "20 ms": "why: what people say of their model, an example",
+    "0.4 m": "state: 2 s at the odometer's own speed",
+    "170°": "state: an example of an angle",
+    "-170°": "state: an example of an angle",
+    "-340°": "state: an example of an angle",
+    "20°": "state: an example of an angle",
+    "1 m/s": "state: the closing speed of the example's four readings",
+}
+# Numbers that stand in programs, as the contract has them.
+IN_PROGRAMS = {
+    "beat": (
+        ("time.sleep({:g})", "model_time", 1e-3),
+        ("create_timer({:g}, self.control)", "control_period", 1e-3),
+    ),
+    "stale": (("time.sleep({:g})", "model_time", 1e-3), ('"depth", {:g}', "queue_depth", 1)),
+    "adjustable": (("<= parameter.value <= {:g}", "robot_speed", 1),),
+    "loop": (
+        ("beam_ahead(-math.pi, math.tau / {:g})", "lidar_beams", 1),
+        ("beam_ahead(0.0, math.tau / {:g})", "lds_beams", 1),
+        ("math.radians(-{:g})", "wide_half", 1),
+    ),
+    "node": (("usable(reading, {:g}, ", "lidar_min", 1), (", {:.1f}))", "lidar_max", 1)),
+    "models": (
+        ("np.minimum({:g}, ", "model_speed", 1),
+        ("np.sqrt(2 * {:g} * ", "robot_acceleration", 1),
+        ("(distance - {:g})", "expert_margin", 1),
+        (", {:.1f}):", "lidar_max", 1),
+    ),
+    "state": (("np.arange({:g}) * 0.1", "memory", 1),),
+}  # fmt: skip
+ARITHMETIC = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+}  # fmt: skip
+
+
+# --- laws ----------------------------------------------------------------------------------
+
+
+def value_of(law: str) -> float:
+    """Return what the course says: `= expression`, `FILE:KEY` or `MODULE:NAME`."""
+    if law.startswith("="):
+        return evaluate(ast.parse(law[1:].strip(), mode="eval").body)
+    place, name = law.split(":", 1)
+    if place.endswith(".toml"):
+        return float(in_toml(tomllib.loads((ROOT / place).read_text("utf-8")), name))
+    if place.endswith(".py"):
+        return constant(ROOT / place, name)
+    found: Any = importlib.import_module(place)
+    for part in name.split("."):
+        if part.endswith("()"):
+            found = getattr(found, part[:-2])()
+        else:
+            found = found[part] if isinstance(found, dict) else getattr(found, part)
+    return float(found)
+
+
+def evaluate(node: ast.expr) -> float:
+    """Return the value of an expression over other numbers."""
+    match node:
+        case ast.BinOp(left, op, right):
+            return float(ARITHMETIC[type(op)](evaluate(left), evaluate(right)))
+        case ast.Name(name):
+            return NUMBERS[name].value
+        case ast.Constant(value) if isinstance(value, int | float):
+            return value
+    raise ValueError(ast.dump(node))
+
+
+def in_toml(table: Any, key: str) -> Any:
+    """Return a value by its dotted key; the names of tables may have dots themselves."""
+    if not key:
+        return table
+    for name in sorted(table, key=len, reverse=True):
+        if key == name or key.startswith(name + "."):
+            return in_toml(table[name], key[len(name) + 1 :])
+    raise KeyError(key)
+
+
+def constant(file: Path, name: str) -> float:
+    """Return a module's constant without importing it."""
+    for node in ast.parse(file.read_text("utf-8")).body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == name:
+            return float(ast.literal_eval(node.value))
+    raise KeyError(name)
+
+
+def agrees(number: Number, law: float) -> bool:
+    return math.isclose(number.value, number.scale * law, rel_tol=1e-9, abs_tol=number.about)
+
+
+@pytest.mark.parametrize("key", NUMBERS)
+def test_number_is_what_the_course_says(key: str) -> None:
+    number = NUMBERS[key]
+    assert bool(number.law) != bool(number.own), "expected either a law or a reason"
+    if number.law:
+        assert agrees(number, value_of(number.law)), (
+            f"{key}: {number.law} is {value_of(number.law)}"
+        )
+
+
+def test_most_numbers_come_from_the_code_of_the_course() -> None:
+    direct = [n for n in NUMBERS.values() if n.law and not n.law.startswith("=")]
+    assert len(direct) >= 45
+    assert len([n for n in NUMBERS.values() if n.own]) <= 5
+
+
+@pytest.mark.parametrize("key", [key for key, n in NUMBERS.items() if n.law])
+def test_a_changed_contract_is_noticed(key: str) -> None:
+    number = NUMBERS[key]
+    assert not agrees(number, value_of(number.law) * 1.1)
+
+
+# --- pages ---------------------------------------------------------------------------------
+
+
+def test_every_number_is_shown_and_every_shown_number_exists() -> None:
+    shown = {key for page in PAGES for key in ROLE.findall(page.read_text("utf-8"))}
+    assert shown <= set(NUMBERS)
+    drawn = set(re.findall(r'says\("(\w+)"\)|\{says\(\'(\w+)\'\)\}|NUMBERS\["(\w+)"\]|"(\w+)"',
+                           (LESSONS / "figures.py").read_text("utf-8")))  # fmt: skip
+    derived = " ".join(n.law for n in NUMBERS.values() if n.law.startswith("="))
+    used = shown | {key for keys in drawn for key in keys} | set(re.findall(r"\w+", derived))
+    used |= {key for rows in IN_PROGRAMS.values() for _, key, _ in rows}
+    assert set(NUMBERS) - used == set()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_page_writes_no_number_of_the_contract_by_hand(page: Path) -> None:
+    by_hand = [
+        f"lessons/{page.name}:{line}: {found[0]!r}"
+        for line, text in prose(page)
+        for found in UNIT.finditer(text)
+        if found[0].strip() not in BY_HAND
+    ]
+    assert by_hand == [], "use {contract}`key`, or say in BY_HAND why not"
+
+
+def test_no_reason_is_left_over() -> None:
+    words = "\n".join(text for page in PAGES for _, text in prose(page))
+    found = {match[0].strip() for match in UNIT.finditer(words)}
+    assert set(BY_HAND) - found - {"75 minutes"} == set()
+
+
+def test_the_search_for_numbers_finds_them() -> None:
+    for text in ("drives 0.5 m/s", "every 50 ms", "at 10 Hz", "below 0.5 m.", "a 200-ms model",
+                 "±90° ahead", "30 % of it", "for 2.0 s", "after 3 seconds"):  # fmt: skip
+        assert UNIT.search(text), text
+    for text in ("exercise 5 says", "3 models", "REP-117 m", "ranges[180]"):
+        assert not UNIT.search(text) or text == "REP-117 m", text
+
+
+@pytest.mark.parametrize("name", IN_PROGRAMS)
+def test_programs_have_the_numbers_of_the_contract(name: str) -> None:
+    texts = "".join(
+        block.text
+        for page in PAGES
+        for block in blocks(page)
+        if block.info == "python"
+        and (page.stem == name or block.options.get("caption") == f"{name}.py")
+    )
+    for form, key, scale in IN_PROGRAMS[name]:
+        assert form.format(NUMBERS[key].value * scale) in texts
+
+
+def test_minutes_add_up() -> None:
+    index = (LESSONS / "index.md").read_text("utf-8")
+    rows = re.findall(r"^\| \[[^\]]+\]\((\w+)\.md\) \| (\d+) \|", index, re.MULTILINE)
+    assert sum(int(minutes) for _, minutes in rows) == 75
+    for page, minutes in rows:
+        assert f"*{minutes} minutes*" in (LESSONS / f"{page}.md").read_text("utf-8"), page
+
+
+def test_numbers_read_well() -> None:
+    assert NUMBERS["stop_distance"].text == "0.5\N{NO-BREAK SPACE}m"
+    assert NUMBERS["front_half"].text == "90°"
+    assert NUMBERS["memory"].text == "10"
+
+
+def test_a_misspelt_entry_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "contract.toml"
+    file.write_text(FILE.read_text("utf-8") + "\n[odd]\nvalue = 1\nlwa = ''\n", "utf-8")
+    with pytest.raises(TypeError, match="lwa"):
+        read(file)

@@ -1,0 +1,369 @@
+"""lessons/pitfalls: each wrong node fails as its page says, each right one does not."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import math
+import re
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from grader.drive import drive_node, print_summary, scenario_for
+from grader.errors import InputError
+from grader.exercises import ROOT, find_exercise
+from grader.grading import Grading
+from grader.launch import Nursery
+from grader.pitfalls import (
+    FOLDER,
+    FRAME,
+    MADE,
+    NODES,
+    PITFALLS,
+    Pitfall,
+    drive,
+    grade,
+    made,
+    main,
+    replay,
+)
+from grader.recording import Recording
+from grader.submission import find_submission
+from sim.messages import EPOCH_NS, TWIST_STAMPED
+
+BY_NAME = {pitfall.name: pitfall for pitfall in PITFALLS}
+WRONG = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.wrong]
+EVERY = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.nodes]
+LARGEST = 600_000  # [bytes] of a replay
+
+
+def named(value: object) -> str:
+    return value.name if isinstance(value, Pitfall) else str(value)
+
+
+each_wrong = pytest.mark.parametrize(("pitfall", "node"), WRONG, ids=named)
+each_node = pytest.mark.parametrize(("pitfall", "node"), EVERY, ids=named)
+each_pitfall = pytest.mark.parametrize("pitfall", PITFALLS, ids=named)
+
+
+@pytest.fixture(scope="module")
+def nursery() -> Iterator[Nursery]:
+    with Nursery(EPOCH_NS) as nursery:
+        yield nursery
+
+
+class Runs:
+    """The replayed runs, each driven once."""
+
+    def __init__(self, nursery: Nursery) -> None:
+        self.of = functools.cache(lambda name, node: drive(BY_NAME[name], node, nursery))
+
+    def wrong(self, name: str) -> Recording:
+        return self.of(name, f"{name}_wrong")
+
+    def right(self, name: str) -> Recording:
+        return self.of(name, BY_NAME[name].right)
+
+
+@pytest.fixture(scope="module")
+def runs(nursery: Nursery) -> Runs:
+    return Runs(nursery)
+
+
+def page_of(pitfall: Pitfall) -> str:
+    return (FOLDER / f"{pitfall.name}.md").read_text("utf-8")
+
+
+def touched(recording: Recording) -> bool:
+    return bool(recording.truth.contact.any())
+
+
+def logged(recording: Recording) -> str:
+    return "\n".join(line.text for line in recording.log)
+
+
+# --- the nodes ------------------------------------------------------------------------------------
+
+
+@each_wrong
+def test_a_wrong_node_goes_wrong_and_lives(runs: Runs, pitfall: Pitfall, node: str) -> None:
+    recording = runs.of(pitfall.name, node)
+    assert recording.outcome.completed
+    assert next(pitfall.moments(recording), None) is not None
+
+
+@each_pitfall
+def test_a_right_node_does_well_in_the_same_scenario(runs: Runs, pitfall: Pitfall) -> None:
+    recording = runs.right(pitfall.name)
+    assert recording.outcome.completed
+    assert list(pitfall.moments(recording)) == []
+    assert not touched(recording)
+    assert np.abs(recording.truth.v).max() > 0.25  # it did drive
+
+
+def test_front_by_index_measures_what_is_behind(runs: Runs) -> None:
+    recording = runs.wrong("front_by_index")
+    at = recording.truth.t[np.argmax(recording.truth.contact)] / 1e9
+    seen = [
+        float(found[1])
+        for line in recording.log
+        if line.time * 1e-9 < at and (found := re.match(r"Ahead: ([\d.]+) m", line.text))
+    ]
+    assert touched(recording)
+    assert len(seen) > 20
+    assert min(seen) > 1.4
+
+
+def test_left_right_swapped_drives_into_the_cart(runs: Runs) -> None:
+    wrong, right = runs.wrong("left_right_swapped"), runs.right("left_right_swapped")
+    assert touched(wrong)
+    before = (wrong.truth.t > 4e9) & (wrong.truth.t < 7e9)
+    assert wrong.truth.v[before].min() > 0.49  # not a thought of the cart
+    assert right.truth.v[before].min() < 0.25
+    assert right.truth.clearance.min() > 0.2
+
+
+def test_nan_goes_out_on_the_topic(runs: Runs) -> None:
+    recording = runs.wrong("nan_through_clip")
+    speeds = recording.twists().linear_x
+    first = int(np.argmax(np.isnan(speeds)))
+    assert np.isfinite(speeds[:first]).all()
+    assert first > 20
+    assert np.isnan(speeds[first:]).all()
+    assert recording.truth.v[-1] == pytest.approx(0.0, abs=1e-6)  # the mock robot stands
+    assert recording.truth.clearance[-1] > 0.5
+    warnings = [line for line in recording.log if "RuntimeWarning" in line.text]
+    assert warnings
+    assert len({line.time for line in warnings}) == 1
+
+
+def test_min_and_max_make_full_speed_of_nan(runs: Runs) -> None:
+    recording = runs.of("nan_through_clip", "nan_through_minmax_wrong")
+    assert recording.twists().linear_x[50] == 0.5
+    assert touched(recording)
+
+
+def test_heading_without_yaw_goes_in_circles(runs: Runs) -> None:
+    recording, right = runs.wrong("heading_without_yaw"), runs.right("heading_without_yaw")
+    truth = recording.truth
+    to_goal = np.hypot(truth.x - 5.0, truth.y - 3.0)
+    assert to_goal.min() > 5.0
+    assert np.unwrap(truth.yaw)[-1] > 4 * math.tau
+    assert np.hypot(truth.x, truth.y).max() < 1.5
+    assert "Goal reached!" in logged(right)
+
+
+def test_without_yaw_a_goal_straight_ahead_is_reached(nursery: Nursery) -> None:
+    node = find_submission(NODES / "heading_without_yaw_wrong.py")
+    recording = drive_node(node, scenario_for("demo_open", goals=[(5.0, 0.0)]), nursery)
+    assert "Goal reached!" in logged(recording)
+
+
+def test_without_a_model_the_wrong_node_rolls_on(runs: Runs) -> None:
+    wrong, right = runs.wrong("no_stop_without_model"), runs.right("no_stop_without_model")
+    assert wrong.twists().t.max() < 4.0
+    assert touched(wrong)
+    assert "velocity_model_v2.pkl" in logged(wrong)
+    after = right.twists().t > 4.0
+    assert after.sum() > 50
+    assert (right.twists().linear_x[after] == 0.0).all()
+    assert right.truth.v[-1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_twist_stamped_is_not_heard(runs: Runs) -> None:
+    recording = runs.wrong("twist_stamped")
+    assert {message.type for message in recording.of("/cmd_vel")} == {TWIST_STAMPED}
+    assert np.abs(recording.truth.v).max() == 0.0
+    assert "velocity: 0.50 m/s" in logged(recording)
+    assert all(line.level == "info" for line in recording.log)  # nobody complains
+
+
+def test_drive_takes_twist_stamped_and_says_so(
+    nursery: Nursery, capsys: pytest.CaptureFixture[str]
+) -> None:
+    node = find_submission(NODES / "twist_stamped_wrong.py")
+    recording = drive_node(node, scenario_for("avoid_wall", duration=3.0), nursery)
+    capsys.readouterr()
+    print_summary(recording, file=node.path.name)
+    assert np.abs(recording.truth.v).max() > 0.4
+    assert "the robot understood" in " ".join(capsys.readouterr().out.split())
+
+
+def test_reliable_only_hears_nothing_and_one_line_says_so(runs: Runs) -> None:
+    recording = runs.wrong("reliable_only")
+    assert recording.of("/cmd_vel") == ()
+    assert np.abs(recording.truth.v).max() == 0.0
+    assert [line.level for line in recording.log] == ["warn"]
+    assert "incompatible QoS" in recording.log[0].text
+
+
+# --- what the grader says of them -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", [p.name for p in PITFALLS if p.exercise == "ml_velocity"])
+def test_all_quoted_checks_fail_the_wrong_and_pass_the_right(nursery: Nursery, name: str) -> None:
+    pitfall = BY_NAME[name]
+    quoted = quoted_by(pitfall)
+    for node in pitfall.nodes:
+        grading = grade(pitfall, node, nursery, only=quoted)
+        assert failed(grading) == (set() if node == pitfall.right else quoted)
+
+
+@pytest.mark.parametrize(
+    ("name", "points", "also"),
+    [
+        ("front_by_index", 100, {"field_wide_lidar"}),
+        ("reliable_only", 100, set()),
+        ("twist_stamped", 0, set()),
+        ("heading_without_yaw", 45, {"reaches_any_goal", "stops_once", "new_goal"}),
+    ],
+)
+def test_what_the_pages_say_of_all_checks(
+    nursery: Nursery, name: str, points: int, also: set[str]
+) -> None:
+    grading = grade(BY_NAME[name], f"{name}_wrong", nursery)
+    assert grading.score == points
+    assert failed(grading) == quoted_by(BY_NAME[name]) | also
+    assert not grading.field_ready
+    if name == "twist_stamped":
+        core = [check for check in grading.checks if check.kind == "core"]
+        assert sum(check.outcome == "skip" for check in core) == 14
+
+
+@pytest.mark.parametrize("name", ["front_by_index", "heading_without_yaw"])
+def test_right_nodes_are_right_in_everything(nursery: Nursery, name: str) -> None:
+    grading = grade(BY_NAME[name], BY_NAME[name].right, nursery)
+    assert grading.score == 100
+    assert grading.field_ready
+
+
+def test_the_right_nodes_of_exercise_1_are_one() -> None:
+    right = [p.right for p in PITFALLS if p.exercise == "obstacle_avoidance"]
+    assert len({(NODES / f"{node}.py").read_text("utf-8") for node in right}) == 1
+
+
+def quoted_by(pitfall: Pitfall) -> set[str]:
+    return {check for checks in pitfall.wrong.values() for check in checks}
+
+
+def failed(grading: Grading) -> set[str]:
+    return {check.id for check in grading.checks if check.outcome == "fail"}
+
+
+# --- the pages ------------------------------------------------------------------------------------
+
+
+@each_pitfall
+def test_what_is_made_is_up_to_date(nursery: Nursery, pitfall: Pitfall) -> None:
+    for file, text in made(nursery, [pitfall]):
+        assert file.read_text("utf-8") == text, (
+            f"{file.name}: run `python -m grader.pitfalls --made`"
+        )
+
+
+def test_there_is_no_more_than_the_pages_show() -> None:
+    nodes = {node for _, node in EVERY}
+    assert {file.stem for file in NODES.glob("*.py")} == nodes
+    files = {f"{node}.frame.txt" for node in nodes} | {f"{node}.grade.txt" for _, node in WRONG}
+    files |= {f"{pitfall.name}.diff" for pitfall in PITFALLS}
+    assert {file.name for file in MADE.iterdir()} == files
+    assert {file.stem for file in FOLDER.glob("*.md")} == {"index", *BY_NAME}
+
+
+@each_pitfall
+def test_a_page_shows_all_of_its_parts(pitfall: Pitfall) -> None:
+    page = page_of(pitfall)
+    parts = [f"made/{node}.frame.txt" for node in pitfall.nodes]
+    parts += [f"made/{node}.grade.txt" for node in pitfall.wrong]
+    parts += [f"made/{pitfall.name}.diff", f"nodes/{pitfall.name}_wrong.py", pitfall.right]
+    parts += [f"replays/{name}" for name in FRAME]
+    assert [part for part in parts if part not in page] == []
+    for checks in pitfall.wrong.values():
+        assert all(f"`{check}`" in page for check in checks)
+    assert f"course grade {find_exercise(pitfall.exercise).number} " in page
+    assert f"--scenario {pitfall.scenario}" in page
+
+
+@each_pitfall
+def test_the_emphasised_lines_are_those_that_change(pitfall: Pitfall) -> None:
+    found = re.search(r":emphasize-lines: ([\d,-]+)", page_of(pitfall))
+    assert found
+    emphasised = set()
+    for part in found[1].split(","):
+        first, _, last = part.partition("-")
+        emphasised |= set(range(int(first), int(last or first) + 1))
+    before, after = (
+        (NODES / f"{node}.py").read_text("utf-8").splitlines()
+        for node in (f"{pitfall.name}_wrong", pitfall.right)
+    )
+    changes = difflib.SequenceMatcher(None, before, after, autojunk=False).get_opcodes()
+    gone = {
+        n + 1 for tag, i, j, _, _ in changes if tag in ("replace", "delete") for n in range(i, j)
+    }
+    # Where lines only come in, the one that they guard or that does without them is shown.
+    assert gone <= emphasised
+    assert all(before[n - 1].strip() for n in emphasised)
+    assert len(emphasised) <= len(gone) + 1
+
+
+@each_node
+def test_nodes_import_nothing_but_ros_numpy_and_the_library(pitfall: Pitfall, node: str) -> None:
+    source = (NODES / f"{node}.py").read_text("utf-8")
+    imported = set(re.findall(r"^(?:from|import) (\w+)", source, re.MULTILINE))
+    known = {"math", "pickle", "numpy", "rclpy", "geometry_msgs", "nav_msgs", "sensor_msgs"}
+    assert imported <= known
+    compile(source, node, "exec")
+
+
+def test_the_table_of_clamps_is_true() -> None:
+    rows = re.findall(r"^\| `(.+?)` \| `(\S+)` \|$", page_of(BY_NAME["nan_through_clip"]), re.M)
+    assert len(rows) == 4
+    for expression, result in rows:
+        value = eval(expression, {"np": np, "speed": math.nan})
+        assert str(float(value)) == result, expression
+
+
+def test_the_commands_name_checks_nodes_and_scenarios_that_exist() -> None:
+    commands = [
+        line
+        for pitfall in PITFALLS
+        for line in page_of(pitfall).splitlines()
+        if line.startswith("course ")
+    ]
+    assert len(commands) >= 2 * len(PITFALLS)
+    for line in commands:
+        node = next(word for word in line.split() if word.endswith(".py"))
+        assert (NODES / node).is_file()
+        if scenario := re.search(r"--scenario (\S+)", line):
+            scenario_for(scenario[1])
+        for check in re.findall(r"--only (\w+)", line):
+            slug = find_exercise(line.split()[2]).slug
+            checks = (ROOT / "grader" / "checks" / slug).glob("test_*.py")
+            assert any(f"def test_{check}(" in file.read_text("utf-8") for file in checks)
+
+
+# --- replays --------------------------------------------------------------------------------------
+
+
+@each_node
+def test_a_replay_is_small_and_names_no_machine(runs: Runs, pitfall: Pitfall, node: str) -> None:
+    html = replay(pitfall, runs.of(pitfall.name, node))
+    assert len(html.encode()) < LARGEST
+    assert str(ROOT) not in html
+    assert "site-packages" not in html
+    assert "dist-packages" not in html
+
+
+def test_two_runs_give_the_same_replay(runs: Runs, nursery: Nursery) -> None:
+    pitfall = BY_NAME["left_right_swapped"]
+    node = "left_right_swapped_wrong"
+    again = replay(pitfall, drive(pitfall, node, nursery))
+    assert again == replay(pitfall, runs.of(pitfall.name, node))
+
+
+@pytest.mark.parametrize("arguments", [[], ["--chekc"], ["a", "b"]])
+def test_other_arguments_are_refused(arguments: list[str]) -> None:
+    with pytest.raises(InputError, match="expected a folder"):
+        main(arguments)

@@ -1,0 +1,250 @@
+"""The lesson's site: it builds without a warning, leads nowhere wrong, and needs no network."""
+
+from __future__ import annotations
+
+import html.parser
+import json
+import re
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from urllib.parse import unquote, urldefrag, urlparse
+
+import pytest
+from lesson_pages import LESSONS, PAGES, ROOT
+
+from grader.pitfalls import FRAME, PITFALLS
+
+LOADS = {  # elements that fetch what an attribute names
+    ("link", "href"), ("script", "src"), ("img", "src"), ("img", "srcset"), ("source", "src"),
+    ("source", "srcset"), ("iframe", "src"), ("video", "src"), ("video", "poster"),
+    ("audio", "src"), ("track", "src"), ("embed", "src"), ("object", "data"), ("input", "src"),
+    ("use", "href"), ("use", "xlink:href"), ("image", "href"), ("image", "xlink:href"),
+}  # fmt: skip
+EXTERNAL = re.compile(r"(?i)^\s*(https?:)?//")
+REPLAYS = "pitfalls/replays/"  # `make site` writes them into the finished site
+EXERCISES = sorted(file.parent.name for file in ROOT.glob("exercises/*/exercise.toml"))
+
+
+class Page(html.parser.HTMLParser):
+    """What a page links to, loads, and can be linked at."""
+
+    def __init__(self, file: Path) -> None:
+        super().__init__()
+        self.file = file
+        self.anchors: set[str] = set()
+        self.links: list[str] = []
+        self.loads: list[str] = []
+        self.text = file.read_text("utf-8")
+        self.feed(self.text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {name: value or "" for name, value in attrs}
+        self.anchors |= {given[name] for name in ("id", "name") if name in given}
+        if tag in ("a", "area") and "href" in given:
+            self.links.append(given["href"])
+        for name, value in given.items():
+            if (tag, name) in LOADS:
+                if not (tag == "link" and given.get("rel") in ("canonical", "license")):
+                    self.loads.append(value)
+            elif name == "style":
+                self.loads += css_loads(value)
+
+    handle_startendtag = handle_starttag
+
+
+def css_loads(css: str) -> list[str]:
+    """Return what a style sheet fetches."""
+    found = re.findall(r"url\(\s*['\"]?([^'\")]+)", css)
+    return found + re.findall(r"@import\s+['\"]([^'\"]+)", css)
+
+
+@cache
+def replays() -> set[str]:
+    """Return the files that `python -m grader.pitfalls` writes."""
+    names = {f"{Path(node).stem}.html" for pitfall in PITFALLS for node in pitfall.nodes}
+    return names | set(FRAME)
+
+
+def pages_of(site: Path) -> dict[str, Page]:
+    return {file.relative_to(site).as_posix(): Page(file) for file in site.rglob("*.html")}
+
+
+def dead_links(site: Path, pages: dict[str, Page]) -> list[str]:
+    """Return the links within a site that lead nowhere."""
+    dead = []
+    for name, page in pages.items():
+        for link in page.links:
+            target, anchor = urldefrag(link)
+            if urlparse(target).scheme in ("http", "https", "mailto"):
+                continue
+            file = (page.file.parent / unquote(target)).resolve() if target else page.file.resolve()
+            place = file.relative_to(site.resolve()).as_posix()
+            if place.startswith(REPLAYS):
+                if place.removeprefix(REPLAYS) not in replays():
+                    dead.append(f"{name}: {link} (no such replay)")
+            elif not file.is_file():
+                dead.append(f"{name}: {link}")
+            elif anchor and place in pages and unquote(anchor) not in pages[place].anchors:
+                dead.append(f"{name}: {link} (no such place on the page)")
+    return dead
+
+
+def loads_of(site: Path, pages: dict[str, Page]) -> list[tuple[str, str]]:
+    """Return (page or style sheet, what it fetches)."""
+    loads = [(name, load) for name, page in pages.items() for load in page.loads]
+    for name, page in pages.items():
+        for css in re.findall(r"(?s)<style[^>]*>(.*?)</style>", page.text):
+            loads += [(name, load) for load in css_loads(css)]
+    for file in site.rglob("*.css"):
+        place = file.relative_to(site).as_posix()
+        loads += [(place, load) for load in css_loads(file.read_text("utf-8"))]
+    return loads
+
+
+def wrong_loads(site: Path, pages: dict[str, Page]) -> list[tuple[str, str]]:
+    """Return what is fetched from elsewhere, or is not there."""
+    return [
+        (name, load)
+        for name, load in loads_of(site, pages)
+        if not load.startswith(("data:", "#"))
+        and load.removeprefix("replays/") not in replays()
+        and (
+            EXTERNAL.match(load) or not (site / name).parent.joinpath(urlparse(load).path).exists()
+        )
+    ]
+
+
+@pytest.fixture(scope="module")
+def pages(site: Path) -> dict[str, Page]:
+    return pages_of(site)
+
+
+def test_builds_without_a_warning(built: tuple[Path, str]) -> None:
+    assert built[1].strip() == ""
+
+
+def test_every_page_is_there(pages: dict[str, Page]) -> None:
+    assert {f"{page.stem}.html" for page in PAGES} <= set(pages)
+    assert len(EXERCISES) == 9
+    for name in EXERCISES:
+        assert f"exercises/{name}/README.html" in pages
+        assert f"exercises/{name}/hints.html" in pages
+
+
+def test_no_link_is_dead(site: Path, pages: dict[str, Page]) -> None:
+    assert dead_links(site, pages) == []
+    assert sum(len(page.links) for page in pages.values()) > 1000
+
+
+def test_nothing_is_loaded_from_elsewhere(site: Path, pages: dict[str, Page]) -> None:
+    assert wrong_loads(site, pages) == []
+    assert len(loads_of(site, pages)) > 100
+
+
+def test_dead_links_and_foreign_resources_are_found(tmp_path: Path) -> None:
+    (tmp_path / "a.html").write_text(
+        "<p id='here'><a href='b.html#there'>1</a> <a href='#here'>2</a> <a href='#gone'>3</a> "
+        "<a href='c.html'>4</a> <a href='https://ros.org'>5</a> "
+        "<script src='https://cdn.example/x.js'></script> <img src='gone.png'> "
+        "<div style='background: url(//cdn.example/y.png)'></div> <style>"
+        "@import 'https://fonts.example/z.css';</style> <link rel='icon' href='data:,'>",
+        "utf-8",
+    )
+    (tmp_path / "b.html").write_text("<p id='elsewhere'>", "utf-8")
+    pages = pages_of(tmp_path)
+    assert [line.split()[1] for line in dead_links(tmp_path, pages)] == [
+        "b.html#there", "#gone", "c.html",
+    ]  # fmt: skip
+    assert [load for _, load in wrong_loads(tmp_path, pages)] == [
+        "https://cdn.example/x.js", "gone.png", "//cdn.example/y.png",
+        "https://fonts.example/z.css",
+    ]  # fmt: skip
+
+
+def test_external_links_are_few_and_secure(pages: dict[str, Page]) -> None:
+    """Links that a reader may click, never loaded: the theme's authors, and sources."""
+    links = {link for page in pages.values() for link in page.links if EXTERNAL.match(link)}
+    assert all(link.startswith("https://") for link in links)
+    hosts = {urlparse(link).hostname for link in links}
+    assert hosts <= {
+        "github.com", "pradyunsg.me", "www.sphinx-doc.org", "creativecommons.org",
+        "docs.ros.org", "ros.org",
+    }  # fmt: skip
+
+
+def test_search_knows_the_words_of_the_lesson(site: Path) -> None:
+    source = (site / "searchindex.js").read_text("utf-8")
+    index = json.loads(source.removeprefix("Search.setIndex(").removesuffix(")"))
+    for word in ("callback", "executor", "featur", "percentil", "wrap"):
+        assert word in index["terms"], word
+    assert "Exercise 5 · A slow model" in index["titles"]
+
+
+def test_figures_are_drawn_into_the_pages(pages: dict[str, Page]) -> None:
+    for file in sorted((LESSONS / "figures").glob("*.svg")):
+        holders = [p for p in pages.values() if f'id="{file.stem}-title"' in p.text]
+        assert len(holders) == 1, file.name
+    assert not any(load.endswith(".svg") for page in pages.values() for load in page.loads
+                   if not load.startswith("#"))  # fmt: skip
+
+
+def test_formulas_need_no_script(pages: dict[str, Page]) -> None:
+    page = pages["exercises/trend_memory/README.html"]
+    assert page.text.count("<math") >= 3
+    assert not any("mathjax" in load.lower() for page in pages.values() for load in page.loads)
+
+
+def test_the_rubric_stays_with_the_instructor(site: Path, pages: dict[str, Page]) -> None:
+    page = pages["check_your_understanding.html"].text
+    quiz = (LESSONS / "quiz.md").read_text("utf-8")
+    for heading in re.findall(r"^## (.+)$", quiz, re.MULTILINE):
+        assert page.count(heading.split("· ")[1]) >= 1
+    rubric = re.findall(r"^\| [12] \| (.+?) \|$", quiz, re.MULTILINE)
+    assert len(rubric) == 14
+    everything = "".join(page.text for page in pages.values())
+    everything += (site / "searchindex.js").read_text("utf-8")
+    for answer in rubric:
+        assert answer[:40].replace("`", "") not in re.sub("<[^>]+>", "", everything)
+    assert not (site / "quiz.html").exists()
+
+
+def test_licence_stands_on_every_page(pages: dict[str, Page]) -> None:
+    for name, page in pages.items():
+        if f"{name.removesuffix('.html')}.md" in {p.name for p in PAGES}:
+            assert "LICENSE-lessons.md" in page.text, name
+
+
+def test_every_exercise_ends_a_section() -> None:
+    linked = re.compile(r"\]\(\.\./exercises/(\w+)/README\.md\)")
+    found = []
+    for name in ("node", "models", "state", "real_time"):
+        text = (LESSONS / f"{name}.md").read_text("utf-8")
+        found += linked.findall(re.split(r"^## Exercises?$", text, flags=re.MULTILINE)[1])
+    assert sorted(found) == EXERCISES
+
+
+def test_each_section_says_where_it_goes() -> None:
+    order = re.findall(r"^\| \[[^\]]+\]\((\w+)\.md\)", (LESSONS / "index.md").read_text("utf-8"),
+                       re.MULTILINE)  # fmt: skip
+    assert sorted([*order, "index", "glossary"]) == sorted(page.stem for page in PAGES)
+
+
+def test_figures_are_what_the_program_draws() -> None:
+    done = subprocess.run(
+        [sys.executable, str(LESSONS / "figures.py"), "--check"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, f"run python lessons/figures.py; not in step: {done.stdout}"
+
+
+def test_figures_say_what_they_show() -> None:
+    import figures  # noqa: PLC0415
+    from strokes import LETTERS, WIDTH  # noqa: PLC0415
+
+    assert {file.stem for file in (LESSONS / "figures").glob("*.svg")} == set(figures.FIGURES)
+    assert LETTERS * 358 / WIDTH >= 12, "12 pixels on a telephone of 390"
+    for name, draw in figures.FIGURES.items():
+        assert draw().svg(name) == draw().svg(name)
+        assert len(draw().description) > len(draw().title) > 10

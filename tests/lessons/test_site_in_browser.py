@@ -1,0 +1,148 @@
+"""The lesson's site in a real browser: light and dark, on a desk and on a telephone, offline."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from lesson_pages import PAGES
+
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--no-first-run",
+]
+DESK, TELEPHONE = 1280, 390  # [px]
+NAMES = [page.stem for page in PAGES] + ["exercises/trend_memory/README", "exercises/index"]
+LOOK = """() => {
+  // what a reader would stumble over, also in what has to be opened first
+  document.querySelectorAll('details').forEach((e) => { e.open = true; });
+  const canvas = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
+  const rgba = (colour) => { canvas.clearRect(0, 0, 1, 1); canvas.fillStyle = colour;
+    canvas.fillRect(0, 0, 1, 1); return [...canvas.getImageData(0, 0, 1, 1).data]; };
+  const light = ([r, g, b]) => { const [x, y, z] = [r, g, b].map((v) => v / 255)
+    .map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * x + 0.7152 * y + 0.0722 * z; };
+  const behind = (e) => { for (; e; e = e.parentElement) {
+    const colour = rgba(getComputedStyle(e).backgroundColor);
+    if (colour[3] === 255) return colour; }
+    return [255, 255, 255, 255]; };
+  const found = { contrast: [99, ''], letters: [99, ''], overflow: 0, cut: [] };
+  const article = document.querySelector('article');
+  const texts = document.createTreeWalker(article, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) {
+    const e = texts.currentNode.parentElement;
+    if (!texts.currentNode.textContent.trim() || !e.checkVisibility()) continue;
+    if (e.closest('style, title, desc, .headerlink, mspace')) continue;
+    const drawing = e.closest('svg.drawing');
+    const style = getComputedStyle(e);
+    const ink = light(rgba(drawing ? style.fill : style.color));
+    const page = light(behind(e));
+    const ratio = (Math.max(ink, page) + 0.05) / (Math.min(ink, page) + 0.05);
+    if (ratio < found.contrast[0]) found.contrast = [ratio, e.outerHTML.slice(0, 120)];
+    const width = (d) => d.getBoundingClientRect().width;
+    const scale = drawing ? width(drawing) / drawing.viewBox.baseVal.width : 1;
+    const size = parseFloat(style.fontSize) * scale;
+    if (size < found.letters[0]) found.letters = [size, e.outerHTML.slice(0, 120)];
+    if (drawing) {
+      const frame = drawing.getBoundingClientRect();
+      const word = e.getBoundingClientRect();
+      if (word.left < frame.left - 1 || word.right > frame.right + 1 ||
+          word.top < frame.top - 1 || word.bottom > frame.bottom + 1)
+        found.cut.push(e.textContent);
+    }
+  }
+  found.overflow = document.documentElement.scrollWidth - window.innerWidth;
+  return found;
+}"""
+OVERLAPS = """() => {
+  // words of a figure that lie upon each other
+  const found = [];
+  for (const drawing of document.querySelectorAll('svg.drawing')) {
+    const words = [...drawing.querySelectorAll('text')].map((e) => [e.textContent, e.getBBox()]);
+    words.forEach(([a, p], i) => words.slice(i + 1).forEach(([b, q]) => {
+      const wide = Math.min(p.x + p.width, q.x + q.width) - Math.max(p.x, q.x);
+      const high = Math.min(p.y + p.height, q.y + q.height) - Math.max(p.y, q.y);
+      if (wide > 1 && high > 4) found.push(a + ' / ' + b);
+    }));
+  }
+  return found;
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if path is None:
+        pytest.skip(f"no browser: none of {', '.join(CHROMIUM)} is on the PATH")
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def context(browser: Any) -> Iterator[Any]:
+    """A browser that may complain about nothing and ask nobody for anything."""
+    context = browser.new_context(viewport={"width": DESK, "height": 900})
+    context.set_offline(True)
+    complaints: list[str] = []
+    context.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
+    context.on("weberror", lambda error: complaints.append(f"error: {error.error}"))
+    asked: list[str] = []
+    context.on("request", lambda request: asked.append(request.url))
+    yield context
+    context.close()
+    assert [said for said in complaints if said.startswith(("error", "warning"))] == []
+    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", TELEPHONE), ("dark", DESK)])
+def test_pages_can_be_read(context: Any, site: Path, scheme: str, width: int) -> None:
+    page = context.new_page()
+    page.emulate_media(color_scheme=scheme)
+    page.set_viewport_size({"width": width, "height": 900})
+    for name in NAMES:
+        page.goto((site / f"{name}.html").as_uri())
+        seen = page.evaluate(LOOK)
+        assert seen["contrast"][0] >= 4.5, (name, seen["contrast"])
+        assert seen["letters"][0] >= 12, (name, seen["letters"])
+        assert seen["overflow"] <= 0, name
+        assert seen["cut"] == [], name
+        assert page.evaluate(OVERLAPS) == [], name
+    background = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert (background == "rgb(255, 255, 255)") == (scheme == "light")
+
+
+def test_the_switch_turns_figures_too(context: Any, site: Path) -> None:
+    page = context.new_page()
+    page.goto((site / "loop.html").as_uri())
+    colour = "getComputedStyle(document.querySelector('svg.drawing text.blue')).fill"
+    seen = {page.evaluate(colour)}
+    for _ in range(3):
+        page.locator(".theme-toggle:visible").first.click()
+        seen.add(page.evaluate(colour))
+    assert len(seen) == 2
+
+
+def test_figures_are_read_aloud(context: Any, site: Path) -> None:
+    page = context.new_page()
+    page.goto((site / "real_time.html").as_uri())
+    image = page.get_by_role("img", name="Sensor rate, model time and control rate")
+    assert image.count() == 1
+
+
+def test_search_finds_a_section(context: Any, site: Path) -> None:
+    page = context.new_page()
+    page.goto((site / "search.html").as_uri() + "?q=percentile")
+    page.wait_for_selector("ul.search li")
+    hits = page.locator("ul.search li a").all_inner_texts()
+    assert "Keeping up with real time" in hits
