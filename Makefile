@@ -8,7 +8,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-deep lint format prove attacks site students bench skeletons goldens constraints clean
+.PHONY: help setup grade test test-deep lint format prove attacks site students bench bench-notebook skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -59,6 +59,9 @@ site: $(VENV)/.dev ## build the lesson as a site into build/site
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour; goes on where it was)
 	mkdir -p build
 	$(BIN)/python benchmarks/students.py --keep build/students.jsonl
+
+bench-notebook: $(VENV)/.dev ## time the first check of a notebook on a bare system Python (needs root)
+	$(BIN)/python benchmarks/bare_notebook.py
 
 skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python -m grader.skeletons

@@ -98,7 +98,15 @@ def _nbgrader_seconds() -> float:
             (folder / part).mkdir(parents=True)
             nbformat.write(notebook, folder / part / "one.ipynb")
         command = [sys.executable, "-m", "nbgrader"]
-        quiet = {"cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        # nbgrader starts `alembic` by name, and finds it only in an environment that is activated
+        programs = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+        environment = {**os.environ, "PATH": programs}
+        quiet = {
+            "cwd": folder,
+            "env": environment,
+            "stdout": subprocess.DEVNULL,
+            "stderr": subprocess.DEVNULL,
+        }
         subprocess.run([*command, "generate_assignment", "one"], check=True, **quiet)
         times = []
         for _ in range(3):

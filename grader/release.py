@@ -20,7 +20,7 @@ from grader.exercises import ROOT, SOLUTIONS, all_exercises
 
 # The grader's rooms for instructors and contributors; students' `course` does without.
 INSTRUCTORS = (
-    "batch", "results", "release.py",
+    "batch", "gradebook_plugin", "results", "release.py", "build.py",
     "catalogue.py", "fairness.py", "listings.py", "pitfalls.py", "proof.py", "skeletons.py",
 )  # fmt: skip
 KEPT = {
@@ -219,20 +219,13 @@ def _is_public(path: str, left_out: set[str]) -> bool:
     parts = PurePosixPath(path).parts
     if parts[0] != "grader" and not left_out.isdisjoint(parts):
         return False  # checks stay: those of one exercise use another's
-    if parts[0] == "grader" and parts[1] in INSTRUCTORS:
+    if parts[0] == "grader" and not {*INSTRUCTORS}.isdisjoint(parts):
         return False
     return not any(PRIVATE.search(part) for part in parts)
 
 
 def _pyproject(text: str) -> str:
-    """Return the students' pyproject.toml: with the exercises, without our tools' settings."""
-    packages = 'include = ["sim*", "grader*"]'
-    data = "[tool.setuptools.package-data]"
-    for line in (packages, data):
-        if text.count(line) != 1:
-            raise GraderError(f"pyproject.toml: expected the line {line} once")
-    text = text.replace(packages, 'include = ["sim*", "grader*", "exercises*"]')
-    text = text.replace(data, data + '\n"*" = ["*.toml", "*.md"]')
+    """Return the students' pyproject.toml: without our tools' settings."""
     kept = re.split(r"(?m)^(?=\[)", text)
     ours = ("[tool.ruff", "[tool.mypy", "[[tool.mypy", "[tool.pytest")
     return "".join(part for part in kept if not part.startswith(ours))

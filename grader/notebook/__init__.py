@@ -1,0 +1,260 @@
+"""Exercises in a notebook: write a node in a cell, drive it, have it judged. See `help(check)`.
+
+`%load_ext grader.notebook` and `from grader.notebook import *` both make `%%node` known and bring
+the names below. The kernel itself never imports rclpy: nodes run in processes of their own.
+
+========================  =====================================================================
+`%%node FILE.py`          cell magic: the cell becomes the file FILE.py in the notebook's folder
+`drive("demo_wall")`      run the file of the last `%%node` cell in one scenario, and watch it
+`check("1")`              have an exercise judged, as `course grade` does
+`dataset()`               make data to learn from, as `course dataset` does
+`train()`                 run the training script of exercise 2 on such data
+`show_scan("demo_wall")`  plot a scan
+`show_features(scan)`     plot a scan with the five features that the course's models take
+`show_left_right(scan)`   plot a scan, and how it looks to a node that confuses left and right
+`prepare()`               install what lacks, without a restart of the kernel
+========================  =====================================================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grader.notebook.kind import kind_errors
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+    from grader.notebook.datasets import NotebookDataset
+    from grader.notebook.report import CheckReport
+
+__all__ = [
+    "check",
+    "dataset",
+    "drive",
+    "prepare",
+    "show_features",
+    "show_left_right",
+    "show_scan",
+    "train",
+]
+
+Pairs = Sequence[tuple[float, float]]
+
+
+def prepare(*, ros_in_kernel: bool = False) -> None:
+    """Make this kernel ready for the course: install what lacks, without a restart.
+
+    In an environment that has everything it does nothing, and says so in one line. On the system
+    Python of Debian, Ubuntu or Colab it runs pip in a process of its own and finds what pip put
+    where Python does not look.
+
+    Parameters
+    ----------
+    ros_in_kernel
+        Also make `import rclpy` and `rclpy.init()` work in this kernel. Exercises don't need it:
+        `drive` and `check` run nodes in processes of their own.
+    """
+    from grader.notebook.preparation import prepare_kernel  # noqa: PLC0415
+
+    prepare_kernel(ros_in_kernel=ros_in_kernel)
+
+
+def drive(
+    scenario: str,
+    file: str | Path | None = None,
+    lidar: str | None = None,
+    *,
+    goals: Pairs = (),
+    params: Mapping[str, str | bool | int | float] | None = None,
+    duration: float | None = None,
+    seed: int | None = None,
+) -> None:
+    """Run a node in one scenario, print what it did, and show the replay. Nothing is judged.
+
+    Parameters
+    ----------
+    scenario
+        A scenario's name such as "demo_wall" or "avoid_cart", or a TOML file of your own.
+    file
+        The node; by default the file of the last `%%node` cell. An exercise's other files are
+        taken from beside it.
+    lidar
+        Another lidar: "default", "lds01", "lds02" or "wide".
+    goals
+        Goals (x, y) to send instead of the scenario's own [m].
+    params
+        ROS parameters by name.
+    duration
+        Another duration, in simulated time [s].
+    seed
+        Varies world and noise.
+    """
+    from grader.notebook.judging import drive_file  # noqa: PLC0415
+
+    drive_file(
+        scenario, file, lidar, goals=goals, params=params or {}, duration=duration, seed=seed
+    )
+
+
+def check(
+    name: str | int | None = None, file: str | Path | None = None, field: bool = False
+) -> CheckReport | None:
+    """Have an exercise judged: all its checks, in trials of their own, as `course grade` does.
+
+    Shows the table of checks, what went wrong and the replay at that moment. What it says is for
+    you; whoever marks your work runs the same checks on their own machine.
+
+    Parameters
+    ----------
+    name
+        The exercise by name or number ("obstacle_avoidance", "1"), or only some of its checks
+        ("1:clear_zone,slow_zone"; what they need is run too). By default the exercise to which the
+        file of the last `%%node` cell belongs.
+    file
+        The node's file; by default the exercise's, in the notebook's folder.
+    field
+        Run the field checks too: other sensors and networks, a badge and no points.
+
+    Returns
+    -------
+    CheckReport or None
+        `.score`, `.max_score` [points] and `.checks`; None if nothing could be judged, which is
+        then explained.
+    """
+    from grader.notebook.judging import check_file  # noqa: PLC0415
+    from grader.notebook.validation import validated  # noqa: PLC0415
+
+    return validated(check_file(None if name is None else str(name), file, field=field))
+
+
+def dataset(file: str | Path = "train.npz", *, scans: int = 2000, seed: int = 1) -> NotebookDataset:
+    """Make labelled scans to learn from, and write them to a file, as `course dataset` does.
+
+    Parameters
+    ----------
+    file
+        The .npz file to write.
+    scans
+        How many.
+    seed
+        Other rooms, other scans.
+
+    Returns
+    -------
+    NotebookDataset
+        `.ranges` (scans, 360) [m], `.speed` (scans,) [m/s]: what an expert would drive, and
+        `.angles` (360,) [rad], positive to the left.
+    """
+    with kind_errors():
+        from grader.notebook.datasets import write_dataset  # noqa: PLC0415
+
+        return write_dataset(Path(file), scans=scans, seed=seed)
+
+
+def train(
+    file: str | Path | None = None,
+    *,
+    data: str | Path = "train.npz",
+    out: str | Path = "velocity_model.pkl",
+    onnx: str | Path = "velocity_model.onnx",
+) -> bool:
+    """Run a training script, and show what it prints, how long it takes and what it wrote.
+
+    That is `python FILE --data DATA --out OUT --onnx ONNX`. Data that is not there is made first.
+    The models stay in the notebook's folder, where `drive` gives them to the node.
+
+    Parameters
+    ----------
+    file
+        The script; by default train_velocity_model.py.
+    data, out, onnx
+        The file with the data, and the two that the script is to write.
+
+    Returns
+    -------
+    bool
+        Whether the script came to its end and both files are there.
+    """
+    from grader.notebook.datasets import train_model  # noqa: PLC0415
+
+    return train_model(
+        Path(file or "train_velocity_model.py"), data=Path(data), out=Path(out), onnx=Path(onnx)
+    )
+
+
+def show_scan(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any = None) -> Any:
+    """Plot a scan from above: the robot in the middle, ahead is up, left is left.
+
+    Parameters
+    ----------
+    scan
+        A scenario's name; or a LaserScan, or anything else with its fields; or a tuple (ranges,
+        angle_min, angle_increment[, range_min, range_max]) in metres and radians; or ranges alone,
+        which are taken for those of the default lidar.
+    lidar
+        Of a scenario: look with another lidar ("lds01", "lds02", "wide").
+    at
+        Of a scenario: when [s]; the robot stands still.
+    ax
+        The matplotlib Axes to draw on; by default a new figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    with kind_errors():
+        from grader.notebook.plots import plot_scan  # noqa: PLC0415
+
+        return plot_scan(scan, lidar=lidar, at=at, ax=ax)
+
+
+def show_features(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any = None) -> Any:
+    """Plot a scan with the three sectors and the five features that the course's models take.
+
+    Takes and returns the same as `show_scan`.
+    """
+    with kind_errors():
+        from grader.notebook.plots import plot_features  # noqa: PLC0415
+
+        return plot_features(scan, lidar=lidar, at=at, ax=ax)
+
+
+def show_left_right(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any = None) -> Any:
+    """Plot a scan's readings over their angle, left and right marked, and the same mirrored.
+
+    The mirrored line is what a node believes that counts beams clockwise. Takes and returns the
+    same as `show_scan`.
+    """
+    with kind_errors():
+        from grader.notebook.plots import plot_left_right  # noqa: PLC0415
+
+        return plot_left_right(scan, lidar=lidar, at=at, ax=ax)
+
+
+def load_ipython_extension(shell: InteractiveShell) -> None:
+    """Answer `%load_ext grader.notebook`: register `%%node`, bring the public names."""
+    from grader.notebook.magic import register  # noqa: PLC0415
+
+    register(shell)
+    shell.user_ns.update({name: globals()[name] for name in __all__})
+
+
+def _register_where_a_kernel_runs() -> None:
+    """Make `%%node` known to whoever writes `from grader.notebook import *` in a notebook."""
+    import sys  # noqa: PLC0415
+
+    if "IPython" not in sys.modules:  # an ordinary program, such as the builder of the notebooks
+        return
+    from IPython.core.getipython import get_ipython  # noqa: PLC0415
+
+    shell = get_ipython()
+    if shell is not None:
+        from grader.notebook.magic import register  # noqa: PLC0415
+
+        register(shell)
+
+
+_register_where_a_kernel_runs()

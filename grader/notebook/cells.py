@@ -1,0 +1,104 @@
+"""The file in a `%%node` cell: its name, and whether Python can read it. Nothing of it is run."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import dataclass
+
+MAGIC = "%%node"
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]{0,95}\.py")
+QUOTES = "'\""
+
+
+class CellProblem(Exception):
+    """What is wrong with a cell: a sentence for the student, and perhaps where."""
+
+    def __init__(self, text: str, *, line: int | None = None, shown: str = "") -> None:
+        super().__init__(text)
+        self.text = text
+        self.line = line  # of the file, 1 is the first
+        self.shown = shown  # that line, and a caret below it
+
+
+@dataclass(frozen=True)
+class NodeCell:
+    """A file as a cell has it."""
+
+    file: str  # a plain name that ends in .py
+    source: str  # exactly the cell's text after its first line, with a newline at the end
+
+
+def file_name(words: str) -> str:
+    """Return the file that the words after `%%node` name.
+
+    Raises
+    ------
+    CellProblem
+        They are no plain name of a Python file.
+    """
+    name = words.strip().strip(QUOTES)
+    if NAME.fullmatch(name):
+        return name
+    came = f"“{name[:80]}” came" if name else "nothing came"
+    if "/" in name or "\\" in name:
+        advice = "leave out the folder: the file is written where the notebook is"
+    elif not name:
+        advice = f"write it on the first line, as in “{MAGIC} my_node.py”"
+    elif not name.endswith(".py"):
+        advice = f"write “{MAGIC} {_suggested(name)}”, and nothing else, on the first line"
+    else:
+        advice = f"use letters, digits and _, as in “{MAGIC} {_suggested(name)}”"
+    raise CellProblem(f"expected the name of a Python file after {MAGIC}, but {came}: {advice}")
+
+
+def ended(source: str) -> str:
+    """Return a text with a newline at its end."""
+    return source if source.endswith("\n") else source + "\n"
+
+
+def check_syntax(cell: NodeCell) -> None:
+    """Make sure that a file can be read by Python.
+
+    Raises
+    ------
+    CellProblem
+        It can't; the problem has the line.
+    """
+    if not cell.source.strip():
+        raise CellProblem("the cell is empty below its first line: there is nothing to save")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            compile(cell.source, cell.file, "exec", dont_inherit=True)
+    except SyntaxError as error:
+        raise _problem_of(error, cell.source) from None
+    except UnicodeEncodeError:
+        raise CellProblem("the cell has characters that no text file can hold") from None
+    except ValueError as error:
+        raise CellProblem(f"Python can't read it: {error}") from None
+    except (RecursionError, MemoryError):
+        raise CellProblem("Python can't read it: too many brackets within brackets") from None
+
+
+def _problem_of(error: SyntaxError, source: str) -> CellProblem:
+    line = error.lineno or 0
+    lines = source.split("\n")
+    if not 1 <= line <= len(lines):
+        return CellProblem(f"{error.msg}; the end of the file is reached too early")
+    text = lines[line - 1].rstrip("\r")
+    column = min(max(1, error.offset or 1), len(text) + 1)
+    same_line = error.end_lineno in (None, line)
+    width = max(1, (error.end_offset or 0) - column) if same_line else 1
+    before = "".join("\t" if letter == "\t" else " " for letter in text[: column - 1])
+    carets = "^" * max(1, min(width, len(text) - column + 1))
+    words = error.msg
+    if text.lstrip().startswith(("%", "!")):
+        words += "; commands of the notebook (% and !) don't belong in a file: give them a cell"
+    return CellProblem(words, line=line, shown=f"{text}\n{before}{carets}")
+
+
+def _suggested(name: str) -> str:
+    first = name.partition(" ")[0].removesuffix(".py")
+    stem = "_".join(re.findall(r"[A-Za-z0-9_]+", first))
+    return f"{stem if NAME.fullmatch(stem + '.py') else 'my_node'}.py"

@@ -1,0 +1,157 @@
+"""`dataset` and `train`: data to learn from, and the run of a training script."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import selectors
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from grader.dataset import PROFILE, make_dataset
+from grader.errors import InputError
+from grader.notebook.child import environment
+from grader.notebook.session import SESSION
+from grader.notebook.show import BEAT, Progress, preformatted, tell
+from grader.terminal import plain
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+MOST_OUTPUT = 20_000  # [characters] of what a script prints; its end is shown
+CHUNK = 1 << 16  # [bytes]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NotebookDataset:
+    """Labelled scans, as they stand in the file."""
+
+    file: Path
+    ranges: NDArray[np.float32]  # (scans, 360) [m]
+    speed: NDArray[np.float64]  # (scans,) [m/s]
+    angles: NDArray[np.float64]  # (360,) [rad], positive to the left
+    range_min: float = PROFILE.range_min  # [m]
+    range_max: float = PROFILE.range_max  # [m]
+
+    def scan(self, index: int) -> tuple[NDArray[np.float32], float, float, float, float]:
+        """Return one scan as `show_scan` and `show_features` take it."""
+        return (
+            self.ranges[index], PROFILE.angle_min, PROFILE.angle_increment,
+            self.range_min, self.range_max,
+        )  # fmt: skip
+
+    def __repr__(self) -> str:
+        """Say what is in it, as `course dataset` does."""
+        standing = 100 * float((self.speed == 0.0).mean())
+        return (
+            f"{self.file}: {len(self.speed)} scans; in {standing:.0f} % of them "
+            "the expert stands still"
+        )
+
+
+def write_dataset(file: Path, *, scans: int, seed: int) -> NotebookDataset:
+    """See `grader.notebook.dataset`.
+
+    Raises
+    ------
+    InputError
+        A number is out of range, or the file has another ending.
+    """
+    if file.suffix != ".npz":
+        raise InputError(f"{file}: expected a name that ends in .npz, such as train.npz")
+    if not 100 <= scans <= 100_000:
+        raise InputError(f"scans={scans}: expected 100 to 100000")
+    if seed < 0:
+        raise InputError(f"seed={seed}: expected 0 or more")
+    made = make_dataset(scans, seed)
+    made.save(file)
+    return NotebookDataset(file, made.ranges, made.speed, PROFILE.angles)
+
+
+def train_model(script: Path, *, data: Path, out: Path, onnx: Path) -> bool:
+    """See `grader.notebook.train`."""
+    if script.name in SESSION.refused:
+        tell(f"Not trained: the last %%node {script.name} cell was not saved "
+             f"({SESSION.refused[script.name]}); correct it and run it again")  # fmt: skip
+        return False
+    if not script.is_file():
+        tell(f"Not trained: there is no {script} here: run the cell that starts with "
+             f"“%%node {script.name}” first")  # fmt: skip
+        return False
+    if not data.is_file():
+        tell(repr(write_dataset(data, scans=2000, seed=1)))
+    for model in (out, onnx):
+        model.unlink(missing_ok=True)  # an old one is not this script's
+    bar = Progress(f"{script.name} trains")
+    begin = time.monotonic()
+    try:
+        code, said = _run(_command(script, data, out, onnx), bar)
+    except KeyboardInterrupt:
+        bar.say("Not trained: stopped, because you interrupted the kernel. Run the cell again.")
+        return False
+    lines = [plain_output(said)] if said.strip() else []
+    lines += _outcome(script, code, time.monotonic() - begin, (out, onnx))
+    text = "\n".join(lines)
+    bar.end({"text/plain": text, "text/html": preformatted(text)})
+    return code == 0 and out.is_file() and onnx.is_file()
+
+
+def plain_output(text: str) -> str:
+    """Return the end of what a script printed, without commands to a terminal."""
+    kept = text[-MOST_OUTPUT:].strip("\n")
+    return "\n".join(plain(line) for line in kept.split("\n"))
+
+
+def _command(script: Path, data: Path, out: Path, onnx: Path) -> list[str]:
+    paths = ("--data", str(data), "--out", str(out), "--onnx", str(onnx))
+    return [sys.executable, "-u", str(script.resolve()), *paths]
+
+
+def _outcome(script: Path, code: int, seconds: float, models: tuple[Path, Path]) -> list[str]:
+    if code:
+        how = f"signal {-code}" if code < 0 else f"exit code {code}"
+        return [f"Not trained: {script.name} failed after {seconds:.1f} s ({how})"]
+    lines = [f"{script.name} took {seconds:.1f} s"]
+    for model in models:
+        there = model.is_file()
+        size = f"{model.stat().st_size:,} bytes" if there else "was not written"
+        lines.append(f"  {'✓' if there else '✗'} {model}: {size}")
+    return lines
+
+
+def _run(command: list[str], bar: Progress) -> tuple[int, str]:
+    """Run a command; return its exit code, and what it printed."""
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        env=environment(),
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    said = b""
+    try:
+        with selectors.DefaultSelector() as selector:
+            selector.register(process.stdout, selectors.EVENT_READ)
+            while True:
+                if selector.select(BEAT):
+                    data = os.read(process.stdout.fileno(), CHUNK)
+                    if not data:
+                        break
+                    said = (said + data)[-4 * MOST_OUTPUT :]
+                last = said.decode("utf-8", "replace").strip().rpartition("\n")[2]
+                bar.update(None, plain(last)[:80] or "at work")
+        return process.wait(), said.decode("utf-8", "replace")
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            if process.poll() is None:
+                os.killpg(process.pid, 9)
+        process.wait()
+        process.stdout.close()

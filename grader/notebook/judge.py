@@ -1,0 +1,201 @@
+"""The judge of a notebook: a process beside the kernel that drives and grades as `course` does.
+
+The kernel runs whatever a student writes, so nothing is judged in it. This process reads orders
+from stdin, keeps the nursery of hosts warm between them, and ends when the kernel does.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import itertools
+import os
+import queue
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import msgspec
+import numpy as np
+from rich.console import Console
+
+from grader.drive import arguments_of, drive_node, print_summary, scenario_for
+from grader.errors import GraderError, InputError
+from grader.exercises import find_exercise
+from grader.grading import Grading, grade_submission
+from grader.launch import Nursery
+from grader.notebook.orders import (
+    Answer,
+    Drive,
+    Driven,
+    Grade,
+    Graded,
+    Order,
+    Problem,
+    Progressed,
+    Warm,
+)
+from grader.recording import Recording
+from grader.report import embedded_payload, json_text, page_html, page_payload
+from grader.submission import find_submission
+from grader.terminal import render_terminal
+from sim.messages import EPOCH_NS
+
+GRACE = 5.0  # [s] for an interrupted order to tidy up
+WIDTH = 100  # [characters] of the tables
+MAX_REPLAYS = 400_000  # [characters]: a notebook has to carry them
+LEAST_WAY = 0.2  # [m] of a drive worth seeing
+
+Send = Callable[[Answer], None]
+
+
+class Nurseries(contextlib.ExitStack):
+    """The warm processes, one for each set of libraries."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._known: dict[tuple[str, ...], Nursery] = {}
+
+    def of(self, libraries: tuple[str, ...]) -> Nursery:
+        """Return the nursery that has imported these modules; it starts when first asked for."""
+        if libraries not in self._known:
+            nursery = Nursery(EPOCH_NS, libraries=libraries)
+            self._known[libraries] = self.enter_context(nursery)
+        return self._known[libraries]
+
+    def give_up(self) -> None:
+        """End them all: after a fault nobody knows in what state one is."""
+        self._known.clear()
+        self.close()
+
+
+def main() -> None:
+    """Carry out orders until the kernel closes the pipe."""
+    answers = os.fdopen(os.dup(1), "wb", buffering=0)
+    os.dup2(2, 1)  # whatever else is printed
+    orders: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(sys.stdin.buffer, orders), daemon=True).start()
+    send = _sender(answers)
+    with contextlib.suppress(KeyboardInterrupt, BrokenPipeError), Nurseries() as nurseries:
+        while line := orders.get():
+            order = msgspec.json.decode(line, type=Order)
+            answer = carry_out(order, nurseries, send)
+            if answer is not None:
+                send(answer)
+
+
+def carry_out(order: Order, nurseries: Nurseries, send: Send) -> Answer | None:
+    """Do what is asked for, and return the answer: none to `Warm`."""
+    try:
+        match order:
+            case Warm():
+                nurseries.of(order.libraries)
+                return None
+            case Drive():
+                return _drive(order, nurseries.of(order.libraries))
+            case Grade():
+                return _grade(order, nurseries, send)
+    except InputError as error:
+        return None if isinstance(order, Warm) else Problem(str(error))
+    except GraderError as error:
+        nurseries.give_up()
+        return None if isinstance(order, Warm) else Problem(str(error), fault=True)
+
+
+def _drive(order: Drive, nursery: Nursery) -> Driven:
+    scenario = scenario_for(
+        order.scenario, lidar=order.lidar, duration=order.duration, goals=order.goals
+    )
+    others = [program.file for program in scenario.program if program.file]
+    submission = find_submission(Path(order.file), others=others)
+    arguments = arguments_of(order.params)
+    recording = drive_node(submission, scenario, nursery, seed=order.seed, arguments=arguments)
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        print_summary(recording, file=order.shown)
+    payload = page_payload(None, [recording], recording.scenario.title or recording.name)
+    return Driven(said.getvalue(), page_html({**payload, "embedded": True}))
+
+
+def _grade(order: Grade, nurseries: Nurseries, send: Send) -> Graded:
+    exercise = find_exercise(order.exercise)
+    path = Path(order.file)
+    submission = find_submission(path, exercise.files[0], exercise.files[1:])
+    grading = grade_submission(
+        exercise,
+        submission,
+        nurseries.of(exercise.libraries),
+        file=order.shown,
+        field=order.field,
+        only=order.only,
+        watch=lambda what, done, of: send(Progressed(what, done, of)),
+    )
+    result = grading.as_dict()
+    console = Console(file=io.StringIO(), width=WIDTH, color_system=None, legacy_windows=False)
+    with console.capture() as said:
+        render_terminal(result, console)
+    runs = worth_seeing(grading)
+    first = (runs[0].scenario.title or runs[0].name) if runs else ""
+    page = _page(result["checks"], runs, exercise.title)
+    return Graded(json_text(result), said.get(), page, first)
+
+
+def worth_seeing(grading: Grading) -> list[Recording]:
+    """Return the recordings to show: the first failure's first, then other failures', then drives.
+
+    Runs in which the robot hardly moved and nothing failed are left out.
+    """
+    failed = [c.scenario for c in grading.checks if c.outcome == "fail" and c.scenario is not None]
+    timed = [
+        c.scenario
+        for c in grading.checks
+        if c.outcome == "fail" and c.scenario is not None and c.time is not None
+    ]
+    order = list(dict.fromkeys([*timed[:1], *failed]))
+    by_name = {recording.name: recording for recording in grading.recordings}
+    shown = [by_name[name] for name in order if name in by_name]
+    return shown + [r for r in grading.recordings if r.name not in order and _moved(r)]
+
+
+def _moved(recording: Recording) -> bool:
+    x, y = recording.truth.x, recording.truth.y
+    return len(x) > 0 and float(max(np.ptp(x), np.ptp(y))) > LEAST_WAY
+
+
+def _page(checks: Sequence[Any], runs: Sequence[Recording], title: str) -> str:
+    """Return a page with as many replays as a notebook can well carry; the first one always."""
+    if not runs:
+        return ""
+    payload = embedded_payload(checks, runs, title)
+    lengths = itertools.accumulate(len(json_text(replay)) for replay in payload["replays"])
+    count = sum(length <= MAX_REPLAYS for length in lengths)
+    return page_html({**payload, "replays": payload["replays"][: max(1, count)]})
+
+
+def _sender(file: BinaryIO) -> Send:
+    lock = threading.Lock()  # trials report from several threads
+
+    def send(answer: Answer) -> None:
+        line = memoryview(msgspec.json.encode(answer) + b"\n")
+        with lock:
+            while line:
+                line = line[os.write(file.fileno(), line) :]
+
+    return send
+
+
+def _read(lines: Iterable[bytes], orders: queue.SimpleQueue[bytes]) -> None:
+    """Pass orders on; at the end interrupt the one at work, and see that this process ends."""
+    for line in lines:
+        orders.put(line)
+    orders.put(b"")
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(GRACE)
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,148 @@
+"""`drive` and `check`: ask the judge, and show what it says below the cell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import msgspec
+
+from grader.errors import GraderError, InputError
+from grader.exercises import Exercise, find_exercise
+from grader.notebook.child import JUDGE
+from grader.notebook.frame import frame_html
+from grader.notebook.kind import sentence
+from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Order, Problem, Progressed
+from grader.notebook.report import CheckReport
+from grader.notebook.session import SESSION, exercise_of
+from grader.notebook.show import Progress, preformatted, tell
+
+
+def drive_file(
+    scenario: str,
+    file: str | Path | None,
+    lidar: str | None,
+    *,
+    goals: Sequence[tuple[float, float]],
+    params: Mapping[str, str | bool | int | float],
+    duration: float | None,
+    seed: int | None,
+) -> None:
+    """See `grader.notebook.drive`."""
+    try:
+        path = SESSION.file_to_drive(file)
+        order = Drive(
+            str(path),
+            path.name,
+            _scenario_name(scenario),
+            lidar,
+            _goals(goals),
+            tuple(f"{name}:={_spell(value)}" for name, value in params.items()),
+            None if duration is None else float(duration),
+            seed,
+            _libraries(path),
+        )
+    except (InputError, GraderError) as error:
+        tell(f"Not driven: {error}")
+        return
+    bar = Progress(f"{path.name} drives in {scenario}")
+    answer = _ask(order, bar, "Not driven")
+    if isinstance(answer, Driven):
+        said = answer.text.strip("\n")
+        frame = frame_html(answer.page, title=f"Replay of {path.name} in {scenario}")
+        bar.end({"text/plain": said, "text/html": preformatted(said) + frame})
+
+
+def check_file(name: str | None, file: str | Path | None, *, field: bool) -> CheckReport | None:
+    """See `grader.notebook.check`."""
+    try:
+        exercise, only = _wanted(name, file)
+        path = SESSION.file_for(exercise, file)
+    except (InputError, GraderError) as error:
+        tell(f"Not checked: {error}")
+        return None
+    order = Grade(exercise.slug, str(path), path.name, only, field)
+    bar = Progress(f"Exercise {exercise.number}, {path.name}")
+    answer = _ask(order, bar, "Not checked")
+    if not isinstance(answer, Graded):
+        return None
+    grading = msgspec.json.decode(answer.grading)
+    report = CheckReport(grading, answer.text, answer.page, answer.first)
+    bar.end(report.shown())
+    return report
+
+
+def _wanted(name: str | None, file: str | Path | None) -> tuple[Exercise, tuple[str, ...]]:
+    """Return the exercise and its checks that "slug:check,check" asks for."""
+    slug, _, checks = (name or "").partition(":")
+    only = tuple(filter(None, (check.strip() for check in checks.split(","))))
+    if ":" in (name or "") and not only:
+        raise InputError(
+            f"{name!r}: expected names of checks after the colon, as in "
+            f'"{slug or 1}:wiring", or no colon'
+        )
+    if slug.strip():
+        return find_exercise(slug.strip()), only
+    if file is not None:
+        exercise = exercise_of(Path(file).name)
+        if exercise is not None:
+            return exercise, only
+    return SESSION.last_exercise(), only
+
+
+def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
+    """Ask the judge, with a bar below the cell; None if it was stopped or failed, which is said."""
+    done = {"trial": (0, 0), "check": (0, 0)}
+
+    def watch(step: Progressed) -> None:
+        done[step.what] = step.done, step.of
+        bar.update(*_told(done))
+
+    try:
+        answer = JUDGE.ask(order, watch, bar.beat)
+    except KeyboardInterrupt:
+        bar.say(f"{failed}: stopped, because you interrupted the kernel. Run the cell again.")
+        return None
+    except GraderError as error:
+        answer = Problem(str(error), fault=True)
+    if not isinstance(answer, Problem):
+        return answer
+    end = "\nThat is no mistake of yours. Run the cell again." if answer.fault else ""
+    bar.say(f"{failed}: {sentence(answer.text)}{end}")
+    return None
+
+
+def _told(done: Mapping[str, tuple[int, int]]) -> tuple[float, str]:
+    """Return how far it is, and that in words."""
+    (trials, all_trials), (checks, all_checks) = done["trial"], done["check"]
+    parts = [f"{trials} of {all_trials} trials"] if all_trials else []
+    parts += [f"{checks} of {all_checks} checks"] if all_checks else []
+    total = all_trials + all_checks
+    return (trials + checks) / total if total else 0.0, ", ".join(parts)
+
+
+def _scenario_name(scenario: str) -> str:
+    """Return what the judge, which works elsewhere, understands."""
+    text = str(scenario)
+    if text.endswith(".toml") or "/" in text:
+        path = Path(text)
+        if not path.is_file():
+            raise InputError(f"{text}: there is no such scenario file here")
+        return str(path.resolve())
+    return text
+
+
+def _goals(goals: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    try:
+        return tuple((float(x), float(y)) for x, y in goals)
+    except (TypeError, ValueError):
+        raise InputError("goals: expected pairs (x, y) [m], such as [(5, 3), (0, 0)]") from None
+
+
+def _spell(value: str | bool | int | float) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _libraries(path: Path) -> tuple[str, ...]:
+    exercise = exercise_of(path.name)
+    return () if exercise is None else exercise.libraries

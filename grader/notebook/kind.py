@@ -1,0 +1,41 @@
+"""Errors that a notebook shows as a sentence, not as a traceback of ours."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from grader.errors import InputError
+
+MOST = 400  # [characters] of a sentence; a list of all scenarios has thousands
+
+
+def sentence(text: str) -> str:
+    """Return a message that is not too long for a cell's output."""
+    return text if len(text) <= MOST else textwrap.shorten(text, MOST, placeholder=" …")
+
+
+class Refused(InputError):
+    """Something was asked for in a way that makes no sense."""
+
+    def _render_traceback_(self) -> list[str]:
+        """Return the lines that IPython shows in place of a traceback."""
+        return [str(self)]
+
+
+@contextmanager
+def kind_errors() -> Iterator[None]:
+    """Show wrong usage, and files that can't be read or written, as a sentence.
+
+    Raises
+    ------
+    Refused
+        In place of such an error.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise Refused(sentence(str(error))) from None
+    except OSError as error:
+        raise Refused(f"{error.filename or 'file'}: {error.strerror}") from None

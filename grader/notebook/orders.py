@@ -1,0 +1,72 @@
+"""What the kernel and its judge say to each other: one JSON object a line."""
+
+from __future__ import annotations
+
+import msgspec
+
+
+class Warm(msgspec.Struct, frozen=True, tag="warm"):
+    """Get ready for nodes that load these modules. No answer."""
+
+    libraries: tuple[str, ...] = ()
+
+
+class Drive(msgspec.Struct, frozen=True, tag="drive"):
+    """Run a node in a scenario."""
+
+    file: str  # absolute path
+    shown: str  # what to call it
+    scenario: str
+    lidar: str | None = None
+    goals: tuple[tuple[float, float], ...] = ()
+    params: tuple[str, ...] = ()  # NAME:=VALUE
+    duration: float | None = None  # [s]
+    seed: int | None = None
+    libraries: tuple[str, ...] = ()
+
+
+class Grade(msgspec.Struct, frozen=True, tag="grade"):
+    """Judge an exercise."""
+
+    exercise: str
+    file: str  # absolute path
+    shown: str
+    only: tuple[str, ...] = ()
+    field: bool = False
+
+
+Order = Warm | Drive | Grade
+
+
+class Progressed(msgspec.Struct, frozen=True, tag="progress"):
+    """How far a grading is."""
+
+    what: str  # "trial" or "check"
+    done: int
+    of: int
+
+
+class Driven(msgspec.Struct, frozen=True, tag="driven"):
+    """A drive is over."""
+
+    text: str  # the summary
+    page: str  # HTML, the replay
+
+
+class Graded(msgspec.Struct, frozen=True, tag="graded"):
+    """A grading is over."""
+
+    grading: str  # the JSON object of `course grade --json`
+    text: str  # the terminal's table
+    page: str  # HTML, replays; "" if there are none
+    first: str = ""  # what the first replay shows
+
+
+class Problem(msgspec.Struct, frozen=True, tag="problem"):
+    """It could not be done."""
+
+    text: str  # a sentence
+    fault: bool = False  # the grader's or the machine's
+
+
+Answer = Progressed | Driven | Graded | Problem

@@ -1,0 +1,232 @@
+"""`prepare`: make a kernel that is already running ready for the course, without a restart.
+
+On Debian, Ubuntu and Colab the kernel may be the system's Python. pip then puts ROS into
+`/usr/local/lib/pythonX.Y/site-packages`, which is not on `sys.path`, beside empty folders of the
+same names that are. And a process finds shared libraries only where it was told to look when it
+started: in this kernel they have to be loaded one by one, before `import rclpy` asks for them.
+
+Only the standard library is imported here until all else is installed.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import importlib.util
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from grader.errors import GraderError, InputError
+from grader.notebook.show import Progress
+from grader.ros import RosEnvironment, find_ros
+
+ROOT = Path(__file__).resolve().parents[2]
+CONSTRAINTS = ROOT / "constraints.txt"
+# As in pyproject.toml; what a notebook needs, by the module that shows whether it is there.
+BASE = {"click": "click", "msgspec": "msgspec", "numpy": "numpy", "pymunk": "pymunk",
+        "pytest": "pytest", "rich": "rich", "rosbags.rosbag2": "rosbags"}  # fmt: skip
+ML = {"sklearn": "scikit-learn", "onnxruntime": "onnxruntime", "onnx": "onnx",
+      "skl2onnx": "skl2onnx"}  # fmt: skip
+NOTEBOOKS = {"matplotlib": "matplotlib"}
+ROS = ("ros-jazzy-rclpy", "ros-jazzy-common-interfaces", "ros-jazzy-rmw-fastrtps-cpp")
+PATHS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH")  # what is there stays
+LAST_LINES = 6  # of what pip said
+BEAT = 0.25  # [s]
+
+
+def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
+    """See `grader.notebook.prepare`."""
+    wanted = missing()
+    if wanted and not _install(wanted):
+        return
+    importlib.invalidate_caches()
+    try:
+        ros = find_ros()
+    except InputError as error:
+        print(f"Not ready: {error}", flush=True)
+        return
+    adopt(ros)
+    said = f"Ready: {'installed ' + ', '.join(wanted) if wanted else 'everything is installed'}"
+    if ros_in_kernel:
+        try:
+            load_ros(ros)
+        except GraderError as error:
+            print(f"Not ready: {error}", flush=True)
+            return
+        said += "; rclpy works in this kernel"
+    print(f"{said}.", flush=True)
+
+
+def missing() -> list[str]:
+    """Return the distributions that a notebook needs and this Python lacks."""
+    wanted = [name for module, name in {**BASE, **ML, **NOTEBOOKS}.items() if not _is_here(module)]
+    try:
+        find_ros()
+    except InputError:
+        wanted += ROS
+    return wanted
+
+
+def adopt(ros: RosEnvironment) -> None:
+    """Make ROS findable: for this kernel's imports, and for the processes that it starts."""
+    for folder in map(str, ros.python_path):
+        if folder not in sys.path:
+            sys.path.append(folder)  # a real package there wins over an empty folder before it
+    for name in empty_shells(ros.python_path):
+        del sys.modules[name]
+    for name, value in ros.variables().items():
+        before = os.environ.get(name, "") if name in PATHS else ""
+        parts = [*value.split(os.pathsep), *filter(None, before.split(os.pathsep))]
+        os.environ[name] = os.pathsep.join(dict.fromkeys(parts))
+    importlib.invalidate_caches()
+
+
+def empty_shells(folders: Iterable[Path]) -> list[str]:
+    """Return the modules that were imported from an empty folder, though a real one is there."""
+    real = {path.parent.name for folder in folders for path in folder.glob("*/__init__.py")}
+    shells = {
+        name
+        for name, module in sys.modules.items()
+        if name in real and getattr(module, "__file__", None) is None
+    }
+    return [name for name in sys.modules if name.partition(".")[0] in shells]
+
+
+def load_ros(ros: RosEnvironment) -> None:
+    """Load ROS' libraries into this process, and import rclpy.
+
+    Raises
+    ------
+    GraderError
+        rclpy can't be imported.
+    """
+    os.environ.setdefault("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
+    # A notebook's nodes talk to each other, not to the neighbours' in the lab.
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    if "ROS_LOG_DIR" not in os.environ and not os.access(Path.home(), os.W_OK):
+        os.environ["ROS_LOG_DIR"] = tempfile.gettempdir()
+    if ros.kind != "apt":  # whoever sourced it has told the loader where to look
+        load_libraries(ros.library_path)
+    try:
+        rclpy = importlib.import_module("rclpy")
+    except ImportError as error:
+        raise GraderError(f"rclpy can't be imported here: {error}") from error
+    if not hasattr(rclpy, "init"):
+        raise GraderError(f"rclpy in {list(getattr(rclpy, '__path__', []))} is an empty folder")
+
+
+def load_libraries(folders: Sequence[Path]) -> list[Path]:
+    """Load every shared library of these folders; return those that can't be.
+
+    Which one needs which other nobody says in advance: what fails is tried again as long as any
+    succeeds. RTLD_LOCAL keeps their symbols apart; with RTLD_GLOBAL Python aborts at its end.
+    """
+    pending = [file for folder in folders for file in libraries_in(folder)]
+    while pending:
+        failed = [file for file in pending if not _loads(file)]
+        if len(failed) == len(pending):
+            break
+        pending = failed
+    return pending
+
+
+def libraries_in(folder: Path) -> list[Path]:
+    """Return ROS' shared libraries in a folder; in one for all of the system only those."""
+    if folder.name.endswith(".libs"):
+        return sorted(folder.glob("*.so*"))
+    own = _recorded(folder)
+    return sorted(file for file in folder.glob("lib*.so*") if file in own)
+
+
+def _recorded(folder: Path) -> set[Path]:
+    """Return the files that `ros-*` distributions put into a folder, as their RECORDs say."""
+    found = set()
+    for site in (Path(entry) for entry in sys.path if entry):
+        for record in site.glob("ros_*.dist-info/RECORD"):
+            for line in record.read_text("utf-8").splitlines():
+                name = line.partition(",")[0]
+                if ".so" in name and "../" in name:
+                    found.add(Path(os.path.normpath(site / name)))
+    return {path for path in found if path.parent == folder}
+
+
+def _loads(file: Path) -> bool:
+    try:
+        ctypes.CDLL(str(file), mode=ctypes.RTLD_LOCAL)
+    except OSError:
+        return False
+    return True
+
+
+def _is_here(module: str) -> bool:
+    try:
+        spec = importlib.util.find_spec(module)
+    except (ImportError, ValueError):
+        return False
+    return spec is not None and spec.origin is not None
+
+
+def _install(wanted: Sequence[str]) -> bool:
+    """Let pip install distributions; say what is wrong if it can't."""
+    bar = Progress(f"Installing {', '.join(wanted)}")
+    process = subprocess.Popen(
+        pip_command(wanted),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        env=pip_environment(os.environ),
+    )
+    try:
+        while True:
+            try:
+                said, _ = process.communicate(timeout=BEAT)
+                break
+            except subprocess.TimeoutExpired:
+                bar.update(None, "pip is at work")
+    except BaseException:
+        process.kill()
+        process.wait()
+        bar.say("Not ready: pip was stopped. Run the cell again.")
+        raise
+    if process.returncode == 0:
+        bar.say(f"Installed {', '.join(wanted)}.")
+        return True
+    bar.say(_why_not(said))
+    return False
+
+
+def pip_command(wanted: Sequence[str]) -> list[str]:
+    """Return how pip installs distributions: in the course's versions, if they are known here."""
+    pinned = ["--constraint", str(CONSTRAINTS)] if CONSTRAINTS.is_file() else []
+    return [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
+            *pinned, *wanted]  # fmt: skip
+
+
+def pip_environment(environ: Mapping[str, str]) -> dict[str, str]:
+    """Return pip's environment.
+
+    Debian's and Ubuntu's Python refuses pip, to protect the system. A notebook that runs as root
+    runs on a machine that is thrown away, such as a cloud's or a container.
+    """
+    root = {"PIP_BREAK_SYSTEM_PACKAGES": "1", "PIP_ROOT_USER_ACTION": "ignore"}
+    return {**(root if os.getuid() == 0 else {}), **environ}
+
+
+def _why_not(said: str) -> str:
+    lines = [line for line in said.strip().splitlines() if line.strip()]
+    if "externally-managed-environment" in said:
+        advice = (
+            "this Python belongs to the operating system. Make an environment of your own "
+            "(python3 -m venv .venv), install the course in it, and start Jupyter from there"
+        )
+    elif "No module named pip" in said:
+        advice = "pip is not there: install it (apt install python3-pip), and run the cell again"
+    else:
+        advice = "pip could not install what lacks. It said:"
+        return "\n".join([f"Not ready: {advice}", *(f"    {line}" for line in lines[-LAST_LINES:])])
+    return f"Not ready: {advice}."

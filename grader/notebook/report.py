@@ -1,0 +1,198 @@
+"""What `check` shows: the table that the terminal has, in the same words, and replays below it."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from grader.notebook.frame import folded, frame_html
+from grader.notebook.show import Bundle, execution_count, show
+from grader.terminal import (
+    OUTCOMES,
+    PROVISIONAL,
+    PROVISIONAL_WHY,
+    facts_of,
+    field_words,
+    group_fact,
+    plain,
+    points_of,
+    score_notes,
+    score_of,
+    share_of,
+    with_details,
+)
+
+Check = Mapping[str, Any]
+
+# Signs and words carry the meaning; white on these has a contrast of at least 4.5, on any theme.
+COLOURS = {
+    "pass": "#00735a",
+    "fail": "#b83f00",
+    "skip": "#5f6b77",
+    "error": "#98386f",
+    "inconclusive": "#7d5a00",
+    "unavailable": "#5f6b77",
+}
+LINE = "1px solid rgba(128,128,128,.3)"
+STYLE = f"""\
+<style>
+.course-check {{ max-width: 860px; font-size: 14px; line-height: 1.45; margin: 4px 0 10px; }}
+.course-check p {{ margin: 2px 0; }}
+.course-check .quiet {{ opacity: .72; }}
+.course-check h4 {{ margin: 14px 0 4px; font-size: 15px; }}
+.course-check h4 span {{ font-weight: normal; opacity: .72; }}
+.course-check table.checks, .course-check table.checks * {{
+  background: none; text-align: left; vertical-align: top; font-size: 14px; }}
+.course-check table.checks {{ width: 100%; border-collapse: collapse; border: 0; margin: 0;
+  table-layout: auto; color: inherit; }}
+.course-check table.checks tr {{ border: 0; border-top: {LINE}; background: none; }}
+.course-check table.checks td {{ padding: 6px 12px 6px 0; border: 0; max-width: none;
+  white-space: normal; overflow-wrap: anywhere; color: inherit; }}
+.course-check table.checks td.outcome {{ width: 86px; white-space: nowrap; }}
+.course-check table.checks td.points {{ width: 56px; padding-right: 0; text-align: right;
+  white-space: nowrap; font-variant-numeric: tabular-nums; }}
+.course-check table.checks span.chip {{ display: inline-block; min-width: 62px; padding: 0 8px;
+  border-radius: 9px; color: #fff; font-size: 12px; font-weight: 600; line-height: 19px; }}
+.course-check .facts {{ display: grid; grid-template-columns: max-content 1fr; gap: 1px 12px;
+  margin: 4px 0 2px; }}
+.course-check .facts span:nth-child(odd) {{ opacity: .72; }}
+.course-check .facts span {{ white-space: pre-wrap; overflow-wrap: anywhere; }}
+.course-check .message {{ white-space: pre-wrap; }}
+.course-check .score {{ display: flex; align-items: center; gap: 14px; margin-top: 14px;
+  padding-top: 10px; border-top: 2px solid rgba(128,128,128,.45); }}
+.course-check .label {{ display: inline-block; width: 48px; opacity: .72; }}
+.course-check .bar {{ flex: 1; max-width: 320px; height: 10px; border-radius: 5px; overflow: hidden;
+  background: rgba(128,128,128,.28); }}
+.course-check .bar i {{ display: block; height: 10px; }}
+</style>"""
+
+
+@dataclass(eq=False, repr=False)
+class CheckReport:
+    """A verdict on one exercise, for the student who asked. It is no mark.
+
+    Attributes
+    ----------
+    grading
+        The object that `course grade --json` writes.
+    """
+
+    grading: dict[str, Any]
+    _text: str  # the terminal's table
+    _page: str  # replays; "" if there are none
+    _first: str = ""  # what the first of them shows
+    _shown_in: int | None = field(default=None, init=False)  # the cell that showed it last
+
+    @property
+    def score(self) -> int:
+        """Points won."""
+        return int(self.grading["score"])
+
+    @property
+    def max_score(self) -> int:
+        """Points that could be won: checks that could not judge are left out."""
+        return int(self.grading["max_score"])
+
+    @property
+    def checks(self) -> list[dict[str, Any]]:
+        """What each check said: `id`, `title`, `outcome`, `points`, `max_points`, `message`, …"""
+        return list(self.grading["checks"])
+
+    def __repr__(self) -> str:
+        """Return the terminal's table."""
+        return self._text.strip("\n")
+
+    def _repr_html_(self) -> str:
+        return grading_html(self.grading) + replays_html(self.grading, self._page, self._first)
+
+    def shown(self) -> Bundle:
+        """Return what is shown below a cell, and note in which."""
+        self._shown_in = execution_count()
+        return {"text/plain": repr(self), "text/html": self._repr_html_()}
+
+    def _ipython_display_(self) -> None:
+        """Show the report, once in a cell: `check` does, and its result may be the last line."""
+        cell = execution_count()
+        if cell is None or cell != self._shown_in:
+            show(self.shown())
+
+
+def grading_html(grading: Mapping[str, Any]) -> str:
+    """Return a grading as HTML that follows the page's theme; students' text stays text."""
+    checks: Sequence[Check] = grading.get("checks", [])
+    groups = [
+        _group(kind, group)
+        for kind in ("core", "field")
+        if (group := [check for check in checks if check.get("kind", "core") == kind])
+    ]
+    facts = [grading.get("file"), f"tier {grading['tier']}" if grading.get("tier") else ""]
+    heading = f"<b>{_escaped(grading.get('exercise', ''))}</b>" + "".join(
+        f'<span class="quiet">  ·  {_escaped(fact)}</span>' for fact in facts if fact
+    )
+    return (
+        f'{STYLE}<div class="course-check"><p>{heading}</p>{"".join(groups)}{_score(grading)}</div>'
+    )
+
+
+def replays_html(grading: Mapping[str, Any], page: str, first: str) -> str:
+    """Return the replays below a grading: unfolded if something failed."""
+    if not page:
+        return ""
+    failed = any(check["outcome"] == "fail" for check in grading["checks"])
+    said = f"Replay of what failed: {first}" if failed else "Watch the runs"
+    return folded(plain(said), frame_html(page, title=plain(said)), unfolded=failed)
+
+
+def _group(kind: str, group: Sequence[Check]) -> str:
+    title = "Core" if kind == "core" else "Field"
+    rows = "".join(_row(check, more) for check, more in with_details(group))
+    return (
+        f"<h4>{title}<span>  ·  {_escaped(group_fact(kind, group))}</span></h4>"
+        f'<table class="checks"><tbody>{rows}</tbody></table>'
+    )
+
+
+def _row(check: Check, more: bool) -> str:
+    outcome = check["outcome"] if check["outcome"] in OUTCOMES else "error"
+    sign, _, word, _ = OUTCOMES[outcome]
+    strong = outcome in ("fail", "error")
+    title = _escaped(check["title"])
+    return (
+        f'<tr><td class="outcome"><span class="chip" style="background:{COLOURS[outcome]}">'
+        f"{sign} {word}</span></td>"
+        f"<td>{f'<b>{title}</b>' if strong else title}{_details(check) if more else ''}</td>"
+        f'<td class="points">{points_of(check)}</td></tr>'
+    )
+
+
+def _details(check: Check) -> str:
+    message = check.get("message")
+    said = f'<p class="message">{_escaped(message)}</p>' if message else ""
+    facts = "".join(
+        f"<span>{name}</span><span>{_escaped(text)}</span>" for name, text in facts_of(check)
+    )
+    return said + (f'<div class="facts">{facts}</div>' if facts else "")
+
+
+def _score(grading: Mapping[str, Any]) -> str:
+    share = share_of(grading)
+    colour = COLOURS["pass"] if share >= 1 else "#2b7fba"
+    word, rest = field_words(grading)
+    lines = [_escaped(note) for note in score_notes(grading)]
+    if grading.get("provisional"):
+        lines.insert(0, f"<b>{PROVISIONAL}</b>{PROVISIONAL_WHY}")
+    badge = f"<b>★ {word}</b>" if word else ""
+    lines.append(f'<span class="label">Field</span> {badge}{_escaped(rest)}')
+    lines += [_escaped(note) for note in grading.get("notes", ())]
+    return (
+        '<div class="score"><span><span class="label">Score</span> '
+        f"<b>{score_of(grading)}</b></span>"
+        f'<div class="bar"><i style="width:{100 * share:.0f}%;background:{colour}"></i></div></div>'
+        + "".join(f"<p>{line}</p>" for line in lines)
+    )
+
+
+def _escaped(text: Any) -> str:
+    return html.escape(plain(text))

@@ -1,0 +1,106 @@
+"""What this kernel knows of the files that `%%node` cells wrote."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grader.errors import InputError
+from grader.exercises import Exercise, all_exercises
+
+
+@dataclass
+class Session:
+    """The files of this kernel's `%%node` cells."""
+
+    written: dict[str, Path] = field(default_factory=dict)  # by name; the last one last
+    refused: dict[str, str] = field(default_factory=dict)  # by name: why the last cell was not
+
+    def wrote(self, path: Path) -> None:
+        """Note a file."""
+        self.refused.pop(path.name, None)
+        self.written.pop(path.name, None)
+        self.written[path.name] = path
+
+    def file_for(self, exercise: Exercise, file: str | Path | None) -> Path:
+        """Return the file with which an exercise is judged.
+
+        Raises
+        ------
+        InputError
+            It is not there, or its last cell was not saved.
+        """
+        if file is None:
+            file = self.written.get(exercise.files[0], Path(exercise.files[0]))
+        names = dict.fromkeys((Path(file).name, *exercise.files))
+        return self._usable(Path(file), list(names))
+
+    def file_to_drive(self, file: str | Path | None) -> Path:
+        """Return the node to drive: the one given, or that of the last cell's exercise.
+
+        Raises
+        ------
+        InputError
+            There is none, or its last cell was not saved.
+        """
+        if file is not None:
+            return self._usable(Path(file), [Path(file).name])
+        if not self.written:
+            raise self._nothing_written()
+        last = next(reversed(self.written.values()))
+        exercise = exercise_of(last.name)
+        node = last if exercise is None else last.with_name(exercise.files[0])
+        chosen = node if node.is_file() else last
+        return self._usable(chosen, [chosen.name, last.name])
+
+    def last_exercise(self) -> Exercise:
+        """Return the exercise to which the file of the last cell belongs.
+
+        Raises
+        ------
+        InputError
+            No cell wrote one.
+        """
+        if not self.written:
+            raise self._nothing_written()
+        last = next(reversed(self.written))
+        exercise = exercise_of(last)
+        if exercise is None:
+            raise InputError(
+                f"{last} is no exercise's file, so say which exercise it is for, "
+                f'as in check("1", file="{last}")'
+            )
+        return exercise
+
+    def _usable(self, path: Path, names: list[str]) -> Path:
+        for name in names:
+            if name in self.refused:
+                raise InputError(
+                    f"the last %%node {name} cell was not saved ({self.refused[name]}); "
+                    "correct it and run it again"
+                )
+        if not path.exists():
+            raise InputError(
+                f"there is no {path} here: run the cell that starts with “%%node {path.name}” first"
+            )
+        return path.resolve()
+
+    def _nothing_written(self) -> InputError:
+        if self.refused:
+            name, why = next(reversed(self.refused.items()))
+            return InputError(
+                f"the %%node {name} cell was not saved ({why}); correct it and run it again"
+            )
+        return InputError(
+            "no %%node cell has run in this kernel yet: run the one with your node first, "
+            "or say which file is meant with file="
+        )
+
+
+def exercise_of(name: str) -> Exercise | None:
+    """Return the exercise that has a file of this name."""
+    found = (exercise for exercise in all_exercises() if name in exercise.files)
+    return next(found, None)
+
+
+SESSION = Session()

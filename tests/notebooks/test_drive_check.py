@@ -1,0 +1,179 @@
+"""`drive` and `check` in a real kernel: what the judge says, with a bar on the way."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from pathlib import Path
+
+import pytest
+from kernels import Kernel, Said, save
+
+from grader.cli import cli
+from grader.exercises import SOLUTIONS, find_exercise
+
+AGENT = "obstacle_avoidance_agent.py"
+RIGHT = (SOLUTIONS / "obstacle_avoidance" / AGENT).read_text("utf-8")
+TOO_FAST = RIGHT.replace("STOP_DISTANCE = 0.5", "STOP_DISTANCE = 0.05")
+HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(2)>"
+
+
+def replays(said: Said) -> list[str]:
+    return [
+        html.unescape(found)
+        for found in re.findall(r'<iframe class="course-replay" srcdoc="([^"]*)"', said.html)
+    ]
+
+
+def test_drive_says_what_course_drive_says(
+    kernel: Kernel,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    save(kernel, AGENT, RIGHT)
+    said = kernel.run("drive('demo_wall')")
+
+    monkeypatch.setenv("COLUMNS", "100")
+    cli.main(["drive", str(folder / AGENT), "--scenario", "demo_wall"], standalone_mode=False)
+    expected = capsys.readouterr().out.replace(str(folder / AGENT), AGENT)
+    assert said.text.split() == expected.split()
+    assert said.stderr == ""
+    (page,) = replays(said)
+    payload = json.loads(re.search(r'id="payload">(.*?)</script>', page)[1])  # type: ignore[index]
+    assert payload["grading"] is None
+    assert payload["embedded"] is True
+    assert [replay["scenario"] for replay in payload["replays"]] == ["demo_wall"]
+
+
+def test_drive_takes_what_the_command_takes(kernel: Kernel, folder: Path) -> None:
+    save(kernel, AGENT, RIGHT)
+    (folder / "mine.toml").write_text('title = "Mine"\nworld = "hall"\nduration = 2.0\n')
+
+    said = kernel.run(
+        "drive('mine.toml', lidar='lds01', duration=1, seed=3, params={'use_sim_time': False})"
+    )
+
+    assert "in mine, seed" in said.text
+    assert "/scan  sensor_msgs/msg/LaserScan  best_effort  5 messages (5.0 Hz)" in said.text
+    assert "1.0 s simulated" in said.text
+
+
+def test_a_right_solution_gets_all_points_in_the_terminals_words(
+    kernel: Kernel,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    save(kernel, AGENT, RIGHT)
+    said = kernel.run("report = check()")
+    monkeypatch.setenv("COLUMNS", "100")
+    cli.main(["grade", "1", str(folder / AGENT)], standalone_mode=False)
+    expected = capsys.readouterr().out.replace(str(folder / AGENT), AGENT)
+
+    assert said.stderr == ""
+    assert said.text.split() == expected.split()
+    numbers = kernel.run("print(report.score, report.max_score, len(report.checks))")
+    assert numbers.stdout.split()[:2] == ["100", "100"]
+
+
+def test_a_failure_comes_with_its_replay_at_the_moment(kernel: Kernel) -> None:
+    save(kernel, AGENT, TOO_FAST)
+    said = kernel.run("report = check('obstacle_avoidance')")
+    checks = json.loads(kernel.run("import json; print(json.dumps(report.checks))").stdout)
+
+    failed = [check for check in checks if check["outcome"] == "fail"]
+    assert failed[0]["id"] == "stop_zone"
+    (page,) = replays(said)
+    payload = json.loads(re.search(r'id="payload">(.*?)</script>', page)[1])  # type: ignore[index]
+    first = payload["replays"][0]
+    assert first["scenario"] == failed[0]["scenario"]
+    assert failed[0]["time"] in [moment["t"] for moment in first["moments"]]
+    assert "<details open" in said.html
+    for check in failed:
+        for part in ("title", "message", "expected", "actual", "help"):
+            assert html.escape(check[part]) in said.html
+
+
+def test_only_some_checks_and_what_they_need(kernel: Kernel) -> None:
+    save(kernel, AGENT, TOO_FAST)
+    kernel.run("report = check('1:clear_zone, slow_zone')")
+    said = kernel.run("print(report.score, report.max_score, [c['id'] for c in report.checks])")
+
+    assert said.stdout == "25 25 ['wiring', 'clear_zone', 'slow_zone']\n"
+
+
+def test_field_checks_are_asked_for(kernel: Kernel) -> None:
+    save(kernel, AGENT, RIGHT)
+    said = kernel.run("check(1, field=True)")
+
+    assert "field-ready" in said.text
+    assert "★ field-ready" in said.html
+
+
+def test_a_changed_file_is_judged_anew_by_the_same_warm_judge(kernel: Kernel) -> None:
+    save(kernel, AGENT, RIGHT)
+    before = kernel.judge()
+    assert "Score  10 / 10" in kernel.run("check('1:one_command_per_scan')").text
+    save(kernel, AGENT, RIGHT.replace("self.cmd_vel_publisher.publish(twist)", "pass"))
+    assert "Score  5 / 10" in kernel.run("check('1:one_command_per_scan')").text
+    save(kernel, AGENT, RIGHT)
+    assert "Score  10 / 10" in kernel.run("check('1:one_command_per_scan')").text
+    assert kernel.judge() == before
+
+
+def test_a_bar_shows_trials_and_checks_and_becomes_the_table(kernel: Kernel) -> None:
+    save(kernel, AGENT, RIGHT)
+    said = kernel.run("check()")
+
+    assert len(said.displays) == 1  # the bar's place is the table's
+    bars = [state["text/html"] for state in said.states if "progressbar" in state["text/html"]]
+    assert len(bars) >= 2
+    assert "of 12 trials" in bars[-1] or re.search(r"\d+ of \d+ trials", bars[-1])
+    assert said.result is None  # shown once
+
+
+def test_a_report_is_shown_again_in_another_cell(kernel: Kernel) -> None:
+    save(kernel, AGENT, RIGHT)
+    kernel.run("report = check('1:wiring')")
+    said = kernel.run("report")
+
+    assert "Score  5 / 5" in said.text
+    assert "course-check" in said.html
+
+
+def test_an_event_loop_and_plots_do_not_mind(kernel: Kernel) -> None:
+    save(kernel, AGENT, RIGHT)
+    said = kernel.run(
+        "%matplotlib inline\nimport asyncio\nawait asyncio.sleep(0)\n"
+        "async def inside():\n    return check('1:wiring')\n"
+        "print((await inside()).score, asyncio.get_running_loop().is_running())"
+    )
+
+    assert said.traceback == ""
+    assert said.stdout == "5 True\n"
+
+
+def test_two_files_of_an_exercise_go_together(kernel: Kernel, folder: Path) -> None:
+    exercise = find_exercise("model_server")
+    for name in exercise.files:
+        save(kernel, name, (exercise.solutions / name).read_text("utf-8"))
+
+    said = kernel.run("report = check('6')")
+    assert kernel.run("print(report.score == report.max_score)").stdout == "True\n", said.text
+    said = kernel.run("drive('detect_together')")
+    assert "detection_server.py in detect_together" in said.text
+    assert "client /detect" in said.text
+
+
+def test_students_text_stays_text(kernel: Kernel) -> None:
+    save(kernel, AGENT, f"raise RuntimeError({HOSTILE!r})\n")
+    for cell in ("check()", "drive('demo_wall')"):
+        said = kernel.run(cell)
+        assert "alert(1)" in said.text
+        assert "<script" not in said.html
+        assert "<img" not in said.html
+        assert not any("<script>alert" in page for page in replays(said))
+    bad = kernel.run(f"check({HOSTILE!r})")
+    assert "<script" not in bad.html

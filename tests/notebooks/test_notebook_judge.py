@@ -1,0 +1,138 @@
+"""The judge of a notebook, asked in this process: what it answers, and how it tells of progress."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from grader.errors import GraderError
+from grader.exercises import SOLUTIONS
+from grader.notebook import judge
+from grader.notebook.judge import Nurseries, carry_out
+from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Problem, Progressed, Warm
+
+AGENT = "obstacle_avoidance_agent.py"
+RIGHT = SOLUTIONS / "obstacle_avoidance" / AGENT
+
+
+@pytest.fixture(scope="module")
+def nurseries() -> Iterator[Nurseries]:
+    with Nurseries() as found:
+        yield found
+
+
+def replays(page: str) -> list[dict[str, Any]]:
+    found = re.search(r'id="payload">(.*?)</script>', page)
+    assert found is not None
+    return list(json.loads(found[1])["replays"])
+
+
+def graded(answer: Answer | None) -> Graded:
+    assert isinstance(answer, Graded), answer
+    return answer
+
+
+def wrong(tmp_path: Path) -> str:
+    file = tmp_path / AGENT
+    text = RIGHT.read_text("utf-8")
+    file.write_text(text.replace("STOP_DISTANCE = 0.5", "STOP_DISTANCE = 0.05"), "utf-8")
+    return str(file)
+
+
+def test_progress_is_told_to_the_end(nurseries: Nurseries) -> None:
+    sent: list[Any] = []
+    answer = graded(carry_out(Grade("1", str(RIGHT), AGENT), nurseries, sent.append))
+
+    assert json.loads(answer.grading)["score"] == 100
+    for what in ("trial", "check"):
+        steps = [step for step in sent if isinstance(step, Progressed) and step.what == what]
+        assert max(step.done for step in steps) == steps[-1].of
+        assert len({step.of for step in steps}) == 1
+    checks = [step.done for step in sent if step.what == "check"]
+    assert checks == sorted(checks)
+
+
+def test_the_first_replay_is_the_first_failing_moment(nurseries: Nurseries, tmp_path: Path) -> None:
+    answer = graded(carry_out(Grade("1", wrong(tmp_path), AGENT), nurseries, lambda _: None))
+    shown = replays(answer.page)
+    failed = [c for c in json.loads(answer.grading)["checks"] if c["outcome"] == "fail"]
+
+    assert shown[0]["scenario"] == failed[0]["scenario"]
+    assert shown[0]["title"] == answer.first
+    assert shown[0]["moments"]
+    with_moments = [bool(replay["moments"]) for replay in shown]
+    assert with_moments == sorted(with_moments, reverse=True)
+
+
+def test_a_notebook_does_not_carry_more_than_it_can(
+    nurseries: Nurseries, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    order = Grade("1", wrong(tmp_path), AGENT)
+    all_of_them = graded(carry_out(order, nurseries, lambda _: None)).page
+    monkeypatch.setattr(judge, "MAX_REPLAYS", 1)
+    only_one = graded(carry_out(order, nurseries, lambda _: None)).page
+
+    assert len(replays(only_one)) == 1 < len(replays(all_of_them))
+    assert replays(only_one)[0] == replays(all_of_them)[0]
+
+
+def test_a_drive_comes_with_its_summary(nurseries: Nurseries) -> None:
+    answer = carry_out(Drive(str(RIGHT), "my.py", "demo_wall"), nurseries, lambda _: None)
+
+    assert isinstance(answer, Driven)
+    assert answer.text.startswith("my.py in demo_wall, seed 1\n")
+    assert [replay["scenario"] for replay in replays(answer.page)] == ["demo_wall"]
+
+
+def test_wrong_orders_are_explained(nurseries: Nurseries) -> None:
+    def ask(order: Any) -> Answer | None:
+        return carry_out(order, nurseries, lambda _: None)
+
+    assert ask(Grade("nope", str(RIGHT), AGENT)) == Problem(
+        "unknown exercise 'nope'; there are: " + ", ".join(slugs())
+    )
+    answer = ask(Drive("/no/such.py", "such.py", "demo_wall"))
+    assert isinstance(answer, Problem)
+    assert not answer.fault
+
+
+def slugs() -> list[str]:
+    from grader.exercises import all_exercises  # noqa: PLC0415
+
+    return [exercise.slug for exercise in all_exercises()]
+
+
+def test_after_a_fault_of_ours_the_nurseries_are_new(
+    nurseries: Nurseries, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: Any, **__: Any) -> None:
+        raise GraderError("no host for the node")
+
+    assert carry_out(Warm(()), nurseries, lambda _: None) is None
+    before = nurseries.of(())
+    monkeypatch.setattr(judge, "grade_submission", broken)
+    answer = carry_out(Grade("1", str(RIGHT), AGENT), nurseries, lambda _: None)
+
+    assert answer == Problem("no host for the node", fault=True)
+    assert nurseries.of(()) is not before
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        Warm(("sklearn",)),
+        Drive("/a.py", "a.py", "demo_wall", goals=((1.0, 2.0),), params=("a:=1",)),
+        Grade("1", "/a.py", "a.py", ("wiring",), True),
+    ],
+)
+def test_orders_survive_the_pipe(message: Any) -> None:
+    line = msgspec.json.encode(message)
+
+    assert b"\n" not in line
+    assert msgspec.json.decode(line, type=judge.Order) == message

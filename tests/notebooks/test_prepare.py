@@ -1,0 +1,291 @@
+"""`prepare` and the first cell: what lacks is installed, what pip hid is found, nothing restarts.
+
+`benchmarks/bare_notebook.py` does all of it on a real bare system Python.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+import tomllib
+from pathlib import Path, PurePath
+
+import pytest
+from kernels import Kernel, started
+
+from grader.exercises import all_exercises
+from grader.notebook import preparation
+from grader.notebook.bootstrap import BOOTSTRAP
+from grader.ros import find_ros
+
+ROOT = Path(preparation.__file__).resolve().parents[2]
+FAKE_PIP = """\
+import json, os, sys
+with open(os.environ["SEEN"], "w") as file:
+    json.dump([sys.argv[1:], os.environ.get("PIP_BREAK_SYSTEM_PACKAGES")], file)
+print(os.environ.get("SAY", ""))
+raise SystemExit(int(os.environ.get("EXIT", "0")))
+"""
+TALK = """\
+import rclpy
+from std_msgs.msg import String
+rclpy.init()
+node, heard = rclpy.create_node("bare"), []
+node.create_subscription(String, "words", lambda message: heard.append(message.data), 10)
+publisher = node.create_publisher(String, "words", 10)
+for _ in range(100):
+    publisher.publish(String(data="hello"))
+    rclpy.spin_once(node, timeout_sec=0.1)
+    if heard:
+        break
+node.destroy_node()
+rclpy.shutdown()
+print("heard", heard[:1])
+"""
+
+
+# --- the first cell ------------------------------------------------------------------------------
+
+
+def test_the_first_cell_is_short_and_needs_only_python() -> None:
+    assert len(BOOTSTRAP.splitlines()) <= 12
+    assert max(map(len, BOOTSTRAP.splitlines())) <= 100
+    tree = ast.parse(BOOTSTRAP)
+    top = [n for n in ast.walk(tree) if isinstance(n, ast.Import)]
+    names = {alias.name.partition(".")[0] for node in top for alias in node.names}
+    assert names <= sys.stdlib_module_names
+
+
+def test_the_first_cell_goes_straight_on_where_all_is_installed(kernel: Kernel) -> None:
+    said = kernel.run(BOOTSTRAP)
+
+    assert said.traceback == ""
+    assert said.stdout == "Ready: everything is installed.\n"
+    assert (said.stderr, said.displays) == ("", [])
+
+
+@pytest.mark.parametrize(
+    ("source", "asked"),
+    [
+        ("", "rclpy-agents-course[ros,ml]"),
+        ("{folder}/course.whl", "rclpy-agents-course[ros,ml] @ file://{folder}/course.whl"),
+        ("git+https://host/x.git", "rclpy-agents-course[ros,ml] @ git+https://host/x.git"),
+    ],
+)
+def test_the_first_cell_installs_from_where_it_is_told(
+    tmp_path: Path, source: str, asked: str
+) -> None:
+    """The course is not there, and pip is one that notes what it is asked for."""
+    (tmp_path / "pip.py").write_text(FAKE_PIP)
+    environment = {
+        "SEEN": str(tmp_path / "seen.json"),
+        "PYTHONPATH": str(tmp_path),
+        **({"COURSE_SOURCE": source.format(folder=tmp_path)} if source else {}),
+    }
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", BOOTSTRAP],
+        env=environment, cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+    assert "No module named 'grader'" in done.stderr  # this pip installs nothing
+    words, breaks = json.loads((tmp_path / "seen.json").read_text())
+    assert words == ["install", "--quiet", asked.format(folder=tmp_path), "matplotlib"]
+    assert breaks == ("1" if os.getuid() == 0 else None)
+
+
+# --- what lacks ----------------------------------------------------------------------------------
+
+
+def test_the_lists_are_those_of_the_project() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = project["optional-dependencies"]
+
+    assert sorted(preparation.BASE.values()) == sorted(project["dependencies"])
+    assert sorted(preparation.ML.values()) == sorted(extras["ml"])
+    assert sorted(preparation.ROS) == sorted(extras["ros"])
+    assert set(preparation.NOTEBOOKS.values()) <= set(extras["notebooks"])
+
+
+def test_an_installed_course_has_its_exercises() -> None:
+    setuptools = pytest.importorskip("setuptools")
+    tools = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["setuptools"]
+    found = setuptools.find_namespace_packages(
+        str(ROOT), include=tools["packages"]["find"]["include"]
+    )
+
+    for exercise in all_exercises():
+        assert f"exercises.{exercise.slug}" in found
+    patterns = [
+        f"{package.replace('.', '/')}/{pattern}"
+        for package, patterns in tools["package-data"].items()
+        for pattern in patterns
+    ]
+    file = "exercises/obstacle_avoidance/exercise.toml"
+    assert any(PurePath(file).match(pattern) for pattern in patterns)
+
+
+def test_nothing_lacks_here() -> None:
+    assert preparation.missing() == []
+
+
+def test_only_what_lacks_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "pip.py").write_text(FAKE_PIP)
+    monkeypatch.setenv("SEEN", str(tmp_path / "seen.json"))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(preparation, "ML", {"no_such_module": "no-such-thing"})
+    monkeypatch.setattr(preparation, "adopt", lambda ros: None)
+
+    preparation.prepare_kernel()
+
+    words, _ = json.loads((tmp_path / "seen.json").read_text())
+    assert words[0] == "install"
+    assert words[-3:] == ["--constraint", str(ROOT / "constraints.txt"), "no-such-thing"]
+    assert capsys.readouterr().out.splitlines() == [
+        "Installed no-such-thing.",
+        "Ready: installed no-such-thing.",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("said", "advice"),
+    [
+        ("error: externally-managed-environment", "this Python belongs to the operating system"),
+        ("/usr/bin/python3: No module named pip", "apt install python3-pip"),
+        ("ERROR: no matching distribution", "    ERROR: no matching distribution"),
+    ],
+)
+def test_a_pip_that_fails_is_explained(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    said: str,
+    advice: str,
+) -> None:
+    (tmp_path / "pip.py").write_text(FAKE_PIP)
+    for name, value in {"SEEN": str(tmp_path / "x"), "SAY": said, "EXIT": "1"}.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(preparation, "ML", {"no_such_module": "no-such-thing"})
+
+    preparation.prepare_kernel()
+
+    out = capsys.readouterr().out
+    assert out.startswith("Not ready: ")
+    assert advice in out
+    assert "Ready:" not in out
+
+
+# --- a kernel of a system Python -----------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def system(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The layout of Debian: wheels of ROS where Python does not look, empty folders where it does.
+
+    Returns the folder on the path of the kernel; the other lies beside it.
+    """
+    prefix = tmp_path_factory.mktemp("usr_local")
+    ros = find_ros()
+    if ros.kind == "apt":
+        pytest.skip("ROS 2 comes from apt here")
+    (real,) = ros.python_path
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    hidden = prefix / "lib" / version / "site-packages"
+    seen = hidden.with_name("dist-packages")
+    hidden.mkdir(parents=True)
+    seen.mkdir()
+    owned = _files_of_ros(real)
+    for entry in real.iterdir():
+        if entry.suffix == ".pth" or entry.name.startswith("ros_wheels_bootstrapper"):
+            continue
+        ours = entry.name in owned and not entry.name.endswith((".libs", ".dist-info"))
+        (hidden if ours else seen).joinpath(entry.name).symlink_to(entry)
+    (seen / "rclpy").mkdir()  # the empty shell
+    for library in (real.parents[1]).glob("*.so*"):
+        (prefix / "lib" / library.name).symlink_to(library)
+    (prefix / "share").symlink_to(real.parents[2] / "share")
+    return seen
+
+
+def _files_of_ros(site: Path) -> set[str]:
+    records = site.glob("ros_*.dist-info/RECORD")
+    lines = (line for record in records for line in record.read_text().splitlines())
+    return {line.partition(",")[0].partition("/")[0] for line in lines} - {".."}
+
+
+def _argv(system: Path) -> list[str]:
+    """Return a kernel that sees only this folder, the course and Python's own modules."""
+    paths = [str(system), str(ROOT), sysconfig.get_path("stdlib")]
+    paths.append(f"{sysconfig.get_path('stdlib')}/lib-dynload")
+    hidden = str(system.with_name("site-packages"))
+    boot = (
+        f"import sys, site; sys.path[:] = {paths!r}; sys.prefix = {str(system.parents[2])!r};"
+        "site.getsitepackages = lambda: []; site.getusersitepackages = lambda: '/nowhere';"
+        "import sysconfig; original = sysconfig.get_path;"
+        f"sysconfig.get_path = lambda name: {hidden!r} if name.endswith('lib') and name != 'stdlib'"
+        " else original(name);"
+        "from ipykernel.kernelapp import launch_new_instance; launch_new_instance()"
+    )
+    return [sys.executable, "-S", "-c", boot]
+
+
+def _environment(system: Path) -> dict[str, str]:
+    kept = {name: os.environ[name] for name in ("PATH", "HOME", "TMPDIR") if name in os.environ}
+    return {**kept, "LANG": "C.UTF-8"}
+
+
+def test_rclpy_works_in_a_kernel_that_runs_where_it_was_an_empty_folder(
+    system: Path, tmp_path: Path
+) -> None:
+    with started(tmp_path, _argv(system), **_environment(system)) as kernel:
+        before = kernel.run("import rclpy; print(hasattr(rclpy, 'init'), rclpy.__file__)")
+        assert before.stdout == "False None\n"
+        said = kernel.run("from grader.notebook import *; prepare(ros_in_kernel=True)")
+        assert said.traceback == ""
+        assert said.stdout == "Ready: everything is installed; rclpy works in this kernel.\n"
+        heard = kernel.run(TALK)
+        assert heard.traceback == ""
+        assert "heard ['hello']" in heard.stdout
+
+
+def test_without_it_rclpy_does_not_work_there(system: Path, tmp_path: Path) -> None:
+    with started(tmp_path, _argv(system), **_environment(system)) as kernel:
+        hidden = str(system.with_name("site-packages"))
+        said = kernel.run(f"import sys; sys.path.append({hidden!r})\nimport rclpy; rclpy.init()")
+        assert "cannot open shared object file" in said.traceback
+
+
+def test_shells_are_known_by_having_no_file(tmp_path: Path) -> None:
+    (tmp_path / "shell_of_ours").mkdir()
+    (tmp_path / "shell_of_ours" / "__init__.py").touch()
+    module = type(sys)("shell_of_ours")
+    below = type(sys)("shell_of_ours.below")
+    sys.modules |= {"shell_of_ours": module, "shell_of_ours.below": below}
+    try:
+        names = ["shell_of_ours", "shell_of_ours.below"]
+        assert preparation.empty_shells([tmp_path]) == names
+        module.__file__ = "somewhere"
+        assert preparation.empty_shells([tmp_path]) == []
+    finally:
+        del sys.modules["shell_of_ours"], sys.modules["shell_of_ours.below"]
+
+
+def test_libraries_that_need_each_other_are_loaded_in_any_order() -> None:
+    ros = find_ros()
+    if ros.kind == "apt":
+        pytest.skip("ROS 2 comes from apt here")
+    code = (
+        "from grader.notebook.preparation import load_libraries; from grader.ros import find_ros;"
+        "print(load_libraries(find_ros().library_path))"
+    )
+    environment = {**os.environ, "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1", "LD_LIBRARY_PATH": ""}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[]\n"
