@@ -8,7 +8,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-deep lint format prove attacks site students bench bench-notebook skeletons goldens constraints clean
+.PHONY: help setup grade test test-deep lint format prove attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -33,6 +33,7 @@ lint: $(VENV)/.dev ## ruff, mypy, skeletons in step with the solutions
 	$(BIN)/python -m grader.catalogue --check
 	$(BIN)/python -m grader.pitfalls --check
 	$(BIN)/python lessons/figures.py --check
+	$(BIN)/python -m grader.notebook.build --check
 
 format: $(VENV)/.dev ## let ruff format and fix what it can
 	$(BIN)/ruff format .
@@ -56,6 +57,9 @@ site: $(VENV)/.dev ## build the lesson as a site into build/site
 	$(BIN)/python -m grader.pitfalls build/site/pitfalls/replays
 	@echo "open build/site/index.html"
 
+notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with 12 students in all exercises
+	COURSE_NOTEBOOKS=full $(BIN)/pytest -n auto --dist worksteal tests/notebooks
+
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour; goes on where it was)
 	mkdir -p build
 	$(BIN)/python benchmarks/students.py --keep build/students.jsonl
@@ -69,6 +73,7 @@ skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python -m grader.listings
 	$(BIN)/python -m grader.pitfalls --made
 	$(BIN)/python lessons/figures.py
+	$(BIN)/python -m grader.notebook.build
 
 constraints: ## pin the newest versions that fit pyproject.toml
 	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,notebooks,site,dev]' \

@@ -1,0 +1,171 @@
+"""The steps of `nbgrader autograde`: take the notebook in, have its nodes judged, write the points.
+
+Nothing that a student wrote is executed in this process or in a kernel; nodes run behind the
+judge's own isolation.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from nbconvert.exporters import NotebookExporter
+from nbformat import NotebookNode, v4
+from nbgrader.converters.base import NbGraderException
+from nbgrader.preprocessors import NbGraderPreprocessor
+from traitlets import Bool, Unicode
+
+from grader.errors import GraderError, InputError
+from grader.exercises import find_exercise
+from grader.gradebook_plugin.cells import Wanted, last_definitions, made_files, wanted
+from grader.gradebook_plugin.gradebook import (
+    Place,
+    opened,
+    trusted_cells,
+    write_comment,
+    write_mark,
+)
+from grader.gradebook_plugin.intake import Unreadable, read_cells
+from grader.gradebook_plugin.judge import Verdict, judge, refusal
+from grader.gradebook_plugin.marks import Mark, mark_of
+from grader.gradebook_plugin.restore import ABOUT, Trusted, restored, unreadable
+from grader.gradebook_plugin.table import output_of
+from grader.students import read_secret, student_seed
+
+FILE = "course_file"  # in the resources: the notebook that was handed in
+NO_RESPONSE = "No response."  # nbgrader's own words
+
+Resources = dict[str, Any]
+
+
+class CourseExporter(NotebookExporter):  # type: ignore[misc]
+    """Reads what students hand in without trusting it; refuses machines that are too open."""
+
+    def __init__(self, **traits: Any) -> None:
+        super().__init__(**traits)
+        settings = JudgeNodes(parent=self)
+        try:
+            problem = "" if settings.trust else refusal()
+            if settings.secret:
+                read_secret(Path(settings.secret))
+        except (GraderError, InputError) as error:
+            problem = str(error)
+        if problem:
+            said = " ".join(problem.replace("--trust", "c.JudgeNodes.trust = True").split())
+            self.log.error("Nothing was graded: %s", said)
+            raise NbGraderException(said)
+
+    def from_filename(
+        self, filename: str, resources: Resources | None = None, **options: Any
+    ) -> tuple[str, Resources]:
+        """Convert a notebook; one that was handed in is read by `RestoreCells`."""
+        if not any(isinstance(step, RestoreCells) for step in self._preprocessors):
+            plain: tuple[str, Resources] = super().from_filename(filename, resources, **options)
+            return plain
+        given = {} if resources is None else resources
+        folder, name = os.path.split(filename)
+        given["metadata"] = {"name": name.removesuffix(".ipynb"), "path": folder}
+        given[FILE] = filename
+        made: tuple[str, Resources]
+        made = self.from_notebook_node(v4.new_notebook(), given, **options)
+        return made
+
+
+class RestoreCells(NbGraderPreprocessor):  # type: ignore[misc]
+    """Puts the notebook that was handed in into order (see grader.gradebook_plugin.restore)."""
+
+    def preprocess(self, nb: NotebookNode, resources: Resources) -> tuple[NotebookNode, Resources]:
+        """Return the notebook to grade."""
+        place = Place.of(resources)
+        with opened(place) as gradebook:
+            trusted = trusted_cells(gradebook, place)
+        try:
+            return restored(read_cells(Path(resources[FILE])), trusted), resources
+        except Unreadable as problem:
+            self.log.warning("%s of %s: %s", place.notebook, place.student, problem)
+            return unreadable(str(problem), trusted), resources
+
+
+class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
+    """Has the `%%node` cells judged, and is the only one who writes points."""
+
+    trust = Bool(
+        False, help="Run submissions even where isolation is too weak: a throw-away machine."
+    ).tag(config=True)
+    secret = Unicode(
+        "", help="File with the course's secret: each student gets worlds of their own."
+    ).tag(config=True)
+
+    def preprocess(self, nb: NotebookNode, resources: Resources) -> tuple[NotebookNode, Resources]:
+        """Judge the notebook; show what the judge says in its test cells."""
+        place = Place.of(resources)
+        with opened(place) as gradebook:
+            trusted = trusted_cells(gradebook, place)
+            asked = {cell.name: wanted(cell.source) for cell in trusted if cell.is_test}
+            verdicts = self._verdicts(nb, place, [want for want in asked.values() if want])
+            shown: set[str] = set()
+            for known in trusted:
+                cell = _cell(nb, known.name)
+                if known.points is not None:
+                    want = asked.get(known.name)
+                    verdict = verdicts.get(want.exercise) if want else None
+                    mark = _mark(known, cell, want, verdict)
+                    write_mark(gradebook, place, known.name, mark)
+                    if known.is_test and cell.cell_type == "code":
+                        first = want is not None and want.exercise not in shown
+                        remarks = verdict.remarks if verdict and first else ()
+                        cell.outputs = [output_of(mark, known.points, remarks)]
+                        shown |= {want.exercise} if want else set()
+                if known.solution:
+                    write_comment(gradebook, place, known.name, _comment(known, cell))
+            gradebook.db.commit()
+        return nb, resources
+
+    def _verdicts(
+        self, nb: NotebookNode, place: Place, asked: Sequence[Wanted]
+    ) -> dict[str, Verdict]:
+        """Have each exercise judged once."""
+        slugs = dict.fromkeys(want.exercise for want in asked)
+        if problem := nb.metadata.get(ABOUT, {}).get("problem"):
+            return {slug: Verdict(None, problem=problem) for slug in slugs}
+        cells = [(cell.metadata.get(ABOUT, {}).get("was", cell.cell_type), cell.source)
+                 for cell in nb.cells]  # fmt: skip
+        return {slug: self._verdict(slug, cells, place) for slug in slugs}
+
+    def _verdict(self, slug: str, cells: Sequence[tuple[str, str]], place: Place) -> Verdict:
+        exercise = find_exercise(slug)
+        files, remarks = last_definitions(cells, exercise.files)
+        seed = None
+        if self.secret:
+            seed = student_seed(read_secret(Path(self.secret)), place.student, slug)
+        self.log.info("Judging %s of %s", slug, place.student)
+        verdict = judge(exercise, files, seed=seed)
+        if verdict.missing:
+            there = ", ".join(made_files(cells))
+            found = f"its cells make {there}" if there else "no cell of it makes a file"
+            said = f"{verdict.missing} in this notebook; {found}"
+            return Verdict(None, missing=said, remarks=tuple(remarks))
+        if verdict.problem:
+            self.log.error("%s of %s: %s", slug, place.student, verdict.problem)
+        return Verdict(verdict.grading, verdict.problem, remarks=tuple(remarks))
+
+
+def _cell(nb: NotebookNode, name: str) -> NotebookNode:
+    return next(c for c in nb.cells if c.metadata.get("nbgrader", {}).get("grade_id") == name)
+
+
+def _mark(known: Trusted, cell: NotebookNode, want: Wanted | None, verdict: Verdict | None) -> Mark:
+    if want is not None and verdict is not None and known.points is not None:
+        return mark_of(want, verdict, known.points)
+    if known.is_answer and cell.metadata.get(ABOUT, {}).get("untouched"):
+        return Mark(0.0, False)
+    return Mark(None, True)  # an answer, or a test that is not the judge's: for a person
+
+
+def _comment(known: Trusted, cell: NotebookNode) -> str:
+    about = cell.metadata.get(ABOUT, {})
+    if about.get("missing"):
+        return "This cell was deleted." if known.is_answer else ""
+    return NO_RESPONSE if about.get("untouched") else ""

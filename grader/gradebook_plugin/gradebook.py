@@ -1,0 +1,70 @@
+"""Read nbgrader's gradebook: the cells as released. Write into it: points and comments."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from nbgrader.api import Gradebook
+
+from grader.gradebook_plugin.marks import Mark
+from grader.gradebook_plugin.restore import Trusted
+
+
+@dataclass(frozen=True)
+class Place:
+    """Which notebook of whom."""
+
+    db_url: str
+    notebook: str
+    assignment: str
+    student: str
+
+    @classmethod
+    def of(cls, resources: Any) -> Place:
+        """Return the place that nbgrader's resources name."""
+        about = resources["nbgrader"]
+        names = ("db_url", "notebook", "assignment", "student")
+        return cls(*(about[name] for name in names))
+
+
+@contextlib.contextmanager
+def opened(place: Place) -> Iterator[Any]:
+    """Open the gradebook, and close it."""
+    with Gradebook(place.db_url) as gradebook:
+        yield gradebook
+
+
+def trusted_cells(gradebook: Any, place: Place) -> list[Trusted]:
+    """Return the cells that nbgrader knows of a notebook."""
+    notebook = gradebook.find_notebook(place.notebook, place.assignment)
+    points = {cell.name: float(cell.max_score) for cell in notebook.grade_cells}
+    tasks = {cell.name: float(cell.max_score) for cell in notebook.task_cells}
+    solutions = {cell.name for cell in notebook.solution_cells}
+    return [
+        Trusted(
+            cell.name,
+            cell.cell_type,
+            cell.source,
+            points.get(cell.name, tasks.get(cell.name)),
+            cell.name in solutions,
+            cell.name in tasks,
+        )
+        for cell in notebook.source_cells
+    ]
+
+
+def write_mark(gradebook: Any, place: Place, cell: str, mark: Mark) -> None:
+    """Write what the judge says. A person's own score stays, and is to be looked at again."""
+    names = (cell, place.notebook, place.assignment, place.student)
+    grade = gradebook.find_grade(*names)
+    grade.auto_score = mark.points
+    grade.needs_manual_grade = mark.by_hand or grade.manual_score is not None
+
+
+def write_comment(gradebook: Any, place: Place, cell: str, text: str) -> None:
+    """Write a comment beside the student's cell; the instructor's own stays."""
+    names = (cell, place.notebook, place.assignment, place.student)
+    gradebook.find_comment(*names).auto_comment = text or None

@@ -1,0 +1,124 @@
+"""Read a notebook that a student handed in: whatever it is, out comes a list of plain cells.
+
+Of a cell only its type, its text, its nbgrader id and its pasted pictures are taken. Outputs,
+metadata and whatever else it says of itself are left behind.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from grader.submission import MAX_SIZE
+
+MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
+MAX_CELLS = 1_000
+MAX_SOURCE = 2 * MAX_SIZE  # [characters] of a cell: what the judge refuses has to be longer still
+MAX_PICTURES = 8 * 1024 * 1024  # [characters] of one cell
+KINDS = ("code", "markdown", "raw")
+PICTURES = ("image/png", "image/jpeg", "image/gif")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell as a student wrote it."""
+
+    kind: str  # "code", "markdown" or "raw"
+    source: str
+    grade_id: str = ""  # what its metadata say; "" if nothing
+    pictures: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # name: type: base64
+
+
+class Unreadable(Exception):
+    """It can't be read; the text says why."""
+
+
+def read_cells(path: Path) -> list[Cell]:
+    """Return the cells of a notebook.
+
+    Raises
+    ------
+    Unreadable
+        It is no notebook, too large, or no ordinary file.
+    """
+    try:
+        data = _read(path)
+    except OSError as error:
+        raise Unreadable(f"the file cannot be read ({error.strerror})") from None
+    if len(data) > MAX_NOTEBOOK:
+        raise Unreadable(f"the file is larger than {MAX_NOTEBOOK:,} bytes; clear its outputs")
+    try:
+        notebook = json.loads(data.decode("utf-8-sig", "replace"))
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise Unreadable(f"this is no JSON ({_short(error)})") from None
+    cells = list(_cells(notebook))
+    if not cells:
+        raise Unreadable("this is no notebook, or it has no cells")
+    return cells[:MAX_CELLS]
+
+
+def _read(path: Path) -> bytes:
+    """Return a file's bytes, one more than are allowed at most; no link is followed."""
+    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with open(fd, "rb") as file:
+        if not stat.S_ISREG(os.fstat(fd).st_mode):
+            raise OSError(0, "not an ordinary file", str(path))
+        return file.read(MAX_NOTEBOOK + 1)
+
+
+def _cells(notebook: Any) -> Iterator[Cell]:
+    if not isinstance(notebook, dict):
+        return
+    sheets = notebook.get("worksheets")  # of notebooks older than format 4
+    sheets = sheets if isinstance(sheets, list) else []
+    for part in (notebook, *sheets):
+        found = part.get("cells") if isinstance(part, dict) else None
+        for cell in found if isinstance(found, list) else []:
+            if isinstance(cell, dict):
+                yield _cell(cell)
+
+
+def _cell(cell: dict[str, Any]) -> Cell:
+    kind = cell.get("cell_type")
+    source = _text(cell.get("source", cell.get("input")))
+    return Cell(
+        kind if kind in KINDS else "raw",
+        source[:MAX_SOURCE],
+        _grade_id(cell.get("metadata")),
+        _pictures(cell.get("attachments")),
+    )
+
+
+def _text(source: Any) -> str:
+    if isinstance(source, list):
+        source = "".join(line for line in source if isinstance(line, str))
+    if not isinstance(source, str):
+        return ""
+    return source.encode("utf-8", "replace").decode("utf-8")  # no lone surrogates
+
+
+def _grade_id(metadata: Any) -> str:
+    about = metadata.get("nbgrader") if isinstance(metadata, dict) else None
+    name = about.get("grade_id") if isinstance(about, dict) else None
+    return name if isinstance(name, str) else ""
+
+
+def _pictures(attachments: Any) -> dict[str, dict[str, str]]:
+    """Return pasted pictures: base64 text of types that can do no harm."""
+    kept: dict[str, dict[str, str]] = {}
+    for name, forms in attachments.items() if isinstance(attachments, dict) else ():
+        for mime, data in forms.items() if isinstance(forms, dict) else ():
+            text = _text(data)
+            plain = text.replace("\n", "").isascii() and not set(text) & set("\"'<>")
+            if mime in PICTURES and plain and len(text) <= MAX_PICTURES:
+                kept.setdefault(str(name), {})[mime] = text
+    return kept
+
+
+def _short(error: BaseException) -> str:
+    return (str(error) or type(error).__name__)[:120]

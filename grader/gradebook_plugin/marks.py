@@ -1,0 +1,51 @@
+"""Turn the judge's verdict into the points of one test cell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from grader.gradebook_plugin.cells import Wanted
+from grader.gradebook_plugin.judge import Verdict
+
+UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
+
+
+@dataclass(frozen=True)
+class Mark:
+    """What a test cell is worth."""
+
+    points: float | None  # None: nothing could be judged
+    by_hand: bool  # a person has to look
+    checks: tuple[dict[str, Any], ...] = ()
+    said: str = ""  # in place of checks
+
+
+def mark_of(asked: Wanted, verdict: Verdict, max_points: float) -> Mark:
+    """Return the mark of a cell that asks for these checks.
+
+    The points of the checks are the judge's. Where an instructor has given the cell another
+    maximum, they are scaled to it.
+    """
+    if verdict.missing:
+        return Mark(0.0, False, said=verdict.missing)
+    if verdict.grading is None:
+        return Mark(None, True, said=f"could not be judged: {verdict.problem}")
+    checks = _chosen(asked, verdict.grading["checks"])
+    possible = sum(check["max_points"] for check in checks)
+    won = sum(check["points"] for check in checks)
+    by_hand = any(check["outcome"] in UNJUDGED for check in checks)
+    if not possible or all(check["outcome"] in UNJUDGED for check in checks):
+        return Mark(
+            None, True, tuple(checks), "" if checks else "none of its checks exist any more"
+        )
+    points = float(won) if possible == max_points else max_points * won / possible
+    return Mark(points, by_hand, tuple(checks))
+
+
+def _chosen(asked: Wanted, checks: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    if not asked.checks:
+        return [check for check in checks if check["kind"] == "core"]
+    by_id = {check["id"]: check for check in checks}
+    return [by_id[name] for name in asked.checks if name in by_id]

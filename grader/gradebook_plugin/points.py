@@ -1,0 +1,17 @@
+"""What the checks of an exercise are worth, from the judge itself."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from grader.exercises import find_exercise
+from grader.grading import grade
+from grader.trials import SavedTrials
+
+
+@cache
+def points_of(slug: str) -> dict[str, int]:
+    """Return the points of each check that gives some, in the judge's order. Nothing runs."""
+    exercise = find_exercise(slug)
+    checks = grade(exercise, SavedTrials([]), file=exercise.files[0]).checks
+    return {check.id: check.max_points for check in checks if check.kind == "core"}

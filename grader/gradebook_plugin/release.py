@@ -1,0 +1,47 @@
+"""A step of `nbgrader generate_assignment`: what students get in place of solutions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nbformat import NotebookNode
+from nbgrader.preprocessors import NbGraderPreprocessor
+from traitlets import Unicode
+
+from grader.gradebook_plugin.cells import definition, unknown_checks, wanted
+from grader.gradebook_plugin.points import points_of
+from grader.skeletons import strip_solution
+
+Resources = dict[str, Any]
+
+
+class LeaveSkeletons(NbGraderPreprocessor):  # type: ignore[misc]
+    """Leaves the skeleton of each `%%node` cell, and room for an answer in the others.
+
+    nbgrader's own ClearSolutions knows nothing of the `### SKELETON` parts of solutions.
+    """
+
+    stub = Unicode("*Your answer:*", help="What stands in place of an answer.").tag(config=True)
+
+    def preprocess_cell(
+        self, cell: NotebookNode, resources: Resources, cell_index: int
+    ) -> tuple[NotebookNode, Resources]:
+        """Return the cell as students get it.
+
+        Raises
+        ------
+        InputError
+            A test cell asks for checks that don't exist; the markers of a solution are wrong.
+        """
+        about = cell.metadata.get("nbgrader", {})
+        if about.get("solution"):
+            cell.source = self._released(cell, str(about.get("grade_id")))
+        elif about.get("grade") and (asked := wanted(cell.source)) is not None:
+            unknown_checks(asked, points_of(asked.exercise))
+        return cell, resources
+
+    def _released(self, cell: NotebookNode, name: str) -> str:
+        if cell.cell_type != "code" or definition(cell.source) is None:
+            return self.stub
+        magic, _, body = cell.source.partition("\n")
+        return f"{magic}\n{strip_solution(body, f'cell {name}')}".rstrip("\n")

@@ -1,0 +1,193 @@
+"""A course in a temporary folder, nbgrader's own commands, and students who hand notebooks in."""
+
+import fcntl
+import json
+import os
+import shutil
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+
+from grader.exercises import ROOT
+from grader.gradebook_plugin.cells import definition
+from grader.notebook.build import ASSIGNMENT, NOTEBOOKS, SOURCES
+
+Cell = dict[str, Any]
+
+GRADES = """
+select submitted_assignment.student_id, notebook.name, base_cell.name,
+       grade.auto_score, grade.needs_manual_grade
+from grade
+join base_cell on grade.cell_id = base_cell.id
+join submitted_notebook on grade.notebook_id = submitted_notebook.id
+join notebook on submitted_notebook.notebook_id = notebook.id
+join submitted_assignment on submitted_notebook.assignment_id = submitted_assignment.id
+"""
+Grades = dict[tuple[str, str, str], tuple[float | None, bool]]  # student, notebook, cell
+
+
+def shared(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:
+    """Return a folder that is made once, whichever of pytest's workers comes first."""
+    base = factory.getbasetemp()
+    root = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+    folder = root / name
+    with (root / f"{name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "made").exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir()
+            make(folder)
+            (folder / "made").touch()
+    return folder
+
+
+def nbgrader(folder: Path, *arguments: str, ok: bool = True, **variables: str) -> str:
+    """Run an nbgrader command as a person would; return what it said.
+
+    Its programs are not on the PATH, as in an environment that is not activated.
+    """
+    paths = {"JUPYTER_CONFIG_DIR": str(folder / ".jupyter"), "PATH": "/usr/bin:/bin"}
+    found = subprocess.run(
+        [sys.executable, "-m", "nbgrader", *arguments],
+        cwd=folder,
+        env={**os.environ, **paths, **variables},
+        capture_output=True,
+        text=True,
+        timeout=900,
+        check=False,
+    )
+    said = found.stdout + found.stderr
+    assert (found.returncode == 0) == ok, said[-6000:]
+    return said
+
+
+def make_course(folder: Path, notebooks: Sequence[str], extra: str = "") -> Path:
+    """Copy the course with some of its notebooks, and generate the assignment."""
+    source = folder / "source" / ASSIGNMENT
+    source.mkdir(parents=True)
+    for name in notebooks:
+        shutil.copyfile(SOURCES / f"{name}.ipynb", source / f"{name}.ipynb")
+    config = (NOTEBOOKS / "nbgrader_config.py").read_text("utf-8")
+    exchange = folder / "exchange"
+    exchange.mkdir()
+    exchange.chmod(0o777)
+    config += f"\nc.Exchange.root = {str(exchange)!r}\n"
+    config += f"c.Exchange.cache = {str(folder / 'cache')!r}\n"
+    (folder / "nbgrader_config.py").write_text(config + extra, "utf-8")
+    nbgrader(folder, "generate_assignment", ASSIGNMENT)
+    return folder
+
+
+def released(folder: Path, notebook: str) -> dict[str, Any]:
+    """Return a notebook as students get it."""
+    text = (folder / "release" / ASSIGNMENT / f"{notebook}.ipynb").read_text("utf-8")
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+def source_of(cell: Cell) -> str:
+    """Return a cell's text."""
+    source = cell["source"]
+    return source if isinstance(source, str) else "".join(source)
+
+
+def fill(notebook: dict[str, Any], files: Mapping[str, str]) -> dict[str, Any]:
+    """Write files into the notebook's %%node cells."""
+    for cell in notebook["cells"]:
+        made = definition(source_of(cell)) if cell["cell_type"] == "code" else None
+        if made is not None and made.file in files:
+            cell["source"] = f"%%node {made.file}\n{files[made.file]}".rstrip("\n")
+    return notebook
+
+
+def cell_named(notebook: dict[str, Any], grade_id: str) -> Cell:
+    """Return the cell with that nbgrader id."""
+    found: Cell = next(
+        cell
+        for cell in notebook["cells"]
+        if cell["metadata"].get("nbgrader", {}).get("grade_id") == grade_id
+    )
+    return found
+
+
+def code(source: str, **more: Any) -> Cell:
+    """Return a code cell."""
+    return {
+        "cell_type": "code", "source": source, "metadata": {}, "outputs": [],
+        "execution_count": None, **more,
+    }  # fmt: skip
+
+
+def hand_in(folder: Path, student: str, notebook: str, content: dict[str, Any] | str) -> Path:
+    """Put a notebook where `nbgrader collect` would put it."""
+    path = folder / "submitted" / student / ASSIGNMENT / f"{notebook}.ipynb"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = content if isinstance(content, str) else json.dumps(content)
+    path.write_text(text, "utf-8")
+    return path
+
+
+def grades(folder: Path) -> Grades:
+    """Return what the gradebook says of each grade cell."""
+    with sqlite3.connect(folder / "gradebook.db") as database:
+        rows = database.execute(GRADES).fetchall()
+    database.close()
+    return {(who, nb, cell): (score, bool(hand)) for who, nb, cell, score, hand in rows}
+
+
+def mark_by_hand(folder: Path, key: tuple[str, str, str], score: float) -> None:
+    """Give a score as the formgrader does."""
+    with sqlite3.connect(folder / "gradebook.db") as database:
+        (grade,) = database.execute(
+            GRADES.replace("select", "select grade.id,", 1)
+            + "where submitted_assignment.student_id = ? and notebook.name = ? "
+            "and base_cell.name = ?",
+            key,
+        ).fetchall()
+        database.execute("update grade set manual_score = ? where id = ?", (score, grade[0]))
+    database.close()
+
+
+def marks_by_hand(folder: Path) -> list[float]:
+    """Return all scores that a person gave."""
+    with sqlite3.connect(folder / "gradebook.db") as database:
+        query = "select manual_score from grade where manual_score is not null"
+        rows = database.execute(query).fetchall()
+    database.close()
+    return [row[0] for row in rows]
+
+
+def total(found: Grades, student: str, exercise: str) -> float:
+    """Return a student's points in an exercise."""
+    return sum(
+        score or 0.0
+        for (who, _, cell), (score, _) in found.items()
+        if who == student and cell.startswith(f"{exercise}-")
+    )
+
+
+def autograded(folder: Path, student: str, notebook: str) -> Any:
+    """Return the notebook that was graded."""
+    return nbformat.read(folder / "autograded" / student / ASSIGNMENT / f"{notebook}.ipynb", 4)
+
+
+def solution(exercise: str, file: str) -> str:
+    """Return a reference solution without its marks: as a student would have it."""
+    lines = (ROOT / "solutions" / exercise / file).read_text("utf-8").splitlines()
+    kept: list[str] = []
+    inside = False
+    for line in lines:
+        mark = line.strip()
+        if mark == "### SKELETON":
+            inside = True
+        elif mark == "### END SOLUTION":
+            inside = False
+        elif not inside and mark != "### BEGIN SOLUTION":
+            kept.append(line)
+    return "\n".join(kept) + "\n"

@@ -1,0 +1,283 @@
+"""The notebooks: in step with what they are made from, complete, and they run."""
+
+import json
+import os
+import re
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import jupytext
+import nbformat
+import pytest
+from nbclient import NotebookClient
+from nbgrader_kit import (
+    cell_named,
+    fill,
+    make_course,
+    nbgrader,
+    released,
+    shared,
+    solution,
+    source_of,
+)
+
+from grader.exercises import ROOT, all_exercises, find_exercise
+from grader.gradebook_plugin.cells import definition
+from grader.gradebook_plugin.points import points_of
+from grader.installed import why_not
+from grader.notebook import build
+from grader.notebook.bootstrap import BOOTSTRAP
+
+FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"
+ALL = sorted(path.stem for path in build.SOURCES.glob("*.ipynb"))
+RUN = [name for name in ALL if name != "06_quiz"] if FULL else ["01_loop", "05_formats"]
+GROUPS = {
+    "01_loop": [1], "02_trained_model": [2, 7], "03_state": [3, 4],
+    "04_real_time": [5, 6, 9], "05_formats": [8], "06_quiz": [],
+}  # fmt: skip
+
+
+def stored(name: str) -> Any:
+    return nbformat.read(build.SOURCES / f"{name}.ipynb", as_version=4)
+
+
+@pytest.fixture(scope="module")
+def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The whole course, released."""
+    return shared(tmp_path_factory, "whole-course", lambda folder: make_course(folder, ALL))
+
+
+# --- made from elsewhere -------------------------------------------------------------------
+
+
+def test_texts_and_notebooks_are_in_step() -> None:
+    for path, text in build.files():
+        name = path.relative_to(ROOT)
+        assert path.read_text("utf-8") == text, f"{name}: run python -m grader.notebook.build"
+    assert {path.stem for path in build.TEXTS.glob("*.md")} == set(ALL) == set(GROUPS)
+
+
+def test_a_stale_notebook_is_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    texts = tmp_path / "text"
+    texts.mkdir()
+    for name, module in (("TEXTS", texts), ("SOURCES", tmp_path), ("ROOT", tmp_path)):
+        monkeypatch.setattr(build, name, module)
+    text = (ROOT / "notebooks/text/lesson_3_2/01_loop.md").read_text("utf-8")
+    (texts / "01_loop.md").write_text(text.replace("TODO", "todo"), "utf-8")
+
+    assert build.main(["--check"]) == 1
+    assert not list(tmp_path.glob("*.ipynb"))
+    assert build.main([]) == 0
+    assert build.main(["--check"]) == 0
+    assert "01_loop.ipynb is out of step" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_jupytext_reads_the_text_as_the_notebook(name: str) -> None:
+    text = jupytext.read(build.TEXTS / f"{name}.md")
+
+    assert [(c.cell_type, c.source) for c in text.cells] == [
+        (c.cell_type, c.source) for c in stored(name).cells
+    ]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_notebooks_are_stored_without_outputs_and_with_ids(name: str) -> None:
+    notebook = stored(name)
+    nbformat.validate(notebook)
+
+    assert (notebook.nbformat, notebook.nbformat_minor) == (4, 5)
+    assert all(not c.outputs and c.execution_count is None
+               for c in notebook.cells if c.cell_type == "code")  # fmt: skip
+    ids = [cell.id for cell in notebook.cells]
+    assert len(set(ids)) == len(ids)
+    assert notebook.cells[1].source == BOOTSTRAP.rstrip("\n") or name == "06_quiz"
+
+
+def test_ids_stay_when_a_cell_is_put_between(
+    tmp_path: Path,
+) -> None:
+    text = (build.TEXTS / "03_state.md").read_text("utf-8")
+    head, mark, tail = text.partition("## Angles go round")
+    more = f"{head}## A new part\n\nWords.\n\n```{{code-cell}}\n1 + 1\n```\n\n{mark}{tail}"
+    (tmp_path / "03_state.md").write_text(more, "utf-8")
+
+    before = [cell.id for cell in stored("03_state").cells]
+    after = [cell.id for cell in build.built(tmp_path / "03_state.md").cells]
+
+    assert [name for name in after if name in before] == before
+    assert len(after) == len(before) + 2
+
+
+# --- complete ------------------------------------------------------------------------------
+
+
+def test_every_check_with_points_is_in_exactly_one_cell() -> None:
+    asked: dict[str, list[str]] = {}
+    for name in ALL:
+        for want in build.asked_by(stored(name)).values():
+            asked.setdefault(want.exercise, []).extend(want.checks)
+
+    for exercise in all_exercises():
+        assert Counter(asked[exercise.slug]) == Counter(list(points_of(exercise.slug))), (
+            exercise.slug
+        )
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_points_are_the_judges(name: str) -> None:
+    notebook = stored(name)
+    sums: Counter[str] = Counter()
+    cells: Counter[str] = Counter()
+    for grade_id, want in build.asked_by(notebook).items():
+        points = cell_named(notebook, grade_id)["metadata"]["nbgrader"]["points"]
+        assert points == sum(points_of(want.exercise)[check] for check in want.checks)
+        sums[want.exercise] += points
+        cells[want.exercise] += 1
+
+    assert sums == {find_exercise(str(number)).slug: 100 for number in GROUPS[name]}
+    assert all(3 <= count <= 8 for count in cells.values())
+
+
+def test_a_check_that_is_forgotten_or_doubled_is_an_error(tmp_path: Path) -> None:
+    text = (build.TEXTS / "01_loop.md").read_text("utf-8")
+    path = tmp_path / "01_loop.md"
+    for wrong in (text.replace(",drives_on", ""), text.replace(",drives_on", ",drives_on,blind")):
+        path.write_text(wrong, "utf-8")
+        with pytest.raises(Exception, match=r"not in exactly one cell: (drives_on|blind)"):
+            build.built(path)
+    path.write_text(text.replace("slow_zone", "slow_zon"), "utf-8")
+    with pytest.raises(Exception, match="has no check 'slow_zon'"):
+        build.built(path)
+
+
+# --- released ------------------------------------------------------------------------------
+
+
+def test_the_release_has_exactly_the_skeletons(course: Path) -> None:
+    found = {}
+    for name in ALL:
+        for cell in released(course, name)["cells"]:
+            made = definition(source_of(cell)) if cell["cell_type"] == "code" else None
+            if made is not None:
+                found[made.file] = made.text
+
+    for exercise in all_exercises():
+        for file in exercise.files:
+            assert found.pop(file) == (exercise.folder / file).read_text("utf-8")
+    assert not found
+
+
+def test_the_release_gives_nothing_away(course: Path) -> None:
+    for name in ALL:
+        text = json.dumps(released(course, name))
+        assert not re.search(r"(BEGIN|END) SOLUTION|### SKELETON|[Rr]ubric", text), name
+    assert "Rubric" in json.dumps(stored("06_quiz"))
+
+
+def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
+    quiz = (ROOT / "lessons" / "quiz.md").read_text("utf-8")
+    given = released(course, "06_quiz")["cells"]
+    text = "\n".join(source_of(cell) for cell in given)
+
+    for question in re.findall(r"(?ms)^\*(.+?)\*$", quiz):
+        assert question in text
+    answers = [cell for cell in given if cell["metadata"].get("nbgrader", {}).get("grade")]
+    assert [cell["metadata"]["nbgrader"]["points"] for cell in answers] == [3] * 5
+    assert {source_of(cell) for cell in answers} == {"*Your answer:*"}
+    rubric = [line for line in quiz.splitlines() if re.match(r"\| \d \|", line)]
+    assert all(line in json.dumps(stored("06_quiz"), ensure_ascii=False) for line in rubric)
+
+
+def test_nothing_but_notebooks_is_released(course: Path) -> None:
+    given = sorted(path.name for path in (course / "release").rglob("*") if path.is_file())
+
+    assert given == [f"{name}.ipynb" for name in ALL]
+
+
+# --- run -----------------------------------------------------------------------------------
+
+
+def run(notebook: dict[str, Any], folder: Path) -> Any:
+    """Run a notebook in a fresh folder, top to bottom; an error in a cell ends it."""
+    folder.mkdir(parents=True)
+    found = nbformat.reads(json.dumps(notebook), as_version=4)
+    where = {"metadata": {"path": str(folder)}}
+    NotebookClient(found, timeout=300, kernel_name="python3", resources=where).execute()
+    return found
+
+
+def filled(course: Path, name: str) -> dict[str, Any]:
+    files = {
+        file: solution(exercise.slug, file)
+        for exercise in map(find_exercise, map(str, GROUPS[name]))
+        for file in exercise.files
+    }
+    return fill(released(course, name), files)
+
+
+def said(cell: Any) -> str:
+    """Return all that a cell showed as text."""
+    texts = [str(o.get("text", "") or o.get("data", {}).get("text/plain", ""))
+             for o in cell.get("outputs", ())]  # fmt: skip
+    return "\n".join(texts)
+
+
+def complaints(notebook: Any) -> list[str]:
+    return [
+        f"{cell.id}: {output}"
+        for cell in notebook.cells
+        for output in cell.get("outputs", ())
+        if output.output_type == "error" or output.get("name") == "stderr"
+    ]
+
+
+@pytest.mark.filterwarnings("ignore")  # jupyter_client's, about its own transports
+@pytest.mark.parametrize("name", RUN)
+def test_with_the_solutions_every_check_passes(course: Path, tmp_path: Path, name: str) -> None:
+    notebook = run(filled(course, name), tmp_path / name)
+
+    assert complaints(notebook) == []
+    for grade_id, want in build.asked_by(stored(name)).items():
+        text = said(cell_named(notebook, grade_id))
+        assert "FAIL" not in text
+        lacks = [file for file in ("torch", "keras") if why_not([file])]
+        passed = len(re.findall(r"✓ pass", text))
+        skipped = len(re.findall(r"skip", text))
+        assert passed + skipped >= len(want.checks), text
+        assert not skipped or lacks, text
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", RUN)
+def test_with_the_skeletons_it_runs_and_fails_kindly(
+    course: Path, tmp_path: Path, name: str
+) -> None:
+    notebook = run(released(course, name), tmp_path / name)
+
+    assert complaints(notebook) == []
+    for cell in notebook.cells:
+        assert "Traceback" not in said(cell), cell.id
+    for grade_id in build.asked_by(stored(name)):
+        text = said(cell_named(notebook, grade_id))
+        assert re.search(r"FAIL|skip    ", text), text
+
+
+@pytest.mark.parametrize("name", RUN if FULL else ["01_loop"])
+def test_nbgraders_validation_agrees(course: Path, tmp_path: Path, name: str) -> None:
+    (tmp_path / "nbgrader_config.py").write_text("c = get_config()\nc.Execute.timeout = 300\n")
+    for notebook, passes in ((filled(course, name), True), (released(course, name), False)):
+        if not FULL:  # without plots and drives
+            notebook["cells"] = [cell for cell in notebook["cells"] if cell["metadata"].keys() & {
+                "nbgrader", build.PLACE}]  # fmt: skip
+        path = tmp_path / f"{name}.ipynb"
+        path.write_text(json.dumps(notebook), "utf-8")
+
+        text = nbgrader(tmp_path, "validate", path.name)
+
+        assert ("Success! Your notebook passes all the tests." in text) == passes, text
+        count = len(build.asked_by(stored(name)))
+        assert (f"VALIDATION FAILED ON {count} CELL(S)" in text) != passes, text

@@ -1,0 +1,111 @@
+"""The plug-in reads cells without running them."""
+
+import pytest
+
+from grader.errors import InputError
+from grader.gradebook_plugin.cells import Wanted, definition, last_definitions, made_files, wanted
+
+NODE = "x = 1\n"
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "%%node agent.py\nx = 1",
+        "%%node agent.py\nx = 1\n",
+        "%%node  agent.py \nx = 1",
+        "%%node\tagent.py\t\nx = 1",
+        "\n\n  \n%%node agent.py\nx = 1",
+        "%%node agent.py\r\nx = 1\r\n",
+        "%%node agent.py\rx = 1\r",
+        "\ufeff%%node agent.py\nx = 1",
+        "# my solution\n\n# really\n%%node agent.py\nx = 1",
+        "%matplotlib inline\n%%node agent.py\nx = 1",
+        "%%time\n%%node agent.py\nx = 1",
+        "    %%node agent.py\n    x = 1",
+        '%%node "agent.py"\nx = 1',
+    ],
+)
+def test_oddly_spelled_magics_are_understood(source: str) -> None:
+    made = definition(source)
+
+    assert made is not None
+    assert (made.file, made.text) == ("agent.py", NODE)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "",
+        "x = 1",
+        "x = 1\n%%node agent.py\nx = 1",
+        "%%nodes agent.py\nx = 1",
+        "%%node",
+        "%node agent.py\nx = 1",
+        "'''\n%%node agent.py\n'''",
+        "# %%node agent.py\nx = 1",
+    ],
+)
+def test_other_cells_make_no_file(source: str) -> None:
+    assert definition(source) is None
+
+
+def test_a_line_of_a_string_that_looks_like_a_magic_stays() -> None:
+    made = definition("%%node agent.py\ns = '''\n%%node other.py\n'''\n")
+
+    assert made is not None
+    assert made.text == "s = '''\n%%node other.py\n'''\n"
+
+
+def test_the_last_definition_counts_and_the_student_is_told() -> None:
+    cells = [
+        ("code", "%%node agent.py\nfirst"),
+        ("code", "%%node other.py\n?"),
+        ("code", "%%node agent.py\nlast"),
+        ("markdown", "%%node agent.py\nno code"),
+    ]
+    texts, remarks = last_definitions(cells, ["agent.py"])
+
+    assert texts == {"agent.py": "last\n"}
+    assert remarks == ["2 cells make agent.py; the last, cell 3, counts."]
+
+
+def test_a_copy_of_the_same_needs_no_remark() -> None:
+    cell = ("code", "%%node agent.py\nsame")
+
+    assert last_definitions([cell, cell], ["agent.py"]) == ({"agent.py": "same\n"}, [])
+
+
+def test_a_retyped_cell_counts_where_there_is_no_other() -> None:
+    texts, remarks = last_definitions([("markdown", "%%node agent.py\nx")], ["agent.py"])
+
+    assert texts == {"agent.py": "x\n"}
+    assert remarks == ["Cell 1 makes agent.py but is no code cell; it was taken as one."]
+
+
+@pytest.mark.parametrize("name", ["../agent.py", "/tmp/agent.py", "sub/agent.py", "Agent.py"])
+def test_only_the_exercises_own_names_count(name: str) -> None:
+    assert last_definitions([("code", f"%%node {name}\nx")], ["agent.py"]) == ({}, [])
+
+
+def test_a_test_cell_names_its_checks() -> None:
+    assert wanted('check("1:wiring, slow_zone")') == Wanted(
+        "obstacle_avoidance", ("wiring", "slow_zone")
+    )
+    assert wanted("check('goal_seeking')") == Wanted("goal_seeking", ())
+    assert wanted("assert True") is None
+    assert wanted('check("1")\nprint()') is None
+    assert wanted('check("1", field=True)') is None
+    assert wanted("check(name)") is None
+    assert wanted("this is (no Python") is None
+
+
+def test_an_unknown_exercise_is_refused() -> None:
+    with pytest.raises(InputError, match="did you mean goal_seeking"):
+        wanted('check("goal_seekin")')
+
+
+def test_made_files_are_few_and_short() -> None:
+    cells = [("code", f"%%node {'x' * 900}{n}.py\n") for n in range(9)]
+
+    assert [len(name) for name in made_files(cells)] == [60]

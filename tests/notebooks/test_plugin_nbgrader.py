@@ -1,0 +1,267 @@
+"""The plug-in in nbgrader's commands: what is refused, what a person has to look at, what stays."""
+
+import json
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from nbgrader_kit import (
+    autograded,
+    cell_named,
+    fill,
+    grades,
+    hand_in,
+    make_course,
+    mark_by_hand,
+    marks_by_hand,
+    nbgrader,
+    released,
+    shared,
+    solution,
+    total,
+)
+from traitlets.config import Config
+
+from grader.errors import GraderError
+from grader.exercises import find_exercise
+from grader.gradebook_plugin import configure, judge
+from grader.gradebook_plugin.judge import Verdict
+from grader.notebook.build import ASSIGNMENT
+from grader.students import student_seed
+
+SLUG = "obstacle_avoidance"
+FILE = "obstacle_avoidance_agent.py"
+EVIL = "Because. <script>steal()</script> [x](javascript:steal())"
+SWITCHES = """
+import os, sys
+from grader.errors import GraderError
+from grader.exercises import find_exercise
+from grader.gradebook_plugin import judge
+
+if os.environ.get("TEST_OPEN"):
+    judge.foreign_code_problem = lambda layers: "nothing is kept apart here; say so with --trust"
+if os.environ.get("TEST_FAULT"):
+    def fault(*arguments, **more):
+        raise GraderError("no host for the node")
+    judge.grade_submission = fault
+c.JudgeNodes.trust = bool(os.environ.get("TEST_TRUST"))
+"""
+
+
+def answered(course: Path, *answers: str) -> dict[str, Any]:
+    notebook = released(course, "06_quiz")
+    for number, answer in enumerate(answers, start=1):
+        cell_named(notebook, f"quiz-{number}")["source"] = answer
+    return notebook
+
+
+def solved(course: Path) -> dict[str, Any]:
+    return fill(released(course, "01_loop"), {FILE: solution(SLUG, FILE)})
+
+
+def grade_one(course: Path) -> None:
+    """Grade one student on bad days: a machine too open, then a grader that fails."""
+    make_course(course, ["01_loop", "06_quiz"], SWITCHES)
+    hand_in(course, "unlucky", "01_loop", solved(course))
+    first = nbgrader(course, "autograde", ASSIGNMENT, ok=False, TEST_OPEN="1")
+    assert not (course / "autograded").exists()
+    assert not grades(course)
+    then = {"TEST_OPEN": "1", "TEST_TRUST": "1", "TEST_FAULT": "1"}
+    second = nbgrader(course, "autograde", ASSIGNMENT, **then)
+    (course / "first.txt").write_text(first, "utf-8")
+    (course / "second.txt").write_text(second, "utf-8")
+
+
+@pytest.fixture(scope="module")
+def bad_days(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return shared(tmp_path_factory, "bad-days", grade_one)
+
+
+@pytest.fixture
+def course(bad_days: Path, tmp_path: Path) -> Path:
+    """A copy, to go on from there."""
+    return Path(shutil.copytree(bad_days, tmp_path / "course"))
+
+
+def test_without_isolation_nothing_is_graded(bad_days: Path) -> None:
+    said = (bad_days / "first.txt").read_text("utf-8")
+
+    expected = "Nothing was graded: nothing is kept apart here; say so with c.JudgeNodes.trust"
+    assert expected in said
+    assert "Traceback" not in said
+
+
+def test_a_fault_of_the_grader_is_for_a_person_and_trust_is_trust(bad_days: Path) -> None:
+    marks = {mark for (_, notebook, _), mark in grades(bad_days).items() if notebook == "01_loop"}
+    cell = cell_named(autograded(bad_days, "unlucky", "01_loop"), f"{SLUG}-wiring")
+
+    assert marks == {(None, True)}
+    assert "could not be judged: no host for the node" in cell.outputs[0].data["text/plain"]
+    assert "no host for the node" in (bad_days / "second.txt").read_text("utf-8")
+
+
+def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Path) -> None:
+    """One run: nothing that one hands in keeps another from being graded."""
+    hand_in_oddities(course, tmp_path)
+    with_a_person = ("unlucky", "01_loop", f"{SLUG}-wiring")
+    mark_by_hand(course, with_a_person, 7.0)
+
+    said = nbgrader(course, "autograde", ASSIGNMENT, "--force")
+
+    assert "Traceback" not in said
+    found = grades(course)
+    assert found[with_a_person] == (15.0, True)
+    assert found["unlucky", "01_loop", f"{SLUG}-clear_zone"] == (30.0, False)
+    assert marks_by_hand(course) == [7.0]
+    for student in ("a_garbage", "b_link", "c_bomb"):
+        marks = {mark for (who, nb, _), mark in found.items() if (who, nb) == (student, "01_loop")}
+        assert marks == {(None, True)}, student
+        notebook = autograded(course, student, "01_loop")
+        assert notebook.cells[0].source.startswith("The notebook handed in could not be read: ")
+        assert "front_distance" not in json.dumps(notebook)
+    for student in ("d_bare", "g_huge"):
+        assert total(found, student, SLUG) == 100
+    size = (course / "autograded" / "g_huge" / ASSIGNMENT / "01_loop.ipynb").stat().st_size
+    assert size < 200_000
+    quiz = [found["e_quiz", "06_quiz", f"quiz-{n}"] for n in range(1, 6)]
+    assert quiz == [(None, True)] * 2 + [(0.0, False)] * 3
+    assert {found["f_gone", "06_quiz", f"quiz-{n}"] for n in range(1, 6)} == {(None, True)}
+
+    nbgrader(course, "generate_feedback", ASSIGNMENT, "--student", "e_quiz")
+
+    page = (course / "feedback" / "e_quiz" / ASSIGNMENT / "06_quiz.html").read_text("utf-8")
+    assert "steal()" in page
+    assert "<script>steal" not in page
+    assert 'href="javascript:' not in page
+
+
+def hand_in_oddities(course: Path, elsewhere: Path) -> None:
+    secret = elsewhere / "secret.ipynb"
+    secret.write_text(json.dumps(solved(course)), "utf-8")
+    hand_in(course, "a_garbage", "01_loop", "this is no JSON")
+    link = hand_in(course, "b_link", "01_loop", "")
+    link.unlink()
+    link.symlink_to(secret)
+    hand_in(course, "c_bomb", "01_loop", '{"cells": ' + "[" * 200_000)
+    bare = solved(course)
+    for cell in bare["cells"]:
+        cell["metadata"] = {}
+        cell.pop("id")
+    del bare["metadata"], bare["nbformat"]
+    hand_in(course, "d_bare", "01_loop", bare)
+    hand_in(course, "e_quiz", "06_quiz", answered(course, "Because.", EVIL))
+    gone = answered(course)
+    gone["cells"] = [c for c in gone["cells"] if "nbgrader" not in c["metadata"]]
+    hand_in(course, "f_gone", "06_quiz", gone)
+    huge = solved(course)
+    noise = {"output_type": "stream", "name": "stderr", "text": "x" * 8_000_000}
+    huge["cells"][1]["outputs"] = [noise]
+    hand_in(course, "g_huge", "01_loop", huge)
+
+
+def test_release_fetch_submit_and_collect(course: Path, tmp_path: Path) -> None:
+    nbgrader(course, "release_assignment", ASSIGNMENT)
+    config = (course / "nbgrader_config.py").read_text("utf-8")
+    student = tmp_path / "student"
+    student.mkdir()
+    (student / "nbgrader_config.py").write_text(config, "utf-8")
+    nbgrader(student, "fetch_assignment", ASSIGNMENT)
+    path = student / ASSIGNMENT / "01_loop.ipynb"
+    notebook = json.loads(path.read_text("utf-8"))
+    assert notebook == released(course, "01_loop")
+    path.write_text(json.dumps(fill(notebook, {FILE: solution(SLUG, FILE)})), "utf-8")
+    nbgrader(student, "submit", ASSIGNMENT)
+
+    nbgrader(course, "collect", ASSIGNMENT)
+
+    (collected,) = (course / "submitted").glob(f"*/{ASSIGNMENT}/timestamp.txt")
+    assert (collected.parent / "01_loop.ipynb").read_text("utf-8") == path.read_text("utf-8")
+
+
+def test_every_student_has_worlds_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from grader.gradebook_plugin import autograde  # noqa: PLC0415  (nbgrader: 1 s)
+    from grader.gradebook_plugin.gradebook import Place  # noqa: PLC0415
+
+    seeds: list[int | None] = []
+
+    def note(exercise: Any, files: Any, *, seed: int | None = None) -> Verdict:
+        seeds.append(seed)
+        return Verdict(None, problem="only a test")
+
+    monkeypatch.setattr(autograde, "judge", note)
+    secret = tmp_path / "course.secret"
+    secret.write_bytes(b"0123456789abcdef")
+    step = autograde.JudgeNodes(secret=str(secret))
+    plain = autograde.JudgeNodes()
+    for name, judging in (("ann", step), ("bob", step), ("ann", plain)):
+        judging._verdict(SLUG, [], Place("", "01_loop", ASSIGNMENT, name))
+
+    key = secret.read_bytes()
+    assert seeds == [student_seed(key, "ann", SLUG), student_seed(key, "bob", SLUG), None]
+
+
+def test_one_file_of_two_is_graded_as_course_grade_grades_it() -> None:
+    exercise = find_exercise("model_server")
+    client = solution(exercise.slug, "detection_client.py")
+
+    some = judge.judge(exercise, {"detection_client.py": client, "other.py": "x"})
+    none = judge.judge(exercise, {"other.py": "x"})
+
+    assert some.grading is not None
+    assert 0 < some.grading["score"] < 100
+    (told,) = [c for c in some.grading["checks"] if c["id"] == "server_wiring"]
+    assert "there is no detection_server.py in the submission" in told["message"]
+    assert none.missing == "expected a cell that begins with %%node detection_server.py"
+
+
+def test_a_secret_that_is_none_is_refused(tmp_path: Path) -> None:
+    from nbgrader.converters.base import NbGraderException  # noqa: PLC0415
+
+    from grader.gradebook_plugin.autograde import CourseExporter  # noqa: PLC0415
+
+    config = Config()
+    config.JudgeNodes.trust = True
+    config.JudgeNodes.secret = str(tmp_path / "missing")
+    with pytest.raises(NbGraderException, match="cannot read the course's secret"):
+        CourseExporter(config=config)
+
+
+def test_a_machine_without_ros_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    from nbgrader.converters.base import NbGraderException  # noqa: PLC0415
+
+    from grader.gradebook_plugin.autograde import CourseExporter  # noqa: PLC0415
+
+    def none(*_: object) -> None:
+        raise GraderError("no ROS 2 here")
+
+    monkeypatch.setattr(judge, "_nursery", none)
+    with pytest.raises(NbGraderException, match="no ROS 2 here"):
+        CourseExporter(config=Config())
+
+
+def test_a_release_with_an_unknown_check_is_refused() -> None:
+    from nbformat import v4  # noqa: PLC0415
+
+    from grader.errors import InputError  # noqa: PLC0415
+    from grader.gradebook_plugin.release import LeaveSkeletons  # noqa: PLC0415
+
+    cell = v4.new_code_cell('check("1:wirin")', metadata={"nbgrader": {"grade": True}})
+    with pytest.raises(InputError, match="unknown check 'wirin' of obstacle_avoidance"):
+        LeaveSkeletons().preprocess_cell(cell, {}, 0)
+
+
+def test_nbgrader_finds_its_programs_where_python_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "/usr/bin")
+    config = Config()
+
+    configure(config)
+
+    assert os.environ["PATH"].endswith("/bin:/usr/bin")
+    steps = [step.__name__ for step in config.Autograde.autograde_preprocessors]
+    assert "Execute" not in steps
+    assert "SaveAutoGrades" not in steps
+    assert "JudgeNodes" in steps

@@ -1,0 +1,343 @@
+"""Whatever a student hands in: the notebook that is graded has nbgrader's cells as released."""
+
+import json
+import os
+import random
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from nbconvert import HTMLExporter
+
+from grader.gradebook_plugin import intake
+from grader.gradebook_plugin.cells import definition
+from grader.gradebook_plugin.intake import Cell, Unreadable, read_cells
+from grader.gradebook_plugin.restore import ABOUT, Trusted, harmless, restored, unreadable
+from grader.submission import MAX_SIZE
+
+NODE = Trusted("node-agent", "code", "%%node agent.py\n# TODO", solution=True)
+TEST = Trusted("ex-wiring", "code", 'check("1:wiring")', points=5.0)
+ANSWER = Trusted("quiz-1", "markdown", "*Your answer:*", points=3.0, solution=True)
+TASK = Trusted("task-1", "markdown", "Draw it.", points=2.0, task=True)
+TRUSTED = [NODE, TEST, ANSWER]
+
+MINE = Cell("code", "%%node agent.py\nmine", "node-agent")
+CHECK = Cell("code", 'check("1:wiring")', "ex-wiring")
+WRITTEN = Cell("markdown", "Because.", "quiz-1")
+
+
+def by_name(notebook: Any) -> dict[str, Any]:
+    found = [cell for cell in notebook.cells if "nbgrader" in cell.metadata]
+    names = [cell.metadata.nbgrader.grade_id for cell in found]
+    assert len(names) == len(set(names)), "each of nbgrader's cells once"
+    nbformat.validate(notebook)
+    return dict(zip(names, found, strict=True))
+
+
+def test_an_honest_notebook_stays_as_it_is() -> None:
+    cells = [Cell("markdown", "# Title"), MINE, CHECK, WRITTEN, Cell("code", "1 + 1")]
+
+    made = restored(cells, TRUSTED)
+
+    assert [cell.source for cell in made.cells] == [cell.source for cell in cells]
+    assert set(by_name(made)) == {"node-agent", "ex-wiring", "quiz-1"}
+
+
+def test_changed_tests_are_as_released() -> None:
+    cells = [MINE, Cell("markdown", "check = print # full points!", "ex-wiring"), WRITTEN]
+
+    cell = by_name(restored(cells, TRUSTED))["ex-wiring"]
+
+    assert (cell.cell_type, cell.source) == ("code", 'check("1:wiring")')
+    assert cell.metadata.nbgrader.points == 5.0
+    assert cell.metadata.nbgrader.locked
+
+
+def test_deleted_cells_come_back() -> None:
+    made = by_name(restored([Cell("code", "print('nothing')")], TRUSTED))
+
+    assert made["ex-wiring"].source == 'check("1:wiring")'
+    assert made["node-agent"].source == made["quiz-1"].source == ""
+    assert made["quiz-1"].metadata[ABOUT]["missing"]
+
+
+def test_of_copies_the_last_that_was_written_in_counts() -> None:
+    untouched = Cell("markdown", ANSWER.source, "quiz-1")
+    cells = [Cell("markdown", "old", "quiz-1"), Cell("markdown", "new", "quiz-1"), untouched]
+
+    made = restored([*cells, CHECK, CHECK], TRUSTED)
+
+    assert by_name(made)["quiz-1"].source == "new"
+    assert [cell.source for cell in made.cells[:3]] == ["old", "new", ANSWER.source]
+
+
+def test_an_untouched_answer_is_known_for_it() -> None:
+    made = by_name(restored([Cell("markdown", f"{ANSWER.source}\n", "quiz-1")], TRUSTED))
+
+    assert made["quiz-1"].metadata[ABOUT]["untouched"]
+
+
+def test_a_retyped_answer_is_an_answer() -> None:
+    made = by_name(restored([Cell("code", "Because.", "quiz-1")], TRUSTED))
+
+    assert (made["quiz-1"].cell_type, made["quiz-1"].source) == ("markdown", "Because.")
+
+
+def test_a_retyped_node_is_seen_but_known_for_it() -> None:
+    cell = restored([Cell("raw", "%%node agent.py\na < b")], TRUSTED).cells[0]
+
+    assert (cell.cell_type, cell.source) == ("code", "%%node agent.py\na < b")
+    assert cell.metadata[ABOUT]["was"] == "raw"
+
+
+def test_ids_of_a_students_own_make_no_cell_of_nbgraders() -> None:
+    made = by_name(restored([Cell("code", "x", "my-own-points")], TRUSTED))
+
+    assert set(made) == {"node-agent", "ex-wiring", "quiz-1"}
+
+
+def test_tasks_are_kept() -> None:
+    made = by_name(restored([Cell("markdown", "Done!", "task-1")], [TASK]))["task-1"]
+
+    assert made.source == "Draw it."
+    assert made.metadata.nbgrader.task
+    assert not made.metadata.nbgrader.grade
+
+
+def test_an_unreadable_notebook_has_every_cell_for_a_person() -> None:
+    made = unreadable("this is <b>no</b> JSON", TRUSTED)
+
+    assert set(by_name(made)) == {"node-agent", "ex-wiring", "quiz-1"}
+    assert made.metadata[ABOUT]["problem"] == "this is <b>no</b> JSON"
+    assert "&lt;b>" in made.cells[0].source
+
+
+def test_too_much_text_is_left_out() -> None:
+    cells = [Cell("markdown", "x" * 90_000)] * 60 + [MINE]
+
+    made = restored(cells, TRUSTED)
+
+    assert sum(len(cell.source) for cell in made.cells) < 4_100_000
+    assert made.cells[59].source == "(left out: too long)"
+    assert by_name(made)["node-agent"].source.endswith("mine")
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(
+        st.builds(
+            Cell,
+            st.sampled_from(["code", "markdown", "raw"]),
+            st.sampled_from(["", "%%node agent.py\nx", 'check("1:wiring")', "text", "<b>"]),
+            st.sampled_from(["", "node-agent", "ex-wiring", "quiz-1", "task-1", "other"]),
+        ),
+        max_size=12,
+    )
+)
+def test_any_jumble_of_cells_gives_each_trusted_cell_once(cells: list[Cell]) -> None:
+    made = by_name(restored(cells, [*TRUSTED, TASK]))
+
+    assert set(made) == {"node-agent", "ex-wiring", "quiz-1", "task-1"}
+    assert made["ex-wiring"].source == TEST.source
+
+
+# --- what is no honest file ----------------------------------------------------------------
+
+
+def written(folder: Path, content: Any) -> Path:
+    path = folder / "notebook.ipynb"
+    data = content if isinstance(content, bytes) else json.dumps(content).encode()
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"no JSON",
+        b"[]",
+        b"null",
+        b"{}",
+        b'{"cells": 3}',
+        b'{"cells": ["x", null, 7]}',
+        b'{"cells": [' + b"[" * 100_000,
+        b"\xff\xfe\x00",
+        b'{"cells": NaN}',
+    ],
+)
+def test_what_is_no_notebook_is_unreadable(tmp_path: Path, data: bytes) -> None:
+    with pytest.raises(Unreadable):
+        read_cells(written(tmp_path, data))
+
+
+def test_links_and_pipes_are_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "secret").write_text('{"cells": [{"source": "the instructor\'s"}]}')
+    (tmp_path / "link.ipynb").symlink_to(tmp_path / "secret")
+    os.mkfifo(tmp_path / "pipe.ipynb")
+    (tmp_path / "folder.ipynb").mkdir()
+
+    for name in ("link", "pipe", "folder", "missing"):
+        with pytest.raises(Unreadable):
+            read_cells(tmp_path / f"{name}.ipynb")
+
+
+def test_a_huge_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(intake, "MAX_NOTEBOOK", 1000)
+    path = written(tmp_path, {"cells": [{"source": "x", "outputs": ["y" * 1000]}]})
+
+    with pytest.raises(Unreadable, match="clear its outputs"):
+        read_cells(path)
+
+
+def test_huge_outputs_are_left_behind(tmp_path: Path) -> None:
+    cell = {"cell_type": "code", "source": "1", "outputs": [{"text": "y" * 5_000_000}]}
+
+    assert read_cells(written(tmp_path, {"cells": [cell]})) == [Cell("code", "1")]
+
+
+INVALID: list[Any] = [
+    None,
+    3,
+    "x",
+    [],
+    {"nbgrader": 3},
+    {"nbgrader": []},
+    {"nbgrader": {"grade_id": ["quiz-1"]}},
+    {"nbgrader": {"grade_id": None, "points": "all"}},
+]
+
+
+@pytest.mark.parametrize("metadata", INVALID)
+def test_invalid_metadata_are_none(tmp_path: Path, metadata: Any) -> None:
+    cell = {"cell_type": "code", "source": ["a\n", 7, "b"], "metadata": metadata}
+
+    assert read_cells(written(tmp_path, {"cells": [cell], "metadata": 9})) == [Cell("code", "a\nb")]
+
+
+def test_cells_of_unknown_types_are_raw(tmp_path: Path) -> None:
+    cells = [{"cell_type": ["code"], "source": {"a": 1}}, {"source": "x", "cell_type": "heading"}]
+
+    assert read_cells(written(tmp_path, {"cells": cells})) == [Cell("raw", ""), Cell("raw", "x")]
+
+
+def test_old_notebooks_and_a_byte_order_mark(tmp_path: Path) -> None:
+    sheet = {"cells": [{"cell_type": "code", "input": "%%node a.py\nx"}]}
+    data = b"\xef\xbb\xbf" + json.dumps({"worksheets": [sheet]}).encode()
+
+    assert read_cells(written(tmp_path, data)) == [Cell("code", "%%node a.py\nx")]
+
+
+def test_a_node_that_is_too_long_is_not_cut_to_size(tmp_path: Path) -> None:
+    source = "%%node agent.py\n" + "#" * (3 * MAX_SIZE)
+    cells = read_cells(written(tmp_path, {"cells": [{"cell_type": "code", "source": source}]}))
+
+    made = definition(restored(cells, TRUSTED).cells[0].source)
+
+    assert made is not None
+    assert len(made.text) > MAX_SIZE  # which the judge refuses
+
+
+def test_lone_surrogates_become_question_marks(tmp_path: Path) -> None:
+    data = rb'{"cells": [{"cell_type": "markdown", "source": "\ud800!"}]}'
+
+    assert read_cells(written(tmp_path, data)) == [Cell("markdown", "?!")]
+
+
+def test_pasted_pictures_stay_and_other_attachments_go(tmp_path: Path) -> None:
+    kept = {"a.png": {"image/png": "aGk="}}
+    given_ = {**kept, "b": {"text/html": "<b>"}, "c.png": {"image/png": '"><script>'}, "d": 3}
+    cell = {"cell_type": "markdown", "source": "x", "attachments": given_}
+
+    found = read_cells(written(tmp_path, {"cells": [cell]}))
+
+    assert found[0].pictures == kept
+
+
+# --- what a page would run -----------------------------------------------------------------
+
+EVIL = [
+    "<script>steal()</script>",
+    "<img src=x onerror=steal()>",
+    "a <b onclick=steal()>b</b>",
+    "<!-- --><svg/onload=steal()>",
+    "[click](javascript:steal())",
+    "[click]( JaVaScRiPt:steal())",
+    "[click]\n(javascript:steal())",
+    "[click](<javascript:steal()>)",
+    "[click](data:text/html,steal())",
+    "[click][x]\n\n[x]: javascript:steal()",
+    "> [x]: javascript:steal()\n\n[x]",
+    "<javascript:steal()>",
+    "![p](https://example.org/steal.png)",
+    "![p][x]\n\n[x]: https://example.org/steal.png",
+    r"$\href{javascript:steal()}{x}$",
+    r"$$\style{position:fixed}{x} \require{html}$$",
+    "\x00[x](javascript:steal())",
+    "]\x00(javascript:steal())",
+    "[attachment](attachment:x)(javascript:steal())",
+]
+HARMLESS_LINK = re.compile(r"(https?://|#|attachment:|data:image/)")
+
+
+class Page(HTMLParser):
+    """Collects what a browser would run or fetch."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.live: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag in ("script", "svg", "iframe", "style", "object", "embed", "form", "base", "img"):
+            self.live.append(tag)
+        for name, value in attrs:
+            link = name in ("href", "src") and not HARMLESS_LINK.match(value or "")
+            if name.startswith("on") or link:
+                self.live.append(f"{tag} {name}={value}")
+
+    def handle_data(self, data: str) -> None:
+        self.live += re.findall(r"\\(?:href|style|require)\b", data)
+
+
+@pytest.mark.parametrize("text", EVIL)
+@pytest.mark.parametrize("kind", ["markdown", "raw"])
+def test_nothing_that_a_student_writes_runs_in_the_instructors_browser(
+    text: str, kind: str
+) -> None:
+    made = restored([Cell(kind, text), Cell(kind, text, "quiz-1")], [ANSWER])
+
+    body, _ = HTMLExporter(template_name="basic").from_notebook_node(made)
+
+    page = Page()
+    page.feed(body)
+    assert page.live == []
+
+
+def test_the_test_itself_sees_what_runs() -> None:
+    for text in EVIL[:3]:
+        page = Page()
+        page.feed(text)
+        assert page.live
+
+
+def test_honest_text_reads_the_same() -> None:
+    text = (
+        "It is **late** if $a < b$ and x < 3; see [ROS](https://docs.ros.org) or [below](#x).\n\n"
+        "> a quote\n\n| a | b |\n|---|---|\n| 1 | `x` |\n\n```python\na[0](1)\n```\n"
+        "![p](attachment:a.png)"
+    )
+
+    assert harmless(text).replace("a[0] (1)", "a[0](1)") == text
+
+
+def test_any_text_is_harmless_twice() -> None:
+    generator = random.Random(7)
+    parts = ["](", "![", "javascript:", "<", "attachment:", "\x00", "]:", "[", "\\href", " ", "\n"]
+    for _ in range(300):
+        once = harmless("".join(generator.choices(parts, k=12)))
+        assert not re.search(r"\]\(\s*(?!https?://|#|attachment:|\s*\))", once), once
