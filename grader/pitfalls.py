@@ -1,9 +1,11 @@
 """Make the replays and the quoted texts of lessons/pitfalls: plausible nodes that fail, and why.
 
 Each pitfall is a node in lessons/pitfalls/nodes that looks right and is not, and the same node put
-right. `python -m grader.pitfalls OUT` drives them and writes a replay of each into OUT, which opens
-where it goes wrong. `--made` writes lessons/pitfalls/made: what the grader says of the wrong nodes,
-the differences, and the frames of the replays; `--check` tells whether that is up to date.
+right. Their jobs are other and smaller ones than the exercises': they are published, and nobody
+should pass with one of them. `python -m grader.pitfalls OUT` drives them and writes a replay of
+each into OUT, which opens where it goes wrong. `--made` writes lessons/pitfalls/made: the
+differences, the frames of the replays, and what the grader says of wrong solutions
+(solutions/*/mutants) that make the same mistakes; `--check` tells whether that is up to date.
 """
 
 from __future__ import annotations
@@ -22,13 +24,14 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from grader.checks.ml_velocity.contract import right_speed
-from grader.checks.obstacle_avoidance.contract import front_distance, right_speeds
+from grader.checks.obstacle_avoidance.contract import front_distance
 from grader.checks.obstacle_avoidance.evidence import answers, spell
 from grader.errors import GraderError, InputError
 from grader.exercises import ROOT, find_exercise
+from grader.features import possible_features
 from grader.grading import Grading, grade_submission
 from grader.launch import Nursery
+from grader.models import probe
 from grader.recording import Recording
 from grader.report import GENERATED_BY, page_html, render_terminal, replay_payload
 from grader.submission import find_submission
@@ -43,6 +46,9 @@ FRAME = ("replay.css", "replay.js")  # of the pages: copied beside the replays
 MODES = ("--made", "--check")
 REPLAYS = "replays"  # where a page looks for them, seen from itself
 WIDTH = 80  # [characters] of the grader's tables
+AHEAD = 45.0  # [°] to both sides is ahead, for the nodes that stop for a wall
+STOP = 0.8  # [m] nearer than this they stop
+MAX_SPEED = 0.5  # [m/s] of the nodes with a model
 SILENCE = 10  # scans or commands, and still the robot stands
 TURNS_ON = 0.3  # [rad/s] is no longer looking for its heading
 LIBRARIES = re.compile(r"\S*/(?:site|dist)-packages/")  # where they are differs by machine
@@ -74,31 +80,37 @@ Moments = Callable[[Recording], Iterator[Moment]]
 
 
 def does_not_stop(recording: Recording) -> Iterator[Moment]:
-    """Drives on although something is less than 0.5 m ahead."""
+    """Drives on although something is less than 0.8 m ahead."""
     for answer in answers(recording):
-        if right_speeds(answer.scan) == {0.0} and answer.speed:
+        distance = front_distance(answer.scan, AHEAD)
+        if distance is not None and distance < STOP and answer.speed:
             yield Moment(
                 answer.scan.t,
-                "Closer than 0.5 m the robot stands still.",
-                f"linear.x = 0.00 m/s: {front_distance(answer.scan):.2f} m ahead",
+                f"Closer than {STOP} m the robot stands still.",
+                f"linear.x = 0.00 m/s: {distance:.2f} m ahead",
                 f"linear.x = {spell(answer.speed)} m/s",
             )
             break
     yield from touches(recording)
 
 
-def mistakes_the_model(off: float) -> Moments:
-    """Commands a speed that is `off` [m/s] from what the model says of the right features."""
+def mistakes_the_model(off: float, *columns: int) -> Moments:
+    """Commands a speed that is `off` [m/s] from what the model says of the right features.
+
+    The model is fed these columns of exercise 2's features.
+    """
 
     def moments(recording: Recording) -> Iterator[Moment]:
+        (model,) = (probe(model) for model in recording.scenario.node.models.values())
         for answer in answers(recording):
-            right = right_speed(recording, answer.scan)
+            rows = possible_features(answer.scan)[:, list(columns)]
+            right = np.clip(model.predict(rows), 0.0, MAX_SPEED)
             said = float("nan") if answer.speed is None else answer.speed
-            if not right.low - off <= said <= right.high + off:
+            if not right.min() - off <= said <= right.max() + off:
                 yield Moment(
                     answer.scan.t,
                     "The speed is what the model says.",
-                    f"linear.x = {(right.low + right.high) / 2:.2f} m/s",
+                    f"linear.x = {(right.min() + right.max()) / 2:.2f} m/s",
                     f"linear.x = {spell(said)} m/s",
                 )
                 break
@@ -185,9 +197,10 @@ class Pitfall:
     """A mistake: nodes that make it, a node that does not, and who catches it."""
 
     name: str  # of its page
-    wrong: Mapping[str, tuple[str, ...]]  # nodes: the checks that its page quotes
+    wrong: tuple[str, ...]  # nodes
     right: str  # node
     exercise: str
+    caught: Mapping[str, tuple[str, ...]]  # wrong solutions: the checks that its page quotes
     scenario: str  # in which it shows
     moments: Moments
 
@@ -200,60 +213,67 @@ class Pitfall:
 PITFALLS = (
     Pitfall(
         "front_by_index",
-        {"front_by_index_wrong": ("field_lds01",)},
+        ("front_by_index_wrong",),
         "front_by_index_right",
         "obstacle_avoidance",
+        {"obstacle_avoidance/hard_coded_indices": ("field_lds01",)},
         "avoid_field_lds01",
         does_not_stop,
     ),
     Pitfall(
         "left_right_swapped",
-        {"left_right_swapped_wrong": ("left_min", "right_min")},
+        ("left_right_swapped_wrong",),
         "left_right_swapped_right",
         "ml_velocity",
+        {"ml_velocity/left_is_negative": ("left_min", "right_min")},
         "demo_cart_from_the_left",
-        mistakes_the_model(0.2),
+        mistakes_the_model(0.2, 3, 4),
     ),
     Pitfall(
         "nan_through_clip",
-        {
-            "nan_through_clip_wrong": ("infinite_readings",),
-            "nan_through_minmax_wrong": ("not_finite",),
-        },
+        ("nan_through_clip_wrong", "nan_through_minmax_wrong"),
         "nan_through_clip_right",
         "ml_velocity",
+        {
+            "ml_velocity/infinity_stays_infinite": ("infinite_readings",),
+            "ml_velocity/nan_slips_through": ("not_finite",),
+        },
         "demo_yard",
-        mistakes_the_model(0.1),
+        mistakes_the_model(0.1, 0, 1, 2),
     ),
     Pitfall(
         "heading_without_yaw",
-        {"heading_without_yaw_wrong": ("reaches_goal", "turns_short_way")},
+        ("heading_without_yaw_wrong",),
         "heading_without_yaw_right",
         "goal_seeking",
-        "goal_origin_to_5_3",
+        {"goal_seeking/heading_without_yaw": ("reaches_goal", "turns_short_way")},
+        "demo_point",
         turns_past_the_goal,
     ),
     Pitfall(
         "no_stop_without_model",
-        {"no_stop_without_model_wrong": ("no_model",)},
+        ("no_stop_without_model_wrong",),
         "no_stop_without_model_right",
         "ml_velocity",
+        {"slow_model/silent_without_a_prediction": ("no_model",)},
         "demo_new_model",
         falls_silent,
     ),
     Pitfall(
         "twist_stamped",
-        {"twist_stamped_wrong": ("wiring",)},
+        ("twist_stamped_wrong",),
         "twist_stamped_right",
         "obstacle_avoidance",
+        {"obstacle_avoidance/twist_stamped": ("wiring",)},
         "avoid_wall",
         speaks_another_type,
     ),
     Pitfall(
         "reliable_only",
-        {"reliable_only_wrong": ("field_best_effort",)},
+        ("reliable_only_wrong",),
         "reliable_only_right",
         "obstacle_avoidance",
+        {"obstacle_avoidance/reliable_only": ("field_best_effort",)},
         "avoid_field_best_effort",
         hears_nothing,
     ),
@@ -319,17 +339,33 @@ def replay(pitfall: Pitfall, recording: Recording) -> str:
 def made(nursery: Nursery, pitfalls: Iterable[Pitfall] = PITFALLS) -> Iterator[tuple[Path, str]]:
     """Return every file of lessons/pitfalls/made with its text."""
     for pitfall in pitfalls:
-        first, *_ = pitfall.wrong
-        yield MADE / f"{pitfall.name}.diff", differences(first, pitfall.right)
-        for node, checks in pitfall.wrong.items():
-            yield MADE / f"{node}.grade.txt", printed(grade(pitfall, node, nursery, only=checks))
+        yield MADE / f"{pitfall.name}.diff", differences(pitfall.wrong[0], pitfall.right)
+        for mutant, checks in pitfall.caught.items():
+            said = printed(grade_mutant(mutant, nursery, only=checks))
+            yield MADE / f"{Path(mutant).name}.grade.txt", said
         for node in pitfall.nodes:
             shown = frame(pitfall, drive(pitfall, node, nursery), node)
             yield MADE / f"{node}.frame.txt", shown
 
 
-def grade(pitfall: Pitfall, node: str, nursery: Nursery, *, only: Iterable[str] = ()) -> Grading:
-    """Grade a node of a pitfall, by some checks or by all.
+def grade_mutant(mutant: str, nursery: Nursery, *, only: Iterable[str] = ()) -> Grading:
+    """Grade a wrong solution, `exercise/name`, by some checks or by all, as if it were handed in.
+
+    Raises
+    ------
+    GraderError
+        The grader or the machine failed.
+    """
+    slug, _, name = mutant.partition("/")
+    exercise = find_exercise(slug)
+    file = exercise.solutions / "mutants" / f"{name}.py"
+    return grade(slug, file, nursery, as_file=exercise.files[0], only=only)
+
+
+def grade(
+    slug: str, path: Path, nursery: Nursery, *, as_file: str = "", only: Iterable[str] = ()
+) -> Grading:
+    """Grade a node, by some checks or by all of the core.
 
     Raises
     ------
@@ -338,15 +374,15 @@ def grade(pitfall: Pitfall, node: str, nursery: Nursery, *, only: Iterable[str] 
     """
     only = tuple(only)
     grading = grade_submission(
-        find_exercise(pitfall.exercise),
-        find_submission(NODES / f"{node}.py"),
+        find_exercise(slug),
+        find_submission(path),
         nursery,
-        file=f"{node}.py",
-        field=not only or any(check.startswith("field_") for check in only),
+        file=as_file or path.name,
+        field=any(check.startswith("field_") for check in only),
         only=only,
     )
     if grading.faulty:
-        raise GraderError(f"{node}.py could not be judged; try again")
+        raise GraderError(f"{path.name} could not be judged; try again")
     return grading
 
 

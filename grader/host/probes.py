@@ -130,7 +130,7 @@ class CountsLoads:
 
 
 class Weighted:
-    """Are all five features right, and in order? Predicts their weighted sum, after `seconds`."""
+    """Are all features right, and in order? Predicts their weighted sum, after `seconds`."""
 
     def __init__(
         self, weights: tuple[float, ...], offset: float = 0.0, seconds: float = 0.0
@@ -140,8 +140,10 @@ class Weighted:
     def predict(self, features: Any) -> Floats:
         """Return (n,) predictions [m/s]."""
         rows = np.array(features, dtype=float)  # as they were at the start
-        if rows.ndim != 2 or rows.shape[1] != 5:
-            raise ValueError(f"expected features of shape (n, 5), got {rows.shape}")
+        if rows.ndim != 2 or rows.shape[1] != len(self.weights):
+            raise ValueError(
+                f"expected features of shape (n, {len(self.weights)}), got {rows.shape}"
+            )
         time.sleep(self.seconds)
         answer: Floats = self.offset + rows @ np.asarray(self.weights, dtype=float)
         return answer

@@ -1,62 +1,42 @@
-"""Goal seeking: drives to the latest goal, says so, and waits for the next."""
+"""Drives to one point, and stays there."""
 
 import math
 
 import rclpy
-from geometry_msgs.msg import Pose, PoseStamped, Twist
+from geometry_msgs.msg import Pose, Twist
 from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 
 
-def finite(pose: Pose) -> bool:
-    """Tell whether a pose says something."""
-    p, q = pose.position, pose.orientation
-    return all(math.isfinite(number) for number in (p.x, p.y, q.x, q.y, q.z, q.w))
-
-
-class GoalSeekingAgent(Node):
+class PointSeeker(Node):
     def __init__(self) -> None:
-        super().__init__("goal_seeking_agent")
+        super().__init__("point_seeker")
         self.pose: Pose | None = None
-        self.goal: Pose | None = None
+        self.x = self.declare_parameter("x", 5.0).value  # [m]
+        self.y = self.declare_parameter("y", 3.0).value  # [m]
         self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(Odometry, "/odom", self.odom_callback, qos_profile_sensor_data)
-        self.create_subscription(PoseStamped, "/goal_pose", self.goal_callback, 10)
         self.create_timer(0.1, self.control_callback)
 
     def odom_callback(self, odom: Odometry) -> None:
-        if finite(odom.pose.pose):
-            self.pose = odom.pose.pose
-        else:
-            self.get_logger().warning("Ignored a pose that is not finite")
-
-    def goal_callback(self, message: PoseStamped) -> None:
-        position = message.pose.position
-        if math.isfinite(position.x) and math.isfinite(position.y):
-            self.goal = message.pose
-        else:
-            self.get_logger().warning("Ignored a goal that is not finite")
+        self.pose = odom.pose.pose
 
     def control_callback(self) -> None:
-        if self.pose is None or self.goal is None:
+        if self.pose is None:
             return
-        dx = self.goal.position.x - self.pose.position.x
-        dy = self.goal.position.y - self.pose.position.y
-        distance = math.hypot(dx, dy)
+        dx = self.x - self.pose.position.x
+        dy = self.y - self.pose.position.y
 
         twist = Twist()
-        if distance <= 0.5:
-            self.goal = None
-            self.get_logger().info("Goal reached!")
-        else:
-            twist.linear.x = min(0.3, 0.5 * distance)
+        if math.hypot(dx, dy) > 0.3:
+            twist.linear.x = 0.3
             twist.angular.z = max(-1.9, min(1.9, 2.0 * self.turn(dx, dy)))
         self.publisher.publish(twist)
 
     def turn(self, dx: float, dy: float) -> float:
-        """Return how far to turn to face a goal that is dx, dy away [rad]."""
+        """Return how far to turn to face a point that is dx, dy away [rad]."""
         q = self.pose.orientation
         yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
         return math.remainder(math.atan2(dy, dx) - yaw, math.tau)
@@ -64,7 +44,7 @@ class GoalSeekingAgent(Node):
 
 def main(args: list[str] | None = None) -> None:
     rclpy.init(args=args)
-    node = GoalSeekingAgent()
+    node = PointSeeker()
     try:
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -1,4 +1,4 @@
-"""A trained model in the loop: features of a scan go in, a speed comes out."""
+"""A trained model in the loop: what is ahead goes in, a speed comes out."""
 
 import pickle
 
@@ -11,27 +11,25 @@ from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
-FRONT = np.radians(60)  # the front sector is |angle| <= 60°
+FRONT = np.radians(60)  # ahead is |angle| <= 60°
 
 
 def scan_features(scan: LaserScan) -> NDArray[np.float64] | None:
-    """Return front min, mean, std, left min, right min [m]; None: blind."""
+    """Return front min, mean, std [m]; None: blind."""
     ranges = np.array(scan.ranges)
     angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
     angles = np.remainder(angles + np.pi, 2 * np.pi) - np.pi
     ranges = np.where(ranges == -np.inf, scan.range_min, ranges)
     usable = ranges >= scan.range_min  # false for NaN
     front = ranges[usable & (np.abs(angles) <= FRONT)]
-    left = ranges[usable & (angles > FRONT)]
-    right = ranges[usable & (angles < -FRONT)]
-    if not (front.size and left.size and right.size):
+    if not front.size:
         return None
-    return np.array([front.min(), front.mean(), front.std(), left.min(), right.min()])
+    return np.array([front.min(), front.mean(), front.std()])
 
 
-class MlVelocityController(Node):
+class ModelDriver(Node):
     def __init__(self) -> None:
-        super().__init__("ml_velocity_controller")
+        super().__init__("model_driver")
         path = self.declare_parameter("model_path", "velocity_model.pkl").value
         self.max_speed = self.declare_parameter("max_speed", 0.5).value  # [m/s]
         self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
@@ -53,7 +51,7 @@ class MlVelocityController(Node):
         """Return the model's speed [m/s], within 0 … max_speed."""
         features = scan_features(scan)
         if features is None:
-            self.get_logger().warning("A sector without a usable reading: standing still")
+            self.get_logger().warning("Nothing usable ahead: standing still")
             return 0.0
         try:
             speed = float(self.model.predict(features.reshape(1, -1))[0])
@@ -65,7 +63,7 @@ class MlVelocityController(Node):
 
 def main(args: list[str] | None = None) -> None:
     rclpy.init(args=args)
-    node = MlVelocityController()
+    node = ModelDriver()
     try:
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -1,4 +1,4 @@
-"""Obstacle avoidance: drives straight ahead, and stops for what is in front."""
+"""Drives straight ahead at one speed, and stops for a wall."""
 
 import math
 
@@ -11,11 +11,11 @@ from sensor_msgs.msg import LaserScan
 
 
 def front_distance(scan: LaserScan) -> float | None:
-    """Return the smallest usable distance within ±90° [m]; None: blind."""
+    """Return the smallest usable distance within ±45° [m]; None: blind."""
     front = [
         reading
         for i, reading in enumerate(scan.ranges)
-        if abs(math.remainder(scan.angle_min + i * scan.angle_increment, math.tau)) <= math.pi / 2
+        if abs(math.remainder(scan.angle_min + i * scan.angle_increment, math.tau)) <= math.pi / 4
     ]
     usable = [r for r in front if math.isinf(r) or scan.range_min <= r <= scan.range_max]
     return max(0.0, min(usable)) if usable else None
@@ -23,14 +23,12 @@ def front_distance(scan: LaserScan) -> float | None:
 
 def choose_speed(distance: float | None) -> float:
     """Return the forward speed for a distance ahead [m/s]."""
-    if distance is None or distance < 0.5:
-        return 0.0
-    return 0.15 if distance < 1.0 else 0.5
+    return 0.4 if distance is not None and distance >= 0.8 else 0.0
 
 
-class ObstacleAvoidanceAgent(Node):
+class WallStop(Node):
     def __init__(self) -> None:
-        super().__init__("obstacle_avoidance_agent")
+        super().__init__("wall_stop")
         self.publisher = self.create_publisher(TwistStamped, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data)
 
@@ -47,7 +45,7 @@ class ObstacleAvoidanceAgent(Node):
 
 def main(args: list[str] | None = None) -> None:
     rclpy.init(args=args)
-    node = ObstacleAvoidanceAgent()
+    node = WallStop()
     try:
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
