@@ -122,6 +122,18 @@ def test_pages_can_be_read(context: Any, site: Path, scheme: str, width: int) ->
     assert (background == "rgb(255, 255, 255)") == (scheme == "light")
 
 
+def test_every_other_page_opens_without_a_complaint(context: Any, site: Path) -> None:
+    """Each exercise's page too. Those with replays: tests/browser/test_pitfall_pages.py."""
+    page = context.new_page()
+    names = [file.relative_to(site).with_suffix("").as_posix() for file in site.rglob("*.html")]
+    elsewhere = ("_", "pitfalls/", "search")
+    others = [name for name in sorted(names) if not name.startswith(elsewhere)]
+    assert sum(name.startswith("exercises/") for name in others) >= 10
+    for name in others:
+        page.goto((site / f"{name}.html").as_uri())
+        assert page.locator("article").inner_text().strip(), name
+
+
 def test_the_switch_turns_figures_too(context: Any, site: Path) -> None:
     page = context.new_page()
     page.goto((site / "loop.html").as_uri())

@@ -1,0 +1,137 @@
+"""An instructor's formgrader, as nbgrader serves it: marks and tables are the judge's.
+
+One submission is graded by the command, the other by the formgrader's own button.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("jupyterlab", reason="jupyterlab is not installed (the extra `notebooks`)")
+pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `notebooks`)")
+
+from lab_server import Server, picture, serving, tab
+from nbgrader_kit import fill, grades, hand_in, make_course, nbgrader, released, solution, total
+
+from grader.exercises import ROOT
+from grader.notebook.build import ASSIGNMENT
+
+NAME = "01_loop"
+SLUG = "obstacle_avoidance"
+FILE = "obstacle_avoidance_agent.py"
+MISTAKE = "slow_is_too_fast"  # one of exercise 1's mutants
+# nbgrader's own pages ask for it; without it formulas stay as they were typed.
+MATHJAX = "https://cdnjs.cloudflare.com/ajax/libs/mathjax/"
+WIDE = {"viewport": {"width": 1280, "height": 1000}}
+
+
+@pytest.fixture(scope="module")
+def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Ada's notebook has a mistake and is graded; Ben's is right and not graded yet."""
+    folder = make_course(tmp_path_factory.mktemp("course"), [NAME])
+    mutant = ROOT / "solutions" / SLUG / "mutants" / f"{MISTAKE}.py"
+    texts = {"ada": mutant.read_text("utf-8"), "ben": solution(SLUG, FILE)}
+    for student, text in texts.items():
+        hand_in(folder, student, NAME, fill(released(folder, NAME), {FILE: text}))
+    nbgrader(folder, "autograde", ASSIGNMENT, "--student", "ada")
+    nbgrader(folder, "generate_feedback", ASSIGNMENT)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def server(course: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    with serving(course, tmp_path_factory.mktemp("jupyter")) as running:
+        yield running
+
+
+@pytest.fixture
+def page(browser: Any, server: Server) -> Iterator[Any]:
+    with tab(browser, server, MATHJAX, **WIDE) as opened:
+        opened.page.goto(server.address("formgrader/manage_assignments"))
+        yield opened.page
+
+
+def points(course: Path, student: str) -> float:
+    return total(grades(course), student, SLUG)
+
+
+def row(page: Any, text: str) -> Any:
+    """The row of a table that has this text, once it is loaded."""
+    found = page.locator("table tbody tr", has_text=text)
+    found.first.wait_for()
+    assert found.count() == 1
+    return found
+
+
+def test_it_opens_within_jupyterlab(browser: Any, server: Server) -> None:
+    with tab(browser, server, MATHJAX, **WIDE) as opened:
+        page = opened.page
+        page.goto(server.address("lab"))
+        page.get_by_role("menuitem", name="Nbgrader", exact=True).click()
+        page.get_by_role("menuitem", name="Formgrader", exact=True).click()
+
+        frame = page.frame_locator("iframe[src*='formgrader']")
+
+        cells = frame.locator("table tbody tr", has_text=ASSIGNMENT)
+        cells.wait_for()
+        assert cells.locator(".num-submissions").inner_text() == "2"
+
+
+def test_the_button_grades_as_the_command_does(page: Any, course: Path, server: Server) -> None:
+    page.goto(server.address(f"formgrader/manage_submissions/{ASSIGNMENT}"))
+    assert row(page, "ada").locator(".score").inner_text() == "90 / 100"
+    assert "needs autograding" in row(page, "ben").inner_text()
+
+    row(page, "ben").locator(".autograde a").click()
+    page.locator("#success-modal, #error-modal").wait_for()
+
+    assert page.locator("#error-modal").count() == 0, page.locator("#error-modal").inner_text()
+    page.get_by_role("button", name=re.compile("Close")).first.click()
+    score = page.locator("table tbody tr", has_text="ben").locator(".score", has_text="/")
+    score.wait_for()
+    assert score.inner_text() == "100 / 100"
+    assert points(course, "ben") == 100
+    assert points(course, "ada") == 90
+
+
+def test_a_submission_is_listed_and_shows_the_judges_table(
+    page: Any, course: Path, server: Server
+) -> None:
+    link = page.get_by_role("link", name="Manual Grading", exact=True)
+    link.first.click()
+    page.get_by_role("link", name=ASSIGNMENT, exact=True).click()
+    page.get_by_role("link", name=NAME, exact=True).click()
+    listed = row(page, f"{points(course, 'ada'):g} / 100")
+    listed.locator("a:visible").first.click()
+
+    failed = page.locator(".output_html table, .jp-RenderedHTML table").filter(has_text="FAIL")
+    failed.first.wait_for()
+    assert failed.count() == 1
+    text = failed.inner_text()
+    assert "✗ FAIL" in text
+    assert "✓ pass" in text
+    assert "expected" in text
+    scores = page.locator("input.score")
+    page.wait_for_function(
+        "() => [...document.querySelectorAll('input.score')].every((e) => e.value || e.placeholder)"
+    )
+    values = scores.evaluate_all("(all) => all.map((e) => e.value || e.placeholder)")
+    assert sum(map(float, values)) == points(course, "ada")
+    failed.evaluate("(e) => e.scrollIntoView({block: 'center'})")
+    picture(page, "formgrader", {"x": 60, "y": 0, "width": 1160, "height": 880})
+
+
+def test_the_feedback_has_the_table_and_complains_about_nothing(
+    browser: Any, server: Server
+) -> None:
+    with tab(browser, server, MATHJAX) as opened:
+        path = f"feedback/ada/{ASSIGNMENT}/{NAME}.html"
+        opened.page.goto(server.address(f"files/{path}"))
+        text = opened.page.locator("body").inner_text()
+    assert "✗ FAIL" in text
+    assert "20 / 30 points" in text

@@ -1,0 +1,286 @@
+"""A student's notebook in a real JupyterLab: Run All, the table of checks, the replay.
+
+The first notebook as it is released, once with the solution and once with a mistake in it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("jupyterlab", reason="jupyterlab is not installed (the extra `notebooks`)")
+pytest.importorskip("ipykernel", reason="ipykernel is not installed (the extra `notebooks`)")
+pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `notebooks`)")
+pytest.importorskip("matplotlib", reason="matplotlib is not installed (the extra `notebooks`)")
+
+from lab_server import Server, Tab, picture, serving, tab, wait_until
+from nbgrader_kit import cell_named, fill, make_course, released, solution, source_of
+
+from grader.exercises import ROOT
+from grader.gradebook_plugin.cells import wanted
+
+NAME = "01_loop"
+SLUG = "obstacle_avoidance"
+FILE = "obstacle_avoidance_agent.py"
+MISTAKE = "nan_poisons_min"  # one of exercise 1's mutants
+FAILS = f"{SLUG}-infinite_readings"
+GREEN, RED = "rgb(0, 115, 90)", "rgb(184, 63, 0)"
+# Cells that are run before that are forgotten, though the kernel is called idle.
+KERNEL_ANSWERS = """async () => {
+  const { sessionContext } = jupyterapp.shell.currentWidget;
+  await sessionContext.ready;
+  await sessionContext.session.kernel.info;
+  await sessionContext.session.kernel.requestExecute({ code: '', silent: true }).done;
+}"""
+DRAWN = "window.replayPlayer && document.querySelector('canvas.map').clientWidth > 100"
+
+
+@dataclass
+class Opened:
+    """A notebook in a tab."""
+
+    tab: Tab
+    cells: list[dict[str, Any]]
+
+    @property
+    def page(self) -> Any:
+        return self.tab.page
+
+    def cell(self, number: int) -> Any:
+        """The cell as JupyterLab shows it."""
+        return self.page.locator(".jp-Notebook .jp-Cell").nth(number)
+
+    def named(self, grade_id: str) -> Any:
+        """The cell that nbgrader knows by this name."""
+        return self.cell(self.cells.index(cell_named({"cells": self.cells}, grade_id)))
+
+    def beginning(self, text: str) -> Any:
+        """The cell whose source begins so."""
+        return self.cell(next(n for n, c in enumerate(self.cells) if source_of(c).startswith(text)))
+
+    def run_all(self) -> None:
+        """Do as students do, and wait for the kernel to be idle."""
+        self.page.evaluate(KERNEL_ANSWERS)
+        self.page.get_by_role("menuitem", name="Run", exact=True).click()
+        self.page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
+        count = sum(cell["cell_type"] == "code" for cell in self.cells)
+        last = max(n for n, cell in enumerate(self.cells) if cell["cell_type"] == "code")
+        prompt = self.cell(last).locator(".jp-InputPrompt")
+        self.page.wait_for_function(
+            "([prompt, said]) => prompt.textContent.trim() === said",
+            arg=[prompt.element_handle(), f"[{count}]:"],
+        )
+        self.page.wait_for_selector('.jp-Notebook-ExecutionIndicator[data-status="idle"]')
+
+
+@pytest.fixture(scope="module")
+def work(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A student's folder: the released notebook, solved well and badly, each in its own."""
+    course = make_course(tmp_path_factory.mktemp("course"), [NAME])
+    folder = tmp_path_factory.mktemp("student")
+    mutant = ROOT / "solutions" / SLUG / "mutants" / f"{MISTAKE}.py"
+    texts = {"right": solution(SLUG, FILE), "wrong": mutant.read_text("utf-8")}
+    for name, text in texts.items():
+        notebook = fill(released(course, NAME), {FILE: text})
+        (folder / name).mkdir()
+        (folder / name / f"{NAME}.ipynb").write_text(json.dumps(notebook), "utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def server(work: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    with serving(work, tmp_path_factory.mktemp("jupyter")) as running:
+        yield running
+
+
+def opened(browser: Any, server: Server, which: str) -> Iterator[Opened]:
+    path = f"{which}/{NAME}.ipynb"
+    cells = json.loads((server.folder / path).read_text("utf-8"))["cells"]
+    with tab(browser, server) as there:
+        notebook = Opened(there, cells)
+        there.page.goto(server.address(f"lab/workspaces/{which}/tree/{path}"))
+        there.page.wait_for_selector('.jp-Notebook-ExecutionIndicator[data-status="idle"]')
+        there.page.wait_for_function(
+            "(count) => document.querySelectorAll('.jp-Notebook .jp-Cell').length === count",
+            arg=len(cells),
+        )
+        notebook.run_all()
+        yield notebook
+
+
+@pytest.fixture(scope="module")
+def right(browser: Any, server: Server) -> Iterator[Opened]:
+    """The solved notebook after Run All."""
+    yield from opened(browser, server, "right")
+
+
+@pytest.fixture(scope="module")
+def wrong(browser: Any, server: Server) -> Iterator[Opened]:
+    """The notebook with a mistake in it after Run All."""
+    yield from opened(browser, server, "wrong")
+
+
+def replay_in(cell: Any) -> Any:
+    """The player in a cell's frame, drawn."""
+    element = cell.locator("iframe.course-replay").element_handle()
+    element.scroll_into_view_if_needed()
+    frame = element.content_frame()
+    frame.wait_for_selector("canvas.map")
+    wait_until(frame, DRAWN)
+    return frame
+
+
+def chips(cell: Any) -> list[str]:
+    return [text.strip() for text in cell.locator(".course-check .chip").all_text_contents()]
+
+
+def colours(cell: Any) -> set[str]:
+    found = cell.locator(".course-check .chip").evaluate_all(
+        "(all) => all.map((chip) => getComputedStyle(chip).backgroundColor)"
+    )
+    return set(found)
+
+
+def complaints_in_cells(notebook: Opened) -> list[str]:
+    """What stands in red below cells: errors, and stderr."""
+    found = notebook.page.locator(
+        ".jp-Notebook [data-mime-type*='.stderr'], [data-mime-type*='.error']"
+    )
+    return [str(text) for text in found.all_text_contents()]
+
+
+def panel(page: Any) -> Any:
+    """Where the notebook is on the screen, without Jupyter's bars around it."""
+    return page.locator(".jp-WindowedPanel-outer").bounding_box()
+
+
+def change_theme(page: Any, name: str) -> None:
+    """Choose JupyterLab Light or Dark."""
+    page.evaluate(
+        "(theme) => jupyterapp.commands.execute('apputils:change-theme', {theme})",
+        f"JupyterLab {name}",
+    )
+    light = str(name == "Light").lower()
+    page.wait_for_selector(f"body[data-jp-theme-light='{light}']", state="attached")
+
+
+def tab_into(page: Any, frame: Any, selector: str) -> None:
+    """Press Tab until the focus is where it should be."""
+    for _ in range(12):
+        page.keyboard.press("Tab")
+        if frame.evaluate(f"document.activeElement.matches({selector!r}) && document.hasFocus()"):
+            return
+    raise AssertionError(f"Tab does not reach {selector}")
+
+
+# --- the solution --------------------------------------------------------------------------
+
+
+def test_every_check_passes(right: Opened) -> None:
+    assert complaints_in_cells(right) == []
+    asked = [wanted(source_of(cell)) for cell in right.cells]
+    assert sum(len(want.checks) > 0 for want in asked if want) == 5
+    for number, want in enumerate(asked):
+        if want is None:
+            continue
+        cell = right.cell(number)
+        assert set(chips(cell)) == {"✓ pass"}, want
+        assert len(chips(cell)) >= max(1, len(want.checks))
+        assert colours(cell) == {GREEN}
+    every = right.beginning(f'check("{SLUG}", field=True)')
+    assert set(chips(every)) == {"✓ pass"}
+    said = every.text_content()
+    assert "100 / 100" in said
+    assert "field-ready" in said.lower()
+
+
+def test_the_keyboard_plays_a_replay(right: Opened) -> None:
+    page = right.page
+    cell = right.beginning('drive("avoid_cart")')
+    frame = replay_in(cell)
+    assert frame.evaluate("window.replayPlayer.time") == 0
+    before = frame.evaluate("document.querySelector('canvas.map').toDataURL()")
+
+    cell.locator("iframe.course-replay").focus()
+    tab_into(page, frame, "canvas.map")
+    page.keyboard.press("Space")
+    wait_until(frame, "window.replayPlayer.time > 0.3")
+    page.keyboard.press("Space")
+
+    assert frame.evaluate("window.replayPlayer.playing") is False
+    assert frame.evaluate("window.replayPlayer.state.pose.x") > 0.05
+    assert frame.evaluate("document.querySelector('canvas.map').toDataURL()") != before
+    frame.evaluate("window.replayPlayer.seek(5.5)")
+    cell.evaluate("(e) => e.scrollIntoView({block: 'start'})")
+    wait_until(page, "true")
+    picture(page, "notebook-light", panel(page))
+
+
+def test_the_keyboard_unfolds_the_replay_of_a_passed_check(right: Opened) -> None:
+    cell = right.named(f"{SLUG}-wiring")
+    summary = cell.locator("details > summary").last
+    assert cell.locator("details:has(iframe)[open]").count() == 0
+
+    summary.focus()
+    right.page.keyboard.press("Space")
+
+    cell.locator("details:has(iframe)[open]").wait_for()
+    assert replay_in(cell).evaluate("window.replayPlayer.duration") > 0
+
+
+def test_all_of_it_turns_dark_with_jupyterlab(right: Opened) -> None:
+    page = right.page
+    frame = replay_in(right.beginning('drive("avoid_cart")'))
+    dark = "matchMedia('(prefers-color-scheme: dark)').matches"
+    assert frame.evaluate(dark) is False
+
+    change_theme(page, "Dark")
+    wait_until(frame, dark)
+    every = right.beginning(f'check("{SLUG}", field=True)')
+    ink, back = (
+        every.locator(".course-check td")
+        .nth(1)
+        .evaluate("(e) => [getComputedStyle(e).color, getComputedStyle(e).backgroundColor]")
+    )
+    assert back == "rgba(0, 0, 0, 0)"
+    assert min(map(int, ink[ink.index("(") + 1 : -1].split(",")[:3])) > 180
+    every.evaluate("(e) => e.scrollIntoView({block: 'start'})")
+    wait_until(page, "true")
+    picture(page, "notebook-dark", panel(page))
+    change_theme(page, "Light")  # the server keeps it for other notebooks too
+    wait_until(frame, f"!{dark}")
+
+
+# --- a mistake -----------------------------------------------------------------------------
+
+
+def test_a_failed_check_is_named_and_its_replay_stands_at_the_moment(wrong: Opened) -> None:
+    assert complaints_in_cells(wrong) == []
+    cell = wrong.named(FAILS)
+    assert "✗ FAIL" in chips(cell)
+    assert RED in colours(cell)
+    table = cell.locator("table.checks").text_content()
+    assert "expected" in table
+    assert cell.locator("details[open] > summary", has_text="Replay of what failed").count() == 1
+
+    frame = replay_in(cell)
+    wait_until(frame, "!window.replayPlayer.playing && window.replayPlayer.time > 0")
+    annotation = frame.locator(".annotation")
+    assert annotation.is_visible()
+    title = annotation.inner_text().split("\n")[0]
+    assert title
+    assert title in table
+    cell.evaluate("(e) => e.scrollIntoView({block: 'start'})")
+    wait_until(wrong.page, "true")
+    picture(wrong.page, "notebook-wrong", panel(wrong.page))
+
+
+def test_what_is_right_still_passes(wrong: Opened) -> None:
+    cell = wrong.named(f"{SLUG}-wiring")
+
+    assert set(chips(cell)) == {"✓ pass"}
