@@ -1,7 +1,7 @@
 """Never looks at the scan: creeps on, a little faster and slower by turns.
 
 fails: clear_zone, slow_zone, stop_zone, ignores_behind, sees_sides, infinite_readings, invalid_readings, minus_infinity, blind, no_contact, drives_on
-"""
+"""  # noqa: E501
 
 import itertools
 
