@@ -58,7 +58,8 @@ site: $(VENV)/.dev ## build the lesson as a site into build/site
 	@echo "open build/site/index.html"
 
 notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with 12 students in all exercises
-	COURSE_NOTEBOOKS=full $(BIN)/pytest -n auto --dist worksteal tests/notebooks
+	COURSE_NOTEBOOKS=full $(BIN)/pytest -n auto --dist worksteal tests/notebooks \
+	  tests/browser/test_jupyterlab.py tests/browser/test_formgrader.py
 
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour; goes on where it was)
 	mkdir -p build

@@ -16,11 +16,22 @@ pytest.importorskip("jupyterlab", reason="jupyterlab is not installed (the extra
 pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `notebooks`)")
 
 from lab_server import Server, picture, serving, tab
-from nbgrader_kit import fill, grades, hand_in, make_course, nbgrader, released, solution, total
+from nbgrader_kit import (
+    fill,
+    grades,
+    hand_in,
+    make_course,
+    nbgrader,
+    released,
+    slow,
+    solution,
+    total,
+)
 
 from grader.exercises import ROOT
 from grader.notebook.build import ASSIGNMENT
 
+pytestmark = slow
 NAME = "01_loop"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"

@@ -18,6 +18,9 @@ from grader.exercises import ROOT
 from grader.gradebook_plugin.cells import definition
 from grader.notebook.build import ASSIGNMENT, NOTEBOOKS, SOURCES
 
+FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"
+slow = pytest.mark.skipif(not FULL, reason="takes a minute: make notebooks")
+
 Cell = dict[str, Any]
 
 GRADES = """

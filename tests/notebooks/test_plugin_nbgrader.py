@@ -19,6 +19,7 @@ from nbgrader_kit import (
     nbgrader,
     released,
     shared,
+    slow,
     solution,
     total,
 )
@@ -31,6 +32,7 @@ from grader.gradebook_plugin.judge import Verdict
 from grader.notebook.build import ASSIGNMENT
 from grader.students import student_seed
 
+pytestmark = slow
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
 EVIL = "Because. <script>steal()</script> [x](javascript:steal())"

@@ -7,7 +7,6 @@ import copy
 import csv
 import itertools
 import json
-import os
 import re
 import tempfile
 from collections.abc import Iterator
@@ -17,6 +16,7 @@ from typing import Any
 import nbformat
 import pytest
 from nbgrader_kit import (
+    FULL,
     Grades,
     autograded,
     cell_named,
@@ -44,7 +44,6 @@ from grader.skeletons import strip_solution
 from grader.submission import find_submission
 from sim.messages import EPOCH_NS
 
-FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"
 EXERCISES = {
     "01_loop": ["1"], "02_trained_model": ["2", "7"], "03_state": ["3", "4"],
     "04_real_time": ["5", "6", "9"], "05_formats": ["8"],
