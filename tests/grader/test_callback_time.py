@@ -1,0 +1,74 @@
+"""Whose fault a late callback is: the node's that computes or waits; the machine's with a queue."""
+
+import importlib
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from grader.exercises import find_exercise
+from grader.launch import Nursery
+from grader.recording import Compute, Recording
+from grader.submission import Submission
+from grader.trial import run_trial
+from grader.verdict import CheckFailed, Inconclusive
+from sim.scenario import load_scenario
+
+EXERCISE = find_exercise("obstacle_avoidance")
+
+
+@pytest.fixture(scope="module")
+def check(pytestconfig: pytest.Config) -> Callable[[tuple[Recording, ...]], None]:
+    pytestconfig.addinivalue_line("markers", "check: a check of the grader")
+    name = f"grader.checks.{EXERCISE.slug}.test_core"
+    return importlib.import_module(name).test_callback_time  # type: ignore[no-any-return]
+
+
+@pytest.fixture(scope="module")
+def recordings(nursery: Nursery) -> tuple[Recording, ...]:
+    file = EXERCISE.solutions / EXERCISE.files[0]
+    names = ("avoid_wall", "avoid_corridor")
+    return tuple(run_trial(Submission(file), load_scenario(n), nursery) for n in names)
+
+
+def taking(
+    recordings: tuple[Recording, ...], cpu: float, queued: float, every: int
+) -> tuple[Recording, ...]:
+    """Let each `every`-th exchange take 0.15 s, of which so much was spent like this [s]."""
+    changed = []
+    for recording in recordings:
+        time = recording.compute.time
+        late = np.arange(len(time)) % every == 0
+        parts = (np.where(late, part, 0.001) for part in (0.15, cpu))
+        compute = Compute(time, *parts, np.where(late, queued, 0.0))
+        changed.append(replace(recording, compute=compute))
+    return tuple(changed)
+
+
+@pytest.mark.parametrize(
+    ("cpu", "queued", "every", "verdict"),
+    [
+        (0.15, 0.0, 20, CheckFailed),  # computes
+        (0.001, 0.0, 1, CheckFailed),  # waits in native code, always
+        (0.001, 0.0, 5, CheckFailed),  # or often
+        (0.001, 0.14, 1, Inconclusive),  # queues for a CPU
+        (0.001, 0.0, 20, Inconclusive),  # now and then, nobody knows why
+    ],
+)
+def test_late_callbacks(
+    check: Callable[[tuple[Recording, ...]], None],
+    recordings: tuple[Recording, ...],
+    cpu: float,
+    queued: float,
+    every: int,
+    verdict: type[Exception],
+) -> None:
+    with pytest.raises(verdict):
+        check(taking(recordings, cpu, queued, every))
+
+
+def test_in_time(
+    check: Callable[[tuple[Recording, ...]], None], recordings: tuple[Recording, ...]
+) -> None:
+    check(taking(recordings, 0.15, 0.0, 10_000))
