@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
 import pymunk
 
 from sim.layout import Cart, Layout, Pose
@@ -141,7 +140,7 @@ def _toward(target: float, limit: float, now: float, change: float) -> float:
 
 def _drive(cart: Cart, body: pymunk.Body, start: float) -> None:
     """Put a cart where it is at `start` [s] with the velocity that takes it to the next step."""
-    (x, y, yaw), (next_x, next_y, _) = cart.poses(np.array([start, start + STEP])).tolist()
+    (x, y, yaw), (next_x, next_y, _) = cart.pose(start), cart.pose(start + STEP)
     body.position = x, y
     body.angle = yaw
     body.velocity = (next_x - x) / STEP, (next_y - y) / STEP

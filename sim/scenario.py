@@ -304,10 +304,10 @@ def _find(name_or_path: str | Path) -> Path:
     text = str(name_or_path)
     if isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text:
         return Path(name_or_path)
-    names = scenario_names()
-    if text not in names:
-        raise InputError(f"no scenario is called '{text}'{nearest(text, names)}")
-    return names[text]
+    found = [path for folder in SCENARIOS.iterdir() if (path := folder / f"{text}.toml").is_file()]
+    if len(found) == 1:
+        return found[0]
+    raise InputError(f"no scenario is called '{text}'{nearest(text, scenario_names())}")
 
 
 def _scenario(doc: dict[str, Any], where: str) -> Scenario:
