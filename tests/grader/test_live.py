@@ -3,7 +3,7 @@
 import os
 import textwrap
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import msgspec
@@ -12,15 +12,16 @@ import pytest
 from conftest import PREAMBLE, RunNode, short
 
 from grader import bag
+from grader.errors import GraderError
 from grader.exercises import find_exercise
 from grader.grading import grade_submission
 from grader.launch import Nursery
-from grader.live import run_live_trial
+from grader.live import _LiveTrial, run_live_trial
 from grader.recording import Recording
 from grader.submission import Submission
 from grader.trial import Limits
 from grader.trials import NodeTrials
-from sim.messages import EPOCH_NS
+from sim.messages import EPOCH_NS, Message
 from sim.scenario import Scenario, ScriptEvent
 
 RunLive = Callable[..., Recording]
@@ -310,3 +311,40 @@ def test_the_judge_gives_its_priority_back(run_live: RunLive) -> None:
     before = os.getpriority(os.PRIO_PROCESS, 0)
     run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
     assert os.getpriority(os.PRIO_PROCESS, 0) == before
+
+
+def test_a_killed_node_has_died_and_the_robot_comes_to_rest(run_live: RunLive) -> None:
+    recording = run_live("""
+        class Shot(Echo):
+            scans = 0
+            def on_scan(self, scan):
+                twist = Twist(); twist.linear.x = 0.3; self.publisher.publish(twist)
+                self.scans += 1
+                if self.scans == 8: os.kill(os.getpid(), 9)
+        rclpy.init(); rclpy.spin(Shot())
+    """, short(4.0))  # fmt: skip
+
+    truth, robot = recording.truth, recording.scenario.robot
+    assert (recording.outcome.kind, "signal 9" in recording.outcome.text) == ("died", True)
+    assert truth.v.max() > 0.1
+    still_driven = recording.twists().t[-1] + robot.command_timeout
+    rest = still_driven + 0.3 / robot.max_acceleration + 0.05
+    assert np.all(truth.v[truth.t / 1e9 > rest] == 0.0)
+    assert truth.v[-1] == 0.0
+
+
+def test_a_killed_robot_is_no_verdict_on_the_node(
+    run_live: RunLive, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    transmit = _LiveTrial._transmit
+    sent = []
+
+    def shot(trial: _LiveTrial, messages: Sequence[Message]) -> None:
+        transmit(trial, messages)
+        sent.append(messages)
+        if len(sent) == 5:
+            trial._radio._host.kill()
+
+    monkeypatch.setattr(_LiveTrial, "_transmit", shot)
+    with pytest.raises(GraderError, match="the robot's radio has died"):
+        run_live("rclpy.init(); rclpy.spin(Echo())", short(5.0))
