@@ -28,6 +28,7 @@ LIMITS = {
 }
 MAX_PROCESSES = 512  # threads count too; of the unprivileged user as a whole
 PRIORITY = -10  # nice value
+AUTOGROUP = Path("/proc/self/autogroup")
 CLONE_NEWNS, CLONE_NEWUSER, CLONE_NEWNET = 0x00020000, 0x10000000, 0x40000000
 CAPABILITY_VERSION = 0x20080522  # _LINUX_CAPABILITY_VERSION_3: two words of each set
 SIOCGIFFLAGS, SIOCSIFFLAGS, IFF_UP = 0x8913, 0x8914, 1
@@ -43,20 +44,32 @@ def set_limits() -> None:
 
 
 def take_priority() -> None:
-    """Go before others on the machine, if that is allowed: real time leaves no time to wait."""
+    """Go before others on the machine, if that is allowed: real time leaves no time to wait.
+
+    For the leader of a session of its own. Where Linux groups processes by session (autogroup),
+    the nice value counts only inside the group; the group's own is what others feel.
+    """
     with contextlib.suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, PRIORITY)
+    with contextlib.suppress(OSError):
+        AUTOGROUP.write_text(str(PRIORITY))
 
 
 @contextlib.contextmanager
 def priority() -> Iterator[None]:
-    """Let the calling thread go before others until the block ends, if that is allowed."""
-    before = os.getpriority(os.PRIO_PROCESS, 0)
-    take_priority()
+    """Let the calling thread go before all others until the block ends, if that is allowed.
+
+    For trusted code that mostly waits. Its processes and threads begin as if it had none of this.
+    """
+    before = os.sched_getscheduler(0), os.sched_getparam(0)
+    with contextlib.suppress(OSError):
+        first = os.sched_param(os.sched_get_priority_min(os.SCHED_RR))
+        os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, first)
     try:
         yield
     finally:
-        os.setpriority(os.PRIO_PROCESS, 0, before)
+        with contextlib.suppress(OSError):
+            os.sched_setscheduler(0, *before)
 
 
 def drop_to(uid: int) -> None:

@@ -308,9 +308,9 @@ def test_a_node_that_never_gets_started_is_not_run_again_and_again(
 
 
 def test_the_judge_gives_its_priority_back(run_live: RunLive) -> None:
-    before = os.getpriority(os.PRIO_PROCESS, 0)
+    before = os.sched_getscheduler(0), os.sched_getparam(0)
     run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
-    assert os.getpriority(os.PRIO_PROCESS, 0) == before
+    assert (os.sched_getscheduler(0), os.sched_getparam(0)) == before
 
 
 def test_a_killed_node_has_died_and_the_robot_comes_to_rest(run_live: RunLive) -> None:
@@ -348,3 +348,26 @@ def test_a_killed_robot_is_no_verdict_on_the_node(
     monkeypatch.setattr(_LiveTrial, "_transmit", shot)
     with pytest.raises(GraderError, match="the robot's radio has died"):
         run_live("rclpy.init(); rclpy.spin(Echo())", short(5.0))
+
+
+AUTOGROUP = Path("/proc/self/autogroup")
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root may go before others")
+@pytest.mark.skipif(not AUTOGROUP.exists(), reason="this kernel has no autogroups")
+def test_robot_and_node_go_before_the_programs_of_other_sessions(
+    run_live: RunLive, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    transmit = _LiveTrial._transmit
+    groups = {}
+
+    def looking(trial: _LiveTrial, messages: Sequence[Message]) -> None:
+        transmit(trial, messages)
+        for host in (trial._radio._host, trial._programs[0].host):
+            groups[host.pid] = Path(f"/proc/{host.pid}/autogroup").read_text().split()[-2:]
+
+    mine = AUTOGROUP.read_text()
+    monkeypatch.setattr(_LiveTrial, "_transmit", looking)
+    run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
+    assert list(groups.values()) == [["nice", "-10"]] * 2
+    assert AUTOGROUP.read_text() == mine
