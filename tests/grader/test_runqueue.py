@@ -8,17 +8,34 @@ import pytest
 from grader import runqueue
 from grader.runqueue import RunQueue
 
+PATIENCE = 0.02
+
+
+class Clock:
+    """A clock that stands until it is set."""
+
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
 
 @pytest.fixture
-def queue(tmp_path: Path) -> RunQueue:
-    queue = RunQueue(os.getpid())
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def queue(tmp_path: Path, clock: Clock) -> RunQueue:
+    queue = RunQueue(os.getpid(), PATIENCE, clock)
     queue._tasks = tmp_path
     return queue
 
 
-def say(folder: Path, thread: int, waited: int) -> None:
+def say(folder: Path, thread: int, waited: int, state: str = "S") -> None:
     (folder / str(thread)).mkdir(exist_ok=True)
     (folder / str(thread) / "schedstat").write_text(f"123 {waited} 4\n")
+    (folder / str(thread) / "stat").write_text(f"{thread} (a name) {state} 1 1 1\n")
 
 
 def test_the_worst_off_thread_counts_since_the_last_look(queue: RunQueue, tmp_path: Path) -> None:
@@ -27,9 +44,38 @@ def test_the_worst_off_thread_counts_since_the_last_look(queue: RunQueue, tmp_pa
     assert queue.worst() == 0.0  # what was before the first look is not counted
 
     say(tmp_path, 1, 5_010_000_000)
-    say(tmp_path, 2, 30_000_000)
-    assert queue.worst() == 0.03
+    say(tmp_path, 2, 15_000_000)
+    assert queue.worst() == 0.015
     assert queue.worst() == 0.0
+
+
+def test_a_long_wait_counts_as_far_as_it_was_seen(
+    queue: RunQueue, tmp_path: Path, clock: Clock
+) -> None:
+    for thread in (1, 2, 3):
+        say(tmp_path, thread, 0)
+    queue.worst()
+    for state in "RRRS":
+        clock.now += 0.02
+        say(tmp_path, 1, 70_000_000, state)
+        say(tmp_path, 2, 80_000_000, "S")  # counted by the kernel, but it slept
+        say(tmp_path, 3, 0, "R")  # it ran
+        queue.look()
+    assert queue.worst() == 0.07
+
+    say(tmp_path, 2, 180_000_000)
+    clock.now += 0.1
+    queue.look()
+    assert queue.worst() == PATIENCE
+
+
+def test_looks_that_follow_at_once_are_one(queue: RunQueue, tmp_path: Path, clock: Clock) -> None:
+    say(tmp_path, 1, 0)
+    queue.worst()
+    say(tmp_path, 1, 100_000_000, "R")
+    for _ in range(100):
+        queue.look()
+    assert queue.worst() == PATIENCE
 
 
 def test_a_new_thread_starts_from_nothing(queue: RunQueue, tmp_path: Path) -> None:
@@ -46,14 +92,14 @@ def test_what_cannot_be_read_is_left_out(queue: RunQueue, tmp_path: Path) -> Non
 
 
 def test_a_process_that_is_gone_waits_for_nothing() -> None:
-    assert RunQueue(2**22 + 1).worst() == 0.0
+    assert RunQueue(2**22 + 1, PATIENCE).worst() == 0.0
 
 
 @pytest.mark.skipif(
     not Path("/proc/self/schedstat").exists(), reason="this kernel doesn't count waiting times"
 )
 def test_the_kernels_own_count_can_be_read() -> None:
-    queue = RunQueue(os.getpid())
+    queue = RunQueue(os.getpid(), PATIENCE)
     assert queue.worst() == 0.0
     assert runqueue.Path(f"/proc/{os.getpid()}/task").is_dir()
     assert queue._known
