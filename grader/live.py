@@ -44,7 +44,7 @@ from grader.link import Channel, HostDied, HostForged, decoded
 from grader.recording import COMPLETED, Live, Outcome, Recording
 from grader.runqueue import RunQueue
 from grader.scratch import prefix
-from grader.staging import OFFERED, Stage, stage
+from grader.staging import Stage, stage
 from grader.submission import Submission
 from grader.tape import MAX_ENDPOINTS, Command, Flood, Tape, not_run
 from grader.trial import (
@@ -56,7 +56,7 @@ from grader.trial import (
     not_runnable,
     prepared,
 )
-from sim.messages import Message, typestore, with_epoch
+from sim.messages import OFFERED, Message, typestore, with_epoch
 from sim.scenario import Scenario
 from sim.schedule import scan_rate
 
@@ -266,7 +266,7 @@ class _LiveTrial:
             self._register(link)
             seed = self.tape.simulation.seed
             link.send(Start((program,), 0, seed, self._stage.offers, self._domain))
-            self._programs.append(_Program(program, host, link, RunQueue(host.pid)))
+            self._programs.append(_Program(program, host, link, RunQueue(host.pid, TURN)))
 
     def _stop_programs(self, now: int) -> None:
         for program in self._programs:
@@ -369,6 +369,7 @@ class _LiveTrial:
         now = self._now()
         for program in self._programs:
             program.link.note_time(now)
+            program.queue.look()
             self._hear_program(program)
         for frame in self._radio.hear():
             match frame:

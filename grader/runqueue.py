@@ -1,6 +1,6 @@
 """How long the threads of a process waited for a CPU: what a busy machine took from them.
 
-Linux counts it (/proc/PID/task/TID/schedstat), but some kernels (6.18 was seen to) count sleeps too,
+Linux counts it (/proc/PID/task/TID/schedstat), but some kernels (6.18 does) count sleeps too,
 now and then, from falling asleep until being woken. So a wait only counts as far as the thread was
 also *seen* waiting: in state R.
 """

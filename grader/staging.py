@@ -11,29 +11,10 @@ from pathlib import Path
 from grader.host.frames import Offer, ProgramStart
 from grader.models import write_models
 from grader.submission import Submission
-from sim.messages import (
-    BOOL,
-    CMD_VEL_RAW_TOPIC,
-    E_STOP_TOPIC,
-    GOAL_TOPIC,
-    LASER_SCAN,
-    ODOM_TOPIC,
-    ODOMETRY,
-    POSE_STAMPED,
-    SCAN_TOPIC,
-    TWIST,
-)
+from sim.messages import OFFERED, SENSORS
 from sim.scenario import Scenario
 
 SUPPLIED = Path(__file__).parent / "host" / "supplied"  # programs of ours that run beside students'
-OFFERED = {
-    SCAN_TOPIC: LASER_SCAN,
-    ODOM_TOPIC: ODOMETRY,
-    GOAL_TOPIC: POSE_STAMPED,
-    CMD_VEL_RAW_TOPIC: TWIST,
-    E_STOP_TOPIC: BOOL,
-}
-SENSORS = {SCAN_TOPIC, ODOM_TOPIC}  # the topics that a scenario's QoS is about
 
 
 @dataclass(frozen=True)

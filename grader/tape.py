@@ -15,9 +15,9 @@ from grader.host.frames import EndpointReport, Published
 from grader.link import HostForged, Output
 from grader.log import LogLine
 from grader.recording import Compute, Endpoint, Live, Outcome, Recording
-from grader.staging import OFFERED
 from sim.messages import (
     CMD_VEL_TOPIC,
+    OFFERED,
     TWIST,
     TWIST_STAMPED,
     Message,

@@ -36,6 +36,15 @@ BOOL = "std_msgs/msg/Bool"
 STRING = "std_msgs/msg/String"
 UINT32 = "std_msgs/msg/UInt32"
 
+OFFERED = {  # what a scenario may have the robot send: topic, type
+    SCAN_TOPIC: LASER_SCAN,
+    ODOM_TOPIC: ODOMETRY,
+    GOAL_TOPIC: POSE_STAMPED,
+    CMD_VEL_RAW_TOPIC: TWIST,
+    E_STOP_TOPIC: BOOL,
+}
+SENSORS = frozenset({SCAN_TOPIC, ODOM_TOPIC})  # the topics that a scenario's QoS is about
+
 LASER_FRAME = "laser"
 ODOM_FRAME = "odom"
 BASE_FRAME = "base_link"

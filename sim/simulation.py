@@ -122,6 +122,11 @@ class Simulation:
         self._samples = [self._sample(contact=False)]
         self._touched = False
 
+    @property
+    def pose(self) -> Pose:
+        """Where the robot really is after the last step [m, m, rad], its yaw not wrapped."""
+        return self._robot.pose
+
     def next_event(self) -> int | None:
         """Return when the next message or scripted event comes after `now` [ns], if one does."""
         if self._arrived == len(self._arrivals):
