@@ -8,6 +8,7 @@ also *seen* waiting: in state R.
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -23,13 +24,14 @@ class RunQueue:
     pid
         Of the process.
     patience
-        Longest time between two calls of `look` [s]: so much waiting may go unseen.
+        Longest time between two calls of `look` [s]: so much waiting may go unseen. By default
+        the kernel is believed, and `look` need not be called.
     clock
         A monotonic clock [s].
     """
 
     def __init__(
-        self, pid: int, patience: float, clock: Callable[[], float] = time.monotonic
+        self, pid: int, patience: float = math.inf, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self._tasks = Path(f"/proc/{pid}/task")
         self._patience = patience
