@@ -22,6 +22,8 @@ from grader.crowd import CROWD
 from grader.domains import own_domain
 from grader.errors import GraderError
 from grader.host.frames import (
+    MAX_PUBLISHED,
+    MAX_PUBLISHED_BYTES,
     Delivery,
     Ended,
     EndpointReport,
@@ -293,7 +295,7 @@ class _LiveTrial:
                 raise TimeoutError("DDS did not bring the node and the robot together in time")
         typestore()  # it takes a while, once
         self._epoch = time.time_ns()
-        for published in self._heard:  # sent before time began
+        for published in sorted(self._heard, key=lambda m: m.time):  # sent before time began
             self._note([msgspec.structs.replace(published, time=self._epoch)])
         self._heard = []
 
@@ -390,6 +392,7 @@ class _LiveTrial:
             match frame:
                 case Pulse():
                     program.pulse = frame
+                    self._hear_start_up(frame.unheard)
                     if frame.endpoints:
                         self._asked += len(frame.endpoints)
                         if self._asked > MAX_ENDPOINTS:  # the radio would choke on them
@@ -400,6 +403,14 @@ class _LiveTrial:
         stopped = program.start.stop is not None and program.start.stop <= self._now()
         if (program.ended or program.link.gone) and not stopped:
             raise _Over
+
+    def _hear_start_up(self, unheard: Sequence[Published]) -> None:
+        if self._epoch:
+            return
+        self._heard += unheard
+        size = sum(len(m.data) for m in self._heard)
+        if len(self._heard) > MAX_PUBLISHED or size > MAX_PUBLISHED_BYTES:
+            raise Flood("too many or too large messages before it spins")
 
     def _take_heard(self) -> list[Command]:
         heard, self._heard = self._heard, []

@@ -235,6 +235,15 @@ class Recording:
         """ROS time at the scenario's start [ns]."""
         return EPOCH_NS if self.live is None else self.live.epoch
 
+    @property
+    def slack(self) -> float:
+        """How much a time limit yields to the machine [s]; 0 in virtual time.
+
+        In real time it is what this trial measured: how late the robot's latest message left, and
+        how long the node waited for a CPU. Longer than a moment is a stall (`live.stall`).
+        """
+        return 0.0 if self.live is None else self.live.lateness + self.live.starved
+
     @cached_property
     def messages(self) -> tuple[Message, ...]:
         """Everything that crossed the link, in order of time."""

@@ -14,6 +14,7 @@ import msgspec
 MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
 MAX_PUBLISHED = 4_000  # messages a node may publish between two events of the world
 MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
+MAX_UNHEARD = 10  # in a pulse: messages of a start-up, before DDS has found it a listener
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
@@ -161,6 +162,7 @@ class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
     busy: float  # [s] since an executor last waited for work; 0 if one does now
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)]  # new ones
     connected: dict[Name, int]  # "kind topic": how many ends of others it has found
+    unheard: Annotated[list[Published], msgspec.Meta(max_length=MAX_UNHEARD)] = []
 
 
 class Tuned(msgspec.Struct, frozen=True, tag="tuned"):

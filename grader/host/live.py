@@ -16,11 +16,13 @@ from typing import Any
 
 import rclpy.executors
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.publisher import Publisher
+from rclpy.serialization import serialize_message
 from rclpy.task import Task
 
 from . import student
-from .endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
-from .frames import EndpointReport, Pulse, Start, TuneIn
+from .endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report, type_name
+from .frames import MAX_UNHEARD, EndpointReport, Published, Pulse, Start, TuneIn
 from .radio import Radio
 from .wire import Wire, ended
 
@@ -50,6 +52,7 @@ class Vitals:
         self._waiting = 0  # executors that wait for work now
         self._last_wait = 0.0
         self._spinning = False
+        self._unheard: list[Published] = []
 
     def on_endpoint(self, kind: str, node: Any, endpoint: Any) -> None:
         """Note an endpoint that the student's node has created."""
@@ -61,6 +64,20 @@ class Vitals:
         else:
             self._ends.append((f"{kind} {endpoint.topic_name}", endpoint))
         self._new.append(report(kind, node, endpoint))
+
+    def on_publish(self, publisher: Any, message: Any) -> None:
+        """Note what a program says in its start-up, when DDS has found it no listener yet.
+
+        The judge would not hear of a command that a constructor sends. It is lost here and now, but
+        with a robot that was there before the node it may arrive.
+        """
+        if self._spinning or len(self._unheard) == MAX_UNHEARD:
+            return
+        if publisher.topic_name in HIDDEN_TOPICS or publisher.get_subscription_count():
+            return
+        data = message if isinstance(message, bytes) else serialize_message(message)
+        name = type_name(publisher.msg_type)
+        self._unheard.append(Published(time.time_ns(), publisher.topic_name, name, data))
 
     def waits_unseen(self) -> None:
         """An executor looks for work or does it: which of the two, it doesn't tell."""
@@ -80,9 +97,10 @@ class Vitals:
     def pulse(self) -> Pulse:
         """Return the state of things."""
         new, self._new = self._new, []
+        unheard, self._unheard = self._unheard, []
         idle = self._waiting > 0 or not self._spinning
         busy = 0.0 if idle else time.monotonic() - self._last_wait
-        return Pulse(self._spinning, busy, new, self._connected())
+        return Pulse(self._spinning, busy, new, self._connected(), unheard)
 
     def _connected(self) -> dict[str, int]:
         found: dict[str, int] = {}
@@ -103,6 +121,7 @@ def _run_program(wire: Wire, start: Start) -> None:
     EndpointWatch(vitals.on_endpoint).install()
     _mend_executors()
     _watch_executors(vitals)
+    _watch_publishers(vitals)
     lock = threading.Lock()
     threading.Thread(target=_beat, args=(wire, vitals, lock), daemon=True).start()
     random.seed(start.seed)
@@ -120,6 +139,17 @@ def _beat(wire: Wire, vitals: Vitals, lock: threading.Lock) -> None:
         with lock:
             wire.send(vitals.pulse())
         time.sleep(PERIOD)
+
+
+def _watch_publishers(vitals: Vitals) -> None:
+    cls: Any = Publisher
+    publish = cls.publish
+
+    def watched_publish(self: Any, message: Any) -> None:
+        publish(self, message)
+        vitals.on_publish(self, message)
+
+    cls.publish = watched_publish
 
 
 def _watch_executors(vitals: Vitals) -> None:

@@ -371,3 +371,17 @@ def test_robot_and_node_go_before_the_programs_of_other_sessions(
     run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
     assert list(groups.values()) == [["nice", "-10"]] * 2
     assert AUTOGROUP.read_text() == mine
+
+
+def test_what_a_constructor_says_to_nobody_is_on_the_record(run_live: RunLive) -> None:
+    recording = run_live("""
+        class Hasty(Echo):
+            def __init__(self):
+                super().__init__()
+                twist = Twist(); twist.linear.x = 0.25; self.publisher.publish(twist)
+        rclpy.init(); rclpy.spin(Hasty())
+    """)
+
+    twists = recording.twists()
+    assert (twists.t[0], twists.linear_x[0]) == (0.0, 0.25)
+    assert len(twists.t) == 11

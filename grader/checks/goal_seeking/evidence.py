@@ -244,12 +244,13 @@ def require_rate(recording: Recording, quest: Quest) -> None:
             recording=recording,
             help="A timer of 0.1 s has to publish at each tick while there is a goal.",
         )
-    wrong = np.flatnonzero(np.abs(gaps - PERIOD) > RATE_TOLERANCE + 1e-6)
+    tolerance = RATE_TOLERANCE + recording.slack
+    wrong = np.flatnonzero(np.abs(gaps - PERIOD) > tolerance + 1e-6)
     if len(wrong):
         i = int(wrong[0])
         fail(
             f"the commands on the way to {quest.what} do not come at 10 Hz",
-            expected=f"{PERIOD:.3f} s ± {1000 * RATE_TOLERANCE:.0f} ms from one to the next",
+            expected=f"{PERIOD:.3f} s ± {1000 * tolerance:.0f} ms from one to the next",
             actual=f"{gaps[i]:.3f} s ({len(wrong)} of {len(gaps)} gaps are wrong)",
             at=float(times[i + 1]),
             recording=recording,

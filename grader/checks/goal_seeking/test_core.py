@@ -36,6 +36,7 @@ from grader.checks.goal_seeking.evidence import (
     require_turns_toward,
     way,
 )
+from grader.checks.moments import first_asked
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
 from grader.verdict import fail
@@ -150,7 +151,11 @@ def test_limits(recordings: Recordings) -> None:
         require_alive(recording)
         twists = recording.twists()
         if not len(twists.t):
-            fail("not a single Twist came on /cmd_vel", recording=recording)
+            fail(
+                "not a single Twist came on /cmd_vel",
+                at=first_asked(recording),
+                recording=recording,
+            )
         for column, name in enumerate(FIELDS):
             limit = limits.get(column, 0.0)
             numbers = twists.values[:, column]

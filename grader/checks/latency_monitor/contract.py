@@ -66,7 +66,8 @@ def right_statistics(
     ends = [end for end, _ in _calls(recording)]
     latencies = [latency for _, latency in _calls(recording)]
     deadline = float(recording.scenario.node.parameters.get("deadline_ms", 100.0))
-    least, most = (bisect_right(ends, time + hair) for hair in (-HAIR, HAIR))
+    near = HAIR + recording.slack
+    least, most = (bisect_right(ends, time + hair) for hair in (-near, near))
     return tuple(
         _statistics(tuple(latencies[max(0, n - window) : n]), deadline)
         for n in range(least, most + 1)

@@ -111,6 +111,7 @@ def require_reports(recording: Recording) -> list[Report]:
             f"no status named “{STATUS_NAME}” came on {TOPIC}",
             expected="one every second",
             actual=f"{len(recording.of(TOPIC))} messages on {TOPIC}, none with this name",
+            at=min(PERIOD, recording.duration_s),
             recording=recording,
             help="Does the timer's callback run, and is the name right, letter by letter?",
         )

@@ -15,6 +15,7 @@ from grader.checks.latency_monitor.evidence import (
     require_reports,
     require_speeds,
 )
+from grader.checks.moments import first_asked
 from grader.checks.predictions import ZERO
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
@@ -80,7 +81,12 @@ def test_fail_safe(recordings: Recordings) -> None:
     require_speeds(held, "good", "After that a good scan counts again.")
     require_alive(bare)
     if not len(bare.twists().t):
-        fail("without a model the node says nothing", expected="0.0 for every scan", recording=bare)
+        fail(
+            "without a model the node says nothing",
+            expected="0.0 for every scan",
+            at=first_asked(bare),
+            recording=bare,
+        )
     moving = np.flatnonzero(~(np.abs(bare.twists().linear_x) < ZERO))
     if len(moving):
         fail(

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from grader.checks.ml_velocity.contract import MAX_SPEED, Right, right_speed
+from grader.checks.moments import came_to_rest, first_asked
 from grader.checks.obstacle_avoidance.evidence import Answer, answers, garbage, spell
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
@@ -69,6 +70,7 @@ def require_error_log(recording: Recording) -> None:
         "the node has no model and does not say so",
         expected="an error in the log: self.get_logger().error(…)",
         actual=f"lines of level {', '.join(said)} only" if recording.log else "an empty log",
+        at=first_asked(recording),
         recording=recording,
         help="A robot that silently stands still costs an afternoon; say which file is the cause.",
     )
@@ -94,6 +96,7 @@ def require_safe_drive(recording: Recording, whose: str) -> None:
             expected=f"at least {LEAST_WAY} m driven, and over {BRISK * MAX_SPEED:.2f} m/s "
             "where the way is free",
             actual=f"{way:.2f} m, {truth.v.max():.2f} m/s at most",
+            at=came_to_rest(recording),
             recording=recording,
             help="Is the prediction published as it is, clipped to 0 … max_speed?",
         )

@@ -12,6 +12,7 @@ from grader.checks.ml_velocity.evidence import (
     require_safe_drive,
     require_speeds,
 )
+from grader.checks.moments import first_asked
 from grader.checks.obstacle_avoidance.evidence import (
     FIELDS,
     ZERO,
@@ -59,7 +60,11 @@ def test_only_linear_x(recordings: Recordings) -> None:
         require_alive(recording)
         twists = recording.twists()
         if not len(twists.t):
-            fail("not a single Twist came on /cmd_vel", recording=recording)
+            fail(
+                "not a single Twist came on /cmd_vel",
+                at=first_asked(recording),
+                recording=recording,
+            )
         for column in range(1, 6):
             wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
             if len(wrong):

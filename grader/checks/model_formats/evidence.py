@@ -5,6 +5,7 @@ from __future__ import annotations
 from grader.checks.ml_velocity.contract import Right
 from grader.checks.ml_velocity.evidence import judged
 from grader.checks.model_formats.contract import model_file, right_speed
+from grader.checks.moments import first_asked
 from grader.checks.obstacle_avoidance.evidence import Answer, garbage, spell
 from grader.log import LogLine
 from grader.recording import Recording
@@ -54,6 +55,7 @@ def require_error_log(recording: Recording, why: str) -> None:
         f"{why}, and the node does not say so",
         expected="an error in the log: self.get_logger().error(…)",
         actual=f"lines of level {levels} only" if levels else "an empty log",
+        at=first_asked(recording),
         recording=recording,
         help="A robot that silently stands still costs an afternoon; say which file is the cause.",
     )

@@ -13,6 +13,7 @@ from grader.checks.model_formats.evidence import (
     require_error_log,
     require_speeds,
 )
+from grader.checks.moments import first_asked
 from grader.checks.obstacle_avoidance.evidence import (
     FIELDS,
     ZERO,
@@ -68,7 +69,11 @@ def test_only_linear_x(recordings: Recordings) -> None:
     for recording in recordings:
         twists = recording.twists()
         if not len(twists.t):
-            fail("not a single Twist came on /cmd_vel", recording=recording)
+            fail(
+                "not a single Twist came on /cmd_vel",
+                at=first_asked(recording),
+                recording=recording,
+            )
         for column in range(1, 6):
             wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
             if len(wrong):
@@ -382,6 +387,7 @@ def test_device_falls_back(recordings: Recordings) -> None:
                 "the node falls back to the CPU and does not say so",
                 expected="a warning in the log: self.get_logger().warning(…)",
                 actual="no warning",
+                at=first_asked(recording),
                 recording=recording,
                 help="Who asked for a GPU wants to know why it is slow.",
             )

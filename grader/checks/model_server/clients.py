@@ -91,7 +91,7 @@ def require_unblocked(recording: Recording) -> None:
             continue  # no heart that could stop: that is another check's matter
         gaps = np.diff([*times, recording.duration_s])
         longest = int(np.argmax(gaps))
-        if gaps[longest] <= max(LONGEST_GAP, 2 * gaps[:-1].min()) + TICK:
+        if gaps[longest] <= max(LONGEST_GAP + recording.slack, 2 * gaps[:-1].min()) + TICK:
             continue
         at = float(times[longest])
         out = [r for r in requests(recording) if at - TICK <= r.at <= at + LONGEST_GAP]
@@ -116,7 +116,7 @@ def require_heartbeat(recording: Recording) -> None:
         times, values = beats(recording, role)
         bounds = np.array([0.0, *times, recording.duration_s])
         gaps = np.diff(bounds)
-        long = np.flatnonzero(gaps > LONGEST_GAP + TICK)
+        long = np.flatnonzero(gaps > LONGEST_GAP + recording.slack + TICK)
         if len(long):
             at = float(bounds[long[0]])
             fail(

@@ -44,6 +44,7 @@ def test_client_wiring(recordings: Recordings) -> None:
                 "the clients start, and then do nothing at all",
                 expected="heartbeats and requests",
                 actual="none",
+                at=ASK_PERIOD,
                 recording=recording,
                 help="Does main() spin the node? Does the constructor create the timers, and end?",
             )
@@ -80,7 +81,12 @@ def test_asks(recordings: Recordings) -> None:
     require_alive(quick)
     asked = requests(quick)
     if not asked:
-        fail("the client never asks", expected="a request every 0.5 s", recording=quick)
+        fail(
+            "the client never asks",
+            expected="a request every 0.5 s",
+            at=NEXT_REQUEST,
+            recording=quick,
+        )
     times = [request.at for request in asked]
     late = times[0] > NEXT_REQUEST + HAIR or quick.duration_s - times[-1] > ASK_PERIOD + HAIR
     gaps = [after - before for before, after in pairwise(times)]
@@ -150,6 +156,7 @@ def test_publishes(recordings: Recordings) -> None:
             fail(
                 "the server had no request to answer",
                 expected="requests of /detect",
+                at=NEXT_REQUEST,
                 recording=recording,
             )
 

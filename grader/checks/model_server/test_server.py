@@ -133,6 +133,7 @@ def test_one_load(recordings: Recordings) -> None:
                     f"{role}_client never published a detection",
                     expected=f"what the server says, on /{role}/detection",
                     actual="nothing",
+                    at=next((ask.at for ask in asks(recording)), None),
                     recording=recording,
                     help="Look at how the server answers when three clients ask at once.",
                 )

@@ -85,6 +85,7 @@ def require_reaction(recording: Recording) -> None:
         "the node says the same whatever it sees",
         expected="a speed that depends on the distance ahead",
         actual=", ".join(f"always {speed:.2f} m/s" for speed in said) or "nothing on /cmd_vel",
+        at=next((answer.scan.t for answer in found if not _is_right(answer)), None),
         recording=recording,
         help="Get clear_zone, slow_zone and stop_zone right first.",
     )
@@ -103,7 +104,7 @@ def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
             recording=recording,
             help="Publish once at the end of the scan callback, whatever the scan was.",
         )
-    if not any(abs(answer.speed - speed) <= SPEED_TOLERANCE for speed in right):
+    if not _is_right(answer):
         fail(
             f"{answer.what}: wrong speed",
             expected=f"linear.x = {expected}",
@@ -173,17 +174,39 @@ def require_caution(recordings: Sequence[Recording]) -> None:
 
     Without this a node that creeps or stutters blindly would win the points for touching nothing.
     """
-    found = [answer for recording in recordings for answer in answers(recording)]
+    by_run = [(recording, answer) for recording in recordings for answer in answers(recording)]
+    found = [answer for _, answer in by_run]
     free, stop = (_mean_speed(found, frozenset({right})) for right in (0.5, 0.0))
     if free - stop >= CAUTION:  # not so if one of them is NaN: it was never asked for
         return
+    where, at = _first_wrong(by_run, 0.0) or _first_wrong(by_run, 0.5) or (recordings[0], None)
     fail(
         "the robot touched nothing, but not because of what it saw",
         expected="fast where the way is free, standing within 0.5 m of an obstacle",
         actual=f"on average {free:.2f} m/s where it is free, {stop:.2f} m/s within 0.5 m",
-        recording=recordings[0],
+        at=at,
+        recording=where,
         help="Get clear_zone and stop_zone right first.",
     )
+
+
+def _is_right(answer: Answer) -> bool:
+    """Tell whether the command in force after this scan has the right linear.x."""
+    return answer.speed is not None and any(
+        abs(answer.speed - speed) <= SPEED_TOLERANCE for speed in right_speeds(answer.scan)
+    )
+
+
+def _first_wrong(
+    by_run: Sequence[tuple[Recording, Answer]], right: float
+) -> tuple[Recording, float | None] | None:
+    """Return where and when [s] a scan that asks for this speed first got another."""
+    wrong = (
+        (recording, answer.scan.t)
+        for recording, answer in by_run
+        if right_speeds(answer.scan) == {right} and not _is_right(answer)
+    )
+    return next(wrong, None)
 
 
 def _mean_speed(found: Sequence[Answer], right: frozenset[float]) -> float:

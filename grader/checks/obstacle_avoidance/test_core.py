@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grader.checks.moments import came_to_rest, first_asked
 from grader.checks.obstacle_avoidance.evidence import (
     FIELDS,
     ZERO,
@@ -50,7 +51,11 @@ def test_only_linear_x(recordings: Recordings) -> None:
         require_alive(recording)
         twists = recording.twists()
         if not len(twists.t):
-            fail("not a single Twist came on /cmd_vel", recording=recording)
+            fail(
+                "not a single Twist came on /cmd_vel",
+                at=first_asked(recording),
+                recording=recording,
+            )
         for column in range(1, 6):
             wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
             if len(wrong):
@@ -157,6 +162,7 @@ def test_no_contact(recordings: Recordings) -> None:
             "the robot never moved, so nothing is shown",
             expected="a robot that drives where the way is free",
             actual=f"less than {LEAST_WAY} m driven in each of the worlds",
+            at=came_to_rest(recordings[0]),
             recording=recordings[0],
             help="Get clear_zone and drives_on right first.",
         )
@@ -173,8 +179,8 @@ def test_drives_on(recordings: Recordings) -> None:
 @pytest.mark.check(points=5, scenarios=(*BENCH, *DRIVES), needs=("wiring", "one_command_per_scan"))
 def test_callback_time(recordings: Recordings) -> None:
     """A scan is dealt with in 100 ms, at least 99 times in 100."""
-    costs = (np.concatenate(part) for part in zip(*map(_costs, recordings), strict=True))
-    wall, cpu, queued = costs
+    costs = [_costs(recording) for recording in recordings]
+    wall, cpu, queued = (np.concatenate(part) for part in zip(*costs, strict=True))
     if len(wall) < 200:
         fail(
             f"only {len(wall)} scans were dealt with before the node ended",
@@ -188,12 +194,15 @@ def test_callback_time(recordings: Recordings) -> None:
     often = float(np.percentile(wall - queued, OFTEN))  # other than for a CPU
     if max(own, often) <= CALLBACK_LIMIT:
         inconclusive("the machine stalled while the callbacks were being measured")
+    longest = int(np.argmax([max(run_wall, default=0.0) for run_wall, _, _ in costs]))
     fail(
         "the scan callback takes too long",
         expected=f"at most {1000 * CALLBACK_LIMIT:.0f} ms (p99)",
         actual=f"{1000 * own:.0f} ms (p99 of {len(wall)} calls)"
         if own > CALLBACK_LIMIT
         else f"at least {1000 * often:.0f} ms in {100 - OFTEN} of 100 calls, mostly spent waiting",
+        at=_times(recordings[longest])[np.argmax(costs[longest][0])],
+        recording=recordings[longest],
         help="At 10 Hz the next scan comes after 100 ms. What in the callback costs the time?",
     )
 
@@ -209,3 +218,9 @@ def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     compute = recording.compute
     with_scan = np.isin(compute.time, recording.times("/scan"))
     return compute.wall[with_scan], compute.cpu[with_scan], compute.queued[with_scan]
+
+
+def _times(recording: Recording) -> np.ndarray:
+    """Return when these exchanges began [s]."""
+    times: np.ndarray = recording.compute.time
+    return times[np.isin(times, recording.times("/scan"))]

@@ -104,7 +104,7 @@ def ticks(recording: Recording) -> list[Tick]:
     found = []
     last = 0.0  # [m/s] linear.x of the command before
     for t, row in zip(twists.t.tolist(), twists.values.tolist(), strict=True):
-        now, just_before = story.at(t), story.at(t - ARRIVAL_HAIR, age_at=t)
+        now, just_before = story.at(t), story.at(t - ARRIVAL_HAIR - recording.slack, age_at=t)
         right = [*_decisions(now, last), *_decisions(just_before, last)]
         found.append(Tick(t, tuple(row), now, tuple(dict.fromkeys(right))))
         last = row[0] if math.isfinite(row[0]) else 0.0

@@ -62,6 +62,7 @@ def require_reports(recording: Recording) -> list[Report]:
             f"not a single message came on {TOPIC}",
             expected="a DiagnosticArray when the reason changes, and every second",
             actual=f"nothing on {TOPIC}",
+            at=min(LONGEST_REPORT_GAP, recording.duration_s),
             recording=recording,
             help="Publish from the control loop: when the reason is new, or the last report old.",
         )
@@ -79,6 +80,7 @@ def require_commands(
             "no command came that could be judged",
             expected="20 Twists a second",
             actual="nothing on /cmd_vel when it was due",
+            at=min(START, recording.duration_s),
             recording=recording,
             help=help,
         )
@@ -125,7 +127,7 @@ def require_rate(recording: Recording) -> None:
     bounds = np.concatenate([[begin], times, [recording.duration_s]])
     gaps = np.diff(bounds)
     widest = int(np.argmax(gaps))
-    if gaps[widest] > LONGEST_GAP:
+    if gaps[widest] > LONGEST_GAP + recording.slack:
         fail(
             f"no command for {gaps[widest]:.2f} s",
             expected="one every 0.05 s, whatever has arrived or not",
@@ -178,6 +180,7 @@ def require_reasons(recording: Recording, help: str) -> None:
             "no right command came whose reason could be judged",
             expected="right commands first, then the reasons for them",
             actual="wrong commands",
+            at=next((tick.t for tick in found if not tick.is_right), None),
             recording=recording,
             help="Get the checks of the commands right first.",
         )
@@ -220,7 +223,7 @@ def require_heartbeat(recording: Recording) -> None:
     bounds = np.concatenate([[0.0], times, [recording.duration_s]])
     gaps = np.diff(bounds)
     widest = int(np.argmax(gaps))
-    if gaps[widest] > LONGEST_REPORT_GAP:
+    if gaps[widest] > LONGEST_REPORT_GAP + recording.slack:
         fail(
             f"no report for {gaps[widest]:.2f} s",
             expected=f"one at least every second (gaps up to {LONGEST_REPORT_GAP} s)",

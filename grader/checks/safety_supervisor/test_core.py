@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grader.checks.moments import came_to_rest, first_contact
 from grader.checks.safety_supervisor.contract import (
     MAX_SPEED,
     MAX_TURN_RATE,
@@ -190,7 +191,7 @@ def test_no_contact(recordings: Recordings) -> None:
                 "the robot ran into something",
                 expected="no contact",
                 actual="contact",
-                at=truth.t[int(np.argmax(truth.contact))] / 1e9,
+                at=first_contact(recording),
                 recording=recording,
                 help="Watch the replay from a second before: what was ahead, and what was said?",
             )
@@ -200,6 +201,7 @@ def test_no_contact(recordings: Recordings) -> None:
                 "the robot hardly moved, so nothing is shown",
                 expected=f"at least {LEAST_WAY} m",
                 actual=f"{way:.2f} m",
+                at=came_to_rest(recording),
                 recording=recording,
                 help="Get passes_on and acceleration right first.",
             )

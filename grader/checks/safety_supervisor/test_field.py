@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from grader.checks.moments import first_contact
 from grader.checks.safety_supervisor.evidence import (
     require_commands,
     require_heartbeat,
@@ -35,6 +36,7 @@ def _require_contract(recordings: Recordings, help: str) -> None:
                 "the robot ran into something",
                 expected="no contact",
                 actual="contact",
+                at=first_contact(recording),
                 recording=recording,
                 help=help,
             )

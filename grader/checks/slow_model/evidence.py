@@ -43,6 +43,7 @@ def require_commands(recording: Recording) -> None:
             "not a single Twist came on /cmd_vel",
             expected="one every 50 ms, 0.0 until there is a prediction",
             actual="silence",
+            at=min(START_UP, recording.duration_s),
             recording=recording,
             help="Does the timer's callback run, and does it always reach its publish()?",
         )
@@ -113,7 +114,7 @@ def require_ages(recording: Recording, limit: float) -> None:
     require_no_strays(recording, scans)
     known = np.flatnonzero(scans >= 0)
     if not len(known):
-        fail("no prediction ever reached /cmd_vel", recording=recording)
+        fail("no prediction ever reached /cmd_vel", at=float(twists.t[-1]), recording=recording)
     old = ages(recording, scans)[known[0] :]
     p95 = float(np.sort(old)[math.ceil(0.95 * len(old)) - 1])
     if p95 <= limit:
@@ -174,10 +175,12 @@ def require_moves(recording: Recording) -> None:
     """Fail if the node never says anything but zero: then its zeros show nothing."""
     require_commands(recording)
     if not (np.abs(recording.twists().linear_x) > ZERO).any():
+        due = [said.scan.t + LATEST_STOP for said in predictions(recording) if said.least > ZERO]
         fail(
             "the node always says 0.0, so nothing is shown",
             expected="commands that follow the model where it speaks",
             actual="0.0 at every tick",
+            at=min(due[0], recording.duration_s) if due else None,
             recording=recording,
             help="Get inference_rate right first.",
         )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from grader.checks.moments import came_to_rest
 from grader.checks.obstacle_avoidance.evidence import Answer, answers, garbage, spell
 from grader.checks.reading import published
 from grader.checks.trend_memory.contract import (
@@ -130,10 +131,13 @@ def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None
     """Fail unless the node drove as the contract says at every scan with this tag."""
     said: set[float] = set()
     wanted: set[frozenset[float]] = set()
+    missed: tuple[Recording, float] | None = None  # the first scan that asked for something else
     judged = 0
     for recording in recordings:
         require_scans(recording)
         for case in cases(recording):
+            if missed is None and not _is_right(case):
+                missed = recording, case.step.scan.t
             wanted.add(case.step.speeds)
             if case.answer.speed is not None:
                 said.add(round(case.answer.speed, 3))
@@ -147,7 +151,8 @@ def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None
             "the node says the same whatever it sees",
             expected="a speed that depends on what is ahead",
             actual=", ".join(f"always {speed:.2f} m/s" for speed in said) or "nothing on /cmd_vel",
-            recording=recording,
+            at=missed[1] if missed else None,
+            recording=missed[0] if missed else recording,
             help="Get drives_free and stops_near right first.",
         )
 
@@ -155,7 +160,7 @@ def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None
 def require_speed(recording: Recording, case: Case, help: str = "") -> None:
     """Fail unless the command in force after a scan has the right linear.x."""
     right, speed = case.step.speeds, case.answer.speed
-    if speed is not None and any(abs(speed - value) <= SPEED_TOLERANCE for value in right):
+    if _is_right(case):
         return
     fail(
         f"wrong speed after {case.what}",
@@ -194,9 +199,18 @@ def require_way(recordings: tuple[Recording, ...]) -> None:
             "the robot hardly moved, so nothing is shown",
             expected="a robot that drives at 0.3 m/s where there is room and time",
             actual=f"{min(ways):.2f} m driven",
+            at=came_to_rest(recordings[int(np.argmin(ways))]),
             recording=recordings[int(np.argmin(ways))],
             help="Get drives_free right first.",
         )
+
+
+def _is_right(case: Case) -> bool:
+    """Tell whether the command in force after a scan has a right linear.x."""
+    speed = case.answer.speed
+    return speed is not None and any(
+        abs(speed - value) <= SPEED_TOLERANCE for value in case.step.speeds
+    )
 
 
 def _time_left(case: Case) -> str:

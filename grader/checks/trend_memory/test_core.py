@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grader.checks.moments import first_asked
 from grader.checks.obstacle_avoidance.evidence import (
     FIELDS,
     ZERO,
@@ -61,6 +62,7 @@ def test_only_linear_x(recordings: Recordings) -> None:
                 "not a single Twist came on /cmd_vel",
                 expected="one Twist for each scan",
                 actual="nothing on /cmd_vel",
+                at=first_asked(recording),
                 recording=recording,
             )
         for column in range(1, 6):
@@ -84,10 +86,12 @@ def test_silent_until_ten(recordings: Recordings) -> None:
         require_scans(recording)
         times, _ = closing_speeds(recording)
         if not times:
+            due = [case.step.scan.t for case in cases(recording) if case.step.spoken]
             fail(
                 f"not a single message came on {TOPIC}",
                 expected="a closing speed from the tenth reading on",
                 actual=f"{len(recording.scans())} readings and nothing on {TOPIC}",
+                at=due[0] if due else None,
                 recording=recording,
                 help="A deque(maxlen=10) never holds more than ten: compare with == 10 or >= 10.",
             )

@@ -1,0 +1,139 @@
+"""Failures that are about a whole run open its replay at the most telling moment."""
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import PREAMBLE, RunNode, short
+
+from grader.checks.moments import came_to_rest, first_asked, first_contact
+from grader.checks.obstacle_avoidance.contract import right_speeds
+from grader.exercises import CHECKS, SOLUTIONS, find_exercise
+from grader.grading import Grading, grade_submission
+from grader.launch import Nursery
+from grader.plugin import CheckResult
+from grader.submission import Submission
+
+# A wrong end of a topic is wrong all the time; a training has no robot; and who answered too few
+# scans has a check that says why.
+WITHOUT = {
+    ("wiring.py", "_require_end"),
+    ("wiring.py", "_fail_missing"),
+    ("wiring.py", "_fail_type"),
+    ("model_server/test_clients.py", "_require_own_topics"),
+    ("obstacle_avoidance/test_core.py", "test_callback_time"),
+}
+TRAINING = "ml_velocity/test_training.py"
+ALWAYS = """
+class Same(Echo):
+    def on_scan(self, scan):
+        twist = Twist()
+        twist.linear.x = {speed}
+        self.publisher.publish(twist)
+rclpy.init()
+rclpy.spin(Same('obstacle_avoidance_agent'))
+"""
+
+
+def graded(nursery: Nursery, tmp_path: Path, source: str, *only: str) -> Grading:
+    file = tmp_path / "obstacle_avoidance_agent.py"
+    file.write_text(PREAMBLE + source)
+    exercise = find_exercise("obstacle_avoidance")
+    return grade_submission(exercise, Submission(file), nursery, file=file.name, only=only)
+
+
+def failure(grading: Grading, name: str) -> CheckResult:
+    (check,) = (check for check in grading.checks if check.id == name)
+    assert check.outcome == "fail"
+    return check
+
+
+def test_a_node_that_always_says_the_same_is_shown_where_something_else_is_asked_for(
+    nursery: Nursery, tmp_path: Path
+) -> None:
+    grading = graded(nursery, tmp_path, ALWAYS.format(speed=0.5), "no_contact")
+
+    check = failure(grading, "no_contact")
+    assert check.message == "the node says the same whatever it sees"
+    (recording,) = (run for run in grading.recordings if run.name == check.scenario)
+    first = next(scan.t for scan in recording.scans() if 0.5 not in right_speeds(scan))
+    assert check.time == first > 1.0
+    contact = first_contact(recording)
+    assert contact is not None
+    assert first < contact
+
+
+def test_a_node_that_always_stands_is_shown_where_it_should_drive(
+    nursery: Nursery, tmp_path: Path
+) -> None:
+    grading = graded(nursery, tmp_path, ALWAYS.format(speed=0.0), "stop_zone")
+
+    check = failure(grading, "stop_zone")
+    assert check.actual == "always 0.00 m/s"
+    (recording,) = (run for run in grading.recordings if run.name == check.scenario)
+    assert check.time == next(s.t for s in recording.scans() if 0.0 not in right_speeds(s))
+
+
+def test_a_blind_creeper_is_shown_where_it_should_stand(nursery: Nursery) -> None:
+    """The mutant touches nothing, but not because of what it sees."""
+    exercise = find_exercise("obstacle_avoidance")
+    file = SOLUTIONS / exercise.slug / "mutants" / "stutters_blindly.py"
+    grading = grade_submission(
+        exercise, Submission(file), nursery, file=exercise.files[0], only=["no_contact"]
+    )
+
+    check = failure(grading, "no_contact")
+    assert "not because of what it saw" in check.message
+    (recording,) = (run for run in grading.recordings if run.name == check.scenario)
+    (scan,) = (scan for scan in recording.scans() if scan.t == check.time)
+    assert right_speeds(scan) in ({0.0}, {0.5})
+
+
+def test_where_a_robot_comes_to_rest(run_node: RunNode) -> None:
+    drives = """
+        class Drives(Echo):
+            def on_scan(self, scan):
+                self.seen = getattr(self, 'seen', 0) + 1
+                twist = Twist()
+                twist.linear.x = 0.3 if self.seen < 10 else 0.0
+                self.publisher.publish(twist)
+        rclpy.init(); rclpy.spin(Drives())
+    """
+    recording = run_node(drives, short(3.0))
+    rest = came_to_rest(recording)
+    assert rest is not None
+    assert 0.9 < rest < 2.0
+    assert np.ptp(recording.truth.x[recording.truth.t / 1e9 >= rest]) < 1e-3
+    assert first_contact(recording) is None
+
+
+def test_where_a_robot_never_moves(run_node: RunNode) -> None:
+    recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(1.0))
+
+    assert came_to_rest(recording) == first_asked(recording) == recording.scans()[0].t
+
+
+def test_without_a_message_there_is_no_moment(run_node: RunNode) -> None:
+    recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(0.003))
+
+    assert recording.delivered == ()
+    assert first_asked(recording) is None
+    assert came_to_rest(recording) is None
+
+
+@pytest.mark.parametrize(
+    "file", sorted(CHECKS.rglob("*.py")), ids=lambda file: file.relative_to(CHECKS).as_posix()
+)
+def test_what_tells_a_student_what_was_expected_tells_when(file: Path) -> None:
+    """What has no `expected` is no mistake of a student: a scenario that ended too early."""
+    name = file.relative_to(CHECKS).as_posix()
+    for function in ast.walk(ast.parse(file.read_text("utf-8"))):
+        if not isinstance(function, ast.FunctionDef) or (name, function.name) in WITHOUT:
+            continue
+        for call in ast.walk(function):
+            if not isinstance(call, ast.Call) or ast.unparse(call.func) != "fail":
+                continue
+            given = {keyword.arg for keyword in call.keywords}
+            if "expected" in given and name != TRAINING:
+                assert {"at", "recording"} <= given, f"{name}:{call.lineno} fails without a moment"
