@@ -2,8 +2,8 @@
 
 Every solution is graded once in virtual time and several times in real time, on DDS. Prints, side
 by side, score and failed checks; what the machine's stalls left undecided is said, not counted as
-equal. What is done already is read from `--keep FILE`. Ends with 1 if any solution was judged
-differently.
+equal. What is done already is read from `--keep FILE`; `--page PAGE FILE …` grades nothing, but
+writes what such files hold as a page of tables. Ends with 1 if any solution was judged differently.
 """
 
 from __future__ import annotations
@@ -23,6 +23,14 @@ from grader.launch import Nursery
 from grader.plugin import ERROR, FAIL, INCONCLUSIVE, UNAVAILABLE
 from grader.proof import Claim, claims, complete
 from sim.messages import EPOCH_NS
+
+PAGE_HEAD = """\
+# Both tiers, side by side
+
+What `python benchmarks/tiers.py` found: each solution graded in virtual time (Tier 1) and in real
+time, on DDS (Tier 2), by the same checks. The machine had 2 processors and was kept busy by other
+tests. Of references the core checks were run; of a mutant the field checks too where it fails one.
+"""
 
 
 class Verdict(msgspec.Struct, frozen=True):
@@ -49,7 +57,12 @@ def main() -> int:
     parser.add_argument("--mutants", action="store_true", help="the wrong ones, not the references")
     parser.add_argument("--field", action="store_true", help="field checks of references too")
     parser.add_argument("--keep", type=Path, help="read and add verdicts (JSON lines)")
+    parser.add_argument("--page", type=Path, nargs="+", metavar=("PAGE", "FILE"))
     options = parser.parse_args()
+    if options.page:
+        page, *files = options.page
+        page.write_text(_page([verdict for file in files for verdict in _read(file)]))
+        return 0
     exercises = [find_exercise(name) for name in options.exercises] or all_exercises()
     done = {(v.solution, v.tier, v.run): v for v in _read(options.keep)}
     kind = "mutant" if options.mutants else "reference"
@@ -105,7 +118,7 @@ def _print(verdicts: list[Verdict]) -> tuple[bool, int]:
     virtual, *live = verdicts
     unsure = [v for v in live if v.undecided]
     sure = [v for v in live if not v.undecided]
-    other = [v for v in sure if (v.score, v.failed) != (virtual.score, virtual.failed)]
+    other = [v for v in sure if not _same(virtual, v)]
     scores = ", ".join(f"{v.score}{'?' if v.undecided else ''}" for v in live)
     seconds = sum(v.seconds for v in live) / len(live) if live else 0.0
     load = max((v.load for v in live), default=0.0)
@@ -120,6 +133,46 @@ def _print(verdicts: list[Verdict]) -> tuple[bool, int]:
             said = verdict.messages.get(check, "passes")
             print(f"      run {verdict.run}: {check}: {said}", flush=True)
     return not other, len(unsure)
+
+
+def _page(verdicts: list[Verdict]) -> str:
+    """Return all verdicts as a page of Markdown, references before mutants."""
+    by_solution: dict[str, list[Verdict]] = {}
+    for verdict in sorted(verdicts, key=lambda v: (v.tier, v.run)):
+        by_solution.setdefault(verdict.solution, []).append(verdict)
+    parts = [PAGE_HEAD]
+    for kind, title in (("reference", "References"), ("mutant", "Mutants")):
+        rows = [v for name, v in by_solution.items() if f"/{kind}/" in name and len(v) > 1]
+        live = [verdict for virtual, *others in rows for verdict in others]
+        loads = sorted(verdict.load for verdict in live)
+        if not live:
+            continue
+        unsure = sum(bool(verdict.undecided) for verdict in live)
+        same = sum(_same(row[0], v) for row in rows for v in row[1:])
+        parts.append(
+            f"\n## {title}\n\n{len(live)} gradings in real time of {len(rows)} solutions; load "
+            f"{loads[0]:.1f} to {loads[-1]:.1f}, half of them above {loads[len(loads) // 2]:.1f}. "
+            f"Judged as in virtual time: {same}. Not decided, because the machine stalled: "
+            f"{unsure}.\n\n| solution | virtual time | real time | fails |\n|---|---|---|---|\n"
+        )
+        parts += [_row(row) for row in rows]
+    return "".join(parts)
+
+
+def _row(verdicts: list[Verdict]) -> str:
+    virtual, *live = verdicts
+    exercise, _, name = virtual.solution.split("/")
+    fails = ", ".join(f"`{check}`" for check in virtual.failed)
+    for verdict in live:
+        if not verdict.undecided and not _same(virtual, verdict):
+            others = ", ".join(f"`{check}`" for check in verdict.failed) or "nothing"
+            fails += f"; in real time: {others}"
+    scores = ", ".join(f"{v.score}{'?' if v.undecided else ''}" for v in live)
+    return f"| {exercise}: {name} | {virtual.score} of {virtual.most} | {scores} | {fails} |\n"
+
+
+def _same(virtual: Verdict, live: Verdict) -> bool:
+    return (live.score, live.failed, live.undecided) == (virtual.score, virtual.failed, ())
 
 
 def _read(keep: Path | None) -> Iterable[Verdict]:
