@@ -77,7 +77,7 @@ skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python -m grader.notebook.build
 
 constraints: ## pin the newest versions that fit pyproject.toml
-	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,notebooks,site,dev]' \
+	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,notebooks,foxglove,site,dev]' \
 	  | $(PYTHON) .ci/constraints.py > constraints.txt
 
 clean: ## remove what can be made again
@@ -93,7 +93,7 @@ $(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.dev: $(VENV)/.course
-	$(PIP) install --constraint constraints.txt --editable '.[ros,ml,cluster,notebooks,site,dev]'
+	$(PIP) install --constraint constraints.txt --editable '.[ros,ml,cluster,notebooks,foxglove,site,dev]'
 	touch $@
 
 # PyTorch from the index of packages comes with CUDA, gigabytes of it. For its CPU build:

@@ -1,0 +1,128 @@
+"""The mock robot in real time: a simulation, and a timeline that says when what is due.
+
+It knows nothing of ROS: `node` publishes what `step` returns, and passes on what was heard.
+"""
+
+import msgspec
+
+from sim.live.health import HealthMeter
+from sim.live.timeline import Timeline
+from sim.live.topics import patience, sent_topics
+from sim.messages import Message, with_epoch
+from sim.scenario import LidarSpec, OdometrySpec, Scenario
+from sim.simulation import Simulation
+
+IDLE_TICK_NS = 100_000_000  # between two steps at most [ns], also when no message is due
+CLOCK_TICK_NS = 10_000_000  # the same with /clock: a step of the physics
+
+
+class LiveRobot:
+    """A robot that lives through a scenario in real time.
+
+    It stands still until the timeline runs.
+
+    Parameters
+    ----------
+    scenario
+        Its duration is how long the robot lives.
+    timeline
+        Its time.
+    tick
+        Between two steps at most [ns].
+
+    Raises
+    ------
+    InputError
+        The robot's start is not free, or the clutter does not fit.
+    """
+
+    def __init__(self, scenario: Scenario, timeline: Timeline, tick: int = IDLE_TICK_NS) -> None:
+        self.simulation = Simulation(scenario)
+        self.timeline = timeline
+        self.rates = sent_topics(scenario)
+        self.meter = HealthMeter(self.rates)
+        self._patience = patience(self.rates)  # [s]
+        self.tick = tick
+        self._commands: list[tuple[int, float, float]] = []
+
+    @property
+    def over(self) -> bool:
+        """Say whether the scenario's duration is over."""
+        return self.simulation.now >= self.simulation.scenario.duration_ns
+
+    @property
+    def ros_now(self) -> int:
+        """The ROS time [ns since 1970]; what /clock says if it is simulated."""
+        return self.timeline.ros_time(self.simulation.now)
+
+    def due(self) -> float:
+        """Return in how many real seconds `step` has something to do: inf if it stands still."""
+        return self.timeline.seconds_until(self._moment())
+
+    def step(self) -> tuple[list[Message], float]:
+        """Move on to the next moment, which is due, and return its messages and the slip.
+
+        A robot that is later than two periods of its fastest sensor does not send in a burst what
+        it missed: its time slips, by as much as is returned [s], and it goes on from here.
+        """
+        moment = self._moment()
+        late = max(0.0, -self.timeline.seconds_until(moment))
+        slip = late if late > self._patience else 0.0
+        if slip:
+            self.timeline.slip_to(moment)
+            self.meter.slipped(slip)
+        messages = self.simulation.advance(moment, self._commands)
+        self._commands = []
+        for message in messages:
+            self.meter.sent(message.topic, late)
+        return [with_epoch(message, self.timeline.epoch) for message in messages], slip
+
+    def command(self, linear: float, angular: float) -> None:
+        """Take a command [m/s, rad/s] that counts from now; none counts while time stands still."""
+        if self.timeline.running:
+            now = max(self.timeline.now(), self.simulation.now)
+            self._commands.append((now, linear, angular))
+
+    def planned(self, seed: int) -> Simulation:
+        """Return the scenario from its start, with this seed.
+
+        Raises
+        ------
+        InputError
+            The robot's start is not free with this seed, or the clutter does not fit.
+        """
+        return Simulation(msgspec.structs.replace(self.simulation.scenario, seed=seed))
+
+    def begin(self, simulation: Simulation) -> None:
+        """Live in this one from now on."""
+        self.simulation = simulation
+        self._commands = []
+        self.timeline.restart()
+
+    def _moment(self) -> int:
+        """Return the time of the next step [ns]."""
+        simulation = self.simulation
+        tick = simulation.now + self.tick - simulation.now % self.tick
+        moment = min(tick, simulation.scenario.duration_ns)
+        event = simulation.next_event()
+        return moment if event is None else min(moment, event)
+
+
+def clock_tick(rate: float) -> int:
+    """Return the scenario time between two /clock [ns]: 10 ms, and of real time at least that."""
+    return round(CLOCK_TICK_NS * max(1.0, rate))
+
+
+def rehearse(scenario: Scenario) -> None:
+    """Make a message of each sensor: what is only made on first use takes 0.1 s.
+
+    Raises
+    ------
+    InputError
+        The robot's start is not free, or the clutter does not fit.
+    """
+    lidar = msgspec.structs.replace(scenario.lidar, phase=LidarSpec().phase)
+    odometry = msgspec.structs.replace(scenario.odometry, phase=OdometrySpec().phase)
+    short = msgspec.structs.replace(scenario, lidar=lidar, odometry=odometry, duration=0.1)
+    for message in Simulation(short).advance(short.duration_ns):
+        with_epoch(message, 0)

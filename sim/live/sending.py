@@ -1,0 +1,132 @@
+"""What the robot's node sends: the scenario's messages, /clock, transforms, diagnostics."""
+
+import importlib
+from collections.abc import Sequence
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message, serialize_message
+from rosgraph_msgs.msg import Clock
+
+from sim.live.diagnostics import diagnostics
+from sim.live.extras import Extras
+from sim.live.health import Health
+from sim.live.robot import LiveRobot
+from sim.live.transforms import Transforms, tf_message_class
+from sim.messages import ODOM_TOPIC, OFFERED, SENSORS, Message
+
+DEPTH = 10
+STATIC = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Sender:
+    """The publishers of a robot's node.
+
+    Parameters
+    ----------
+    node, robot
+        The node, and what lives at it.
+    extras
+        What is sent is recorded, and shown.
+    clock
+        Send /clock.
+    """
+
+    def __init__(self, node: Any, robot: LiveRobot, extras: Extras, *, clock: bool) -> None:
+        self._node, self._robot, self._extras = node, robot, extras
+        self._publishers = {topic: self._publisher(topic) for topic in robot.rates}
+        if extras.recorder:
+            for topic, publisher in self._publishers.items():
+                extras.recorder.expect(publisher.topic_name, OFFERED[topic])
+        self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", DEPTH)
+        self._clock = node.create_publisher(Clock, "/clock", 1) if clock else None
+        self._tf = self._transforms()
+
+    @property
+    def awaited(self) -> list[str]:
+        """The topics for whose first subscriber a robot may wait: sensors, or else all."""
+        return [topic for topic in self._publishers if topic in SENSORS] or list(self._publishers)
+
+    def is_heard(self) -> bool:
+        """Say whether anybody subscribes to an awaited topic."""
+        return any(self._publishers[topic].get_subscription_count() for topic in self.awaited)
+
+    def send(self, messages: Sequence[Message]) -> None:
+        """Send what the robot has to say now; the time goes first."""
+        self.tell_time()
+        now = self._robot.ros_now
+        for message in messages:
+            publisher = self._publishers[message.topic]
+            publisher.publish(message.data)
+            self._extras.record(publisher.topic_name, message.type, now, message.data)
+            if self._tf and message.topic == ODOM_TOPIC:
+                self._send_transform(message)
+        if self._extras.viewer:
+            simulation = self._robot.simulation
+            self._extras.viewer.show(
+                messages,
+                layout=simulation.layout,
+                radius=simulation.scenario.robot.radius,
+                pose=simulation.pose,
+                seconds=simulation.now / 1e9,
+                time=now,
+            )
+
+    def tell_time(self) -> None:
+        """Send /clock, if time is simulated."""
+        if self._clock:
+            self._send(self._clock, Clock(clock=_stamp(self._robot.ros_now)))
+
+    def tell_health(self, health: Health) -> None:
+        """Send /diagnostics."""
+        message = diagnostics(
+            health,
+            stamp=self._robot.ros_now,
+            name=self._node.get_name(),
+            hardware=f"mock robot in {self._robot.simulation.scenario.name}",
+            paused=not self._robot.timeline.running,
+        )
+        self._send(self._diagnostics, message)
+
+    def _publisher(self, topic: str) -> Any:
+        package, _, name = OFFERED[topic].partition("/msg/")
+        kind = getattr(importlib.import_module(f"{package}.msg"), name)
+        sensors = self._robot.simulation.scenario.qos.sensors
+        lossy = topic in SENSORS and sensors == "sensor_data"
+        reliability = ReliabilityPolicy.BEST_EFFORT if lossy else ReliabilityPolicy.RELIABLE
+        qos = QoSProfile(depth=DEPTH, reliability=reliability)
+        return self._node.create_publisher(kind, topic.removeprefix("/"), qos)
+
+    def _transforms(self) -> tuple[Transforms, Any] | None:
+        """Send the static transform; return what makes and sends the others, where tf2_msgs is."""
+        tf_message = tf_message_class()
+        if tf_message is None or ODOM_TOPIC not in self._robot.rates:
+            return None
+        transforms = Transforms(tf_message, TransformStamped)
+        static = self._node.create_publisher(tf_message, "/tf_static", STATIC)
+        self._send(static, transforms.of_laser(_stamp(self._robot.ros_now)))
+        return transforms, self._node.create_publisher(tf_message, "/tf", DEPTH)
+
+    def _send_transform(self, odometry: Message) -> None:
+        assert self._tf is not None
+        transforms, publisher = self._tf
+        transform = transforms.of_odometry(deserialize_message(odometry.data, Odometry))
+        if transform is not None:
+            self._send(publisher, transform)
+
+    def _send(self, publisher: Any, message: Any) -> None:
+        """Publish a message that the simulation did not make."""
+        data = serialize_message(message)
+        publisher.publish(data)
+        package = type(message).__module__.partition(".")[0]
+        name = f"{package}/msg/{type(message).__name__}"
+        self._extras.record(publisher.topic_name, name, self._robot.ros_now, data)
+
+
+def _stamp(time: int) -> Any:
+    seconds, nanoseconds = divmod(time, 10**9)
+    return Time(sec=seconds, nanosec=nanoseconds)

@@ -1,0 +1,44 @@
+"""Which topics a scenario's robot sends, and how often."""
+
+from sim.messages import (
+    CMD_VEL_RAW_TOPIC,
+    E_STOP_TOPIC,
+    GOAL_TOPIC,
+    ODOM_TOPIC,
+    SCAN_TOPIC,
+)
+from sim.scenario import Scenario
+from sim.schedule import scan_rate
+
+NOW_AND_THEN = 0.0  # the rate of what the script sends [Hz]
+
+
+def sent_topics(scenario: Scenario) -> dict[str, float]:
+    """Return the topics that this scenario's robot sends: topic → nominal rate [Hz].
+
+    A topic that it never sends is not there at all, as on a robot that lacks the sensor.
+    """
+    rates: dict[str, float] = {}
+    if scenario.lidar.enabled:
+        rates[SCAN_TOPIC] = scan_rate(scenario)
+    if scenario.odometry.enabled:
+        rates[ODOM_TOPIC] = scenario.odometry.rate
+    elif any(event.odom is not None for event in scenario.script):
+        rates[ODOM_TOPIC] = NOW_AND_THEN
+    if any(event.goal is not None for event in scenario.script):
+        rates[GOAL_TOPIC] = NOW_AND_THEN
+    if any(event.e_stop is not None for event in scenario.script):
+        rates[E_STOP_TOPIC] = NOW_AND_THEN
+    if scenario.raw:
+        rates[CMD_VEL_RAW_TOPIC] = NOW_AND_THEN
+    return rates
+
+
+def patience(rates: dict[str, float]) -> float:
+    """Return how late the robot may be before its time slips [s]: 2 periods of its fastest sensor.
+
+    So what is made up for is never more than two messages of a sensor. 50 ms at least, which a busy
+    operating system takes; 0.1 s if there is no sensor.
+    """
+    fastest = max(rates.values(), default=NOW_AND_THEN)
+    return 0.1 if fastest == NOW_AND_THEN else max(0.05, 2.0 / fastest)

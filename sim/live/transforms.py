@@ -1,0 +1,57 @@
+"""/tf and /tf_static: where the robot believes to be, by the names of REP-105.
+
+`odom` → `base_link` with every odometry, `base_link` → `laser` once (the mock lidar sits in the
+middle). tf2_msgs is part of every ROS installation, but there is no wheel of it: without it the
+robot sends no transforms.
+"""
+
+import math
+from typing import Any
+
+from sim.messages import BASE_FRAME, LASER_FRAME, ODOM_FRAME
+
+
+def tf_message_class() -> Any:
+    """Return tf2_msgs' TFMessage; None where it is not installed."""
+    try:
+        from tf2_msgs.msg import TFMessage  # noqa: PLC0415
+    except ImportError:
+        return None
+    return TFMessage
+
+
+class Transforms:
+    """Makes TFMessages.
+
+    Parameters
+    ----------
+    tf_message, transform_stamped
+        The classes of tf2_msgs/TFMessage and geometry_msgs/TransformStamped.
+    """
+
+    def __init__(self, tf_message: Any, transform_stamped: Any) -> None:
+        self._tf_message, self._transform_stamped = tf_message, transform_stamped
+
+    def of_laser(self, stamp: Any) -> Any:
+        """Return `base_link` → `laser`, for /tf_static."""
+        transform = self._transform_stamped()
+        transform.header.stamp = stamp
+        transform.header.frame_id, transform.child_frame_id = BASE_FRAME, LASER_FRAME
+        transform.transform.rotation.w = 1.0
+        return self._tf_message(transforms=[transform])
+
+    def of_odometry(self, odometry: Any) -> Any:
+        """Return `odom` → `base_link` for a nav_msgs/Odometry, for /tf.
+
+        None for a pose that is not finite, which a scenario may send and tf2 would complain of.
+        """
+        position, rotation = odometry.pose.pose.position, odometry.pose.pose.orientation
+        if not all(map(math.isfinite, (position.x, position.y, rotation.z, rotation.w))):
+            return None
+        transform = self._transform_stamped()
+        transform.header.stamp = odometry.header.stamp
+        transform.header.frame_id, transform.child_frame_id = ODOM_FRAME, BASE_FRAME
+        to = transform.transform
+        to.translation.x, to.translation.y = position.x, position.y
+        to.rotation.z, to.rotation.w = rotation.z, rotation.w
+        return self._tf_message(transforms=[transform])

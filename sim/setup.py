@@ -1,0 +1,29 @@
+"""course_sim, the mock robot as a ROS package: what `colcon build` reads.
+
+pip installs the whole course by ../pyproject.toml and does not read this file.
+"""
+
+from pathlib import Path
+
+from setuptools import find_packages, setup  # type: ignore[import-untyped]
+
+NAME = "course_sim"
+HERE = Path(__file__).resolve().parent  # colcon may run a link to this file
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    description="The mock robot of the course: lidar, odometry and motors on ROS 2 topics",
+    license="Apache-2.0",
+    # This folder is the package. By "." colcon build --symlink-install would not find it.
+    package_dir={"sim": f"../{HERE.name}"},
+    packages=["sim", *(f"sim.{name}" for name in find_packages(str(HERE)))],
+    package_data={"sim": ["worlds/*.toml", "scenarios/*/*.toml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}/launch", ["launch/sim.launch.py"]),
+    ],
+    entry_points={"console_scripts": ["mock_robot = sim.live.cli:main"]},
+    zip_safe=False,
+)

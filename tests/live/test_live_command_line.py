@@ -1,0 +1,120 @@
+"""What the command line takes, and what it says to those who err."""
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from processes import ROOT, Town
+
+from sim.live.cli import main, split_ros_args
+
+
+def test_arguments_of_ros_are_taken_out() -> None:
+    own, ros = split_ros_args(
+        [
+            "--clock",
+            "--ros-args",
+            "-p",
+            "rate:=2.0",
+            "--",
+            "--seed",
+            "3",
+            "--ros-args",
+            "-r",
+            "a:=b",
+        ]
+    )
+    assert own == ["--clock", "--seed", "3"]
+    assert ros == ["--ros-args", "-p", "rate:=2.0", "--", "--ros-args", "-r", "a:=b"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--scenaro", "demo_wall"], "unrecognized arguments: --scenaro demo_wall"),
+        (["--foxglove", "70000"], "70000: expected a port, 0 - 65535"),
+        (["--rate", "fast"], "invalid float value: 'fast'"),
+        (["--once", "--duration", "3"], "not allowed with argument --once"),
+    ],
+)
+def test_wrong_usage(
+    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code == 2
+    assert expected in capsys.readouterr().err
+
+
+def test_help_names_every_option(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["--help"])
+    assert end.value.code == 0
+    said = capsys.readouterr().out
+    for option in ("scenario", "lidar", "seed", "clock", "rate", "wait", "duration", "once"):
+        assert f"--{option}" in said
+    assert "--record BAG" in said
+    assert "--foxglove [PORT]" in said
+
+
+def test_without_rclpy_it_says_what_to_install(tmp_path: Path) -> None:
+    (tmp_path / "rclpy.py").write_text("raise ImportError('there is none')")
+    found = subprocess.run(
+        [sys.executable, "-m", "sim"],
+        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}"},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert found.returncode == 2
+    assert found.stderr.startswith("mock_robot: rclpy was not found: install")
+    assert "there is none" in found.stderr
+    assert "/opt/ros/jazzy/setup.bash" in found.stderr
+
+
+WRONG_VALUES = {
+    "--scenario demo_wal": "no scenario is called 'demo_wal'; did you mean 'demo_wall'?",
+    "--lidar lds03": "no lidar profile is called that; there is: default, lds01, lds02, wide",
+    "--rate 2": "rate = 2.0: expected 1.0 without /clock",
+    "--clock --rate 50": "Parameter rate out of range",
+    "--clock --rate nan": "Parameter rate out of range",
+    "--ros-args -p rate:=2": "expecting type",
+    "--ros-args -p seed:=-1": "Parameter seed out of range",
+    "--ros-args --no-such-flag": "rclpy does not start",
+    "--record .": "exists; a bag is never overwritten",
+}
+
+
+def imports(file: Path) -> set[str]:
+    """Return the modules that a file imports, wherever in it."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found.add(str(node.module))
+    return found
+
+
+def test_only_the_live_robot_knows_ros_and_it_does_not_know_the_grader() -> None:
+    for file in (ROOT / "sim").glob("*.py"):
+        if file.name not in ("__main__.py", "setup.py"):
+            assert not any(name.startswith(("rclpy", "sim.live")) for name in imports(file)), file
+    for file in (ROOT / "sim" / "live").glob("*.py"):
+        assert not any(name.partition(".")[0] == "grader" for name in imports(file)), file
+
+
+def test_wrong_values_are_refused_in_one_line(here: Town) -> None:
+    process = here.start("wrong_values.py", json.dumps(list(WRONG_VALUES)))
+    for line, expected in WRONG_VALUES.items():
+        end = process.next_json(line)
+        assert end["code"] == 2, end
+        assert expected in end["said"]
+        assert end["said"].count("\n") == 1, end["said"]
+    assert list(here.folder.glob("*.mcap")) == []

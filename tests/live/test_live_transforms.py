@@ -1,0 +1,67 @@
+"""/tf by the names of REP-105. tf2_msgs has no wheel, so its one message is stood in for."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from sim.live.transforms import Transforms
+from sim.messages import ODOMETRY, decode, odometry
+
+
+@dataclass
+class Vector:
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    w: float = 1.0
+
+
+@dataclass
+class Header:
+    stamp: Any = None
+    frame_id: str = ""
+
+
+@dataclass
+class Transform:
+    translation: Vector = field(default_factory=Vector)
+    rotation: Vector = field(default_factory=Vector)
+
+
+@dataclass
+class TransformStamped:
+    header: Header = field(default_factory=Header)
+    child_frame_id: str = ""
+    transform: Transform = field(default_factory=Transform)
+
+
+@dataclass
+class TFMessage:
+    transforms: list[TransformStamped]
+
+
+TRANSFORMS = Transforms(TFMessage, TransformStamped)
+
+
+def test_odometry_becomes_a_transform_of_the_same_time() -> None:
+    sent = decode(odometry(time=5, x=1.5, y=-2.0, yaw=math.pi / 2).data, ODOMETRY)
+    (transform,) = TRANSFORMS.of_odometry(sent).transforms
+    assert (transform.header.frame_id, transform.child_frame_id) == ("odom", "base_link")
+    assert transform.header.stamp == sent.header.stamp
+    assert (transform.transform.translation.x, transform.transform.translation.y) == (1.5, -2.0)
+    assert transform.transform.rotation.z == pytest.approx(math.sqrt(0.5))
+    assert transform.transform.rotation.w == pytest.approx(math.sqrt(0.5))
+
+
+@pytest.mark.parametrize("x", [math.nan, math.inf])
+def test_a_pose_that_is_not_finite_is_no_transform(x: float) -> None:
+    sent = decode(odometry(time=5, x=x, y=0.0, yaw=0.0).data, ODOMETRY)
+    assert TRANSFORMS.of_odometry(sent) is None
+
+
+def test_the_laser_sits_in_the_middle_of_the_robot() -> None:
+    (transform,) = TRANSFORMS.of_laser("now").transforms
+    assert (transform.header.frame_id, transform.child_frame_id) == ("base_link", "laser")
+    assert transform.transform == Transform()
