@@ -21,6 +21,7 @@ import msgspec
 from grader.crowd import CROWD
 from grader.domains import own_domain
 from grader.errors import GraderError
+from grader.habit import Habit
 from grader.host.frames import (
     MAX_PUBLISHED,
     MAX_PUBLISHED_BYTES,
@@ -69,10 +70,11 @@ MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
 HUNG_AFTER = 5.0  # [s] in a callback at the scenario's end
 STALL = 0.1  # [s] that a message of the robot may be late, or a ready thread wait for a CPU ...
 STALL_SHARE = 0.8  # ... and in periods of the lidar: the answer has to come before the next scan
+PROMPT = 0.05  # [s] an answer that took longer may have had to wait
 TURN = 0.02  # [s] between looks at the hosts, at most
 MAX_CHUNKS = 64  # read at once from one host
 MAX_PULSES = 100  # of a program at a time: it sends ten a second
-ATTEMPTS = 2  # of a trial on a machine that stalls
+ATTEMPTS = 3  # of a trial on a machine that stalls
 HUNG = "the node did not come back from a callback"
 HUNG_AT_START = "the node did not come back from its start-up"
 
@@ -214,6 +216,7 @@ class _LiveTrial:
         self._asked = 0  # endpoints that it was told of
         self._heard: list[Published] = []
         self._lateness = 0.0  # [s] of the robot's latest message
+        self._habit = Habit()
         self._starved = 0.0  # [s] that a thread of the node has waited for a CPU, at worst
 
     def run(self, reason: str) -> Recording:
@@ -334,6 +337,7 @@ class _LiveTrial:
             until = min(self._next_moment(simulation.now), tape.end)
             commands: list[Command] = []
             cpu = self._cpu()
+            kind = frozenset(message.topic for message in pending)
             began = simulation.now
             answered = math.nan
             while (left := until - self._now()) > 0:
@@ -341,7 +345,10 @@ class _LiveTrial:
                 commands += self._take_heard()
                 if commands and math.isnan(answered):
                     answered = (commands[0][0] - began) / 1e9
-            queued = max((program.queue.worst() for program in self._programs), default=0.0)
+            missed = not answered <= PROMPT and self._habit.answers(kind)
+            self._habit.note(kind, answered=not math.isnan(answered))
+            queues = [program.queue.worst(believed=missed) for program in self._programs]
+            queued = max(queues, default=0.0)
             self._starved = max(self._starved, queued)
             used = self._cpu() - cpu
             wall = min(used, (until - began) / 1e9) if math.isnan(answered) else answered

@@ -53,10 +53,11 @@ class RunQueue:
                 if after_name.split()[0] == "R":
                     self._seen[thread] = self._seen.get(thread, 0.0) + since
 
-    def worst(self) -> float:
+    def worst(self, *, believed: bool = False) -> float:
         """Return how long the worst-off thread has waited since the last call [s].
 
-        0 where the kernel doesn't count, and for a process that is gone.
+        0 where the kernel doesn't count, and for a process that is gone. If it is `believed`, its
+        count is taken as it is: the process behaved as if it had waited.
         """
         worst, now = 0.0, {}
         with contextlib.suppress(OSError):
@@ -65,7 +66,7 @@ class RunQueue:
                     waited = int((thread / "schedstat").read_text().split()[1])
                     counted = (waited - self._known.get(thread.name, waited)) / 1e9
                     seen = self._seen.get(thread.name, 0.0) + self._patience
-                    worst = max(worst, min(counted, seen))
+                    worst = max(worst, counted if believed else min(counted, seen))
                     now[thread.name] = waited
         self._known, self._seen = now, {}
         return worst

@@ -66,6 +66,11 @@ def test_a_long_wait_counts_as_far_as_it_was_seen(
     say(tmp_path, 2, 180_000_000)
     clock.now += 0.1
     queue.look()
+    assert queue.worst(believed=True) == 0.1
+
+    say(tmp_path, 2, 280_000_000)
+    clock.now += 0.1
+    queue.look()
     assert queue.worst() == PATIENCE
 
 

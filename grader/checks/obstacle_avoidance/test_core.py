@@ -9,6 +9,7 @@ from grader.checks.moments import came_to_rest, first_asked
 from grader.checks.obstacle_avoidance.evidence import (
     FIELDS,
     ZERO,
+    answered_in_turn,
     garbage,
     require_caution,
     require_distance,
@@ -216,11 +217,24 @@ def _way(recording: Recording) -> float:
 def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return wall time, CPU time, wait for a CPU [s] of each exchange that began with a scan."""
     compute = recording.compute
-    with_scan = np.isin(compute.time, recording.times("/scan"))
-    return compute.wall[with_scan], compute.cpu[with_scan], compute.queued[with_scan]
+    scans = recording.times("/scan")
+    count = answered_in_turn(recording)
+    if not count:
+        with_scan = np.isin(compute.time, scans)
+        return compute.wall[with_scan], compute.cpu[with_scan], compute.queued[with_scan]
+    scans, answered = scans[:count], recording.twists().t
+    begin = np.searchsorted(compute.time, scans)
+    end = np.maximum(np.searchsorted(compute.time, answered), begin + 1)
+    spans = [slice(*span) for span in zip(begin, end, strict=True)]
+    cpu = np.array([compute.cpu[span].sum() for span in spans])
+    queued = np.array([compute.queued[span].max(initial=0.0) for span in spans])
+    return answered - scans, cpu, queued
 
 
 def _times(recording: Recording) -> np.ndarray:
     """Return when these exchanges began [s]."""
+    scans = recording.times("/scan")
+    if count := answered_in_turn(recording):
+        return scans[:count]
     times: np.ndarray = recording.compute.time
-    return times[np.isin(times, recording.times("/scan"))]
+    return times[np.isin(times, scans)]

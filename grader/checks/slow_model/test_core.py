@@ -258,11 +258,12 @@ def require_period(recording: Recording) -> None:
         )
     rate = len(t) / (recording.duration_s - float(t[0]) + 0.05)
     if rate > MOST_COMMANDS:
+        early = np.flatnonzero(np.diff(t, prepend=-np.inf) < 1.0 / MOST_COMMANDS)
         fail(
             "there are more commands than ticks",
             expected="20 per second, one for each tick of the timer",
             actual=f"{rate:.1f} per second",
-            at=float(t[int(np.argmin(np.diff(t, prepend=-np.inf)))]),
+            at=float(t[early[0]]) if len(early) else None,
             recording=recording,
             help="Only the control loop publishes; inference keeps its prediction for it.",
         )
