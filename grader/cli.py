@@ -321,13 +321,21 @@ def autograde(
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--exercise", "exercises", multiple=True, metavar="EXERCISE", help="Only this one.")
 @click.option("--student-package", is_flag=True, help="Make DIR.zip too, for `pip install`.")
-def release(folder: Path, exercises: tuple[str, ...], student_package: bool) -> int:
-    """Write into DIR what students get: no solutions, no rubrics, no tests."""
+@click.option(
+    "--plain", is_flag=True, help="No notebooks, and the lesson as Markdown: needs no Sphinx."
+)
+def release(folder: Path, exercises: tuple[str, ...], student_package: bool, plain: bool) -> int:
+    """Write into DIR what students get: no solutions, no rubrics, no tests.
+
+    That is the lesson as a site, the skeletons, the notebooks, the public scenarios and the grader.
+    """
     from grader.exercises import find_exercise  # noqa: PLC0415
+    from grader.handouts import handouts  # noqa: PLC0415
     from grader.release import release as make_release  # noqa: PLC0415
 
     slugs = [find_exercise(name).slug for name in exercises]
-    for leak in make_release(folder, exercises=slugs, archive=student_package):
+    make = None if plain else handouts
+    for leak in make_release(folder, exercises=slugs, archive=student_package, make=make):
         click.echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
     click.echo(f"Students' material: {folder}")
     if student_package:

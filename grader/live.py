@@ -289,7 +289,7 @@ class _LiveTrial:
             self._listen(TURN)
             if time.monotonic() > limit:
                 raise _NotReady(HUNG_AT_START)
-        if not all(program.pulse.spinning for program in self._programs):
+        if not any(program.pulse.spinning for program in self._programs):  # some just do a job
             raise _NotReady(NEVER_SPUN)
         limit = time.monotonic() + MEETING_LIMIT
         while not self._all_met():
@@ -440,11 +440,11 @@ class _LiveTrial:
     # --- how it ended ----------------------------------------------------------------------------
 
     def _final_outcome(self) -> Outcome:
+        if not any(program.pulse.spinning for program in self._programs):
+            return self._outcome("never_spun", NEVER_SPUN)
         for program in self._programs:
             if program.start.stop is not None:
                 continue
-            if not program.pulse.spinning:
-                return self._outcome("never_spun", NEVER_SPUN)
             if program.pulse.busy > HUNG_AFTER:
                 return self._outcome("hung", HUNG, program.link.stacks())
         return self._outcome(COMPLETED, "")

@@ -255,7 +255,7 @@ PITFALLS = (
         ("no_stop_without_model_wrong",),
         "no_stop_without_model_right",
         "ml_velocity",
-        {"slow_model/silent_without_a_prediction": ("no_model",)},
+        {"ml_velocity/no_command_without_a_model": ("no_model",)},
         "demo_new_model",
         falls_silent,
     ),

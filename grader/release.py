@@ -1,4 +1,4 @@
-"""Make what students get: lessons, skeletons, the robot and the grader, and no answers.
+"""Make what students get: lesson, skeletons, notebooks, the robot and the grader, and no answers.
 
 What goes in is named here, so that a new file stays with the instructor until somebody decides.
 Before anything is handed out, the release is searched for pieces of every solution.
@@ -11,23 +11,26 @@ import re
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from grader.errors import GraderError, InputError
 from grader.exercises import ROOT, SOLUTIONS, all_exercises
+from grader.leaks import Leak, leaks
 
 # The grader's rooms for instructors and contributors; students' `course` does without.
 INSTRUCTORS = (
-    "batch", "gradebook_plugin", "results", "release.py", "build.py",
+    "batch", "gradebook_plugin", "results", "release.py", "leaks.py", "handouts.py", "build.py",
     "catalogue.py", "fairness.py", "listings.py", "pitfalls.py", "proof.py", "skeletons.py",
 )  # fmt: skip
+PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # of what makes a folder a ROS package
+MARKER = "resource"  # its folder of files without a suffix, by which ROS finds a package
+LESSONS = "lessons"
 KEPT = {
-    "sim": (".py", ".toml"),
+    "sim": (".py", ".toml", *PACKAGE),
     "grader": (".py", ".xml", ".js", ".css", ".html"),
-    "exercises": (".py", ".md", ".toml"),
-    "lessons": (".md", ".png", ".svg"),
+    "exercises": (".py", ".md", ".toml", *PACKAGE),
+    LESSONS: (".md", ".png", ".svg"),
     "docs/students": (".md", ".png", ".svg"),
 }
 SINGLE = ("LICENSE", "LICENSE-lessons.md", "constraints.txt")
@@ -36,10 +39,6 @@ PRIVATE = re.compile(
 )
 QUIZ = "lessons/quiz.md"  # its tables are the rubric
 
-Shingle = tuple[str, ...]
-SHINGLE = 6  # lines in a row, without empty ones, that nobody writes twice by chance
-SIZES = (4, 5, SHINGLE)  # a solution's block may be shorter
-BLOCK = re.compile(r"^\s*### (BEGIN SOLUTION|SKELETON|END SOLUTION)\s*$")
 STAMP = (2020, 1, 1, 0, 0, 0)  # of every file in the archive: the same release, the same bytes
 
 README = """\
@@ -59,7 +58,10 @@ Take a copy of a skeleton, work on it, and ask the grader as often as you like:
     course grade obstacle_avoidance my_agent.py --report report.html
     course drive my_agent.py --scenario avoid_cart --report drive.html
 
-Each folder in `exercises/` has a README with the contract and the points, and hints.
+Each folder in `exercises/` has a README with the contract and the points, and hints. Where ROS 2 is
+installed, `exercises/` and `sim/` are also packages for `colcon build`.
+
+{lesson}
 
 | # | Exercise | What it is about |
 |---|---|---|
@@ -70,20 +72,14 @@ hard. Code: Apache-2.0 (`LICENSE`). Lesson text: CC BY 4.0 (`LICENSE-lessons.md`
 """
 
 
-@dataclass(frozen=True)
-class Leak:
-    """A file of a release that has lines of a solution."""
+WITH_SITE = """\
+The lesson is a site that needs no network: open `lesson/index.html`. To work in notebooks:
 
-    file: str
-    solution: str  # path of the solution; "" for its markers
-    line: str  # the first of them
-    earlier: bool = False  # a skeleton that builds on an exercise before it, which it gives away
+    pip install --constraint constraints.txt jupyterlab matplotlib
+    jupyter lab notebooks"""
+PLAIN = "The lesson begins with `lessons/index.md`."
 
-    def __str__(self) -> str:
-        """Say it in a sentence."""
-        if not self.solution:
-            return f"{self.file} has the markers of a solution"
-        return f"{self.file} has lines of {self.solution}, from {self.line!r} on"
+Make = Callable[[Collection[str]], Mapping[str, bytes]]
 
 
 def release(
@@ -91,6 +87,7 @@ def release(
     *,
     exercises: Collection[str] = (),
     archive: bool = False,
+    make: Make | None = None,
     root: Path = ROOT,
 ) -> list[Leak]:
     """Write the students' material into `folder`; return which skeletons give earlier answers away.
@@ -103,17 +100,20 @@ def release(
         Only these (slugs); without any, all.
     archive
         Make `FOLDER.zip` beside it too, the same bytes each time; `pip install` takes either.
+    make
+        Makes the lesson's site and the notebooks, given the exercises that are left out (see
+        `grader.handouts`). Without it there are no notebooks, and the lesson is its Markdown.
 
     Raises
     ------
     InputError
-        `folder` (or the archive) is already there.
+        `folder` (or the archive) is already there; what `make` raises.
     GraderError
         A piece of a solution was about to be handed out.
     """
     packed = folder.with_name(folder.name + ".zip")
     _check_free(folder, packed if archive else None)
-    files = contents(exercises, root)
+    files = contents(exercises, root, make)
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".release-") as name:
         staged = Path(name) / "course"
@@ -133,20 +133,26 @@ def release(
     return found
 
 
-def contents(exercises: Collection[str] = (), root: Path = ROOT) -> dict[str, bytes]:
+def contents(
+    exercises: Collection[str] = (), root: Path = ROOT, make: Make | None = None
+) -> dict[str, bytes]:
     """Return every file of a release by its path, in order."""
     known = [exercise.slug for exercise in all_exercises()]
     left_out = {slug for slug in known if exercises and slug not in exercises}
     found = {path: (root / path).read_bytes() for path in SINGLE if (root / path).is_file()}
     for room, suffixes in KEPT.items():
+        if make is not None and room == LESSONS:
+            continue  # its site goes out
         for file in _walk(root / room):
             path = file.relative_to(root).as_posix()
-            if file.suffix in suffixes and _is_public(path, left_out):
+            if _is_kept(file, suffixes) and _is_public(path, left_out):
                 found[path] = file.read_bytes()
     if QUIZ in found:
         found[QUIZ] = questions(found[QUIZ].decode("utf-8")).encode()
+    if make is not None:
+        found.update(make(left_out))
     found["pyproject.toml"] = _pyproject((root / "pyproject.toml").read_text("utf-8")).encode()
-    found["README.md"] = _readme(left_out).encode()
+    found["README.md"] = _readme(left_out, PLAIN if make is None else WITH_SITE).encode()
     return dict(sorted(found.items()))
 
 
@@ -158,46 +164,6 @@ def questions(quiz: str) -> str:
         if text.startswith(("#", "*")):
             kept.append(text)
     return "\n\n".join(kept) + "\n"
-
-
-def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
-    """Return where a release gives an answer away.
-
-    Searched for: solution markers, and any run of SHINGLE lines of a solution that the skeletons
-    don't have.
-    """
-    given = set[Shingle]()
-    for file in (folder / "exercises").rglob("*.py"):
-        given.update(_shingles(_lines(file)))
-    secrets: dict[Shingle, str] = {}
-    for file in sorted(solutions.rglob("*.py")):
-        place = file.relative_to(solutions.parent).as_posix()
-        for shingle in _secret_shingles(file):
-            if shingle not in given or _is_marked(file):
-                secrets.setdefault(shingle, place)
-    numbers = {exercise.slug: exercise.number for exercise in all_exercises()}
-    found = []
-    for file in sorted(folder.rglob("*")):
-        if not file.is_file() or file.suffix not in (".py", ".md", ".toml", ".txt"):
-            continue
-        place, lines = file.relative_to(folder).as_posix(), _lines(file)
-        if any(BLOCK.match(line) for line in lines):
-            found.append(Leak(place, "", ""))
-        hits = (s for size in SIZES for s in _shingles(lines, size) if s in secrets)
-        first = {secrets[hit]: hit[0] for hit in reversed(list(hits))}
-        found += [
-            Leak(place, source, line, _builds_on(place, source, numbers))
-            for source, line in sorted(first.items())
-        ]
-    return found
-
-
-def _builds_on(place: str, source: str, numbers: Mapping[str, int]) -> bool:
-    """Tell whether this is the skeleton of a later exercise than the one whose solution it has."""
-    of, own = PurePosixPath(source).parts[1], PurePosixPath(place).parts
-    if own[0] != "exercises" or own[1] not in numbers or of not in numbers:
-        return False
-    return numbers[own[1]] > numbers[of]
 
 
 # --- what goes in --------------------------------------------------------------------------
@@ -215,9 +181,14 @@ def _walk(folder: Path) -> Iterator[Path]:
             yield path
 
 
+def _is_kept(file: Path, suffixes: Collection[str]) -> bool:
+    return file.suffix in suffixes or (not file.suffix and file.parent.name == MARKER)
+
+
 def _is_public(path: str, left_out: set[str]) -> bool:
     parts = PurePosixPath(path).parts
-    if parts[0] != "grader" and not left_out.isdisjoint(parts):
+    names = {*parts, PurePosixPath(path).stem}
+    if parts[0] != "grader" and not left_out.isdisjoint(names):
         return False  # checks stay: those of one exercise use another's
     if parts[0] == "grader" and not {*INSTRUCTORS}.isdisjoint(parts):
         return False
@@ -231,54 +202,14 @@ def _pyproject(text: str) -> str:
     return "".join(part for part in kept if not part.startswith(ours))
 
 
-def _readme(left_out: Collection[str]) -> str:
+def _readme(left_out: Collection[str], lesson: str) -> str:
     rows = [
         f"| {exercise.number} | [{exercise.slug}](exercises/{exercise.slug}/README.md) "
         f"| {exercise.summary} |"
         for exercise in all_exercises()
         if exercise.slug not in left_out
     ]
-    return README.format(rows="\n".join(rows))
-
-
-# --- what must not -------------------------------------------------------------------------
-
-
-def _lines(file: Path) -> list[str]:
-    text = file.read_text("utf-8", "replace")
-    return [line for line in (line.strip() for line in text.splitlines()) if line]
-
-
-def _shingles(lines: list[str], size: int = SHINGLE) -> Iterator[Shingle]:
-    for start in range(len(lines) - size + 1):
-        yield tuple(lines[start : start + size])
-
-
-def _is_marked(file: Path) -> bool:
-    return any(BLOCK.match(line) for line in _lines(file))
-
-
-def _secret_shingles(file: Path) -> Iterator[Shingle]:
-    """Yield the runs of lines that nobody may hand out.
-
-    Of a reference, what stands in its solution blocks (four lines or more); of variants and
-    mutants, everything.
-    """
-    if not _is_marked(file):
-        yield from _shingles(_lines(file))
-        return
-    block: list[str] | None = None
-    for line in _lines(file):
-        marker = BLOCK.match(line)
-        if marker is None:
-            if block is not None:
-                block.append(line)
-        elif marker[1] == "BEGIN SOLUTION":
-            block = []
-        elif block is not None:
-            if len(block) >= SIZES[0]:
-                yield from _shingles(block, min(SHINGLE, len(block)))
-            block = None
+    return README.format(rows="\n".join(rows), lesson=lesson)
 
 
 # --- files ---------------------------------------------------------------------------------

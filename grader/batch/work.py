@@ -18,7 +18,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from grader.errors import GraderError, InputError
 from grader.exercises import Exercise, find_exercise
 from grader.launch import Nursery
 from grader.scratch import prefix
+from grader.warm import WarmNurseries
 
 UNIT_LIMIT = 2 * 3600.0  # [s] after which a worker gives itself up; trials end long before
 TICK = os.sysconf("SC_CLK_TCK")  # of the times in /proc [1/s]
@@ -69,21 +70,14 @@ class UnitResult:
     memory: int = 0  # [bytes] the worker's, resident
 
 
-@dataclass
-class _Kept:
-    """What a worker keeps between units."""
-
-    nursery: Nursery | None = None
-    libraries: tuple[str, ...] = ()
-    lock: threading.Lock = field(default_factory=threading.Lock)
-
-
-_kept = _Kept()
+_one_at_a_time = threading.Lock()
+_nurseries = WarmNurseries(most=1)  # of this worker, kept between units
+atexit.register(_nurseries.close)
 
 
 def grade_unit(unit: Unit) -> UnitResult:
     """Grade a unit; two at a time in one process wait for each other."""
-    with _kept.lock, _given_up_after(UNIT_LIMIT):
+    with _one_at_a_time, _given_up_after(UNIT_LIMIT):
         start, before = time.monotonic(), cpu_seconds()
         result = _grade(unit)
         _tidy_memory()
@@ -98,9 +92,9 @@ def grade_unit(unit: Unit) -> UnitResult:
 
 def isolation_problem() -> str:
     """Say why this worker should not run other people's code; "" if it may."""
-    with _kept.lock:
+    with _one_at_a_time:
         try:
-            return isolation_is_enough(_nursery(()))
+            return isolation_is_enough(_nurseries.of())
         except (GraderError, InputError) as error:
             raise GraderError(str(error)) from None
 
@@ -152,10 +146,10 @@ def _grade(unit: Unit) -> UnitResult:
             packed = b"" if unit.room or not unit.bags else _packed(room)
         return UnitResult(grading, bags=packed)
     except (GraderError, InputError) as error:
-        _close()
+        _nurseries.close()
         return UnitResult(None, " ".join(str(error).split()))
     except Exception as error:  # the grader's own fault costs a student nothing, nor the class
-        _close()
+        _nurseries.close()
         text = f"the grader failed ({type(error).__name__}: {str(error)[:300]})"
         return UnitResult(None, " ".join(text.split()))
 
@@ -164,7 +158,7 @@ def _run(exercise: Exercise, unit: Unit, bags: Path | None) -> dict[str, Any]:
     from grader.grading import grade_submission  # noqa: PLC0415  (pulls the whole judge in)
     from grader.submission import find_submission  # noqa: PLC0415
 
-    nursery = _nursery(exercise.libraries)
+    nursery = _nurseries.of(exercise.libraries)
     refusal = "" if unit.trust else isolation_is_enough(nursery)
     if refusal:
         raise GraderError(refusal)
@@ -214,23 +208,6 @@ def _packed(folder: Path) -> bytes:
     with tarfile.open(fileobj=stream, mode="w:gz", compresslevel=1) as archive:
         archive.add(folder, arcname=".")
     return stream.getvalue()
-
-
-def _nursery(libraries: tuple[str, ...]) -> Nursery:
-    """Return the process's one warm nursery; it changes with what it has to import."""
-    from sim.messages import EPOCH_NS  # noqa: PLC0415
-
-    if _kept.nursery is None or _kept.libraries != libraries:
-        _close()
-        _kept.nursery, _kept.libraries = Nursery(EPOCH_NS, libraries=libraries), libraries
-    return _kept.nursery
-
-
-@atexit.register
-def _close() -> None:
-    nursery, _kept.nursery = _kept.nursery, None
-    if nursery is not None:
-        nursery.__exit__()
 
 
 @contextlib.contextmanager

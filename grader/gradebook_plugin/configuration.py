@@ -18,6 +18,7 @@ from nbgrader.preprocessors import (
 )
 
 from grader.gradebook_plugin.autograde import CourseExporter, JudgeNodes, RestoreCells
+from grader.gradebook_plugin.offline import work_offline
 from grader.gradebook_plugin.release import LeaveSkeletons
 
 VALIDATION_LIMIT = 300  # [s] for a test cell in `nbgrader validate`; nbgrader's own is 30
@@ -40,6 +41,7 @@ def set_up(config: Any) -> None:
     config.Autograde.sanitize_preprocessors = [RestoreCells, CheckCellMetadata]
     config.Autograde.autograde_preprocessors = [JudgeNodes, AssignLatePenalties, CheckCellMetadata]
     config.Execute.timeout = VALIDATION_LIMIT
+    work_offline(config)
 
 
 def _find_programs() -> None:

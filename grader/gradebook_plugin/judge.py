@@ -5,7 +5,7 @@ from __future__ import annotations
 import atexit
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,9 @@ from grader.doctor import foreign_code_problem
 from grader.errors import GraderError, InputError
 from grader.exercises import Exercise
 from grader.grading import grade_submission
-from grader.launch import Nursery
 from grader.scratch import fresh_folder
 from grader.submission import find_submission
-from sim.messages import EPOCH_NS
+from grader.warm import WarmNurseries
 
 
 @dataclass(frozen=True)
@@ -29,16 +28,9 @@ class Verdict:
     remarks: tuple[str, ...] = ()
 
 
-@dataclass
-class _Kept:
-    """What this process keeps from one student to the next."""
-
-    nursery: Nursery | None = None
-    libraries: tuple[str, ...] = ()
-    lock: threading.Lock = field(default_factory=threading.Lock)
-
-
-_kept = _Kept()
+_one_at_a_time = threading.Lock()
+_nurseries = WarmNurseries(most=1)  # kept from one student to the next
+atexit.register(_nurseries.close)
 
 
 def refusal() -> str:
@@ -49,8 +41,8 @@ def refusal() -> str:
     GraderError
         No node can run here at all.
     """
-    with _kept.lock:
-        return foreign_code_problem(_nursery(()).layers)
+    with _one_at_a_time:
+        return foreign_code_problem(_nurseries.of().layers)
 
 
 def judge(exercise: Exercise, files: Mapping[str, str], *, seed: int | None = None) -> Verdict:
@@ -58,7 +50,7 @@ def judge(exercise: Exercise, files: Mapping[str, str], *, seed: int | None = No
     there = [name for name in exercise.files if name in files]
     if not there:
         return Verdict(None, missing=f"expected a cell that begins with %%node {exercise.files[0]}")
-    with _kept.lock, fresh_folder() as folder:
+    with _one_at_a_time, fresh_folder() as folder:
         for file in there:
             (folder / file).write_bytes(files[file].encode("utf-8", "replace"))
         try:
@@ -67,7 +59,7 @@ def judge(exercise: Exercise, files: Mapping[str, str], *, seed: int | None = No
             said = " ".join(str(error).split())
         except Exception as error:  # the grader's own fault costs a student nothing
             said = " ".join(f"the grader failed ({type(error).__name__}: {error})".split())
-        _close()
+        _nurseries.close()
         return Verdict(None, problem=said[:600])
 
 
@@ -76,22 +68,8 @@ def _grading(exercise: Exercise, file: Path, seed: int | None) -> dict[str, Any]
     grading = grade_submission(
         exercise,
         find_submission(file, first, others),
-        _nursery(exercise.libraries),
+        _nurseries.of(exercise.libraries),
         file=file.name,
         seed=seed,
     )
     return grading.as_dict()
-
-
-def _nursery(libraries: tuple[str, ...]) -> Nursery:
-    if _kept.nursery is None or _kept.libraries != libraries:
-        _close()
-        _kept.nursery, _kept.libraries = Nursery(EPOCH_NS, libraries=libraries), libraries
-    return _kept.nursery
-
-
-@atexit.register
-def _close() -> None:
-    nursery, _kept.nursery = _kept.nursery, None
-    if nursery is not None:
-        nursery.__exit__()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 
-HEIGHT = 860  # [px]
+HEIGHT = 900  # [px]
 # A page in a frame is as dark as the frame's element: JupyterLab and nbconvert, VS Code, Colab.
 STYLE = """\
 <style>

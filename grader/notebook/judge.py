@@ -43,7 +43,7 @@ from grader.recording import Recording
 from grader.report import embedded_payload, json_text, page_html, page_payload
 from grader.submission import find_submission
 from grader.terminal import render_terminal
-from sim.messages import EPOCH_NS
+from grader.warm import WarmNurseries
 
 GRACE = 5.0  # [s] for an interrupted order to tidy up
 WIDTH = 100  # [characters] of the tables
@@ -53,26 +53,6 @@ LEAST_WAY = 0.2  # [m] of a drive worth seeing
 Send = Callable[[Answer], None]
 
 
-class Nurseries(contextlib.ExitStack):
-    """The warm processes, one for each set of libraries."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._known: dict[tuple[str, ...], Nursery] = {}
-
-    def of(self, libraries: tuple[str, ...]) -> Nursery:
-        """Return the nursery that has imported these modules; it starts when first asked for."""
-        if libraries not in self._known:
-            nursery = Nursery(EPOCH_NS, libraries=libraries)
-            self._known[libraries] = self.enter_context(nursery)
-        return self._known[libraries]
-
-    def give_up(self) -> None:
-        """End them all: after a fault nobody knows in what state one is."""
-        self._known.clear()
-        self.close()
-
-
 def main() -> None:
     """Carry out orders until the kernel closes the pipe."""
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
@@ -80,7 +60,7 @@ def main() -> None:
     orders: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(sys.stdin.buffer, orders), daemon=True).start()
     send = _sender(answers)
-    with contextlib.suppress(KeyboardInterrupt, BrokenPipeError), Nurseries() as nurseries:
+    with contextlib.suppress(KeyboardInterrupt, BrokenPipeError), WarmNurseries() as nurseries:
         while line := orders.get():
             order = msgspec.json.decode(line, type=Order)
             answer = carry_out(order, nurseries, send)
@@ -88,7 +68,7 @@ def main() -> None:
                 send(answer)
 
 
-def carry_out(order: Order, nurseries: Nurseries, send: Send) -> Answer | None:
+def carry_out(order: Order, nurseries: WarmNurseries, send: Send) -> Answer | None:
     """Do what is asked for, and return the answer: none to `Warm`."""
     try:
         match order:
@@ -102,7 +82,7 @@ def carry_out(order: Order, nurseries: Nurseries, send: Send) -> Answer | None:
     except InputError as error:
         return None if isinstance(order, Warm) else Problem(str(error))
     except GraderError as error:
-        nurseries.give_up()
+        nurseries.close()
         return None if isinstance(order, Warm) else Problem(str(error), fault=True)
 
 
@@ -120,7 +100,7 @@ def _drive(order: Drive, nursery: Nursery) -> Driven:
     return Driven(said.getvalue(), page_html({**payload, "embedded": True}))
 
 
-def _grade(order: Grade, nurseries: Nurseries, send: Send) -> Graded:
+def _grade(order: Grade, nurseries: WarmNurseries, send: Send) -> Graded:
     exercise = find_exercise(order.exercise)
     path = Path(order.file)
     submission = find_submission(path, exercise.files[0], exercise.files[1:])

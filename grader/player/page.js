@@ -6,6 +6,7 @@ const OUTCOMES = {
 };
 const outcomeOf = (check) => (Object.hasOwn(OUTCOMES, text(check.outcome)) ? check.outcome : 'error');
 const isPoints = (value) => (Number.isFinite(value) ? String(Math.round(value * 100) / 100) : '0');
+const WIDE = 930; // [pixels] of a page on which log and account stand side by side
 const isCore = (check) => check.kind !== 'field';
 
 function buildTop(payload) {
@@ -31,6 +32,20 @@ function toggleTheme() {
 
 // --- in a frame ------------------------------------------------------------------------------
 
+/** The run in words would stand below the log, out of view. */
+function foldAccount(page) {
+  page.querySelectorAll('.account-part').forEach((part) => { part.open = false; });
+}
+
+/** Once the frame has its width: it has none where it is folded away. */
+function foldIfNarrow(page) {
+  new ResizeObserver((_, observer) => {
+    if (!page.clientWidth) return;
+    observer.disconnect();
+    if (page.clientWidth < WIDE) foldAccount(page);
+  }).observe(page);
+}
+
 /** Follow what the page around the frame says: light or dark; and whether the frame is to fit. */
 function followFrame({ data }) {
   const { theme, fit } = data || {};
@@ -41,7 +56,7 @@ function followFrame({ data }) {
   const page = document.getElementById('page');
   if (!fit || page.classList.contains('is-fitted')) return;
   page.classList.add('is-fitted');
-  page.querySelectorAll('.account-part').forEach((part) => { part.open = false; });
+  foldAccount(page);
   new ResizeObserver(() => parent.postMessage({ height: page.offsetHeight }, '*')).observe(page);
 }
 
@@ -203,8 +218,10 @@ function buildPage(page, payload) {
         : el('main', { class: 'replay-column' }, root)),
     payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
-  if (payload.embedded && window.replayPlayer) window.replayPlayer.jumpTo(0, 0);
-  if (payload.embedded) window.addEventListener('message', followFrame);
+  if (!payload.embedded) return;
+  if (window.replayPlayer) window.replayPlayer.jumpTo(0, 0);
+  foldIfNarrow(page);
+  window.addEventListener('message', followFrame);
 }
 
 /** On a narrow page the player is below the check that was pressed. */

@@ -117,11 +117,8 @@ class Tab:
 
 
 @contextmanager
-def tab(browser: Any, server: Server, theirs: str = "", **options: Any) -> Iterator[Tab]:
-    """Open an empty page; at the end nothing of ours may have complained or asked elsewhere.
-
-    Requests that begin with `theirs` are Jupyter's own; they are answered with nothing.
-    """
+def tab(browser: Any, server: Server, **options: Any) -> Iterator[Tab]:
+    """Open an empty page; at the end nothing may have complained, or asked elsewhere."""
     settings = {
         "viewport": {"width": 1280, "height": 960},
         "reduced_motion": "reduce",
@@ -136,9 +133,6 @@ def tab(browser: Any, server: Server, theirs: str = "", **options: Any) -> Itera
             opened.note(message.type, message.text, message.location.get("url", ""))
 
     def ask(route: Any) -> None:
-        if theirs and route.request.url.startswith(theirs):
-            route.fulfill(body="", content_type="text/javascript")
-            return
         opened.strangers.append(route.request.url)
         route.abort()
 

@@ -36,8 +36,6 @@ NAME = "01_loop"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
 MISTAKE = "slow_is_too_fast"  # one of exercise 1's mutants
-# nbgrader's own pages ask for it; without it formulas stay as they were typed.
-MATHJAX = "https://cdnjs.cloudflare.com/ajax/libs/mathjax/"
 WIDE = {"viewport": {"width": 1280, "height": 1000}}
 
 
@@ -62,7 +60,7 @@ def server(course: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[S
 
 @pytest.fixture
 def page(browser: Any, server: Server) -> Iterator[Any]:
-    with tab(browser, server, MATHJAX, **WIDE) as opened:
+    with tab(browser, server, **WIDE) as opened:
         opened.page.goto(server.address("formgrader/manage_assignments"))
         yield opened.page
 
@@ -80,7 +78,7 @@ def row(page: Any, text: str) -> Any:
 
 
 def test_it_opens_within_jupyterlab(browser: Any, server: Server) -> None:
-    with tab(browser, server, MATHJAX, **WIDE) as opened:
+    with tab(browser, server, **WIDE) as opened:
         page = opened.page
         page.goto(server.address("lab"))
         page.get_by_role("menuitem", name="Nbgrader", exact=True).click()
@@ -127,6 +125,7 @@ def test_a_submission_is_listed_and_shows_the_judges_table(
     assert "✗ FAIL" in text
     assert "✓ pass" in text
     assert "expected" in text
+    page.wait_for_function("() => document.activeElement.matches('.tabbable')")  # the first answer
     scores = page.locator("input.score")
     page.wait_for_function(
         "() => [...document.querySelectorAll('input.score')].every((e) => e.value || e.placeholder)"
@@ -140,7 +139,7 @@ def test_a_submission_is_listed_and_shows_the_judges_table(
 def test_the_feedback_has_the_table_and_complains_about_nothing(
     browser: Any, server: Server
 ) -> None:
-    with tab(browser, server, MATHJAX) as opened:
+    with tab(browser, server) as opened:
         path = f"feedback/ada/{ASSIGNMENT}/{NAME}.html"
         opened.page.goto(server.address(f"files/{path}"))
         text = opened.page.locator("body").inner_text()

@@ -34,9 +34,9 @@ def open_output(browser: Any, tmp_path: Path) -> Iterator[Any]:
     """Open HTML as a cell's output; nothing may be complained about or asked for."""
     contexts, complaints, requests = [], [], []
 
-    def open_(output: str, theme: str = "light", system: str = "light") -> Any:
+    def open_(output: str, theme: str = "light", system: str = "light", width: int = 1000) -> Any:
         context = browser.new_context(
-            viewport={"width": 1000, "height": 900}, color_scheme=system, reduced_motion="reduce"
+            viewport={"width": width, "height": 900}, color_scheme=system, reduced_motion="reduce"
         )
         contexts.append(context)
         page = context.new_page()
@@ -109,6 +109,36 @@ def test_the_replay_draws_itself_in_a_sandboxed_frame(open_output: Any, theme: s
     )
     assert colours > 10
     assert frame.locator("h1").count() == 0  # the notebook says that
+
+
+PARTS = (".stage", ".readout", ".transport", ".plot", ".log-list", ".account-part summary")
+
+
+@pytest.mark.parametrize("width", [600, 860, 1200])
+def test_nothing_of_the_replay_is_cut_off(open_output: Any, width: int) -> None:
+    """No script of a notebook makes the frame taller: all of the player is in view."""
+    output = frame_html(page_of([payloads.wall_run()]), title="Replay")
+    frame = frame_in(open_output(output, width=width))
+    still(frame)
+
+    height, inner = frame.evaluate("[document.documentElement.scrollHeight, innerHeight]")
+    assert height <= inner + 1
+    assert frame.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    for part in PARTS:
+        bottom = frame.evaluate(
+            "(part) => document.querySelector(part).getBoundingClientRect().bottom", part
+        )
+        assert bottom <= inner, part
+    assert frame.evaluate("document.querySelector('.map').clientHeight") >= 180
+    assert frame.evaluate("document.querySelector('.account-part').open") == (width == 1200)
+
+
+def test_a_frame_that_is_too_low_scrolls(open_output: Any) -> None:
+    output = frame_html(page_of([payloads.wall_run()]), title="Replay", height=400)
+    frame = frame_in(open_output(output))
+
+    assert frame.evaluate("document.documentElement.scrollHeight > innerHeight")
+    assert frame.evaluate("document.querySelector('.map').clientHeight") >= 180
 
 
 @pytest.mark.parametrize("theme", THEMES)

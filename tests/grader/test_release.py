@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
+import html
+import json
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
+from collections.abc import Collection
 from pathlib import Path
 
 import pytest
 
+from grader import handouts
 from grader.errors import GraderError, InputError
 from grader.exercises import ROOT, all_exercises
-from grader.release import contents, leaks, questions, release
+from grader.leaks import leaks
+from grader.release import contents, questions, release
 from grader.skeletons import strip_solution
+
+# What is made for a release is tested where it is made: tests/lessons/test_released_site.py,
+# tests/notebooks/test_released_notebooks.py and, the whole of it, test_handouts.py.
+
+
+NOTHING = json.dumps({"cells": []}).encode()  # a notebook
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +49,101 @@ def test_students_get_what_they_need(released: Path) -> None:
     assert "sim/scenarios/demo/demo_wall.toml" in there
 
 
+def test_students_get_the_ros_packages(tmp_path: Path) -> None:
+    given = {
+        "LICENSE", "pyproject.toml", "README.md",
+        "exercises/package.xml", "exercises/setup.py", "exercises/setup.cfg",
+        "exercises/resource/course_exercises", "exercises/launch/exercise.launch.py",
+        "exercises/config/slow_model.yaml", "exercises/rviz/course.rviz", "sim/package.xml",
+        "sim/resource/course_sim",
+    }  # fmt: skip
+    for name in ("pyproject.toml", "LICENSE"):
+        (tmp_path / name).write_bytes((ROOT / name).read_bytes())
+    for path in given | {"exercises/notes", "sim/worlds/draft", "exercises/secret.yaml"}:
+        if not (tmp_path / path).exists():
+            (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / path).write_text("", "utf-8")
+    assert set(contents((), tmp_path)) == given
+    one = set(contents(["obstacle_avoidance"], tmp_path))
+    assert given - one == {"exercises/config/slow_model.yaml"}
+
+
+def test_every_file_of_the_ros_packages_is_released(released: Path) -> None:
+    there = files(released)
+    for folder in ("exercises", "sim"):
+        for part in ("package.xml", "setup.py", "setup.cfg", "launch", "config", "rviz",
+                     "resource"):  # fmt: skip
+            place = ROOT / folder / part
+            found = place.rglob("*") if place.is_dir() else [place]
+            for file in found:
+                if file.is_file() and "__pycache__" not in file.parts:
+                    assert file.relative_to(ROOT).as_posix() in there
+
+
+# --- what is made ----------------------------------------------------------------------------
+
+
+def test_what_is_made_goes_out_in_place_of_the_plain_pages(tmp_path: Path) -> None:
+    asked = []
+
+    def make(left_out: Collection[str]) -> dict[str, bytes]:
+        asked.append(set(left_out))
+        return {"lesson/index.html": b"<p>The lesson</p>", "notebooks/01_loop.ipynb": NOTHING}
+
+    release(tmp_path / "week", exercises=["obstacle_avoidance"], make=make)
+    there = files(tmp_path / "week")
+    assert {"lesson/index.html", "notebooks/01_loop.ipynb"} <= there
+    assert not any(path.startswith("lessons/") for path in there)
+    assert asked == [{e.slug for e in all_exercises()} - {"obstacle_avoidance"}]
+    readme = (tmp_path / "week" / "README.md").read_text("utf-8")
+    assert "`lesson/index.html`" in readme
+    assert "jupyter lab notebooks" in readme
+
+
+def test_plain_says_where_the_lesson_begins(released: Path) -> None:
+    readme = (released / "README.md").read_text("utf-8")
+    assert "`lessons/index.md`" in readme
+    assert "jupyter" not in readme
+    assert (released / "lessons" / "index.md").is_file()
+
+
+def test_a_leak_in_what_is_made_stops_the_release(tmp_path: Path) -> None:
+    solution = (ROOT / "solutions/goal_seeking/goal_seeking_agent.py").read_text("utf-8")
+    cell = {"cell_type": "code", "source": solution.splitlines(keepends=True), "outputs": []}
+    made = {"notebooks/03_state.ipynb": json.dumps({"cells": [cell]}).encode()}
+    with pytest.raises(GraderError, match=r"nothing was released: notebooks/03_state\.ipynb, cell"):
+        release(tmp_path / "out", make=lambda _: made)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_is_made_where_there_is_no_room(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+
+    def make(_: Collection[str]) -> dict[str, bytes]:
+        raise AssertionError("made in vain")
+
+    with pytest.raises(InputError, match="new or empty"):
+        release(tmp_path, make=make)
+
+
+def test_without_sphinx_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(handouts, "NEEDED", {"json": "base", "sphynx": "site", "nbgreder": "class"})
+    with pytest.raises(InputError) as refused:
+        handouts.require_tools()
+    said = str(refused.value)
+    assert "sphynx, nbgreder are not installed" in said
+    assert "pip install --editable '.[site,class]'" in said
+    assert "--plain" in said
+
+
+def test_a_program_that_fails_is_quoted() -> None:
+    with pytest.raises(GraderError, match=r"(?s)nothing_of_the_kind failed: .*ModuleNotFoundError"):
+        handouts._run("-c", "import nothing_of_the_kind")
+
+
+# --- what must not be there ------------------------------------------------------------------
+
+
 def test_students_get_no_answers(released: Path) -> None:
     for path in files(released):
         parts = path.split("/")
@@ -54,9 +161,8 @@ def test_no_piece_of_a_solution_is_handed_out(released: Path) -> None:
 
 def test_one_exercise_alone_gives_nothing_away(tmp_path: Path) -> None:
     assert release(tmp_path / "week", exercises=["obstacle_avoidance"]) == []
-    assert [path.name for path in (tmp_path / "week" / "exercises").iterdir()] == [
-        "obstacle_avoidance"
-    ]
+    given = (tmp_path / "week" / "exercises").glob("*/exercise.toml")
+    assert [path.parent.name for path in given] == ["obstacle_avoidance"]
     assert not (tmp_path / "week" / "sim" / "scenarios" / "goal_seeking").exists()
     assert "goal_seeking" not in (tmp_path / "week" / "README.md").read_text("utf-8")
 
@@ -79,6 +185,49 @@ def test_the_search_finds_what_is_put_in(tmp_path: Path, where: str, source: str
     assert all(leak.solution.startswith("solutions/") for leak in found)
 
 
+def lines_of(source: str) -> list[str]:
+    text = (ROOT / "solutions" / source).read_text("utf-8")
+    return [line for line in text.splitlines() if "###" not in line]
+
+
+PAGE = '<td class="linenos"></td><div class="highlight"><pre>{}</pre></div>'
+MUTANT = "goal_seeking/mutants/heading_without_yaw.py"
+
+
+@pytest.mark.parametrize("source", ["goal_seeking/goal_seeking_agent.py", MUTANT])
+def test_the_search_reads_pages_as_a_reader_does(tmp_path: Path, source: str) -> None:
+    """Sphinx numbers the lines, colours the words and writes &lt; for <."""
+    coloured = "\n".join(
+        f'<span class="linenos">{number:2}</span><span></span><span class="n">'
+        f"{html.escape(line).replace(' = ', '</span> <span class=o>=</span> <span>')}</span>"
+        for number, line in enumerate(lines_of(source), start=1)
+    )
+    (tmp_path / "lesson.html").write_text(PAGE.format(coloured), "utf-8")
+    found = leaks(tmp_path)
+    assert {leak.file for leak in found} == {"lesson.html"}
+    assert f"solutions/{source}" in {leak.solution for leak in found}
+
+
+def test_the_search_reads_notebooks_cell_by_cell(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "exercises", tmp_path / "exercises")
+    skeleton = (ROOT / "exercises/trend_memory/trend_agent.py").read_text("utf-8")
+    mutant = "\n".join(lines_of(MUTANT))
+    cells = [
+        {"cell_type": "markdown", "source": "words"},
+        {"cell_type": "code", "source": f"%%node trend_agent.py\n{skeleton}", "outputs": []},
+        {"cell_type": "markdown", "source": mutant},
+        {"cell_type": "code", "source": ["### BEGIN HIDDEN TESTS\n", "assert True"], "outputs": []},
+    ]
+    (tmp_path / "03_state.ipynb").write_text(json.dumps({"cells": cells}), "utf-8")
+    found = [leak for leak in leaks(tmp_path) if leak.file.startswith("03_state")]
+    earlier = [leak for leak in found if leak.earlier]
+    assert {leak.file for leak in earlier} == {"03_state.ipynb, cell 2"}
+    assert {leak.solution.split("/")[1] for leak in earlier} == {"obstacle_avoidance"}
+    wrong = [leak for leak in found if not leak.earlier]
+    assert {leak.file for leak in wrong if leak.solution} == {"03_state.ipynb, cell 3"}
+    assert [leak.file for leak in wrong if not leak.solution] == ["03_state.ipynb, cell 4"]
+
+
 def test_a_skeleton_is_no_leak_and_its_solution_is(tmp_path: Path) -> None:
     source = ROOT / "solutions" / "goal_seeking" / "goal_seeking_agent.py"
     target = tmp_path / "exercises" / "goal_seeking" / source.name
@@ -94,7 +243,7 @@ def test_a_skeleton_is_no_leak_and_its_solution_is(tmp_path: Path) -> None:
 
 def test_a_leak_stops_the_release(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     solution = (ROOT / "solutions/goal_seeking/goal_seeking_agent.py").read_bytes()
-    spoilt = contents() | {"sim/notes.py": solution}
+    spoilt = contents() | {"sim/notes.py": solution}  # as if somebody had put it there
     monkeypatch.setattr("grader.release.contents", lambda *_: spoilt)
     with pytest.raises(GraderError, match=r"nothing was released: sim/notes\.py"):
         release(tmp_path / "out", archive=True)
@@ -107,7 +256,9 @@ def test_secrets_lying_about_are_left_where_they_are(tmp_path: Path) -> None:
     for path in (
         "secret.txt", "exercises/a/secret.toml", "exercises/a/a_solution.py", "exercises/a/.env.py",
         "sim/scenarios/hidden/final.toml", "sim/scenarios/a/hidden_exam.toml", "grader/key.pem",
-        "lessons/private.md", "docs/mutants.md", "exercises/a/build/a.py",
+        "lessons/private.md", "docs/mutants.md", "exercises/a/build/a.py", "notebooks/secret.txt",
+        "notebooks/gradebook.db", "notebooks/source/lesson_3_2/01_loop.ipynb",
+        "notebooks/submitted/ada/lesson_3_2/01_loop.ipynb",
     ):  # fmt: skip
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text("secret = 1", "utf-8")
@@ -170,7 +321,7 @@ def course_release(*arguments: object) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_command_releases_one_exercise(tmp_path: Path) -> None:
-    done = course_release(tmp_path / "week", "--exercise", "3", "--student-package")
+    done = course_release(tmp_path / "week", "--exercise", "3", "--student-package", "--plain")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.split() == [
         *f"Students' material: {tmp_path / 'week'}".split(),
@@ -180,7 +331,7 @@ def test_the_command_releases_one_exercise(tmp_path: Path) -> None:
 
 
 def test_the_command_says_which_skeletons_give_something_away(tmp_path: Path) -> None:
-    done = course_release(tmp_path / "all")
+    done = course_release(tmp_path / "all", "--plain")
     assert done.returncode == 0
     assert "Note: exercises/trend_memory/trend_agent.py has lines of" in done.stderr
 

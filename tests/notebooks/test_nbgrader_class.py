@@ -306,6 +306,7 @@ def test_feedback_and_export(course: Path, gradebook: Grades) -> None:
     assert f"(Score: {points:g}" in page.replace(".0 /", " /")
     assert "✗ FAIL" in page
     assert "expected: " in page
+    assert not re.search(r"""(src|srcset)=["']?\s*(https?:)?//|mathjax/""", page)
     with (course / "grades.csv").open(newline="") as file:
         rows = {row["student_id"]: float(row["score"]) for row in csv.DictReader(file)}
     for student in STUDENTS:

@@ -14,16 +14,17 @@ import pytest
 from grader.errors import GraderError
 from grader.exercises import SOLUTIONS
 from grader.notebook import judge
-from grader.notebook.judge import Nurseries, carry_out
+from grader.notebook.judge import carry_out
 from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Problem, Progressed, Warm
+from grader.warm import WarmNurseries
 
 AGENT = "obstacle_avoidance_agent.py"
 RIGHT = SOLUTIONS / "obstacle_avoidance" / AGENT
 
 
 @pytest.fixture(scope="module")
-def nurseries() -> Iterator[Nurseries]:
-    with Nurseries() as found:
+def nurseries() -> Iterator[WarmNurseries]:
+    with WarmNurseries() as found:
         yield found
 
 
@@ -45,7 +46,7 @@ def wrong(tmp_path: Path) -> str:
     return str(file)
 
 
-def test_progress_is_told_to_the_end(nurseries: Nurseries) -> None:
+def test_progress_is_told_to_the_end(nurseries: WarmNurseries) -> None:
     sent: list[Any] = []
     answer = graded(carry_out(Grade("1", str(RIGHT), AGENT), nurseries, sent.append))
 
@@ -58,7 +59,9 @@ def test_progress_is_told_to_the_end(nurseries: Nurseries) -> None:
     assert checks == sorted(checks)
 
 
-def test_the_first_replay_is_the_first_failing_moment(nurseries: Nurseries, tmp_path: Path) -> None:
+def test_the_first_replay_is_the_first_failing_moment(
+    nurseries: WarmNurseries, tmp_path: Path
+) -> None:
     answer = graded(carry_out(Grade("1", wrong(tmp_path), AGENT), nurseries, lambda _: None))
     shown = replays(answer.page)
     failed = [c for c in json.loads(answer.grading)["checks"] if c["outcome"] == "fail"]
@@ -71,7 +74,7 @@ def test_the_first_replay_is_the_first_failing_moment(nurseries: Nurseries, tmp_
 
 
 def test_a_notebook_does_not_carry_more_than_it_can(
-    nurseries: Nurseries, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    nurseries: WarmNurseries, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     order = Grade("1", wrong(tmp_path), AGENT)
     all_of_them = graded(carry_out(order, nurseries, lambda _: None)).page
@@ -82,7 +85,7 @@ def test_a_notebook_does_not_carry_more_than_it_can(
     assert replays(only_one)[0] == replays(all_of_them)[0]
 
 
-def test_a_drive_comes_with_its_summary(nurseries: Nurseries) -> None:
+def test_a_drive_comes_with_its_summary(nurseries: WarmNurseries) -> None:
     answer = carry_out(Drive(str(RIGHT), "my.py", "demo_wall"), nurseries, lambda _: None)
 
     assert isinstance(answer, Driven)
@@ -90,7 +93,7 @@ def test_a_drive_comes_with_its_summary(nurseries: Nurseries) -> None:
     assert [replay["scenario"] for replay in replays(answer.page)] == ["demo_wall"]
 
 
-def test_wrong_orders_are_explained(nurseries: Nurseries) -> None:
+def test_wrong_orders_are_explained(nurseries: WarmNurseries) -> None:
     def ask(order: Any) -> Answer | None:
         return carry_out(order, nurseries, lambda _: None)
 
@@ -109,7 +112,7 @@ def slugs() -> list[str]:
 
 
 def test_after_a_fault_of_ours_the_nurseries_are_new(
-    nurseries: Nurseries, monkeypatch: pytest.MonkeyPatch
+    nurseries: WarmNurseries, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(*_: Any, **__: Any) -> None:
         raise GraderError("no host for the node")

@@ -1,0 +1,130 @@
+"""Make what a release has besides copies: the lesson as a site, and the students' notebooks."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+
+from grader.errors import GraderError, InputError
+from grader.exercises import ROOT, all_exercises
+from grader.gradebook_plugin.cells import definition
+
+SITE = "lesson"  # folder of the site in a release
+NOTEBOOKS = "notebooks"
+LIMIT = 600.0  # [s] for each of the programs that make them; they take seconds
+NEEDED = {  # module: the extra that brings it
+    "sphinx": "site", "myst_parser": "site", "furo": "site",
+    "nbgrader": "notebooks", "jupytext": "notebooks",
+}  # fmt: skip
+
+
+def handouts(left_out: Collection[str] = ()) -> dict[str, bytes]:
+    """Return the site and the notebooks by their paths in a release.
+
+    Parameters
+    ----------
+    left_out
+        Exercises (slugs) that are not released: notebooks with one of them are left out. The
+        site is one lesson, and has the tasks of all.
+
+    Raises
+    ------
+    InputError
+        Sphinx or nbgrader is not installed.
+    GraderError
+        One of them failed.
+    """
+    require_tools()
+    with tempfile.TemporaryDirectory(prefix="course-handouts-") as name:
+        return site(Path(name)) | without(notebooks(Path(name)), left_out)
+
+
+def require_tools() -> None:
+    """Refuse if something is not installed that makes them.
+
+    Raises
+    ------
+    InputError
+        It says what is missing, and what to do.
+    """
+    missing = [module for module in NEEDED if importlib.util.find_spec(module) is None]
+    if missing:
+        extras = ",".join(dict.fromkeys(NEEDED[module] for module in missing))
+        raise InputError(
+            f"the lesson's site and the notebooks can't be made: {', '.join(missing)} "
+            f"{'is' if len(missing) == 1 else 'are'} not installed; "
+            f"pip install --editable '.[{extras}]', or hand out the plain pages with --plain"
+        )
+
+
+def site(work: Path) -> dict[str, bytes]:
+    """Return the lesson as `make site` makes it, replays included."""
+    out = work / SITE
+    _run(
+        "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html",
+        "-d", str(work / "doctrees"), str(ROOT / "lessons"), str(out),
+    )  # fmt: skip
+    _run("-m", "grader.pitfalls", str(out / "pitfalls" / "replays"))
+    return {f"{SITE}/{path.relative_to(out).as_posix()}": data for path, data in _files(out)}
+
+
+def notebooks(work: Path) -> dict[str, bytes]:
+    """Return the notebooks as `nbgrader generate_assignment` leaves them for students."""
+    from grader.notebook.build import ASSIGNMENT, SOURCES  # noqa: PLC0415  (Jupyter: 1 s)
+    from grader.notebook.build import NOTEBOOKS as COURSE  # noqa: PLC0415
+
+    course = work / "course"
+    shutil.copytree(SOURCES, course / "source" / ASSIGNMENT)
+    shutil.copyfile(COURSE / "nbgrader_config.py", course / "nbgrader_config.py")
+    _run("-m", "nbgrader", "generate_assignment", ASSIGNMENT, "--no-db", cwd=course)
+    released = course / "release" / ASSIGNMENT
+    return {f"{NOTEBOOKS}/{path.name}": data for path, data in _files(released)}
+
+
+def without(notebooks: Mapping[str, bytes], left_out: Collection[str]) -> dict[str, bytes]:
+    """Return the notebooks that have none of these exercises (slugs)."""
+    files = {name for e in all_exercises() if e.slug in left_out for name in e.files}
+    return {path: data for path, data in notebooks.items() if files.isdisjoint(made_by(data))}
+
+
+def made_by(notebook: bytes) -> set[str]:
+    """Return the files that the cells of a notebook (its JSON) make."""
+    cells = json.loads(notebook)["cells"]
+    made = [definition("".join(cell["source"])) for cell in cells if cell["cell_type"] == "code"]
+    return {one.file for one in made if one is not None}
+
+
+def _files(folder: Path) -> Iterator[tuple[Path, bytes]]:
+    """Yield the files below a folder; nothing hidden (Sphinx' own notes)."""
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and not any(
+            part.startswith(".") for part in path.relative_to(folder).parts
+        ):
+            yield path, path.read_bytes()
+
+
+def _run(*arguments: str, cwd: Path = ROOT) -> None:
+    """Run a program of this Python, without the Jupyter settings of whoever calls it."""
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]  # a sourced ROS is there
+    with tempfile.TemporaryDirectory(prefix="course-jupyter-") as settings:
+        environment = {
+            **os.environ, "JUPYTER_CONFIG_DIR": settings, "PYTHONPATH": os.pathsep.join(paths),
+        }  # fmt: skip
+        try:
+            done = subprocess.run(
+                [sys.executable, *arguments],
+                cwd=cwd, env=environment, capture_output=True, text=True,
+                timeout=LIMIT, check=False,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            raise GraderError(f"{arguments[1]} took longer than {LIMIT:.0f} s") from None
+    if done.returncode:
+        said = (done.stderr or done.stdout).strip()
+        raise GraderError(f"{arguments[1]} failed: {said[-1500:]}")

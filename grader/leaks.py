@@ -1,0 +1,156 @@
+"""Search what is to be handed out for pieces of solutions: files, cells of notebooks, pages."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from grader.exercises import SOLUTIONS, all_exercises
+from grader.gradebook_plugin.cells import definition
+
+Shingle = tuple[str, ...]
+SHINGLE = 6  # lines in a row, without empty ones, that nobody writes twice by chance
+SIZES = (4, 5, SHINGLE)  # a solution's block may be shorter
+BLOCK = re.compile(r"^\s*### (BEGIN SOLUTION|SKELETON|END SOLUTION)\s*$")
+MARK = re.compile(r"^\s*### (SKELETON|(BEGIN|END) (SOLUTION|HIDDEN TESTS|MARK SCHEME))\s*$")
+NUMBERS = re.compile(r'<span class="linenos">[^<]*</span>')  # of the lines of a listing
+TAG = re.compile(r"<[^>]*>")
+READ = (
+    ".py", ".md", ".toml", ".txt", ".xml", ".cfg", ".yaml", ".rviz", ".html", ".js", ".ipynb",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Leak:
+    """A file of a release that has lines of a solution."""
+
+    file: str
+    solution: str  # path of the solution; "" for its markers
+    line: str  # the first of them
+    earlier: bool = False  # a skeleton that builds on an exercise before it, which it gives away
+
+    def __str__(self) -> str:
+        """Say it in a sentence."""
+        if not self.solution:
+            return f"{self.file} has the markers of a solution"
+        return f"{self.file} has lines of {self.solution}, from {self.line!r} on"
+
+
+@dataclass(frozen=True)
+class _Text:
+    """A file, or a cell of a notebook."""
+
+    place: str
+    lines: list[str]  # without empty ones
+    exercise: str = ""  # whose skeleton it is, if it is one (slug)
+
+
+def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
+    """Return where a release gives an answer away.
+
+    Searched for: the markers of solutions and hidden tests, and any run of SHINGLE lines of a
+    solution, variant or mutant that the skeletons don't have.
+    """
+    given = set[Shingle]()
+    for file in (folder / "exercises").rglob("*.py"):
+        given.update(_shingles(_lines(_read(file))))
+    secrets: dict[Shingle, str] = {}
+    for file in sorted(solutions.rglob("*.py")):
+        place = file.relative_to(solutions.parent).as_posix()
+        lines = _lines(_read(file))
+        for shingle in _secret_shingles(lines):
+            if shingle not in given or _is_marked(lines):
+                secrets.setdefault(shingle, place)
+    numbers = {exercise.slug: exercise.number for exercise in all_exercises()}
+    found = []
+    for text in _texts(folder):
+        if any(MARK.match(line) for line in text.lines):
+            found.append(Leak(text.place, "", ""))
+        hits = (s for size in SIZES for s in _shingles(text.lines, size) if s in secrets)
+        first = {secrets[hit]: hit[0] for hit in reversed(list(hits))}
+        for source, line in sorted(first.items()):
+            of = PurePosixPath(source).parts[1]
+            earlier = numbers.get(text.exercise, 0) > numbers.get(of, len(numbers))
+            found.append(Leak(text.place, source, line, earlier))
+    return found
+
+
+# --- what is searched ----------------------------------------------------------------------
+
+
+def _texts(folder: Path) -> Iterator[_Text]:
+    """Yield what a reader of a release can read, in the order of the files."""
+    for file in sorted(folder.rglob("*")):
+        if not file.is_file() or file.suffix not in READ:
+            continue
+        path = file.relative_to(folder)
+        match file.suffix:
+            case ".ipynb":
+                yield from _cells(path.as_posix(), _read(file))
+            case ".html":
+                shown = html.unescape(TAG.sub("", NUMBERS.sub("", _read(file))))
+                yield _Text(path.as_posix(), _lines(shown))
+            case _:
+                of = path.parts[1] if path.parts[0] == "exercises" else ""
+                yield _Text(path.as_posix(), _lines(_read(file)), of)
+
+
+def _cells(place: str, notebook: str) -> Iterator[_Text]:
+    """Yield the cells of a notebook (its JSON), with what they show."""
+    owners = {file: exercise.slug for exercise in all_exercises() for file in exercise.files}
+    for number, cell in enumerate(json.loads(notebook)["cells"], start=1):
+        source = "".join(cell["source"])
+        made = definition(source) if cell["cell_type"] == "code" else None
+        shown = json.dumps(cell.get("outputs", []), indent=0)
+        yield _Text(
+            f"{place}, cell {number}",
+            _lines(f"{source}\n{shown}"),
+            owners.get(made.file, "") if made else "",
+        )
+
+
+def _read(file: Path) -> str:
+    return file.read_text("utf-8", "replace")
+
+
+def _lines(text: str) -> list[str]:
+    return [line for line in (line.strip() for line in text.splitlines()) if line]
+
+
+# --- what is searched for ------------------------------------------------------------------
+
+
+def _shingles(lines: list[str], size: int = SHINGLE) -> Iterator[Shingle]:
+    for start in range(len(lines) - size + 1):
+        yield tuple(lines[start : start + size])
+
+
+def _is_marked(lines: list[str]) -> bool:
+    return any(BLOCK.match(line) for line in lines)
+
+
+def _secret_shingles(lines: list[str]) -> Iterator[Shingle]:
+    """Yield the runs of lines that nobody may hand out.
+
+    Of a reference, what stands in its solution blocks (four lines or more); of variants and
+    mutants, everything.
+    """
+    if not _is_marked(lines):
+        yield from _shingles(lines)
+        return
+    block: list[str] | None = None
+    for line in lines:
+        marker = BLOCK.match(line)
+        if marker is None:
+            if block is not None:
+                block.append(line)
+        elif marker[1] == "BEGIN SOLUTION":
+            block = []
+        elif block is not None:
+            if len(block) >= SIZES[0]:
+                yield from _shingles(block, min(SHINGLE, len(block)))
+            block = None

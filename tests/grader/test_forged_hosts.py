@@ -1,0 +1,163 @@
+"""Hosts that the test plays: what no host can do, and what a judge makes of one that forges."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import short
+from fake_host import FakeHost, frame, settled
+
+from grader import link, tape, trial
+from grader.host.frames import (
+    MAX_NAME,
+    MAX_PUBLISHED,
+    Ended,
+    EndpointReport,
+    Published,
+    Slept,
+    encode,
+)
+from grader.recording import Recording
+from grader.submission import Submission
+from grader.trial import Limits, run_trial
+from sim.messages import LASER_SCAN, TWIST, twist
+from sim.scenario import Scenario
+
+SCANS = [13_000_000 + i * 100_000_000 for i in range(10)]  # [ns] when the lidar of `short` sends
+FIRST = SCANS[0]
+GO = Published(FIRST, "/cmd_vel", TWIST, twist(time=0, linear_x=0.5).data)
+
+
+class FakeNursery:
+    """Gives out one host that the test plays."""
+
+    def __init__(self, *answers: bytes, hang_up: bool = True) -> None:
+        self._answers, self._hang_up = answers, hang_up
+
+    @contextmanager
+    def host(self, folder: Path) -> Iterator[FakeHost]:
+        with FakeHost(self._answers, hang_up=self._hang_up) as host:
+            yield host
+
+
+@pytest.fixture
+def forge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
+    """Run a trial in which the host gives these answers, one after the other."""
+    monkeypatch.setattr(link, "STACK_TIME", 0.1)
+    monkeypatch.setattr(trial, "GRACE", 0.01)
+    file = tmp_path / "node.py"
+    file.write_text("pass")
+
+    def run(*answers: bytes, hang_up: bool = True, step: float = 20.0) -> Recording:
+        nursery = FakeNursery(*answers, hang_up=hang_up)
+        limits = Limits(start=20.0, step=step, total=30.0)
+        return run_trial(Submission(file), short(1.0), nursery, limits=limits)  # type: ignore[arg-type]
+
+    return run
+
+
+def test_the_fixture_is_what_the_tests_assume(short_scenario: Scenario) -> None:
+    assert short_scenario.lidar.phase == FIRST / 1e9
+    assert short(1.0).odometry.enabled is False
+
+
+def test_an_honest_fake_host_completes(forge) -> None:  # type: ignore[no-untyped-def]
+    recording = forge(settled(), *(settled(time) for time in (*SCANS, 10**9)))
+
+    assert recording.outcome.completed
+    assert [message.time for message in recording.of("/scan")] == SCANS
+
+
+TIMES = {
+    "not the start": [settled(1)],
+    "back in time": [settled(), settled(FIRST), settled(0)],
+    "standing still": [settled(), settled(0)],
+    "ahead of time": [settled(), settled(10**9)],
+    "the end of time": [settled(), settled(2**62)],
+    "a message from the future": [settled(), settled(FIRST, published=[
+        Published(FIRST + 1, "/cmd_vel", TWIST, b"")])],
+    "a message from the past": [settled(), settled(FIRST), settled(SCANS[1], published=[
+        Published(FIRST - 1, "/cmd_vel", TWIST, b"")])],
+    "messages in disorder": [settled(), settled(FIRST, published=[
+        GO, Published(FIRST - 1, "/cmd_vel", TWIST, b"")])],
+    "an end in the future": [settled(), encode(Ended(10**9, "returned", "", "", []))],
+    "an end in the past": [settled(), settled(FIRST), encode(Ended(0, "returned", "", "", []))],
+    "early for ever": [encode(Slept(10**9))],
+    "early in the middle": [settled(), encode(Slept(10**9))],
+    "two answers": [settled() + settled(FIRST)],
+    "another kind of end": [frame({"type": "ended", "now": 0, "kind": "completed", "text": "",
+                                   "detail": "", "published": []})],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", TIMES)
+def test_impossible_times_are_forged(forge, what: str) -> None:  # type: ignore[no-untyped-def]
+    recording = forge(*TIMES[what], hang_up=False)
+
+    assert recording.outcome.kind == "forged"
+    assert "\n" not in recording.outcome.text
+    assert recording.duration_s <= 1.0
+
+
+def test_a_host_that_hangs_up_is_dead(forge) -> None:  # type: ignore[no-untyped-def]
+    outcome = forge(settled(), settled(FIRST)).outcome
+
+    assert (outcome.kind, outcome.text) == (
+        "died",
+        "the node's process ended by itself (signal 9)",
+    )
+
+
+def test_a_host_that_says_nothing_hangs(forge) -> None:  # type: ignore[no-untyped-def]
+    outcome = forge(settled(), hang_up=False, step=0.05).outcome
+
+    assert (outcome.kind, outcome.detail) == ("hung", '  File "agent.py", line 7 in on_scan')
+
+
+def test_a_forged_flood_is_a_flood(forge, monkeypatch) -> None:  # type: ignore[no-untyped-def]
+    monkeypatch.setattr(tape, "MAX_BYTES", 1_000_000)
+    long = Published(FIRST, "/" * MAX_NAME, "x" * MAX_NAME, b"")
+    outcome = forge(
+        settled(), settled(FIRST, published=[long] * MAX_PUBLISHED), hang_up=False
+    ).outcome
+
+    assert outcome.kind == "flooded"
+
+
+def test_endpoints_without_end_are_a_flood(forge) -> None:  # type: ignore[no-untyped-def]
+    many = [EndpointReport("client", "/n", "/t", "x/srv/Y")] * 500
+    answers = [settled(time, endpoints=many) for time in (0, *SCANS[:2])]
+
+    assert forge(*answers, hang_up=False).outcome.kind == "flooded"
+
+
+ODD = ["", "cmd_vel", "/\x00", "/a\nb", "/[bold]x[/]", "/\x1b[31m", "/ü" * 100, "/cmd_vel\u202e"]
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_names_are_just_names(forge, name: str) -> None:  # type: ignore[no-untyped-def]
+    odd = Published(FIRST, name, name, b"\xff" * 52)
+    recording = forge(settled(), settled(FIRST, published=[odd]))
+
+    assert [(m.topic, m.type) for m in recording.published] == [(name, name)]
+    assert recording.outcome.kind == "died"
+
+
+@pytest.mark.parametrize("data", [b"", b"\0\1\0\0", b"\xff" * 52, b"\0\1\0\0" + b"\xff" * 48])
+def test_broken_commands_do_not_move_the_robot(forge, data: bytes) -> None:  # type: ignore[no-untyped-def]
+    broken = Published(FIRST, "/cmd_vel", TWIST, data)
+    answers = [settled(), settled(FIRST, published=[broken])]
+    recording = forge(*answers, *(settled(time) for time in (*SCANS[1:], 10**9)))
+
+    assert recording.outcome.completed
+    assert np.ptp(recording.truth.x) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_scan_of_the_nodes_own_is_not_the_robots(forge) -> None:  # type: ignore[no-untyped-def]
+    own = Published(FIRST, "/scan", LASER_SCAN, b"")
+    recording = forge(settled(), settled(FIRST, published=[own]))
+
+    assert len(recording.scans()) == len(recording.of("/scan"))
+    assert recording.published[0].topic == "/from_node/scan"

@@ -1,0 +1,154 @@
+"""Real nodes that misbehave while they run: floods, and attacks on the link to the judge."""
+
+import os
+
+import pytest
+from conftest import RunNode, short
+
+from grader import tape, trial
+from grader.trial import Limits
+from sim.messages import TWIST
+
+PATIENT = Limits(start=60.0, step=60.0, total=120.0)
+FLOODS = {
+    "20,000 messages at once": "for _ in range(20_000): self.publisher.publish(Twist())",
+    "a message of 10 MB": "self.text.publish(String(data='x' * 10_000_000))",
+    "many messages of 1 MB": "for _ in range(6): self.text.publish(String(data='x' * 1_000_000))",
+}
+
+
+@pytest.mark.parametrize("flood", FLOODS)
+def test_floods_end_the_trial(run_node: RunNode, flood: str) -> None:
+    recording = run_node(f"""
+        class Flooding(Echo):
+            def __init__(self):
+                super().__init__()
+                self.text = self.create_publisher(String, '/text', 10)
+            def on_scan(self, scan):
+                {FLOODS[flood]}
+        rclpy.init(); rclpy.spin(Flooding())
+    """, limits=PATIENT)  # fmt: skip
+
+    assert recording.outcome.kind == "flooded"
+    assert recording.outcome.at < 0.2
+
+
+def test_a_slow_flood_ends_the_trial(run_node: RunNode, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tape, "MAX_BYTES", 10_000)
+    recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(10.0))
+
+    assert recording.outcome.kind == "flooded"
+    assert 0 < len(recording.published) < 60
+
+
+def test_a_thousand_messages_at_once_are_no_flood(run_node: RunNode) -> None:
+    recording = run_node("""
+        class Busy(Echo):
+            def on_scan(self, scan):
+                for _ in range(1_000): self.publisher.publish(Twist())
+        rclpy.init(); rclpy.spin(Busy())
+    """, short(0.5))  # fmt: skip
+
+    assert recording.outcome.completed
+    assert len(recording.published) == 5_000
+
+
+@pytest.mark.parametrize("size", [0, 1_000])
+def test_a_full_folder_ends_the_trial(
+    run_node: RunNode, monkeypatch: pytest.MonkeyPatch, size: int
+) -> None:
+    monkeypatch.setattr(tape, "MAX_FILES", 50)
+    monkeypatch.setattr(tape, "MAX_FOLDER", 20_000)
+    monkeypatch.setattr(trial, "LOOK_EVERY", 1)
+    recording = run_node(f"""
+        class Hoarder(Echo):
+            def on_scan(self, scan):
+                self.count = getattr(self, 'count', 0) + 1
+                for i in range(10):
+                    open(f'{{self.count}}_{{i}}', 'w').write('x' * {size})
+        rclpy.init(); rclpy.spin(Hoarder())
+    """)
+
+    assert recording.outcome.kind == "flooded"
+    assert "files" in recording.outcome.text
+    assert 0.1 < recording.outcome.at < 1.0
+
+
+ATTACKS = {
+    "writes garbage": "for fd in range(3, 21): write(fd, b'garbage' * 100)",
+    "writes half a length": "for fd in range(3, 21): write(fd, b'x')",
+    "writes large lengths": "for fd in range(3, 21): write(fd, bytes([255] * 4))",
+    "writes empty frames": "for fd in range(3, 21): write(fd, bytes(4))",
+    "closes everything": "os.closerange(0, 50)",
+    "closes everything and goes on for ever": "os.closerange(0, 50)\n"
+    + " " * 16
+    + "while True: pass",
+    "closes its output": "os.closerange(1, 3)",
+    "turns the link round": "for fd in range(4, 21): dup2(3, fd)",
+    "stops itself": "os.kill(os.getpid(), 19)",
+    "kills itself": "os.kill(os.getpid(), 9)",
+    "kills its parent": "kill(os.getppid(), 9)",
+    "leaves at once": "os._exit(0)",
+}
+ENDS = {"forged", "died", "hung", "exception"}
+
+
+@pytest.mark.parametrize("attack", ATTACKS)
+def test_attacks_on_the_link_end_the_trial(run_node: RunNode, attack: str) -> None:
+    if attack == "kills its parent" and os.getuid() != 0:
+        pytest.skip("needs the nursery to be another user's")
+    harmless = attack in ("closes its output", "kills its parent")
+    recording = run_node(
+        f"""
+        def attempt(call):
+            def quiet(*arguments):
+                try: call(*arguments)
+                except OSError: pass
+            return quiet
+        write, dup2, kill = attempt(os.write), attempt(os.dup2), attempt(os.kill)
+        class Hostile(Echo):
+            def on_scan(self, scan):
+                {ATTACKS[attack]}
+                super().on_scan(scan)
+        rclpy.init(); rclpy.spin(Hostile())
+        """,
+        limits=PATIENT if harmless else Limits(start=20.0, step=1.0, total=30.0),
+    )
+
+    assert recording.outcome.completed if harmless else recording.outcome.kind in ENDS
+    assert all(message.type == TWIST for message in recording.published)
+
+
+def test_the_next_trial_knows_nothing_of_an_attack(run_node: RunNode) -> None:
+    source = "rclpy.init(); rclpy.spin(Echo())"
+    before = run_node(source).digest()
+    run_node("for fd in range(3, 21):\n    try: os.write(fd, b'x' * 99)\n    except OSError: pass")
+
+    assert run_node(source).digest() == before
+
+
+def test_forged_time_marks_do_not_disturb_the_log(run_node: RunNode) -> None:
+    recording = run_node("""
+        print('\\x1e' + '9' * 19); print('\\x1e²'); print('\\x1e-5'); print('after')
+        rclpy.init(); rclpy.spin(Echo())
+    """)
+
+    assert recording.outcome.completed
+    assert [line.time for line in recording.log] == [0] * 4
+
+
+def test_a_node_can_not_write_into_the_bags_own_topics(run_node: RunNode) -> None:
+    recording = run_node("""
+        rclpy.init(); node = Echo()
+        for topic in ('/course/trial', '/ground_truth/odom', '/odom', '/goal_pose'):
+            node.create_publisher(String, topic, 10).publish(String(data='mine'))
+        rclpy.spin(node)
+    """)
+
+    topics = {message.topic for message in recording.published} - {"/cmd_vel"}
+    assert topics == {
+        "/from_node/course/trial",
+        "/from_node/ground_truth/odom",
+        "/from_node/odom",
+        "/from_node/goal_pose",
+    }
