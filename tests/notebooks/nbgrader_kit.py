@@ -62,7 +62,7 @@ def nbgrader(folder: Path, *arguments: str, ok: bool = True, **variables: str) -
         env={**os.environ, **paths, **variables},
         capture_output=True,
         text=True,
-        timeout=900,
+        timeout=1800,
         check=False,
     )
     said = found.stdout + found.stderr

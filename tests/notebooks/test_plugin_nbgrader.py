@@ -31,6 +31,7 @@ from grader.gradebook_plugin import configure, judge
 from grader.gradebook_plugin.judge import Verdict
 from grader.notebook.build import ASSIGNMENT
 from grader.students import student_seed
+from grader.warm import WarmNurseries
 
 pytestmark = slow
 SLUG = "obstacle_avoidance"
@@ -240,7 +241,7 @@ def test_a_machine_without_ros_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
     def none(*_: object) -> None:
         raise GraderError("no ROS 2 here")
 
-    monkeypatch.setattr(judge, "_nursery", none)
+    monkeypatch.setattr(WarmNurseries, "of", none)
     with pytest.raises(NbGraderException, match="no ROS 2 here"):
         CourseExporter(config=Config())
 
