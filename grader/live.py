@@ -30,6 +30,7 @@ from grader.host.frames import (
     EndpointReport,
     HeardNow,
     Meet,
+    Offer,
     ProgramStart,
     Published,
     Pulse,
@@ -59,10 +60,11 @@ from grader.trial import (
     not_runnable,
     prepared,
 )
-from sim.messages import OFFERED, Message, typestore, with_epoch
+from sim.messages import EMPTY, OFFERED, Message, empty, typestore, with_epoch
 from sim.scenario import Scenario
 from sim.schedule import scan_rate
 
+GO = Offer("/probe/go", EMPTY, True)  # tells programs of ours that time begins
 SEND_LIMIT = 5.0  # [s] for a frame to a host
 START_LIMIT = 20.0  # [s] for a program to begin to spin: imports, models
 IDLE_START = 3.0  # [s] without CPU time after which a program won't begin to spin any more
@@ -70,6 +72,7 @@ MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
 HUNG_AFTER = 5.0  # [s] in a callback at the scenario's end
 STALL = 0.1  # [s] that a message of the robot may be late, or a ready thread wait for a CPU ...
 STALL_SHARE = 0.8  # ... and in periods of the lidar: the answer has to come before the next scan
+HEARTBEAT_NS = 100_000_000  # [ns] at most between two looks at the machine
 PROMPT = 0.05  # [s] an answer that took longer may have had to wait
 TURN = 0.02  # [s] between looks at the hosts, at most
 MAX_CHUNKS = 64  # read at once from one host
@@ -259,7 +262,7 @@ class _LiveTrial:
             self._hosts.enter_context(self._nursery.host(Path(place))), decode_from_radio
         )
         self._register(self._radio)
-        self._radio.send(TuneIn(self._domain, self._stage.offers))
+        self._radio.send(TuneIn(self._domain, (*self._stage.offers, GO)))
         self._user = self._hosts.enter_context(self._nursery.user())
         self._start_programs(0)
 
@@ -297,7 +300,10 @@ class _LiveTrial:
             if time.monotonic() > limit:
                 raise TimeoutError("DDS did not bring the node and the robot together in time")
         typestore()  # it takes a while, once
+        for program in self._programs:
+            program.queue.worst()  # what was until now is not the trial's
         self._epoch = time.time_ns()
+        self._radio.send(Transmit((Delivery(GO.topic, empty()),)))
         for published in sorted(self._heard, key=lambda m: m.time):  # sent before time began
             self._note([msgspec.structs.replace(published, time=self._epoch)])
         self._heard = []
@@ -307,16 +313,20 @@ class _LiveTrial:
             return False
         wanted: dict[str, int] = {}
         for end in self._reports:
-            if end.kind == "publisher" or (end.kind == "subscription" and end.topic in OFFERED):
+            served = end.kind == "subscription" and end.topic in (*OFFERED, GO.topic)
+            if end.kind == "publisher" or served:
                 name = f"{end.kind} {end.topic}"
                 if not end.mismatch:
                     wanted[name] = wanted.get(name, 0) + 1
+        services = {end.topic for end in self._reports if end.kind == "service"}
+        asked = {end.topic for end in self._reports if end.kind == "client"} & services
         mine = all(self._connected.get(name, 0) >= n for name, n in wanted.items())
         theirs: dict[str, int] = {}
         for program in self._programs:
             for name, count in program.pulse.connected.items():
                 theirs[name] = max(theirs.get(name, 0), count)
-        return mine and all(theirs.get(name, 0) > 0 for name in wanted)
+        needed = [*wanted, *(f"client {name}" for name in asked)]
+        return mine and all(theirs.get(name, 0) > 0 for name in needed)
 
     # --- the clock -------------------------------------------------------------------------------
 
@@ -345,6 +355,7 @@ class _LiveTrial:
                 commands += self._take_heard()
                 if commands and math.isnan(answered):
                     answered = (commands[0][0] - began) / 1e9
+            self._lateness = max(self._lateness, (self._now() - until) / 1e9)
             missed = not answered <= PROMPT and self._habit.answers(kind)
             self._habit.note(kind, answered=not math.isnan(answered))
             queues = [program.queue.worst(believed=missed) for program in self._programs]
@@ -359,6 +370,7 @@ class _LiveTrial:
 
     def _next_moment(self, now: int) -> int:
         moments = [self.tape.simulation.next_event(), *(p.start for p in self._waiting)]
+        moments.append(now + HEARTBEAT_NS)
         moments += [p.start.stop for p in self._programs]
         return min((m for m in moments if m is not None and m > now), default=self.tape.end)
 
@@ -387,7 +399,9 @@ class _LiveTrial:
                     self._reports += frame.endpoints
                     self._connected = frame.connected
                 case HeardNow():
-                    self._heard += frame.published
+                    # between its start-up and the scenario's beginning nobody asks what it says
+                    if self._epoch or not any(p.pulse.spinning for p in self._programs):
+                        self._heard += frame.published
         if self._radio.gone:
             raise GraderError("the robot's radio has died: nothing can be said of the node")
 

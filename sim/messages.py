@@ -35,6 +35,7 @@ FLOAT64 = "std_msgs/msg/Float64"
 BOOL = "std_msgs/msg/Bool"
 STRING = "std_msgs/msg/String"
 UINT32 = "std_msgs/msg/UInt32"
+EMPTY = "std_msgs/msg/Empty"
 
 OFFERED = {  # what a scenario may have the robot send: topic, type
     SCAN_TOPIC: LASER_SCAN,
@@ -98,6 +99,11 @@ def decode(data: bytes, type: str) -> Any:
         return typestore().deserialize_cdr(data, type)
     except Exception as error:  # rosbags raises whatever the broken bytes lead to
         raise ValueError(f"{len(data)} bytes are not a {type}: {error}") from error
+
+
+def empty() -> bytes:
+    """Return the CDR bytes of an Empty, which is one byte of padding."""
+    return encode(typestore().types[EMPTY](), EMPTY)
 
 
 def with_epoch(message: Message, epoch: int) -> Message:

@@ -59,6 +59,8 @@ class Vitals:
         if kind in ("service", "client"):
             if is_parameter_service(endpoint.service_name):
                 return
+            if kind == "client":
+                self._ends.append((f"client {endpoint.service_name}", endpoint))
         elif endpoint.topic_name in HIDDEN_TOPICS:
             return
         else:
@@ -106,7 +108,9 @@ class Vitals:
         found: dict[str, int] = {}
         for name, endpoint in self._ends:
             try:
-                if name.startswith("publisher"):
+                if name.startswith("client"):
+                    found[name] = int(endpoint.service_is_ready())
+                elif name.startswith("publisher"):
                     found[name] = endpoint.get_subscription_count()
                 else:
                     found[name] = endpoint.get_publisher_count()

@@ -18,12 +18,6 @@ NODES = Path(__file__).parent / "nodes"
 ROOT = Path(__file__).resolve().parents[2]
 PROFILE = ROOT / "grader" / "host" / "live.xml"  # UDP on the loopback interface and nothing else
 # By default a node whose announcement was lost tries again after 3 s; these try sooner.
-EAGER = """<discovery_config>
-  <initialAnnouncements>
-    <count>20</count><period><sec>0</sec><nanosec>100000000</nanosec></period>
-  </initialAnnouncements>
-  <leaseAnnouncement><sec>0</sec><nanosec>300000000</nanosec></leaseAnnouncement>
-</discovery_config>"""
 LIMIT = 30.0  # [s] for anything to happen, on any machine
 
 Line = dict[str, Any]
@@ -31,14 +25,12 @@ Line = dict[str, Any]
 
 def variables(domain: int, folder: Path) -> dict[str, str]:
     """Return the environment of a process in a DDS domain; it logs into the folder."""
-    profile = folder / "loopback.xml"
-    profile.write_text(PROFILE.read_text().replace("<builtin>", f"<builtin>{EAGER}"))
     return {
         **os.environ,
         **find_ros().variables(),
         "ROS_DOMAIN_ID": str(domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
-        "FASTRTPS_DEFAULT_PROFILES_FILE": str(profile),
+        "FASTRTPS_DEFAULT_PROFILES_FILE": str(PROFILE),
         "ROS_LOG_DIR": str(folder),
         "PYTHONUNBUFFERED": "1",
         "PYTHONPATH": os.pathsep.join(map(str, find_ros().python_path)),

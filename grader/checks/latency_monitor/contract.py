@@ -23,6 +23,7 @@ PERIOD = 1.0  # [s] of the reports
 PERIOD_TOLERANCE = 0.15  # [s]
 HAIR = 0.001  # [s] a call that ends this near to a report may count in it or not
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
+OVERHEAD = 2.0  # [ms] that a call takes longer in real time: waking up, and Python's own
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Statistics:
 
     latencies: tuple[float, ...]  # [ms]
     deadline: float  # [ms]
+    late: float = 0.0  # [ms] that each call may have taken longer, in real time
 
     @cached_property
     def numbers(self) -> dict[str, float]:
@@ -58,6 +60,23 @@ class Statistics:
             return ERROR
         return WARN if numbers["missed"] else OK
 
+    @property
+    def levels(self) -> frozenset[int]:
+        """The levels that are right: more than one if calls may have taken longer."""
+        least, most = self.level, self._latest.level
+        return frozenset({least, most} if least == STALE else range(least, most + 1))
+
+    def allows(self, key: str, number: float) -> bool:
+        """Tell whether this is the value of a key."""
+        least, most = self.numbers[key], self._latest.numbers[key]
+        return least - TOLERANCE <= number <= most + TOLERANCE
+
+    @cached_property
+    def _latest(self) -> Statistics:
+        if not self.late:
+            return self
+        return Statistics(tuple(latency + self.late for latency in self.latencies), self.deadline)
+
 
 def right_statistics(
     recording: Recording, time: float, window: int = WINDOW
@@ -68,15 +87,16 @@ def right_statistics(
     deadline = float(recording.scenario.node.parameters.get("deadline_ms", 100.0))
     near = HAIR + recording.slack
     least, most = (bisect_right(ends, time + hair) for hair in (-near, near))
+    late = 0.0 if recording.live is None else 1000.0 * recording.slack + OVERHEAD
     return tuple(
-        _statistics(tuple(latencies[max(0, n - window) : n]), deadline)
+        _statistics(tuple(latencies[max(0, n - window) : n]), deadline, late)
         for n in range(least, most + 1)
     )
 
 
 @lru_cache(maxsize=4096)  # a node may report very often
-def _statistics(latencies: tuple[float, ...], deadline: float) -> Statistics:
-    return Statistics(latencies, deadline)
+def _statistics(latencies: tuple[float, ...], deadline: float, late: float) -> Statistics:
+    return Statistics(latencies, deadline, late)
 
 
 @lru_cache(maxsize=8)

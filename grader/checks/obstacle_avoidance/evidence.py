@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.checks.obstacle_avoidance.contract import front_distance, right_speeds
+from grader.checks.turns import turns
 from grader.checks.wiring import require_alive
 from grader.recording import Recording, Scan
 from grader.verdict import fail
@@ -17,7 +18,6 @@ CAUTION = 0.05  # [m/s] slower before an obstacle than where the way is free, on
 ZERO = 1e-6  # [m/s, rad/s] "zero" in every field
 SPEED_TOLERANCE = 1e-3  # [m/s]
 CLEARANCE = 0.2  # [m] to keep from the robot's edge
-LAST_MOMENT = 0.3  # [s] before the end of a run; a scan then may find its answer after it
 FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
 
 
@@ -42,12 +42,8 @@ class Answer:
 
 def answers(recording: Recording) -> list[Answer]:
     """Return every delivered scan with what the node made of it."""
-    scans, twists = recording.scans(), recording.twists()
-    bench = recording.scenario.bench_scans
-    bounds = [scan.t for scan in scans] + [math.inf]
-    first = np.searchsorted(twists.t, bounds, side="left")
-    if in_turn := answered_in_turn(recording):
-        scans, first = scans[:in_turn], np.arange(in_turn + 1)
+    twists, bench = recording.twists(), recording.scenario.bench_scans
+    scans, first = turns(recording)
     found = []
     for i, scan in enumerate(scans):
         begin, end = int(first[i]), int(first[i + 1])
@@ -61,21 +57,6 @@ def answers(recording: Recording) -> list[Answer]:
             )
         )
     return found
-
-
-def answered_in_turn(recording: Recording) -> int:
-    """Return how many scans were answered by a command each, in real time, if perhaps late.
-
-    A callback that takes longer than a period answers when the next scan is there already; the
-    answer to the last scans may come after the end. 0 if commands don't follow scans like this, and
-    in virtual time, where computing takes no time and nothing is late.
-    """
-    scans, commands = recording.times("/scan"), recording.twists().t
-    count = len(commands)
-    if recording.live is None or count > len(scans) or np.any(commands < scans[:count]):
-        return 0
-    too_late = scans[count:] <= recording.duration_s - LAST_MOMENT
-    return 0 if np.any(too_late) else count
 
 
 def require_speeds(recording: Recording, tag: str, help: str = "") -> None:

@@ -9,7 +9,6 @@ from grader.checks.moments import came_to_rest, first_asked
 from grader.checks.obstacle_avoidance.evidence import (
     FIELDS,
     ZERO,
-    answered_in_turn,
     garbage,
     require_caution,
     require_distance,
@@ -18,6 +17,7 @@ from grader.checks.obstacle_avoidance.evidence import (
     require_speeds,
     spell,
 )
+from grader.checks.turns import answered_in_turn
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
 from grader.verdict import fail, inconclusive

@@ -1,0 +1,40 @@
+"""Which commands belong to which scan."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grader.recording import Recording, Scan
+
+LAST_MOMENT = 0.3  # [s] before the end of a run; a scan then may find its answer after it
+
+
+def turns(recording: Recording) -> tuple[tuple[Scan, ...], NDArray[np.intp]]:
+    """Return the n scans that count, and where in `twists()` the commands to each begin, (n + 1,).
+
+    Those are the commands between a scan and the next. In real time, if every scan got one command,
+    it is that one, also if it came late. The last entry is where the commands to the last scan end.
+    """
+    scans, commands = recording.scans(), recording.twists().t
+    if count := answered_in_turn(recording):
+        return scans[:count], np.arange(count + 1)
+    bounds = [*(scan.t for scan in scans), math.inf]
+    return scans, np.searchsorted(commands, bounds, side="left")
+
+
+def answered_in_turn(recording: Recording) -> int:
+    """Return how many scans were answered by a command each, in real time, if perhaps late.
+
+    A callback that takes longer than a period answers when the next scan is there already; the
+    answer to the last scans may come after the end. 0 if commands don't follow scans like this, and
+    in virtual time, where computing takes no time and nothing is late.
+    """
+    scans, commands = recording.times("/scan"), recording.twists().t
+    count = len(commands)
+    if recording.live is None or count > len(scans) or np.any(commands < scans[:count]):
+        return 0
+    too_late = scans[count:] <= recording.duration_s - LAST_MOMENT
+    return 0 if np.any(too_late) else count
