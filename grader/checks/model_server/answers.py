@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
@@ -24,6 +25,9 @@ from grader.features import possible_features, scan_features, spell_features
 from grader.recording import Recording, Scan
 from grader.verdict import fail
 from sim.messages import UINT32
+
+UNDER_WAY = 0.06  # [s] that a scan may be on its way to the server, in real time
+START_UP = 1.0  # [s] of a program, in real time, with all that it takes to be found
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +61,11 @@ def asks(recording: Recording) -> list[Ask]:
         newest = sum(scan.t <= at for scan in scans) - 1
         sent = bench[newest] if bench and newest >= 0 else None
         said = told.get(int(asked.data))
+        if _just_started(recording, at):
+            continue
+        if said and _on_its_way(recording, scans, newest, at, said.message):
+            newest -= 1
+            sent = bench[newest] if bench else None
         found.append(
             Ask(
                 at=at,
@@ -71,6 +80,33 @@ def asks(recording: Recording) -> list[Ask]:
     if not found:
         fail("the scenario ended before anybody asked", recording=recording)
     return found
+
+
+def _just_started(recording: Recording, at: float) -> bool:
+    """Tell whether, in real time, a program of the student's has started shortly before this.
+
+    A process takes its time to start, and DDS to introduce it; who asks meanwhile asks nobody.
+    """
+    starts = [program.start for program in recording.scenario.program if not program.supplied]
+    late = [start for start in starts if start > 0.0]
+    return recording.live is not None and any(0.0 < at - start < START_UP for start in late)
+
+
+def _on_its_way(
+    recording: Recording, scans: Sequence[Scan], newest: int, at: float, message: str
+) -> bool:
+    """Tell whether, in real time, the answer is about the scan before, and rightly so.
+
+    A scan that has just been sent may reach the server after the request does.
+    """
+    if recording.live is None or newest < 1 or at - scans[newest].t > UNDER_WAY + recording.slack:
+        return False
+    try:
+        stamp = float(json.loads(message)["stamp"])
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return False
+    before = scans[newest - 1].stamp + recording.epoch / 1e9
+    return abs(stamp - before) <= STAMP_TOLERANCE
 
 
 def require_answered(recording: Recording, ask: Ask) -> None:

@@ -88,10 +88,11 @@ def test_asks(recordings: Recordings) -> None:
             recording=quick,
         )
     times = [request.at for request in asked]
-    late = times[0] > NEXT_REQUEST + HAIR or quick.duration_s - times[-1] > ASK_PERIOD + HAIR
+    hair = HAIR + quick.slack
+    late = times[0] > NEXT_REQUEST + hair or quick.duration_s - times[-1] > ASK_PERIOD + hair
     gaps = [after - before for before, after in pairwise(times)]
-    if late or any(abs(gap - ASK_PERIOD) > HAIR for gap in gaps):
-        wrong = next((i for i, gap in enumerate(gaps) if abs(gap - ASK_PERIOD) > HAIR), -1)
+    if late or any(abs(gap - ASK_PERIOD) > hair for gap in gaps):
+        wrong = next((i for i, gap in enumerate(gaps) if abs(gap - ASK_PERIOD) > hair), -1)
         fail(
             "the client does not ask every 0.5 s",
             expected="a request every 0.5 s of a server that answers at once",
@@ -186,7 +187,7 @@ def test_finds_server(recordings: Recordings) -> None:
         for number, life in enumerate(lives):
             end = life.stop or recording.duration_s
             first = min((time for time in times if life.start <= time <= end), default=None)
-            if first is None or first - life.start > NEXT_REQUEST + HAIR:
+            if first is None or first - life.start > NEXT_REQUEST + HAIR + recording.slack:
                 fail(
                     "the client does not find the server again"
                     if number
@@ -251,9 +252,10 @@ def _require_own_topics(recording: Recording) -> None:
 
 def _require_patience(recording: Recording, request: Request, after: Request | None) -> None:
     """Fail unless the next request comes when this one's answer has come, or is given up."""
+    hair = HAIR + recording.slack
     wait = (after.at if after else recording.duration_s) - request.at
     owed = request.answered - request.at > wait  # still, when the next request goes out
-    if after and owed and wait < PATIENCE - HAIR:
+    if after and owed and wait < PATIENCE - hair:
         fail(
             f"{wait:.2f} s after a request the next went out, though no answer had come",
             expected=f"at most one request at a time; it is given up after {PATIENCE} s",
@@ -262,7 +264,7 @@ def _require_patience(recording: Recording, request: Request, after: Request | N
             recording=recording,
             help="Remember the future; while it is there and not done, don't ask again.",
         )
-    if request.answered - request.at > PATIENCE and wait > NEXT_REQUEST + HAIR:
+    if request.answered - request.at > PATIENCE and wait > NEXT_REQUEST + hair:
         fail(
             "a request without an answer is not given up",
             expected=f"the next request {PATIENCE} to {NEXT_REQUEST} s after {request.at:.2f} s",
@@ -272,8 +274,8 @@ def _require_patience(recording: Recording, request: Request, after: Request | N
             help="Remember when you asked; at each tick, compare. remove_pending_request() forgets "
             "the old request.",
         )
-    due = request.at + NEXT_REQUEST + HAIR < recording.duration_s
-    begin, end = request.at + PATIENCE - HAIR, request.at + NEXT_REQUEST + HAIR
+    due = request.at + NEXT_REQUEST + hair < recording.duration_s
+    begin, end = request.at + PATIENCE - hair, request.at + NEXT_REQUEST + hair
     if request.answered == float("inf") and due and not warnings(recording, begin, end):
         fail(
             "a request was given up without a warning",
