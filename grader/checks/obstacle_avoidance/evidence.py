@@ -182,7 +182,7 @@ def require_caution(recordings: Sequence[Recording]) -> None:
     fail(
         "the robot touched nothing, but not because of what it saw",
         expected="fast where the way is free, standing within 0.5 m of an obstacle",
-        actual=f"on average {free:.2f} m/s where it is free, {stop:.2f} m/s within 0.5 m",
+        actual=f"on average {_spell_mean(free)} where it is free, {_spell_mean(stop)} within 0.5 m",
         at=at,
         recording=where,
         help="Get clear_zone and stop_zone right first.",
@@ -206,6 +206,10 @@ def _first_wrong(
         if right_speeds(answer.scan) == {right} and not _is_right(answer)
     )
     return next(wrong, None)
+
+
+def _spell_mean(speed: float) -> str:
+    return "no scan" if math.isnan(speed) else f"{speed:.2f} m/s"
 
 
 def _mean_speed(found: Sequence[Answer], right: frozenset[float]) -> float:
