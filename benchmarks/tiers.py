@@ -162,13 +162,14 @@ def _page(verdicts: list[Verdict]) -> str:
 def _row(verdicts: list[Verdict]) -> str:
     virtual, *live = verdicts
     exercise, _, name = virtual.solution.split("/")
-    fails = ", ".join(f"`{check}`" for check in virtual.failed)
+    fails = [", ".join(f"`{check}`" for check in virtual.failed)] if virtual.failed else []
     for verdict in live:
         if not verdict.undecided and not _same(virtual, verdict):
             others = ", ".join(f"`{check}`" for check in verdict.failed) or "nothing"
-            fails += f"; in real time: {others}"
+            fails.append(f"in real time: {others}")
     scores = ", ".join(f"{v.score}{'?' if v.undecided else ''}" for v in live)
-    return f"| {exercise}: {name} | {virtual.score} of {virtual.most} | {scores} | {fails} |\n"
+    cells = (f"{exercise}: {name}", f"{virtual.score} of {virtual.most}", scores, "; ".join(fails))
+    return f"| {' | '.join(cells)} |\n"
 
 
 def _same(virtual: Verdict, live: Verdict) -> bool:
