@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from grader.recording import Recording, Scan
 
 LAST_MOMENT = 0.3  # [s] before the end of a run; a scan then may find its answer after it
+LATEST = 0.5  # [s] that an answer may come late, in real time; later it is no answer to that scan
 
 
 def turns(recording: Recording) -> tuple[tuple[Scan, ...], NDArray[np.intp]]:
@@ -34,7 +35,10 @@ def answered_in_turn(recording: Recording) -> int:
     """
     scans, commands = recording.times("/scan"), recording.twists().t
     count = len(commands)
-    if recording.live is None or count > len(scans) or np.any(commands < scans[:count]):
+    if recording.live is None or count > len(scans):
         return 0
-    too_late = scans[count:] <= recording.duration_s - LAST_MOMENT
-    return 0 if np.any(too_late) else count
+    delays = commands - scans[:count]
+    unanswered = scans[count:] <= recording.duration_s - LAST_MOMENT
+    if np.any(delays < 0.0) or np.any(delays > LATEST) or np.any(unanswered):
+        return 0
+    return count
