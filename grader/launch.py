@@ -26,7 +26,7 @@ from grader.claims import claim
 from grader.errors import GraderError
 from grader.host.frames import Birth, Hello, Request
 from grader.host.isolation import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
-from grader.host.privileges import USERS, closed_ancestor
+from grader.host.privileges import USERS, closed_ancestor, prefer
 from grader.host.sandbox import hide_memory
 from grader.ros import RosEnvironment, find_ros
 
@@ -144,6 +144,7 @@ class Nursery:
                 stderr=self._log,
                 env=self._environment(),
                 cwd="/",
+                start_new_session=self._kind == LIVE,  # Linux weighs CPU time by session
             )
 
     def __enter__(self) -> Nursery:
@@ -210,21 +211,24 @@ class Nursery:
         raise GraderError("no free user for a host: too many run on this machine")
 
     @contextlib.contextmanager
-    def host(self, folder: Path, user: int | None = None) -> Iterator[HostProcess]:
+    def host(
+        self, folder: Path, user: int | None = None, *, prompt: bool = False
+    ) -> Iterator[HostProcess]:
         """Fork a host that works in `folder`; it is dead when the block ends.
 
-        Each host is another user, unless several are to share their folder.
+        Each host is another user, unless several are to share their folder. A `prompt` one goes
+        before others on the machine from its start on, if that is allowed.
         """
         with self.user() if user is None else contextlib.nullcontext(user) as uid:
             if uid:
                 _give(folder, uid)
-            with self._forked(folder, uid) as host:
+            with self._forked(folder, uid, prompt) as host:
                 yield host
 
     @contextlib.contextmanager
-    def _forked(self, folder: Path, uid: int) -> Iterator[HostProcess]:
+    def _forked(self, folder: Path, uid: int, prompt: bool) -> Iterator[HostProcess]:
         self._await_ready()
-        host = self._fork(folder, uid)
+        host = self._fork(folder, uid, prompt)
         try:
             yield host
         finally:
@@ -276,20 +280,22 @@ class Nursery:
                 raise GraderError(f"no host for students' nodes: {self._last_words()}") from error
             self._layers = hello.layers
             self._ready = True
+            if self._kind == LIVE:  # who forks a host while time counts
+                prefer(self._process.pid)
 
     def _last_words(self) -> str:
         self._log.seek(0)
         lines = self._log.read().decode("utf-8", "replace").strip().splitlines()
         return lines[-1] if lines else "it said nothing"
 
-    def _fork(self, folder: Path, uid: int) -> HostProcess:
+    def _fork(self, folder: Path, uid: int, prompt: bool) -> HostProcess:
         their_in, link_out = os.pipe()
         link_in, their_out = os.pipe()
         stdout, their_stdout = os.pipe()
         stderr, their_stderr = os.pipe()
         status, their_status = os.pipe()
         theirs = [their_in, their_out, their_stdout, their_stderr, their_status]
-        request = msgspec.json.encode(Request(str(folder), uid, self._layers))
+        request = msgspec.json.encode(Request(str(folder), uid, self._layers, prompt))
         try:
             with self._lock:
                 socket.send_fds(self._control, [request], theirs)

@@ -42,7 +42,7 @@ from grader.host.frames import (
     decode_from_live,
     decode_from_radio,
 )
-from grader.host.privileges import priority
+from grader.host.privileges import prefer, priority
 from grader.launch import HostProcess, Nursery
 from grader.link import Channel, HostDied, HostForged, decoded
 from grader.recording import COMPLETED, Live, Outcome, Recording
@@ -175,8 +175,8 @@ class _Program:
     start: ProgramStart
     host: HostProcess
     link: LiveLink
-    queue: RunQueue
-    pulse: Pulse = field(default_factory=lambda: Pulse(False, 0.0, [], {}))
+    pulse: Pulse = field(default_factory=lambda: Pulse(0, 0.0, [], {}))
+    topics: set[str] = field(default_factory=set)  # that it publishes on
     ended: Ended | None = None
     idle_since: float = math.inf
     cpu: float = 0.0
@@ -210,6 +210,8 @@ class _LiveTrial:
         self._hosts = contextlib.ExitStack()
         self._poll = select.poll()
         self._radio: LiveLink
+        self._radio_host: HostProcess
+        self._queues: dict[int, RunQueue] = {}  # by the host's number, since time counts for it
         self._programs: list[_Program] = []
         self._waiting = sorted(staged.programs, key=lambda program: program.start)
         self._user = 0
@@ -220,7 +222,7 @@ class _LiveTrial:
         self._heard: list[Published] = []
         self._lateness = 0.0  # [s] of the robot's latest message
         self._habit = Habit()
-        self._starved = 0.0  # [s] that a thread of the node has waited for a CPU, at worst
+        self._starved = 0.0  # [s] that a thread of a host has waited for a CPU, at worst
 
     def run(self, reason: str) -> Recording:
         """Run the trial to its end."""
@@ -258,9 +260,8 @@ class _LiveTrial:
     def _open(self) -> None:
         """Start the radio and the programs that run from the beginning."""
         place = self._hosts.enter_context(tempfile.TemporaryDirectory(prefix=prefix()))
-        self._radio = LiveLink(
-            self._hosts.enter_context(self._nursery.host(Path(place))), decode_from_radio
-        )
+        self._radio_host = self._hosts.enter_context(self._nursery.host(Path(place)))
+        self._radio = LiveLink(self._radio_host, decode_from_radio)
         self._register(self._radio)
         self._radio.send(TuneIn(self._domain, (*self._stage.offers, GO)))
         self._user = self._hosts.enter_context(self._nursery.user())
@@ -269,12 +270,22 @@ class _LiveTrial:
     def _start_programs(self, now: int) -> None:
         while self._waiting and self._waiting[0].start <= now:
             program = self._waiting.pop(0)
-            host = self._hosts.enter_context(self._nursery.host(self._stage.folder, self._user))
+            host = self._hosts.enter_context(
+                self._nursery.host(self._stage.folder, self._user, prompt=self._epoch > 0)
+            )
             link = LiveLink(host, decode_from_live)
             self._register(link)
             seed = self.tape.simulation.seed
             link.send(Start((program,), 0, seed, self._stage.offers, self._domain))
-            self._programs.append(_Program(program, host, link, RunQueue(host.pid, TURN)))
+            self._programs.append(_Program(program, host, link))
+
+    def _measure(self) -> None:
+        """Measure from now on how long a host has to wait; a program as soon as it spins."""
+        spinning = (program.host for program in self._programs if program.pulse.spinning)
+        for host in (self._radio_host, *spinning):
+            if host.pid not in self._queues:
+                self._queues[host.pid] = queue = RunQueue(host.pid, TURN)
+                queue.worst()  # what was until now is not the trial's
 
     def _stop_programs(self, now: int) -> None:
         for program in self._programs:
@@ -300,11 +311,12 @@ class _LiveTrial:
             if time.monotonic() > limit:
                 raise TimeoutError("DDS did not bring the node and the robot together in time")
         typestore()  # it takes a while, once
-        for program in self._programs:
-            program.queue.worst()  # what was until now is not the trial's
+        for host in (self._radio_host, *(program.host for program in self._programs)):
+            prefer(host.pid)
         self._epoch = time.time_ns()
         self._radio.send(Transmit((Delivery(GO.topic, empty()),)))
-        for published in sorted(self._heard, key=lambda m: m.time):  # sent before time began
+        heard = sorted(self._heard, key=lambda m: m.time)
+        for published in filter(self._said_in_start_up, heard):
             self._note([msgspec.structs.replace(published, time=self._epoch)])
         self._heard = []
 
@@ -344,6 +356,7 @@ class _LiveTrial:
             self._stop_programs(simulation.now)
             if simulation.now >= tape.end:
                 return
+            self._measure()
             until = min(self._next_moment(simulation.now), tape.end)
             commands: list[Command] = []
             cpu = self._cpu()
@@ -358,8 +371,7 @@ class _LiveTrial:
             self._lateness = max(self._lateness, (self._now() - until) / 1e9)
             missed = not answered <= PROMPT and self._habit.answers(kind)
             self._habit.note(kind, answered=not math.isnan(answered))
-            queues = [program.queue.worst(believed=missed) for program in self._programs]
-            queued = max(queues, default=0.0)
+            queued = max(queue.worst(believed=missed) for queue in self._queues.values())
             self._starved = max(self._starved, queued)
             used = self._cpu() - cpu
             wall = min(used, (until - began) / 1e9) if math.isnan(answered) else answered
@@ -388,9 +400,10 @@ class _LiveTrial:
         """Wait for the hosts to say something, `patience` [s] at most, and take it in."""
         self._poll.poll(max(1, math.ceil(patience * 1e3)))
         now = self._now()
+        for queue in self._queues.values():
+            queue.look()
         for program in self._programs:
             program.link.note_time(now)
-            program.queue.look()
             self._hear_program(program)
         for frame in self._radio.hear():
             match frame:
@@ -399,9 +412,7 @@ class _LiveTrial:
                     self._reports += frame.endpoints
                     self._connected = frame.connected
                 case HeardNow():
-                    # between its start-up and the scenario's beginning nobody asks what it says
-                    if self._epoch or not any(p.pulse.spinning for p in self._programs):
-                        self._heard += frame.published
+                    self._heard += filter(self._counts, frame.published)
         if self._radio.gone:
             raise GraderError("the robot's radio has died: nothing can be said of the node")
 
@@ -413,6 +424,7 @@ class _LiveTrial:
             match frame:
                 case Pulse():
                     program.pulse = frame
+                    program.topics |= {e.topic for e in frame.endpoints if e.kind == "publisher"}
                     self._hear_start_up(frame.unheard)
                     if frame.endpoints:
                         self._asked += len(frame.endpoints)
@@ -424,6 +436,18 @@ class _LiveTrial:
         stopped = program.start.stop is not None and program.start.stop <= self._now()
         if (program.ended or program.link.gone) and not stopped:
             raise _Over
+
+    def _counts(self, published: Published) -> bool:
+        """Tell whether a message is worth noting.
+
+        Between a program's start-up and the scenario's beginning nobody asks what it says.
+        """
+        return self._epoch > 0 or self._said_in_start_up(published)
+
+    def _said_in_start_up(self, published: Published) -> bool:
+        """Tell whether a program said this before it began to spin, as far as is known."""
+        who = [p.pulse for p in self._programs if published.topic in p.topics]
+        return not who or any(not pulse.spun or published.time < pulse.spun for pulse in who)
 
     def _hear_start_up(self, unheard: Sequence[Published]) -> None:
         if self._epoch:

@@ -2,16 +2,19 @@
 
 Linux counts it (/proc/PID/task/TID/schedstat), but some kernels (6.18 does) count sleeps too,
 now and then, from falling asleep until being woken. So a wait only counts as far as the thread was
-also *seen* waiting: in state R.
+also *seen* waiting: in state R, without getting on. What the process's own threads take from one
+another is no fault of the machine's, and does not count.
 """
 
 from __future__ import annotations
 
 import contextlib
 import math
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 LOOK_EVERY = 0.01  # [s] at most
 
@@ -28,17 +31,24 @@ class RunQueue:
         the kernel is believed, and `look` need not be called.
     clock
         A monotonic clock [s].
+    processors
+        How many there are; by default as many as this process may use.
     """
 
     def __init__(
-        self, pid: int, patience: float = math.inf, clock: Callable[[], float] = time.monotonic
+        self,
+        pid: int,
+        patience: float = math.inf,
+        clock: Callable[[], float] = time.monotonic,
+        processors: int = 0,
     ) -> None:
         self._tasks = Path(f"/proc/{pid}/task")
         self._patience = patience
         self._clock = clock
+        self._processors = processors or len(os.sched_getaffinity(0))
         self._looked = clock()
-        self._known: dict[str, int] = {}  # thread: [ns] until now
-        self._seen: dict[str, float] = {}  # thread: [s] seen waiting since the last call of worst()
+        self._known: dict[str, _Counted] = {}  # by thread
+        self._seen: dict[str, float] = {}  # thread: [s] seen in the wait that it is in
 
     def look(self) -> None:
         """See which threads would run if they could."""
@@ -47,14 +57,22 @@ class RunQueue:
         if since < LOOK_EVERY:
             return
         self._looked = now
-        for thread in self._known:
-            with contextlib.suppress(OSError, IndexError):
+        idle = {}  # thread: [s] ready, but not running
+        used = 0.0
+        for thread, before in list(self._known.items()):
+            with contextlib.suppress(OSError, IndexError, ValueError):
                 after_name = (self._tasks / thread / "stat").read_text().rpartition(")")[2]
                 if after_name.split()[0] == "R":
-                    self._seen[thread] = self._seen.get(thread, 0.0) + since
+                    ran = _counted(self._tasks / thread).ran
+                    idle[thread] = max(0.0, since - (ran - before.ran) / 1e9)
+                    used += (ran - before.ran) / 1e9
+                    self._known[thread] = _Counted(ran, before.waited)
+        others = max(0.0, 1.0 - used / since / self._processors)  # their part of the processors
+        for thread, seconds in idle.items():
+            self._seen[thread] = self._seen.get(thread, 0.0) + seconds * others
 
     def worst(self, *, believed: bool = False) -> float:
-        """Return how long the worst-off thread has waited since the last call [s].
+        """Return the longest wait that has ended since the last call [s].
 
         0 where the kernel doesn't count, and for a process that is gone. If it is `believed`, its
         count is taken as it is: the process behaved as if it had waited.
@@ -63,10 +81,22 @@ class RunQueue:
         with contextlib.suppress(OSError):
             for thread in self._tasks.iterdir():
                 with contextlib.suppress(OSError, IndexError, ValueError):
-                    waited = int((thread / "schedstat").read_text().split()[1])
-                    counted = (waited - self._known.get(thread.name, waited)) / 1e9
-                    seen = self._seen.get(thread.name, 0.0) + self._patience
-                    worst = max(worst, counted if believed else min(counted, seen))
-                    now[thread.name] = waited
-        self._known, self._seen = now, {}
+                    now[thread.name] = found = _counted(thread)
+                    waited = (found.waited - self._known.get(thread.name, found).waited) / 1e9
+                    if waited:  # the kernel counts a wait when it is over
+                        seen = self._seen.pop(thread.name, 0.0) + self._patience
+                        worst = max(worst, waited if believed else min(waited, seen))
+        self._known = now
         return worst
+
+
+class _Counted(NamedTuple):
+    """What the kernel says of a thread."""
+
+    ran: int  # [ns]
+    waited: int  # [ns]
+
+
+def _counted(task: Path) -> _Counted:
+    ran, waited, _ = (task / "schedstat").read_text().split()
+    return _Counted(int(ran), int(waited))

@@ -158,11 +158,16 @@ class Transmit(msgspec.Struct, frozen=True, tag="transmit"):
 class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
     """The state of a program that runs in real time; sent several times a second."""
 
-    spinning: bool  # an executor has begun to wait for work
+    spun: int  # [ns] since 1970, when an executor first waited for work; 0: not yet
     busy: float  # [s] since an executor last waited for work; 0 if one does now
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)]  # new ones
     connected: dict[Name, int]  # "kind topic": how many ends of others it has found
     unheard: Annotated[list[Published], msgspec.Meta(max_length=MAX_UNHEARD)] = []
+
+    @property
+    def spinning(self) -> bool:
+        """An executor has begun to wait for work."""
+        return self.spun > 0
 
 
 class Tuned(msgspec.Struct, frozen=True, tag="tuned"):
@@ -210,6 +215,7 @@ class Request(msgspec.Struct, frozen=True):
     folder: str
     uid: int
     layers: tuple[str, ...]  # of isolation, by their names in `isolation.py`
+    prompt: bool = False  # it goes before others on the machine from its start on
 
 
 class Hello(msgspec.Struct, frozen=True):

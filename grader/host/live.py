@@ -51,7 +51,7 @@ class Vitals:
         self._ends: list[tuple[str, Any]] = []  # "kind topic", endpoint
         self._waiting = 0  # executors that wait for work now
         self._last_wait = 0.0
-        self._spinning = False
+        self._spun = 0  # [ns] since 1970, when an executor first waited
         self._unheard: list[Published] = []
 
     def on_endpoint(self, kind: str, node: Any, endpoint: Any) -> None:
@@ -73,7 +73,7 @@ class Vitals:
         The judge would not hear of a command that a constructor sends. It is lost here and now, but
         with a robot that was there before the node it may arrive.
         """
-        if self._spinning or len(self._unheard) == MAX_UNHEARD:
+        if self._spun or len(self._unheard) == MAX_UNHEARD:
             return
         if publisher.topic_name in HIDDEN_TOPICS or publisher.get_subscription_count():
             return
@@ -83,13 +83,13 @@ class Vitals:
 
     def waits_unseen(self) -> None:
         """An executor looks for work or does it: which of the two, it doesn't tell."""
-        self._spinning = True
+        self._spun = self._spun or time.time_ns()
         self._last_wait = time.monotonic()
 
     def wait_begins(self) -> None:
         """An executor waits for work."""
         self._waiting += 1
-        self._spinning = True
+        self._spun = self._spun or time.time_ns()
 
     def wait_ends(self) -> None:
         """It has found some."""
@@ -100,9 +100,9 @@ class Vitals:
         """Return the state of things."""
         new, self._new = self._new, []
         unheard, self._unheard = self._unheard, []
-        idle = self._waiting > 0 or not self._spinning
+        idle = self._waiting > 0 or not self._spun
         busy = 0.0 if idle else time.monotonic() - self._last_wait
-        return Pulse(self._spinning, busy, new, self._connected(), unheard)
+        return Pulse(self._spun, busy, new, self._connected(), unheard)
 
     def _connected(self) -> dict[str, int]:
         found: dict[str, int] = {}

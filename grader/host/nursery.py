@@ -166,6 +166,8 @@ def _become_host(request: Request, descriptors: list[int], body: Body) -> None:
         os.environ["ROS_LOG_DIR"] = request.folder
         if body is _run_live:
             privileges.take_priority()
+        if request.prompt:
+            privileges.prefer(os.getpid())
         isolation.enter(request, datagrams=body is _run_live)
         body(link_in, link_out)
     finally:

@@ -27,10 +27,9 @@ LIMITS = {
     resource.RLIMIT_AS: 4 * 1024 * 1024 * 1024,  # [bytes] address space: numeric libraries map much
 }
 MAX_PROCESSES = 512  # threads count too; of the unprivileged user as a whole
-PRIORITY = -10  # nice value
+PRIORITY = -20  # nice value
 SLICE = 100_000  # [ns] of CPU at a time: who asks for little is woken at once (Linux 6.12)
 SCHED_SETATTR = 314  # the system call's number on x86-64
-AUTOGROUP = Path("/proc/self/autogroup")
 CLONE_NEWNS, CLONE_NEWUSER, CLONE_NEWNET = 0x00020000, 0x10000000, 0x40000000
 CAPABILITY_VERSION = 0x20080522  # _LINUX_CAPABILITY_VERSION_3: two words of each set
 SIOCGIFFLAGS, SIOCSIFFLAGS, IFF_UP = 0x8913, 0x8914, 1
@@ -48,16 +47,23 @@ def set_limits() -> None:
 def take_priority() -> None:
     """Go before others on the machine, if that is allowed: real time leaves no time to wait.
 
-    For the leader of a session of its own. Where Linux groups processes by session (autogroup),
-    the nice value counts only inside the group; the group's own is what others feel.
+    Where Linux groups processes by session (autogroup), the nice value counts only inside the
+    group; the group's own is what others feel: see `prefer`.
     """
     with contextlib.suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, PRIORITY)
-    with contextlib.suppress(OSError):
-        AUTOGROUP.write_text(str(PRIORITY))
     nice = os.getpriority(os.PRIO_PROCESS, 0)
     attributes = struct.pack("IIQiIQQQ", 48, os.SCHED_OTHER, 0, nice, 0, SLICE, 0, 0)
     ctypes.CDLL(None).syscall(SCHED_SETATTR, 0, attributes, 0)  # older kernels change nothing
+
+
+def prefer(pid: int) -> None:
+    """Let the session of another process go before others on the machine, if that is allowed.
+
+    Not from its start on: a start-up takes much of a CPU, and has time; who is on time does not.
+    """
+    with contextlib.suppress(OSError):
+        Path(f"/proc/{pid}/autogroup").write_text(str(PRIORITY))
 
 
 @contextlib.contextmanager

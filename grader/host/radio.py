@@ -15,7 +15,7 @@ import msgspec
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from .ends import RobotEnds
+from .ends import Heard, RobotEnds
 from .frames import (
     MAX_PUBLISHED,
     MAX_PUBLISHED_BYTES,
@@ -29,7 +29,8 @@ from .frames import (
 )
 from .wire import Wire
 
-LOOK = 2.0  # [ms] between looks for messages; they carry the time at which they came
+TRANSIT_NS = 100_000_000  # [ns] that a message may have been under way
+LOOK = 2.0  # [ms] between looks for messages; they carry the time at which they were sent
 PACKAGES = {  # of which students publish messages; nothing else is imported
     "actionlib_msgs",
     "builtin_interfaces",
@@ -92,7 +93,7 @@ class Radio:
 
     def _tell_what_was_heard(self) -> None:
         heard = [
-            Published(message.received, message.topic, message.type, message.data)
+            Published(_moment(message), message.topic, message.type, message.data)
             for message in self._ends.take()
         ]
         while heard:
@@ -116,6 +117,15 @@ def message_class(name: str) -> Any:
     if package not in PACKAGES:
         return None
     return getattr(importlib.import_module(f"{package}.msg"), rest, None)
+
+
+def _moment(message: Heard) -> int:
+    """Return when a message was sent [ns].
+
+    The sender's stamp counts, which no delay of this process can falsify, but within limits: it is
+    the student's process that sets it.
+    """
+    return max(min(message.sent, message.received), message.received - TRANSIT_NS)
 
 
 def _profile(end: EndpointReport) -> QoSProfile:

@@ -43,7 +43,12 @@ DECODERS: dict[str, tuple[Callable[[bytes], Any], tuple[type, ...]]] = {
 GOOD = (
     Settled(5, True, False, [Published(1, "/cmd_vel", "a/msg/B", b"x" * 60)]),
     Ended(5, "returned", "text", "detail", [], [EndpointReport("client", "/n", "/t", "a/srv/B")]),
-    Pulse(True, 0.5, [EndpointReport("publisher", "/n", "/t", "a/msg/B")], {"publisher /t": 1}),
+    Pulse(
+        1_700_000_000,
+        0.5,
+        [EndpointReport("publisher", "/n", "/t", "a/msg/B")],
+        {"publisher /t": 1},
+    ),
     Tuned([EndpointReport("subscription", "/n", "/t", "a/msg/B")], {"subscription /t": 2}),
     HeardNow([Published(2**60, "/t", "a/msg/B", b"")]),
     Loaded({"a.pkl": ""}, (Tensor("tensor(float)", ("", "5")),)),

@@ -86,8 +86,8 @@ TYPES = (
     "no_such_msgs/msg/Type",
     "",
 )
-ODD_TOPICS = ("", "/", "cmd_vel", "//", "/probe/told", "/probe/asked", "/probe/requests",
-              "/probe/answers", "/navigation/detection", "/x" * 200)  # fmt: skip
+ODD_TOPICS = ("", "/", "cmd_vel", "//", "/probe/told", "/probe/asked", "/probe/served",
+              "/navigation/detection", "/x" * 200)  # fmt: skip
 
 
 # --- ways to spoil a recording -------------------------------------------------------------------

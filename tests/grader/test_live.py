@@ -369,7 +369,7 @@ def test_robot_and_node_go_before_the_programs_of_other_sessions(
     mine = AUTOGROUP.read_text()
     monkeypatch.setattr(_LiveTrial, "_transmit", looking)
     run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
-    assert list(groups.values()) == [["nice", "-10"]] * 2
+    assert list(groups.values()) == [["nice", "-20"]] * 2
     assert AUTOGROUP.read_text() == mine
 
 

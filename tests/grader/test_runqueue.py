@@ -27,14 +27,14 @@ def clock() -> Clock:
 
 @pytest.fixture
 def queue(tmp_path: Path, clock: Clock) -> RunQueue:
-    queue = RunQueue(os.getpid(), PATIENCE, clock)
+    queue = RunQueue(os.getpid(), PATIENCE, clock, processors=2)
     queue._tasks = tmp_path
     return queue
 
 
-def say(folder: Path, thread: int, waited: int, state: str = "S") -> None:
+def say(folder: Path, thread: int, waited: int, state: str = "S", ran: int = 123) -> None:
     (folder / str(thread)).mkdir(exist_ok=True)
-    (folder / str(thread) / "schedstat").write_text(f"123 {waited} 4\n")
+    (folder / str(thread) / "schedstat").write_text(f"{ran} {waited} 4\n")
     (folder / str(thread) / "stat").write_text(f"{thread} (a name) {state} 1 1 1\n")
 
 
@@ -108,3 +108,45 @@ def test_the_kernels_own_count_can_be_read() -> None:
     assert queue.worst() == 0.0
     assert runqueue.Path(f"/proc/{os.getpid()}/task").is_dir()
     assert queue._known
+
+
+def test_a_wait_that_lasts_longer_than_a_turn_counts_in_one(
+    queue: RunQueue, tmp_path: Path, clock: Clock
+) -> None:
+    say(tmp_path, 1, 0)
+    queue.worst()
+    for turn in range(10):
+        clock.now += 0.03
+        say(tmp_path, 1, 300_000_000 if turn == 9 else 0, "R")  # counted when it is over
+        queue.look()
+        assert queue.worst() == pytest.approx(0.3 if turn == 9 else 0.0)
+
+
+def test_who_runs_does_not_wait(queue: RunQueue, tmp_path: Path, clock: Clock) -> None:
+    say(tmp_path, 1, 0, ran=0)
+    queue.worst()
+    clock.now += 0.1
+    say(tmp_path, 1, 0, "R", ran=100_000_000)
+    queue.look()
+    say(tmp_path, 1, 80_000_000, ran=100_000_000)  # then it slept, which the kernel counted
+    assert queue.worst() == pytest.approx(PATIENCE)
+
+
+def test_what_threads_of_a_process_take_from_one_another_does_not_count(
+    queue: RunQueue, tmp_path: Path, clock: Clock
+) -> None:
+    for thread in (1, 2, 3):
+        say(tmp_path, thread, 0, ran=0)
+    queue.worst()
+    clock.now += 0.2
+    for thread, waited, ran in ((1, 0, 200_000_000), (2, 0, 200_000_000), (3, 200_000_000, 0)):
+        say(tmp_path, thread, waited, "R", ran)  # two processors, two busy threads, and a third
+    queue.look()
+    assert queue.worst() == pytest.approx(PATIENCE)
+
+    clock.now += 0.2
+    say(tmp_path, 1, 0, "S", ran=200_000_000)
+    say(tmp_path, 2, 0, "R", ran=400_000_000)
+    say(tmp_path, 3, 400_000_000, "R", ran=0)  # one is its own, the other somebody else's
+    queue.look()
+    assert queue.worst() == pytest.approx(0.1 + PATIENCE)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -81,13 +82,18 @@ class Statistics:
 def right_statistics(
     recording: Recording, time: float, window: int = WINDOW
 ) -> tuple[Statistics, ...]:
-    """Return what may be said at a time [s]: a call that ends just then may count or not."""
-    ends = [end for end, _ in _calls(recording)]
-    latencies = [latency for _, latency in _calls(recording)]
+    """Return what may be said at a time [s]: a call that ends just then may count or not.
+
+    In real time calls that wait for one another add up what each takes longer.
+    """
+    overhead = 0.0 if recording.live is None else OVERHEAD
+    soonest, latest = _calls(recording), _calls(recording, overhead / 1000.0)
+    latencies = [call.latency for call in soonest]
     deadline = float(recording.scenario.node.parameters.get("deadline_ms", 100.0))
     near = HAIR + recording.slack
-    least, most = (bisect_right(ends, time + hair) for hair in (-near, near))
-    late = 0.0 if recording.live is None else 1000.0 * recording.slack + OVERHEAD
+    least = bisect_right([call.end for call in latest], time - near)
+    most = bisect_right([call.end for call in soonest], time + near)
+    late = 1000.0 * recording.slack + overhead
     return tuple(
         _statistics(tuple(latencies[max(0, n - window) : n]), deadline, late)
         for n in range(least, most + 1)
@@ -99,9 +105,16 @@ def _statistics(latencies: tuple[float, ...], deadline: float, late: float) -> S
     return Statistics(latencies, deadline, late)
 
 
+class _Call(NamedTuple):
+    """A call of predict that returns."""
+
+    end: float  # [s]
+    latency: float  # [ms]
+
+
 @lru_cache(maxsize=8)
-def _calls(recording: Recording) -> list[tuple[float, float]]:
-    """Return (end [s], latency [ms]) of each call of predict that returns, in order."""
+def _calls(recording: Recording, overhead: float = 0.0) -> list[_Call]:
+    """Return the calls in order, as if each took longer by the overhead [s]."""
     spec = recording.scenario.node.models[MODEL]
     if spec.probe == "garbage":
         return []
@@ -114,7 +127,7 @@ def _calls(recording: Recording) -> list[tuple[float, float]]:
         if not np.isfinite(row).all():
             continue
         took = times[int(np.clip(np.rint(row[0]), 0, len(times) - 1))]
-        free = max(free, scan.t) + took  # one call after another
+        free = max(free, scan.t) + took + overhead  # one call after another
         if row[0] >= raises_below:
-            found.append((free, 1000.0 * took))
+            found.append(_Call(free, 1000.0 * took))
     return found

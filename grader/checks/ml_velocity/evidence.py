@@ -8,7 +8,7 @@ import numpy as np
 
 from grader.checks.ml_velocity.contract import MAX_SPEED, Right, right_speed
 from grader.checks.moments import came_to_rest, first_asked
-from grader.checks.obstacle_avoidance.evidence import Answer, answers, garbage, spell
+from grader.checks.obstacle_avoidance.evidence import Answer, garbage, judged, spell
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 from grader.verdict import fail
@@ -17,16 +17,6 @@ SPEED_TOLERANCE = 2e-4  # [m/s]; probes show a distance of 2.5 mm
 LEAST_WAY = 0.8  # [m]
 BRISK = 0.8  # of max_speed: what a free way asks for
 STANDING = 0.05  # [m/s]
-
-
-def judged(recording: Recording, tag: str = "") -> list[Answer]:
-    """Return every bench scan that carries the tag, with the command in force after it."""
-    require_alive(recording)
-    found = answers(recording)
-    sent = len(recording.scenario.bench_scans)
-    if not recording.scenario.faults.scan_loss and len(found) != sent:
-        fail("the scenario ended before all of its scans were sent", recording=recording)
-    return [answer for answer in found if not tag or tag in answer.tags]
 
 
 def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from grader.checks.ml_velocity.evidence import (
-    judged,
     require_error_log,
     require_going_on,
     require_safe_drive,
@@ -17,6 +16,7 @@ from grader.checks.obstacle_avoidance.evidence import (
     FIELDS,
     ZERO,
     garbage,
+    judged,
     require_one_command_each,
     spell,
 )

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from grader.checks.ml_velocity.contract import Right
-from grader.checks.ml_velocity.evidence import judged
 from grader.checks.model_formats.contract import model_file, right_speed
 from grader.checks.moments import first_asked
-from grader.checks.obstacle_avoidance.evidence import Answer, garbage, spell
+from grader.checks.obstacle_avoidance.evidence import Answer, garbage, judged, spell
 from grader.log import LogLine
 from grader.recording import Recording
 from grader.verdict import fail

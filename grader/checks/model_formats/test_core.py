@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grader.checks.ml_velocity.evidence import judged, require_safe_drive
+from grader.checks.ml_velocity.evidence import require_safe_drive
 from grader.checks.model_formats.contract import model_file
 from grader.checks.model_formats.evidence import (
     loud_lines,
@@ -19,6 +19,7 @@ from grader.checks.obstacle_avoidance.evidence import (
     ZERO,
     Answer,
     garbage,
+    judged,
     require_one_command_each,
     spell,
 )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
@@ -54,18 +53,16 @@ class Ask:
 
 def asks(recording: Recording) -> list[Ask]:
     """Return what the server was asked, and what it said."""
-    told = {note.number: note for _, note in notes(recording, TOLD, Answered)}
+    answers = (note for _, note in notes(recording, TOLD) if isinstance(note, Answered))
+    told = {answer.number: answer for answer in answers}
     scans, bench = recording.scans(), recording.scenario.bench_scans
     found: list[Ask] = []
     for at, asked in published(recording, ASKED, UINT32):
-        newest = sum(scan.t <= at for scan in scans) - 1
-        sent = bench[newest] if bench and newest >= 0 else None
         said = told.get(int(asked.data))
         if _just_started(recording, at):
             continue
-        if said and _on_its_way(recording, scans, newest, at, said.message):
-            newest -= 1
-            sent = bench[newest] if bench else None
+        newest = _newest(recording, at, said)
+        sent = bench[newest] if bench and newest >= 0 else None
         found.append(
             Ask(
                 at=at,
@@ -92,21 +89,35 @@ def _just_started(recording: Recording, at: float) -> bool:
     return recording.live is not None and any(0.0 < at - start < START_UP for start in late)
 
 
-def _on_its_way(
-    recording: Recording, scans: Sequence[Scan], newest: int, at: float, message: str
-) -> bool:
-    """Tell whether, in real time, the answer is about the scan before, and rightly so.
+def _newest(recording: Recording, at: float, said: Answered | None) -> int:
+    """Return which scan was the server's newest when it was asked; -1: it had none.
 
-    A scan that has just been sent may reach the server after the request does.
+    In real time one that was sent at nearly the same moment may have come before the request or
+    after it. If the answer is right for one of these scans, that one it was.
     """
-    if recording.live is None or newest < 1 or at - scans[newest].t > UNDER_WAY + recording.slack:
-        return False
+    scans = recording.scans()
+    newest = sum(scan.t <= at for scan in scans) - 1
+    if recording.live is None or said is None:
+        return newest
+    near = UNDER_WAY + recording.slack
+    choices = [newest]
+    if newest >= 0 and at - scans[newest].t <= near:
+        choices.append(newest - 1)
+    if newest + 1 < len(scans) and scans[newest + 1].t - at <= near:
+        choices.append(newest + 1)
+    return next((i for i in choices if _fits(recording, i, at, said)), newest)
+
+
+def _fits(recording: Recording, number: int, at: float, said: Answered) -> bool:
+    """Tell whether an answer is about this scan (-1: none), or may refuse because of it."""
+    scan = recording.scans()[number] if number >= 0 else None
+    if not said.success:
+        return allowed(scan, at).refusal
     try:
-        stamp = float(json.loads(message)["stamp"])
-    except (ValueError, TypeError, KeyError, RecursionError):
+        stamp = float(json.loads(said.message)["stamp"])
+    except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
         return False
-    before = scans[newest - 1].stamp + recording.epoch / 1e9
-    return abs(stamp - before) <= STAMP_TOLERANCE
+    return scan is not None and abs(stamp - recording.epoch / 1e9 - scan.stamp) <= STAMP_TOLERANCE
 
 
 def require_answered(recording: Recording, ask: Ask) -> None:

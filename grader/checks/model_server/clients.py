@@ -10,10 +10,8 @@ import numpy as np
 
 from grader.checks.model_server.contract import LONGEST_GAP, ROLES, Floats
 from grader.checks.model_server.notes import (
-    ANSWERS,
-    REQUESTS,
+    SERVED,
     Answered,
-    Asked,
     fail_forged,
     notes,
 )
@@ -23,7 +21,6 @@ from grader.recording import Recording
 from grader.verdict import fail
 from sim.messages import STRING, UINT32
 
-SAME_TIME = 0.02  # [s]
 TICK = 1e-6  # [s] rounding
 BLOCKED = (
     "Does a callback wait: client.call(), spin_until_future_complete(), a sleep, a loop? While it "
@@ -52,16 +49,10 @@ def requests(recording: Recording) -> list[Request]:
     """Return the requests that reached the grader's server, in order."""
     found: list[Request] = []
     places: dict[int, int] = {}  # number of a request: its place; a new server counts anew
-    heard: list[tuple[float, int, float, Asked | Answered]] = [
-        (at, 0, at, note) for at, note in notes(recording, REQUESTS, Asked)
-    ]
-    # in real time, what was said at nearly the same time on two topics may come in any order
-    late = 0.0 if recording.live is None else SAME_TIME + recording.slack
-    heard += [(at + late, 1, at, note) for at, note in notes(recording, ANSWERS, Answered)]
-    for _, _, at, note in sorted(heard, key=lambda one: one[:2]):
+    for at, note in notes(recording, SERVED):
         if isinstance(note, Answered):
             if note.number not in places:
-                fail_forged(recording, ANSWERS, at)
+                fail_forged(recording, SERVED, at)
             asked = found[places[note.number]].at
             found[places[note.number]] = Request(asked, at, note.success, note.message)
         else:

@@ -5,7 +5,7 @@ They share a process with the student's nodes, so their notes are read as if tho
 
 from __future__ import annotations
 
-from typing import NoReturn, TypeVar
+from typing import NoReturn
 
 import msgspec
 
@@ -15,16 +15,16 @@ from grader.verdict import fail
 from sim.messages import STRING
 
 ASKED, TOLD = "/probe/asked", "/probe/told"  # of grader/host/supplied/detection_asker.py
-REQUESTS, ANSWERS = "/probe/requests", "/probe/answers"  # of detection_double.py
+SERVED = "/probe/served"  # of detection_double.py
 
 
-class Asked(msgspec.Struct, frozen=True):
+class Asked(msgspec.Struct, frozen=True, tag="asked"):
     """A request came in."""
 
     number: int
 
 
-class Answered(msgspec.Struct, frozen=True):
+class Answered(msgspec.Struct, frozen=True, tag="answered"):
     """A request was answered."""
 
     number: int
@@ -32,10 +32,7 @@ class Answered(msgspec.Struct, frozen=True):
     message: str
 
 
-Note = TypeVar("Note", Asked, Answered)
-
-
-def notes(recording: Recording, topic: str, form: type[Note]) -> list[tuple[float, Note]]:
+def notes(recording: Recording, topic: str) -> list[tuple[float, Asked | Answered]]:
     """Return what a program of the grader's noted on a topic: time [s] and note."""
     ends = [e for e in recording.endpoints if e.topic == topic and e.kind == "publisher"]
     if len(ends) > sum(program.supplied for program in recording.scenario.program):
@@ -43,7 +40,7 @@ def notes(recording: Recording, topic: str, form: type[Note]) -> list[tuple[floa
     found = []
     for at, value in published(recording, topic, STRING):
         try:
-            found.append((at, msgspec.json.decode(value.data, type=form)))
+            found.append((at, msgspec.json.decode(value.data, type=Asked | Answered)))
         except (msgspec.MsgspecError, ValueError, RecursionError):
             fail_forged(recording, topic, at)
     return found

@@ -59,13 +59,32 @@ def answers(recording: Recording) -> list[Answer]:
     return found
 
 
+def judged(recording: Recording, tag: str = "") -> list[Answer]:
+    """Return every bench scan that carries the tag; fail if not all came, or none was answered.
+
+    In real time the answer to the last scans may come after the end; these are left out.
+    """
+    require_alive(recording)
+    scenario = recording.scenario
+    if not scenario.faults.scan_loss and len(recording.scans()) != len(scenario.bench_scans):
+        fail("the scenario ended before all of its scans were sent", recording=recording)
+    found = [answer for answer in answers(recording) if not tag or tag in answer.tags]
+    if not found:
+        tagged = (i for i, scan in enumerate(scenario.bench_scans) if tag in scan.tags)
+        fail(
+            f"no command has come by the scans “{tag}”",
+            expected="a Twist for each scan",
+            actual="none, until the end",
+            at=recording.scans()[next(tagged)].t,
+            recording=recording,
+            help="Publish once at the end of the scan callback, whatever the scan was.",
+        )
+    return found
+
+
 def require_speeds(recording: Recording, tag: str, help: str = "") -> None:
     """Fail unless the node lived and drove as the contract says at every scan with this tag."""
-    require_alive(recording)
-    judged = [answer for answer in answers(recording) if tag in answer.tags]
-    if len(judged) != sum(tag in scan.tags for scan in recording.scenario.bench_scans):
-        fail("the scenario ended before all of its scans were sent", recording=recording)
-    for answer in judged:
+    for answer in judged(recording, tag):
         require_speed(recording, answer, help)
     require_reaction(recording)
 
@@ -225,7 +244,7 @@ def require_moving_when_free(recording: Recording, patience: float = 1.5) -> Non
     require_reaction(recording)
     truth = recording.truth
     free_since: float | None = None
-    judged = 0
+    count = 0
     for scan in recording.scans():
         if 0.0 in right_speeds(scan):
             free_since = None
@@ -233,7 +252,7 @@ def require_moving_when_free(recording: Recording, patience: float = 1.5) -> Non
         free_since = scan.t if free_since is None else free_since
         if scan.t - free_since < patience:
             continue
-        judged += 1
+        count += 1
         speed = float(np.interp(scan.t, truth.t / 1e9, truth.v))
         if speed < 0.05:
             distance = front_distance(scan)
@@ -245,7 +264,7 @@ def require_moving_when_free(recording: Recording, patience: float = 1.5) -> Non
                 recording=recording,
                 help="Decide anew at each scan; look only ahead, and publish every time.",
             )
-    if not judged:
+    if not count:
         fail("the way was never free for long enough to judge", recording=recording)
 
 

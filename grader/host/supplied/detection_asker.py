@@ -48,8 +48,8 @@ class DetectionAsker(Node):  # type: ignore[misc]
     def tell(self, number: int, answer: Future) -> None:
         """Publish the answer to a request."""
         response = answer.result()
-        said = {"number": number, "success": response.success, "message": response.message}
-        self.told.publish(String(data=json.dumps(said)))
+        said = {"type": "answered", "success": response.success, "message": response.message}
+        self.told.publish(String(data=json.dumps({"number": number, **said})))
 
 
 def main(args: list[str] | None = None) -> None:

@@ -2,7 +2,7 @@
 
 The parameter `answers` is the plan, one word for each request, the last for all that follow: a kind
 of answer, then `@` and its delay [s] if there is one (`fine@0.3`). What came and what was answered
-goes out on /probe/requests and /probe/answers, for the judge.
+goes out on /probe/served, for the judge.
 """
 
 import json
@@ -40,8 +40,7 @@ class DetectionDouble(Node):  # type: ignore[misc]
         self.plan = [(kind, delay) for kind, _, delay in (w.partition("@") for w in plan.split())]
         self.count = 0
         self.group = ReentrantCallbackGroup()
-        self.requests = self.create_publisher(String, "/probe/requests", 10)
-        self.answers = self.create_publisher(String, "/probe/answers", 10)
+        self.served = self.create_publisher(String, "/probe/served", 100)
         self.create_service(Trigger, "/detect", self.detect_callback, callback_group=self.group)
 
     async def detect_callback(
@@ -51,16 +50,19 @@ class DetectionDouble(Node):  # type: ignore[misc]
         number = self.count
         self.count += 1
         kind, delay = self.plan[min(number, len(self.plan) - 1)]
-        self.requests.publish(String(data=json.dumps({"number": number, "kind": kind})))
+        self.note(number, type="asked", kind=kind)
         if kind == "never":
             await Future()
         if delay:
             await self.pause(float(delay))
         response.success = kind != "refused"
         response.message = self.message(kind, number)
-        answer = {"number": number, "success": response.success, "message": response.message}
-        self.answers.publish(String(data=json.dumps(answer)))
+        self.note(number, type="answered", success=response.success, message=response.message)
         return response
+
+    def note(self, number: int, **what: object) -> None:
+        """Tell the judge something about a request."""
+        self.served.publish(String(data=json.dumps({"number": number, **what})))
 
     def message(self, kind: str, number: int) -> str:
         """Return an answer's text; no two good ones are the same."""

@@ -1,0 +1,202 @@
+"""What checks forgive a busy machine in real time; in virtual time they forgive nothing."""
+
+import json
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+CHECK = "check(points, scenarios): named here because checks are imported outside of a grading"
+EPOCH = 1_700_000_000_000_000_000  # [ns]
+LIVE = object()
+SCANS = tuple(SimpleNamespace(t=i / 2, stamp=i / 2) for i in range(4))  # at 0, 0.5, 1 and 1.5 s
+
+
+@pytest.fixture(autouse=True)
+def _marker(pytestconfig: pytest.Config) -> None:
+    pytestconfig.addinivalue_line("markers", CHECK)
+
+
+def recording(live: object = LIVE, slack: float = 0.0, **others: Any) -> Any:
+    return SimpleNamespace(
+        live=live, slack=slack, epoch=EPOCH, scans=lambda: SCANS, duration_s=2.0, **others
+    )
+
+
+# --- exercise 5: one gap in a hundred -------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("live", "longest", "count", "forgiven"),
+    [
+        (LIVE, 0.14, 1, True),
+        (LIVE, 0.14, 2, False),
+        (LIVE, 0.16, 1, False),
+        (None, 0.08, 1, False),
+    ],
+)
+def test_one_gap_in_a_hundred_may_be_linux(
+    live: object, longest: float, count: int, forgiven: bool
+) -> None:
+    from grader.checks.slow_model.test_core import _a_rare_hiccup  # noqa: PLC0415
+
+    gaps = np.array([0.05] * (100 - count) + [longest] * count)
+    assert _a_rare_hiccup(recording(live), gaps, count) == forgiven
+
+
+# --- exercise 6: scans and requests that cross ----------------------------------------------------
+
+
+def told(stamp: float | None, success: bool = True) -> Any:
+    message = json.dumps({} if stamp is None else {"stamp": EPOCH / 1e9 + stamp})
+    return SimpleNamespace(success=success, message=message)
+
+
+@pytest.mark.parametrize(
+    ("at", "answer", "newest"),
+    [
+        (1.25, told(1.0), 2),
+        (1.03, told(0.5), 1),  # the scan of 1.0 s was still on its way
+        (0.97, told(1.0), 2),  # the request was
+        (1.25, told(0.5), 2),  # too long ago: that answer is wrong
+        (0.75, told(1.0), 1),  # from the future: wrong too
+        (1.03, told(0.0), 2),  # neither of the two
+        (0.03, told(None, success=False), -1),  # rightly refused: it had none yet
+        (1.03, told(None), 2),  # no stamp at all
+        (1.25, None, 2),  # no answer at all
+    ],
+)
+def test_the_scan_that_a_server_had_is_one_that_it_can_have_had(
+    monkeypatch: pytest.MonkeyPatch, at: float, answer: Any, newest: int
+) -> None:
+    from grader.checks.model_server import answers  # noqa: PLC0415
+
+    def allowed(scan: Any, asked: float) -> Any:
+        return SimpleNamespace(refusal=scan is None)
+
+    monkeypatch.setattr(answers, "allowed", allowed)
+    assert answers._newest(recording(), at, answer) == newest
+
+
+def test_in_virtual_time_the_newest_scan_is_the_newest() -> None:
+    from grader.checks.model_server.answers import _newest  # noqa: PLC0415
+
+    assert _newest(recording(None), 1.0, told(0.5)) == 2
+
+
+@pytest.mark.parametrize(
+    ("live", "at", "just"),
+    [(LIVE, 1.2, True), (LIVE, 2.1, False), (LIVE, 0.9, False), (None, 1.2, False)],
+)
+def test_who_is_asked_while_its_program_starts_is_not_judged(
+    live: object, at: float, just: bool
+) -> None:
+    from grader.checks.model_server.answers import _just_started  # noqa: PLC0415
+
+    programs = [
+        SimpleNamespace(start=0.0, supplied=False),
+        SimpleNamespace(start=1.0, supplied=False),
+        SimpleNamespace(start=1.9, supplied=True),  # ours
+    ]
+    scenario = SimpleNamespace(program=programs)
+    assert _just_started(recording(live, scenario=scenario), at) is just
+
+
+# --- exercise 9: calls that take a little longer --------------------------------------------------
+
+
+def profiled(live: object, monkeypatch: pytest.MonkeyPatch, slack: float = 0.0) -> Any:
+    """A hundred calls of 30 ms, one for each scan at 40 Hz: they wait for one another."""
+    from grader.checks.latency_monitor import contract  # noqa: PLC0415
+
+    monkeypatch.setattr(contract, "scan_features", lambda scan: np.ones(5))
+    contract._calls.cache_clear()
+    model = SimpleNamespace(probe="takes", settings={"seconds": 0.03})
+    node = SimpleNamespace(models={contract.MODEL: model}, parameters={})
+
+    class Profiled(SimpleNamespace):
+        __hash__ = object.__hash__
+
+        def scans(self) -> Any:
+            return [SimpleNamespace(t=i / 40) for i in range(100)]
+
+    return Profiled(live=live, slack=slack, scenario=SimpleNamespace(node=node))
+
+
+def counts(recording: Any, time: float) -> set[float]:
+    from grader.checks.latency_monitor.contract import right_statistics  # noqa: PLC0415
+
+    return {choice.numbers["count"] for choice in right_statistics(recording, time)}
+
+
+def test_calls_that_wait_for_one_another_add_up_what_each_takes_longer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert counts(profiled(None, monkeypatch), 2.0) == {66}  # 2.0 s / 30 ms
+    assert counts(profiled(LIVE, monkeypatch), 2.0) == {62, 63, 64, 65, 66}  # 2.0 s / 32 ms
+    slow = profiled(LIVE, monkeypatch, slack=0.04)
+    assert counts(slow, 2.0) == {61, 62, 63, 64, 65, 66, 67, 68}
+    assert counts(profiled(LIVE, monkeypatch), 0.0) == {0}
+
+
+@pytest.mark.parametrize(
+    ("live", "mean", "right"),
+    [(None, 30.0, True), (None, 31.0, False), (LIVE, 31.9, True), (LIVE, 32.2, False)],
+)
+def test_a_call_takes_up_to_two_milliseconds_longer_in_real_time(
+    monkeypatch: pytest.MonkeyPatch, live: object, mean: float, right: bool
+) -> None:
+    from grader.checks.latency_monitor.contract import right_statistics  # noqa: PLC0415
+
+    choices = right_statistics(profiled(live, monkeypatch), 2.0)
+    assert any(choice.allows("mean_ms", mean) for choice in choices) is right
+
+
+def test_levels_between_the_least_and_the_most_are_right() -> None:
+    from grader.checks.latency_monitor.contract import (  # noqa: PLC0415
+        ERROR,
+        OK,
+        STALE,
+        WARN,
+        Statistics,
+    )
+
+    assert Statistics((99.0,) * 100, 100.0).levels == {OK}
+    assert Statistics((99.0,) * 100, 100.0, late=2.0).levels == {OK, WARN, ERROR}
+    assert Statistics((), 100.0, late=2.0).levels == {STALE}
+
+
+# --- exercises 1, 2 and 8: answers after the end --------------------------------------------------
+
+
+def bench(monkeypatch: pytest.MonkeyPatch, answered: int, sent: int = 4) -> Any:
+    from grader.checks.obstacle_avoidance import evidence  # noqa: PLC0415
+
+    tags = ((), ("a",), ("a",), ("b",))
+    scenario = SimpleNamespace(
+        bench_scans=[SimpleNamespace(tags=each) for each in tags],
+        faults=SimpleNamespace(scan_loss=0.0),
+        name="bench",
+    )
+    found = [SimpleNamespace(tags=each) for each in tags[:answered]]
+    monkeypatch.setattr(evidence, "answers", lambda _: found)
+    monkeypatch.setattr(evidence, "require_alive", lambda _: None)
+    result = recording(scenario=scenario, name="bench")
+    result.scans = lambda: SCANS[:sent]
+    return result
+
+
+def test_scans_whose_answer_would_come_after_the_end_are_left_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from grader.checks.obstacle_avoidance.evidence import judged  # noqa: PLC0415
+    from grader.verdict import CheckFailed  # noqa: PLC0415
+
+    assert len(judged(bench(monkeypatch, answered=4), "a")) == 2
+    assert len(judged(bench(monkeypatch, answered=2), "a")) == 1
+    assert len(judged(bench(monkeypatch, answered=3))) == 3
+    with pytest.raises(CheckFailed, match="no command has come by the scans “b”"):
+        judged(bench(monkeypatch, answered=3), "b")
+    with pytest.raises(CheckFailed, match="ended before all of its scans were sent"):
+        judged(bench(monkeypatch, answered=3, sent=3), "a")
