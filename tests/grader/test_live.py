@@ -21,8 +21,8 @@ from grader.recording import Recording
 from grader.submission import Submission
 from grader.trial import Limits
 from grader.trials import NodeTrials
-from sim.messages import EPOCH_NS, Message
-from sim.scenario import Scenario, ScriptEvent
+from sim.messages import EPOCH_NS, STRING, Message, decode
+from sim.scenario import ProgramSpec, Scenario, ScriptEvent
 
 RunLive = Callable[..., Recording]
 
@@ -114,7 +114,7 @@ ENDS = {
 
 @pytest.mark.parametrize("kind", ENDS)
 def test_each_end_has_a_name(kind: str, run_live: RunLive, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grader.live.IDLE_START", 0.5)
+    monkeypatch.setattr("grader.live_hosts.IDLE_START", 0.5)
     assert run_live(ENDS[kind]).outcome.kind == kind
 
 
@@ -158,6 +158,47 @@ def test_a_node_that_speaks_for_the_robot_is_kept_apart(run_live: RunLive) -> No
 
     assert len(recording.scans()) == 10
     assert len(recording.of("/from_node/scan")) > 0
+
+
+BEATING = """
+class Beating(Node):
+    def __init__(self):
+        super().__init__('beating')
+        self.count = 0
+        self.publisher = self.create_publisher(String, '/beat', 10)
+        self.create_timer(0.02, self.on_timer)
+    def on_timer(self):
+        self.publisher.publish(String(data=str(self.count)))
+        self.count += 1
+rclpy.init(); rclpy.spin(Beating())
+"""
+LATE = """
+class Late(Echo):
+    def __init__(self):
+        super().__init__('late')
+        time.sleep(0.5)
+        twist = Twist(); twist.linear.x = 0.25; self.publisher.publish(twist)
+rclpy.init(); rclpy.spin(Late())
+"""
+
+
+def test_each_of_several_programs_has_a_start_up_of_its_own(
+    nursery: Nursery, tmp_path: Path
+) -> None:
+    """What one says between its start-up and the beginning is dropped; the other still starts."""
+    beating, late = tmp_path / "beating.py", tmp_path / "late.py"
+    beating.write_text(PREAMBLE + BEATING)
+    late.write_text(PREAMBLE + LATE)
+    programs = (ProgramSpec("beating.py"), ProgramSpec("late.py"))
+    scenario = msgspec.structs.replace(short(1.0), program=programs)
+    recording = run_live_trial(Submission(beating, others=(late,)), scenario, nursery)
+
+    assert recording.outcome.completed, recording.outcome
+    twists = recording.twists()
+    assert (twists.t[0], twists.linear_x[0]) == (0.0, 0.25)
+    beats = [int(decode(message.data, STRING).data) for message in recording.of("/beat")]
+    assert beats[0] > 0
+    assert beats == list(range(beats[0], beats[0] + len(beats)))
 
 
 def test_two_trials_at_once_do_not_hear_each_other(nursery: Nursery, tmp_path: Path) -> None:
@@ -295,7 +336,7 @@ def test_wait_for_message_is_virtual(run_node: RunNode) -> None:
 def test_a_node_that_never_gets_started_is_not_run_again_and_again(
     nursery: Nursery, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("grader.live.START_LIMIT", 0.5)
+    monkeypatch.setattr("grader.live_hosts.START_LIMIT", 0.5)
     file = tmp_path / "node.py"
     file.write_text("while True: pass")
     with NodeTrials(Submission(file), nursery, limits=Limits(start=0.5, step=1.0)) as trials:
@@ -343,7 +384,7 @@ def test_a_killed_robot_is_no_verdict_on_the_node(
         transmit(trial, messages)
         sent.append(messages)
         if len(sent) == 5:
-            trial._radio._host.kill()
+            trial.hosts.radio._host.kill()
 
     monkeypatch.setattr(_LiveTrial, "_transmit", shot)
     with pytest.raises(GraderError, match="the robot's radio has died"):
@@ -363,7 +404,7 @@ def test_robot_and_node_go_before_the_programs_of_other_sessions(
 
     def looking(trial: _LiveTrial, messages: Sequence[Message]) -> None:
         transmit(trial, messages)
-        for host in (trial._radio._host, trial._programs[0].host):
+        for host in (trial.hosts.radio._host, trial.hosts.programs[0].host):
             groups[host.pid] = Path(f"/proc/{host.pid}/autogroup").read_text().split()[-2:]
 
     mine = AUTOGROUP.read_text()

@@ -1,0 +1,333 @@
+"""The processes of a trial in real time: the robot's radio and the node's programs.
+
+They are started, brought together and heard; how long they had to wait for a CPU is measured.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import select
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from grader.errors import GraderError
+from grader.host.frames import (
+    MAX_PUBLISHED,
+    MAX_PUBLISHED_BYTES,
+    Delivery,
+    Ended,
+    EndpointReport,
+    HeardNow,
+    Meet,
+    Offer,
+    ProgramStart,
+    Published,
+    Pulse,
+    Start,
+    ToHost,
+    Transmit,
+    Tuned,
+    TuneIn,
+    decode_from_live,
+    decode_from_radio,
+)
+from grader.host.privileges import prefer
+from grader.launch import HostProcess, Nursery
+from grader.link import Channel, HostDied, decoded
+from grader.runqueue import RunQueue
+from grader.scratch import prefix
+from grader.staging import Stage
+from grader.tape import MAX_ENDPOINTS, Flood
+from grader.trial import NEVER_SPUN
+from sim.messages import EMPTY, OFFERED, empty
+
+GO = Offer("/probe/go", EMPTY, True)  # tells programs of ours that time begins
+SEND_LIMIT = 5.0  # [s] for a frame to a host
+START_LIMIT = 20.0  # [s] for a program to begin to spin: imports, models
+IDLE_START = 3.0  # [s] without CPU time after which a program won't begin to spin any more
+MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
+TURN = 0.02  # [s] between looks at the hosts, at most
+MAX_CHUNKS = 64  # read at once from one host
+MAX_PULSES = 100  # of a program at a time: it sends ten a second
+HUNG_AT_START = "the node did not come back from its start-up"
+
+
+class Over(Exception):
+    """A program has ended."""
+
+
+class NotReady(Exception):
+    """A program does not begin to spin; the text says why not."""
+
+
+class LiveLink(Channel):
+    """Frames to and from a host that speaks whenever it wants."""
+
+    def __init__(self, host: HostProcess, decode: Callable[[bytes], Any]) -> None:
+        super().__init__(host)
+        self._decode = decode
+        self.gone = False  # it has hung up
+        self.descriptors = (host.link_in, host.stdout, host.stderr)
+
+    def send(self, frame: ToHost) -> None:
+        """Send a frame; HostDied if nobody is there."""
+        self._write(frame, time.perf_counter() + SEND_LIMIT)
+
+    def hear(self) -> list[Any]:
+        """Return the frames that have come."""
+        try:
+            for _ in range(MAX_CHUNKS):  # one that never ceases to write must not hold the judge
+                self._read(self._host.link_in)
+        except BlockingIOError:
+            pass
+        except HostDied:
+            self.gone = True
+        self._drain_all()
+        frames = []
+        while (body := self._take_frame()) is not None:
+            frames.append(decoded(body, self._decode))
+        return frames
+
+    def note_time(self, now: int) -> None:
+        """Say what time it is [ns]: output that comes from now on was said then."""
+        for output in (self.stdout, self.stderr):
+            output.clock = now
+
+
+@dataclass
+class Program:
+    """One of the node's programs."""
+
+    start: ProgramStart
+    host: HostProcess
+    link: LiveLink
+    pulse: Pulse = field(default_factory=lambda: Pulse(0, 0.0, [], {}))
+    topics: set[str] = field(default_factory=set)  # that it publishes on
+    ended: Ended | None = None
+    idle_since: float = math.inf
+    cpu: float = 0.0
+
+    def ready(self, now: float) -> bool:
+        """It spins, has ended, or sleeps so long that it won't spin any more."""
+        if self.ended is not None or self.link.gone or self.pulse.spinning:
+            return True
+        cpu = self.link.cpu()
+        if not cpu - self.cpu < 0.01 or self.idle_since == math.inf:
+            self.cpu, self.idle_since = cpu, now
+        return now - self.idle_since > IDLE_START
+
+
+class LiveHosts:
+    """The radio and the programs of one trial.
+
+    Parameters
+    ----------
+    staged
+        The folder that they share, and what they run.
+    domain
+        The DDS domain, theirs alone.
+    seed
+        For the `random` of the node's programs.
+    """
+
+    def __init__(self, nursery: Nursery, staged: Stage, domain: int, seed: int) -> None:
+        self.programs: list[Program] = []  # that have been started, in order
+        self.radio: LiveLink
+        self.endpoints: list[EndpointReport] = []  # that the radio has dealt with
+        self.epoch = 0  # [ns] since 1970 at the scenario's start; 0: not yet
+        self._nursery = nursery
+        self._stage = staged
+        self._domain = domain
+        self._seed = seed
+        self._all = contextlib.ExitStack()
+        self._poll = select.poll()
+        self._radio_host: HostProcess
+        self._queues: dict[int, RunQueue] = {}  # by the host's number, since time counts for it
+        self._waiting = sorted(staged.programs, key=lambda program: program.start)
+        self._user = 0
+        self._connected: dict[str, int] = {}  # the radio's view
+        self._asked = 0  # endpoints that it was told of
+        self._heard: list[Published] = []
+
+    def __enter__(self) -> LiveHosts:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._all.close()
+
+    @property
+    def moments(self) -> list[int]:
+        """When a program is to start or to be killed [ns]."""
+        stops = [program.start.stop for program in self.programs]
+        return [program.start for program in self._waiting] + [s for s in stops if s is not None]
+
+    def open(self) -> None:
+        """Start the radio and the programs that run from the beginning."""
+        place = self._all.enter_context(tempfile.TemporaryDirectory(prefix=prefix()))
+        self._radio_host = self._all.enter_context(self._nursery.host(Path(place)))
+        self.radio = LiveLink(self._radio_host, decode_from_radio)
+        self._register(self.radio)
+        self.radio.send(TuneIn(self._domain, (*self._stage.offers, GO)))
+        self._user = self._all.enter_context(self._nursery.user())
+        self.start_programs(0)
+
+    def start_programs(self, now: int) -> None:
+        """Start what is to run by now [ns]."""
+        while self._waiting and self._waiting[0].start <= now:
+            program = self._waiting.pop(0)
+            host = self._all.enter_context(
+                self._nursery.host(self._stage.folder, self._user, prompt=self.epoch > 0)
+            )
+            link = LiveLink(host, decode_from_live)
+            self._register(link)
+            link.send(Start((program,), 0, self._seed, self._stage.offers, self._domain))
+            self.programs.append(Program(program, host, link))
+
+    def measure(self) -> None:
+        """Measure from now on how long a host has to wait; a program as soon as it spins."""
+        spinning = (program.host for program in self.programs if program.pulse.spinning)
+        for host in (self._radio_host, *spinning):
+            if host.pid not in self._queues:
+                self._queues[host.pid] = queue = RunQueue(host.pid, TURN)
+                queue.worst()  # what was until now is not the trial's
+
+    def stop_programs(self, now: int) -> None:
+        """Kill what is not to run any more [ns]."""
+        for program in self.programs:
+            if program.start.stop is not None and program.start.stop <= now:
+                program.host.kill()
+
+    def _register(self, link: LiveLink) -> None:
+        for descriptor in link.descriptors:
+            self._poll.register(descriptor, select.POLLIN)
+
+    # --- how they come together ------------------------------------------------------------------
+
+    def meet(self) -> None:
+        """Wait until the programs spin and all ends have found each other; time begins then."""
+        limit = time.monotonic() + START_LIMIT
+        while not all(program.ready(time.monotonic()) for program in self.programs):
+            self.listen(TURN)
+            if time.monotonic() > limit:
+                raise NotReady(HUNG_AT_START)
+        if not any(program.pulse.spinning for program in self.programs):  # some just do a job
+            raise NotReady(NEVER_SPUN)
+        limit = time.monotonic() + MEETING_LIMIT
+        while not self._all_met():
+            self.listen(TURN)
+            if time.monotonic() > limit:
+                raise TimeoutError("DDS did not bring the node and the robot together in time")
+        for host in (self._radio_host, *(program.host for program in self.programs)):
+            prefer(host.pid)
+        self.epoch = time.time_ns()
+        self.radio.send(Transmit((Delivery(GO.topic, empty()),)))
+        self._heard = [said for said in self._heard if self._counts(said)]
+
+    def _all_met(self) -> bool:
+        if len(self.endpoints) < self._asked:
+            return False
+        wanted: dict[str, int] = {}
+        for end in self.endpoints:
+            served = end.kind == "subscription" and end.topic in (*OFFERED, GO.topic)
+            if end.kind == "publisher" or served:
+                name = f"{end.kind} {end.topic}"
+                if not end.mismatch:
+                    wanted[name] = wanted.get(name, 0) + 1
+        services = {end.topic for end in self.endpoints if end.kind == "service"}
+        asked = {end.topic for end in self.endpoints if end.kind == "client"} & services
+        mine = all(self._connected.get(name, 0) >= n for name, n in wanted.items())
+        theirs: dict[str, int] = {}
+        for program in self.programs:
+            for name, count in program.pulse.connected.items():
+                theirs[name] = max(theirs.get(name, 0), count)
+        needed = [*wanted, *(f"client {name}" for name in asked)]
+        return mine and all(theirs.get(name, 0) > 0 for name in needed)
+
+    # --- what they say ---------------------------------------------------------------------------
+
+    def now(self) -> int:
+        """Return the time since the scenario's start [ns]."""
+        return time.time_ns() - self.epoch if self.epoch else 0
+
+    def transmit(self, deliveries: Sequence[Delivery]) -> None:
+        """Let the radio send messages of the robot."""
+        self.radio.send(Transmit(tuple(deliveries)))
+
+    def take_heard(self) -> list[Published]:
+        """Return what was heard since the last call, in order; times since 1970 [ns]."""
+        heard, self._heard = self._heard, []
+        return sorted(heard, key=lambda message: message.time)
+
+    def waited(self, *, believed: bool) -> float:
+        """Return the longest wait for a CPU since the last call [s] (see `RunQueue.worst`)."""
+        return max(queue.worst(believed=believed) for queue in self._queues.values())
+
+    def cpu(self) -> float:
+        """Return the CPU time of the programs [s]."""
+        used = [program.link.cpu() for program in self.programs if not program.link.gone]
+        return math.fsum(used) if used else 0.0
+
+    def listen(self, patience: float) -> None:
+        """Wait for the hosts to say something, `patience` [s] at most, and take it in."""
+        self._poll.poll(max(1, math.ceil(patience * 1e3)))
+        now = self.now()
+        for queue in self._queues.values():
+            queue.look()
+        for program in self.programs:
+            program.link.note_time(now)
+            self._hear_program(program)
+        for frame in self.radio.hear():
+            match frame:
+                case Tuned():
+                    self.endpoints += frame.endpoints
+                    self._connected = frame.connected
+                case HeardNow():
+                    self._heard += filter(self._counts, frame.published)
+        if self.radio.gone:
+            raise GraderError("the robot's radio has died: nothing can be said of the node")
+
+    def _hear_program(self, program: Program) -> None:
+        frames = program.link.hear()
+        if len(frames) > MAX_PULSES:
+            raise Flood(f"more than {MAX_PULSES} pulses at a time")
+        for frame in frames:
+            match frame:
+                case Pulse():
+                    program.pulse = frame
+                    program.topics |= {e.topic for e in frame.endpoints if e.kind == "publisher"}
+                    self._hear_start_up(frame.unheard)
+                    if frame.endpoints:
+                        self._asked += len(frame.endpoints)
+                        if self._asked > MAX_ENDPOINTS:  # the radio would choke on them
+                            raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
+                        self.radio.send(Meet(tuple(frame.endpoints)))
+                case Ended():
+                    program.ended = frame
+        stopped = program.start.stop is not None and program.start.stop <= self.now()
+        if (program.ended or program.link.gone) and not stopped:
+            raise Over
+
+    def _counts(self, published: Published) -> bool:
+        """Tell whether a message is worth noting.
+
+        Between a program's start-up and the scenario's beginning nobody asks what it says.
+        """
+        return published.time >= self.epoch > 0 or self._said_in_start_up(published)
+
+    def _said_in_start_up(self, published: Published) -> bool:
+        """Tell whether a program said this before it began to spin, as far as is known."""
+        who = [p.pulse for p in self.programs if published.topic in p.topics]
+        return not who or any(not pulse.spun or published.time < pulse.spun for pulse in who)
+
+    def _hear_start_up(self, unheard: Sequence[Published]) -> None:
+        if self.epoch:
+            return
+        self._heard += unheard
+        size = sum(len(m.data) for m in self._heard)
+        if len(self._heard) > MAX_PUBLISHED or size > MAX_PUBLISHED_BYTES:
+            raise Flood("too many or too large messages before it spins")
