@@ -197,7 +197,7 @@ def test_each_of_several_programs_has_a_start_up_of_its_own(
     twists = recording.twists()
     assert (twists.t[0], twists.linear_x[0]) == (0.0, 0.25)
     beats = [int(decode(message.data, STRING).data) for message in recording.of("/beat")]
-    assert beats[0] > 0
+    assert np.count_nonzero(recording.times("/beat") == 0.0) <= 1
     assert beats == list(range(beats[0], beats[0] + len(beats)))
 
 
