@@ -1,11 +1,14 @@
 """What checks forgive a busy machine in real time; in virtual time they forgive nothing."""
 
+import contextlib
 import json
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+
+from grader.recording import Compute, Recording
 
 CHECK = "check(points, scenarios): named here because checks are imported outside of a grading"
 EPOCH = 1_700_000_000_000_000_000  # [ns]
@@ -22,6 +25,49 @@ def recording(live: object = LIVE, slack: float = 0.0, **others: Any) -> Any:
     return SimpleNamespace(
         live=live, slack=slack, epoch=EPOCH, scans=lambda: SCANS, duration_s=2.0, **others
     )
+
+
+# --- what the machine took ------------------------------------------------------------------------
+
+
+def measured(live: bool) -> Any:
+    """Five turns of 0.1 s; a thread waited 40 ms in the one at 0.2 s, and 30 ms in the next."""
+    none, turns = np.zeros(5), np.arange(5) / 10
+    compute = Compute(turns, none, none, np.array([0.0, 0.0, 0.04, 0.03, 0.0]))
+    return SimpleNamespace(live=SimpleNamespace(lateness=0.01) if live else None, compute=compute)
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "delay"),
+    [
+        (0.2, 0.28, 0.05),
+        (0.25, 0.28, 0.05),
+        (0.2, 0.35, 0.08),
+        (0.3, 0.4, 0.04),
+        (0.0, 0.15, 0.01),
+        (0.45, 9.0, 0.01),
+    ],
+)
+def test_a_delay_is_what_was_measured_meanwhile(begin: float, end: float, delay: float) -> None:
+    assert Recording.delay(measured(live=True), begin, end) == pytest.approx(delay)
+    assert Recording.delay(measured(live=False), begin, end) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("live", "command", "prompt"),
+    [(True, 0.29, True), (True, 0.34, False), (True, 0.19, False), (False, 0.26, False)],
+)
+def test_a_scan_waits_for_its_command_no_longer_than_the_machine_made_it(
+    live: bool, command: float, prompt: bool
+) -> None:
+    from grader.checks.ml_velocity.evidence import require_prompt  # noqa: PLC0415
+    from grader.verdict import CheckFailed  # noqa: PLC0415
+
+    fake = measured(live)
+    fake.name, fake.twists = "prompt", lambda: SimpleNamespace(t=np.array([command]))
+    fake.delay = lambda begin, end: Recording.delay(fake, begin, end)
+    with contextlib.nullcontext() if prompt else pytest.raises(CheckFailed, match="had to wait"):
+        require_prompt(fake, 0.2)
 
 
 # --- exercise 5: one gap in a hundred -------------------------------------------------------------

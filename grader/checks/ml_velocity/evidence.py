@@ -17,6 +17,7 @@ SPEED_TOLERANCE = 2e-4  # [m/s]; probes show a distance of 2.5 mm
 LEAST_WAY = 0.8  # [m]
 BRISK = 0.8  # of max_speed: what a free way asks for
 STANDING = 0.05  # [m/s]
+PROMPT = 0.05  # [s] between a scan and its command: no loading in between
 
 
 def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
@@ -49,6 +50,23 @@ def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
             # a model itself may say NaN; then the check's own advice is the better one
             help=(help if math.isnan(answer.speed) else "") or garbage(answer.speed) or help,
         )
+
+
+def require_prompt(recording: Recording, scan: float) -> None:
+    """Fail unless a command came within PROMPT of the scan's time [s], as far as the node goes."""
+    times = recording.twists().t
+    after = times[times >= scan]
+    if len(after) and after[0] - scan <= PROMPT + recording.delay(scan, float(after[0])):
+        return
+    came = f"{1000 * (after[0] - scan):.0f} ms after the scan" if len(after) else "no command"
+    fail(
+        f"the scan at {scan:.3f} s had to wait for its command",
+        expected="a command at once: the model is loaded before the first scan comes",
+        actual=came,
+        at=scan,
+        recording=recording,
+        help="This model takes 80 ms to load. Load it in __init__, not in the callback.",
+    )
 
 
 def require_error_log(recording: Recording) -> None:

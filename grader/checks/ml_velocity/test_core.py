@@ -8,6 +8,7 @@ import pytest
 from grader.checks.ml_velocity.evidence import (
     require_error_log,
     require_going_on,
+    require_prompt,
     require_safe_drive,
     require_speeds,
 )
@@ -27,7 +28,6 @@ from grader.verdict import fail
 DRIVES = ("ml_drive_wall", "ml_drive_cart", "ml_drive_store")
 WITHOUT_MODEL = ("ml_no_model", "ml_broken_model", "ml_foreign_model")
 CART_GONE = 8.5  # [s] in ml_drive_cart
-PROMPT = 0.05  # [s] between a scan and its command, in virtual time: no loading in between
 SECTOR = "The front sector is |θ| ≤ 60°, with θ = angle_min + i · angle_increment, wrapped to ±π."
 
 Recordings = tuple[Recording, ...]
@@ -187,7 +187,7 @@ def test_loads_once(recordings: Recordings) -> None:
     """The model is loaded once, while the node is constructed."""
     for recording in recordings:
         for answer in judged(recording):
-            _require_prompt(recording, answer.scan.t)
+            require_prompt(recording, answer.scan.t)
             if answer.speed is None or abs(answer.speed - 0.1) > ZERO:
                 loads = "no" if answer.speed is None else f"{answer.speed / 0.1:.0f}"
                 fail(
@@ -240,20 +240,3 @@ def test_drives(recordings: Recordings) -> None:
         require_safe_drive(recording, "the grader's")
         if recording.name == "ml_drive_cart":
             require_going_on(recording, CART_GONE)
-
-
-def _require_prompt(recording: Recording, scan: float) -> None:
-    """Fail unless a command came within PROMPT of the scan's time [s]."""
-    times = recording.twists().t
-    after = times[times >= scan]
-    if len(after) and after[0] - scan <= PROMPT:
-        return
-    came = f"{1000 * (after[0] - scan):.0f} ms after the scan" if len(after) else "no command"
-    fail(
-        f"the scan at {scan:.3f} s had to wait for its command",
-        expected="a command at once: the model is loaded before the first scan comes",
-        actual=came,
-        at=scan,
-        recording=recording,
-        help="This model takes 80 ms to load. Load it in __init__, not in the callback.",
-    )

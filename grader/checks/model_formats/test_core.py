@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grader.checks.ml_velocity.evidence import require_safe_drive
+from grader.checks.ml_velocity.evidence import require_prompt, require_safe_drive
 from grader.checks.model_formats.contract import model_file
 from grader.checks.model_formats.evidence import (
     loud_lines,
@@ -38,7 +38,6 @@ DEEP_FILES = ("format_broken_torch", "format_broken_keras")
 LIBRARIES = ("format_without_torch", "format_without_keras")
 FIRST = 0.1  # [m/s] says the model that the node was started with
 OTHER = 0.4  # [m/s] says the one that took its place
-PROMPT = 0.05  # [s] between a scan and its command, in virtual time: no loading in between
 
 FEATURES = (
     "The model is linear with five different weights: are the features right, and in their order?"
@@ -267,7 +266,7 @@ def test_loads_once(recordings: Recordings) -> None:
     """The .pkl and the .onnx are loaded once, while the node is constructed."""
     for recording in recordings:
         for answer in judged(recording, "loads"):
-            _require_prompt(recording, answer.scan.t)
+            require_prompt(recording, answer.scan.t)
             _require_first(recording, answer)
 
 
@@ -402,23 +401,6 @@ def _require_standing(recording: Recording, why: str, help: str = "") -> None:
         help=help or "The node has to live and to publish 0.0 without a model, too.",
     )
     require_error_log(recording, why)
-
-
-def _require_prompt(recording: Recording, scan: float) -> None:
-    """Fail unless a command came within PROMPT of the scan's time [s]."""
-    times = recording.twists().t
-    after = times[times >= scan]
-    if len(after) and after[0] - scan <= PROMPT:
-        return
-    came = f"{1000 * (after[0] - scan):.0f} ms after the scan" if len(after) else "no command"
-    fail(
-        f"the scan at {scan:.3f} s had to wait for its command",
-        expected="a command at once: the model is loaded before the first scan comes",
-        actual=came,
-        at=scan,
-        recording=recording,
-        help="This model takes 80 ms to load. Load it in __init__, not in the callback.",
-    )
 
 
 def _require_first(recording: Recording, answer: Answer) -> None:
