@@ -1,4 +1,4 @@
-"""Gives up a goal that it has not reached in ten seconds, though 5.8 m take twenty.
+"""Gives up a goal that it has not reached in fifteen seconds, though 5.8 m take twenty.
 
 fails: reaches_goal
 """
@@ -45,7 +45,7 @@ class Agent(Node):
             return
         x, y, yaw = self.pose
         self.ticks += 1
-        if self.ticks > 100:
+        if self.ticks > 150:
             self.goal = None
             self.publisher.publish(Twist())
             return
