@@ -15,6 +15,8 @@ from grader import bag
 from grader.errors import GraderError
 from grader.exercises import find_exercise
 from grader.grading import grade_submission
+from grader.host.ends import Heard
+from grader.host.radio import _moment
 from grader.launch import Nursery
 from grader.live import _LiveTrial, run_live_trial
 from grader.recording import Recording
@@ -55,6 +57,19 @@ def test_every_scan_is_answered_over_dds(run_live: RunLive) -> None:
         ("publisher", "/cmd_vel", True),
         ("subscription", "/scan", True),
     ]
+
+
+@pytest.mark.parametrize(
+    ("sent", "moment"),
+    [
+        (9.99, 9.99),
+        (9.5, 9.9),  # so long ago it can't have been: who says so wants to have been in time
+        (10.5, 10.0),  # nor later than it came
+    ],
+)
+def test_a_message_counts_from_when_it_was_sent_within_limits(sent: float, moment: float) -> None:
+    heard = Heard(int(sent * 1e9), 10_000_000_000, "/t", "a/msg/B", b"")
+    assert _moment(heard) == int(moment * 1e9)
 
 
 def test_stamps_and_clocks_are_of_today(run_live: RunLive) -> None:
