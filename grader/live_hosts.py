@@ -51,7 +51,8 @@ SEND_LIMIT = 5.0  # [s] for a frame to a host
 START_LIMIT = 20.0  # [s] for a program to begin to spin: imports, models
 IDLE_START = 3.0  # [s] without CPU time after which a program won't begin to spin any more
 MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
-TURN = 0.02  # [s] between looks at the hosts, at most
+TURN = 0.02  # [s] between looks at the hosts, at most ...
+REST = 0.001  # ... and at least, however much they say
 MAX_CHUNKS = 64  # read at once from one host
 MAX_PULSES = 100  # of a program at a time: it sends ten a second
 HUNG_AT_START = "the node did not come back from its start-up"
@@ -274,7 +275,10 @@ class LiveHosts:
 
     def listen(self, patience: float) -> None:
         """Wait for the hosts to say something, `patience` [s] at most, and take it in."""
-        self._poll.poll(max(1, math.ceil(patience * 1e3)))
+        for descriptor, event in self._poll.poll(max(1, math.ceil(patience * 1e3))):
+            if not event & select.POLLIN:  # closed, for ever: it would end each wait at once
+                self._poll.unregister(descriptor)
+        time.sleep(REST)
         now = self.now()
         for queue in self._queues.values():
             queue.look()

@@ -13,10 +13,16 @@ import math
 import os
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import NamedTuple
 
 LOOK_EVERY = 0.01  # [s] at most
+
+
+class _Counted(NamedTuple):
+    """What the kernel says of a thread."""
+
+    ran: int  # [ns]
+    waited: int  # [ns]
 
 
 class RunQueue:
@@ -42,7 +48,7 @@ class RunQueue:
         clock: Callable[[], float] = time.monotonic,
         processors: int = 0,
     ) -> None:
-        self._tasks = Path(f"/proc/{pid}/task")
+        self._tasks = f"/proc/{pid}/task"
         self._patience = patience
         self._clock = clock
         self._processors = processors or len(os.sched_getaffinity(0))
@@ -61,9 +67,9 @@ class RunQueue:
         used = 0.0
         for thread, before in list(self._known.items()):
             with contextlib.suppress(OSError, IndexError, ValueError):
-                after_name = (self._tasks / thread / "stat").read_text().rpartition(")")[2]
-                if after_name.split()[0] == "R":
-                    ran = _counted(self._tasks / thread).ran
+                after_name = _read(f"{self._tasks}/{thread}/stat").rpartition(b")")[2]
+                if after_name.split()[0] == b"R":
+                    ran = self._counted(thread).ran
                     idle[thread] = max(0.0, since - (ran - before.ran) / 1e9)
                     used += (ran - before.ran) / 1e9
                     self._known[thread] = _Counted(ran, before.waited)
@@ -78,25 +84,26 @@ class RunQueue:
         count is taken as it is: the process behaved as if it had waited.
         """
         worst, now = 0.0, {}
-        with contextlib.suppress(OSError):
-            for thread in self._tasks.iterdir():
+        with contextlib.suppress(OSError), os.scandir(self._tasks) as tasks:
+            for thread in (task.name for task in tasks):
                 with contextlib.suppress(OSError, IndexError, ValueError):
-                    now[thread.name] = found = _counted(thread)
-                    waited = (found.waited - self._known.get(thread.name, found).waited) / 1e9
+                    now[thread] = found = self._counted(thread)
+                    waited = (found.waited - self._known.get(thread, found).waited) / 1e9
                     if waited:  # the kernel counts a wait when it is over
-                        seen = self._seen.pop(thread.name, 0.0) + self._patience
+                        seen = self._seen.pop(thread, 0.0) + self._patience
                         worst = max(worst, waited if believed else min(waited, seen))
         self._known = now
         return worst
 
-
-class _Counted(NamedTuple):
-    """What the kernel says of a thread."""
-
-    ran: int  # [ns]
-    waited: int  # [ns]
+    def _counted(self, thread: str) -> _Counted:
+        ran, waited, _ = _read(f"{self._tasks}/{thread}/schedstat").split()
+        return _Counted(int(ran), int(waited))
 
 
-def _counted(task: Path) -> _Counted:
-    ran, waited, _ = (task / "schedstat").read_text().split()
-    return _Counted(int(ran), int(waited))
+def _read(path: str) -> bytes:
+    """Return a file of /proc: hundreds are read each second, beside programs that are on time."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        return os.read(descriptor, 4096)
+    finally:
+        os.close(descriptor)

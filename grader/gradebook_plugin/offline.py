@@ -1,5 +1,7 @@
 """nbgrader's pages without a network: feedback and formgrader with formulas as MathML.
 
+And with tables in lists, which nbconvert leaves as typed.
+
 nbgrader's templates load MathJax from a CDN, whatever `HTMLExporter.mathjax_url` says: they call
 their macro without it. In `templates/` the macro is empty, and formulas are written as MathML,
 which every browser shows by itself.
@@ -13,6 +15,7 @@ from typing import Any
 
 from docutils.utils.math.latex2mathml import tex2mathml
 from jinja2 import pass_context
+from mistune.plugins.table import table_in_list
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -31,7 +34,9 @@ def markdown2html(context: Any, source: str) -> str:
     """Return Markdown as HTML, as nbconvert does, with MathML for formulas."""
     attachments = context.get("cell", {}).get("attachments", {})
     renderer = _Renderer(escape=False, attachments=attachments)
-    html: str = MarkdownWithMath(renderer=renderer).render(source)
+    markdown = MarkdownWithMath(renderer=renderer)
+    markdown.use(table_in_list)  # the tasks of an exercise are a list, with tables in it
+    html: str = markdown.render(source)
     return html
 
 

@@ -19,6 +19,7 @@ from grader.host.ends import Heard
 from grader.host.radio import _moment
 from grader.launch import Nursery
 from grader.live import _LiveTrial, run_live_trial
+from grader.live_hosts import LiveHosts
 from grader.recording import Recording
 from grader.submission import Submission
 from grader.trial import Limits
@@ -173,6 +174,23 @@ def test_a_node_that_speaks_for_the_robot_is_kept_apart(run_live: RunLive) -> No
 
     assert len(recording.scans()) == 10
     assert len(recording.of("/from_node/scan")) > 0
+
+
+def test_a_node_that_closes_its_output_does_not_keep_the_judge_busy(
+    run_live: RunLive, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    listen = LiveHosts.listen
+    looks = []
+
+    def counting(hosts: LiveHosts, patience: float) -> None:
+        looks.append(hosts.epoch)
+        listen(hosts, patience)
+
+    monkeypatch.setattr(LiveHosts, "listen", counting)
+    recording = run_live("os.close(1); os.close(2); rclpy.init(); rclpy.spin(Echo())")
+
+    assert recording.outcome.completed
+    assert sum(epoch > 0 for epoch in looks) < 400  # in one second; a closed pipe is always ready
 
 
 BEATING = """

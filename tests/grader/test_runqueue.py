@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from grader import runqueue
 from grader.runqueue import RunQueue
 
 PATIENCE = 0.02
@@ -28,7 +27,7 @@ def clock() -> Clock:
 @pytest.fixture
 def queue(tmp_path: Path, clock: Clock) -> RunQueue:
     queue = RunQueue(os.getpid(), PATIENCE, clock, processors=2)
-    queue._tasks = tmp_path
+    queue._tasks = str(tmp_path)
     return queue
 
 
@@ -106,7 +105,7 @@ def test_a_process_that_is_gone_waits_for_nothing() -> None:
 def test_the_kernels_own_count_can_be_read() -> None:
     queue = RunQueue(os.getpid(), PATIENCE)
     assert queue.worst() == 0.0
-    assert runqueue.Path(f"/proc/{os.getpid()}/task").is_dir()
+    assert Path(f"/proc/{os.getpid()}/task").is_dir()
     assert queue._known
 
 

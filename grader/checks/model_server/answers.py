@@ -17,7 +17,7 @@ from grader.checks.model_server.contract import (
     confidence_in,
     spelt_features,
 )
-from grader.checks.model_server.notes import ASKED, TOLD, Answered, notes
+from grader.checks.model_server.notes import ASKED, START_UP, TOLD, Answered, notes
 from grader.checks.reading import published
 from grader.checks.wiring import require_alive
 from grader.features import possible_features, scan_features, spell_features
@@ -26,7 +26,6 @@ from grader.verdict import fail
 from sim.messages import UINT32
 
 UNDER_WAY = 0.06  # [s] that a scan may be on its way to the server, in real time
-START_UP = 1.0  # [s] of a program, in real time, with all that it takes to be found
 
 
 @dataclass(frozen=True, eq=False)

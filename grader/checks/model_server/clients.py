@@ -12,6 +12,7 @@ from grader.checks.model_server.contract import LONGEST_GAP, ROLES, Floats
 from grader.checks.model_server.notes import (
     SERVED,
     Answered,
+    Asked,
     fail_forged,
     notes,
 )
@@ -33,6 +34,7 @@ BLOCKED = (
 class Request:
     """A request that reached the grader's server, and its answer."""
 
+    number: int  # as the server counts
     at: float  # [s]
     answered: float  # [s]; inf: never
     success: bool = False
@@ -48,17 +50,24 @@ def roles(recording: Recording) -> list[str]:
 def requests(recording: Recording) -> list[Request]:
     """Return the requests that reached the grader's server, in order."""
     found: list[Request] = []
-    places: dict[int, int] = {}  # number of a request: its place; a new server counts anew
+    places: dict[tuple[int, int], int] = {}  # life of a server, number of a request: its place
     for at, note in notes(recording, SERVED):
-        if isinstance(note, Answered):
-            if note.number not in places:
-                fail_forged(recording, SERVED, at)
-            asked = found[places[note.number]].at
-            found[places[note.number]] = Request(asked, at, note.success, note.message)
-        else:
-            places[note.number] = len(found)
-            found.append(Request(at, math.inf))
+        key = (note.life, note.number)
+        if isinstance(note, Asked):
+            places[key] = len(found)
+            found.append(Request(note.number, at, math.inf))
+        elif key in places:
+            asked = found[places[key]].at
+            found[places[key]] = Request(note.number, asked, at, note.success, note.message)
+        elif recording.live is None:  # there clients ask before time begins, too
+            fail_forged(recording, SERVED, at)
     return found
+
+
+def successes(recording: Recording) -> set[str]:
+    """Return what the server has said with success, also to requests that nobody noted."""
+    said = (note for _, note in notes(recording, SERVED))
+    return {note.message for note in said if isinstance(note, Answered) and note.success}
 
 
 def detections(recording: Recording) -> list[tuple[float, str, str]]:

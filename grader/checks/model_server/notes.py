@@ -15,6 +15,7 @@ from grader.verdict import fail
 from sim.messages import STRING
 
 ASKED, TOLD = "/probe/asked", "/probe/told"  # of grader/host/supplied/detection_asker.py
+START_UP = 1.0  # [s] of a program, in real time, with all that it takes to be found
 SERVED = "/probe/served"  # of detection_double.py
 
 
@@ -22,6 +23,7 @@ class Asked(msgspec.Struct, frozen=True, tag="asked"):
     """A request came in."""
 
     number: int
+    life: int = 0  # of the server that was asked
 
 
 class Answered(msgspec.Struct, frozen=True, tag="answered"):
@@ -30,6 +32,7 @@ class Answered(msgspec.Struct, frozen=True, tag="answered"):
     number: int
     success: bool
     message: str
+    life: int = 0
 
 
 def notes(recording: Recording, topic: str) -> list[tuple[float, Asked | Answered]]:

@@ -39,9 +39,17 @@ class DetectionDouble(Node):  # type: ignore[misc]
         plan = self.declare_parameter("answers", "fine").value
         self.plan = [(kind, delay) for kind, _, delay in (w.partition("@") for w in plan.split())]
         self.count = 0
+        self.life = self.get_clock().now().nanoseconds  # a new server counts anew
         self.group = ReentrantCallbackGroup()
         self.served = self.create_publisher(String, "/probe/served", 100)
-        self.create_service(Trigger, "/detect", self.detect_callback, callback_group=self.group)
+        self.opening = self.create_timer(0.02, self.open)
+        self.open()
+
+    def open(self) -> None:
+        """Begin to serve as soon as the judge can hear of it; in real time that takes a moment."""
+        if self.served.get_subscription_count():
+            self.opening.cancel()
+            self.create_service(Trigger, "/detect", self.detect_callback, callback_group=self.group)
 
     async def detect_callback(
         self, _: Trigger.Request, response: Trigger.Response
@@ -62,7 +70,7 @@ class DetectionDouble(Node):  # type: ignore[misc]
 
     def note(self, number: int, **what: object) -> None:
         """Tell the judge something about a request."""
-        self.served.publish(String(data=json.dumps({"number": number, **what})))
+        self.served.publish(String(data=json.dumps({"life": self.life, "number": number, **what})))
 
     def message(self, kind: str, number: int) -> str:
         """Return an answer's text; no two good ones are the same."""
