@@ -120,6 +120,7 @@ class _LiveTrial:
                 typestore()  # it takes a while, once
                 hosts.meet()
                 self._drive()
+                self._starved = max(self._starved, hosts.still_wait())
                 outcome = self._final_outcome()
             except Over:
                 outcome = self._end_outcome()

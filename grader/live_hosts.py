@@ -268,6 +268,10 @@ class LiveHosts:
         """Return the longest wait for a CPU since the last call [s] (see `RunQueue.worst`)."""
         return max(queue.worst(believed=believed) for queue in self._queues.values())
 
+    def still_wait(self) -> float:
+        """Return the longest wait for a CPU that has not ended, as far as it was seen [s]."""
+        return max(queue.pending() for queue in self._queues.values())
+
     def cpu(self) -> float:
         """Return the CPU time of the programs [s]."""
         used = [program.link.cpu() for program in self.programs if not program.link.gone]

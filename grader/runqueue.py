@@ -93,7 +93,12 @@ class RunQueue:
                         seen = self._seen.pop(thread, 0.0) + self._patience
                         worst = max(worst, waited if believed else min(waited, seen))
         self._known = now
+        self._seen = {thread: seen for thread, seen in self._seen.items() if thread in now}
         return worst
+
+    def pending(self) -> float:
+        """Return the longest wait that has not ended, as far as it was seen [s]."""
+        return max(self._seen.values(), default=0.0)
 
     def _counted(self, thread: str) -> _Counted:
         ran, waited, _ = _read(f"{self._tasks}/{thread}/schedstat").split()

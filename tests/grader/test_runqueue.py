@@ -118,7 +118,9 @@ def test_a_wait_that_lasts_longer_than_a_turn_counts_in_one(
         clock.now += 0.03
         say(tmp_path, 1, 300_000_000 if turn == 9 else 0, "R")  # counted when it is over
         queue.look()
+        assert queue.pending() == pytest.approx(0.03 * (turn + 1))
         assert queue.worst() == pytest.approx(0.3 if turn == 9 else 0.0)
+    assert queue.pending() == 0.0
 
 
 def test_who_runs_does_not_wait(queue: RunQueue, tmp_path: Path, clock: Clock) -> None:
