@@ -103,6 +103,15 @@ def test_formulas_are_mathml(render: Render, template: str) -> None:
     assert "\\frac" not in page
 
 
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_tables_in_the_list_of_tasks_are_tables(render: Render, template: str) -> None:
+    tasks = "1. **Act.**\n\n   | What | Speed |\n   |---|---|\n   | blind | 0.0 m/s |\n2. Next."
+    page = render(answer(tasks), template)
+    assert page.count("<td>") == 2
+    assert "<li><p>Next" in page or "<li>Next" in page
+    assert "|---" not in page
+
+
 ODD = {
     "unknown": "$\\unknown{x}$",
     "unbalanced": "$\\frac{1$",
