@@ -149,6 +149,30 @@ def test_who_is_asked_while_its_program_starts_is_not_judged(
     assert _just_started(recording(live, scenario=scenario), at) is just
 
 
+def test_a_request_from_before_the_beginning_is_none_but_its_answer_is_known(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from grader.checks.model_server import clients  # noqa: PLC0415
+    from grader.checks.model_server.notes import Answered, Asked  # noqa: PLC0415
+    from grader.verdict import CheckFailed  # noqa: PLC0415
+
+    noted = [
+        (0.1, Answered(0, success=True, message="early", life=7)),  # nobody noted that it was asked
+        (0.2, Asked(1, life=7)),
+        (0.3, Asked(0, life=9)),  # another server, which counts anew
+        (0.4, Answered(0, success=True, message="new", life=9)),
+        (0.5, Answered(1, success=False, message="late", life=7)),
+    ]
+    monkeypatch.setattr(clients, "notes", lambda *_: noted)
+    assert clients.requests(recording()) == [
+        clients.Request(1, 0.2, 0.5, success=False, message="late"),
+        clients.Request(0, 0.3, 0.4, success=True, message="new"),
+    ]
+    assert clients.successes(recording()) == {"early", "new"}
+    with pytest.raises(CheckFailed, match="a topic of the grader's"):
+        clients.requests(recording(None, name="virtual", endpoints=()))
+
+
 # --- exercise 9: calls that take a little longer --------------------------------------------------
 
 
