@@ -53,6 +53,7 @@ class Vitals:
         self._last_wait = 0.0
         self._spun = 0  # [ns] since 1970, when an executor first waited
         self._unheard: list[Published] = []
+        self._lock = threading.Lock()  # pulses are made beside the node's threads
 
     def on_endpoint(self, kind: str, node: Any, endpoint: Any) -> None:
         """Note an endpoint that the student's node has created."""
@@ -65,7 +66,9 @@ class Vitals:
             return
         else:
             self._ends.append((f"{kind} {endpoint.topic_name}", endpoint))
-        self._new.append(report(kind, node, endpoint))
+        new = report(kind, node, endpoint)
+        with self._lock:
+            self._new.append(new)
 
     def on_publish(self, publisher: Any, message: Any) -> None:
         """Note what a program says in its start-up, when DDS has found it no listener yet.
@@ -79,7 +82,9 @@ class Vitals:
             return
         data = message if isinstance(message, bytes) else serialize_message(message)
         name = type_name(publisher.msg_type)
-        self._unheard.append(Published(time.time_ns(), publisher.topic_name, name, data))
+        unheard = Published(time.time_ns(), publisher.topic_name, name, data)
+        with self._lock:
+            self._unheard.append(unheard)
 
     def waits_unseen(self) -> None:
         """An executor looks for work or does it: which of the two, it doesn't tell."""
@@ -88,21 +93,25 @@ class Vitals:
 
     def wait_begins(self) -> None:
         """An executor waits for work."""
-        self._waiting += 1
+        with self._lock:
+            self._waiting += 1
         self._spun = self._spun or time.time_ns()
 
     def wait_ends(self) -> None:
         """It has found some."""
-        self._waiting -= 1
+        with self._lock:
+            self._waiting -= 1
         self._last_wait = time.monotonic()
 
     def pulse(self) -> Pulse:
         """Return the state of things."""
-        new, self._new = self._new, []
-        unheard, self._unheard = self._unheard, []
-        idle = self._waiting > 0 or not self._spun
+        spun = self._spun  # before the rest: who spins has told of all that its constructor made
+        with self._lock:
+            new, self._new = self._new, []
+            unheard, self._unheard = self._unheard, []
+        idle = self._waiting > 0 or not spun
         busy = 0.0 if idle else time.monotonic() - self._last_wait
-        return Pulse(self._spun, busy, new, self._connected(), unheard)
+        return Pulse(spun, busy, new, self._connected(), unheard)
 
     def _connected(self) -> dict[str, int]:
         found: dict[str, int] = {}
