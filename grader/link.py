@@ -130,6 +130,8 @@ class Cost:
 class Channel:
     """The pipes between the judge and one host."""
 
+    largest = MAX_FRAME  # [bytes]
+
     def __init__(self, host: HostProcess) -> None:
         self._host = host
         self._buffer = bytearray()
@@ -178,7 +180,7 @@ class Channel:
         if len(self._buffer) < LENGTH.size:
             return None
         (length,) = LENGTH.unpack_from(self._buffer)
-        if length > MAX_FRAME:
+        if length > self.largest:
             raise HostForged(f"a frame of {length} bytes")
         end = LENGTH.size + length
         if len(self._buffer) < end:

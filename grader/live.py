@@ -120,7 +120,6 @@ class _LiveTrial:
                 typestore()  # it takes a while, once
                 hosts.meet()
                 self._drive()
-                self._starved = max(self._starved, hosts.still_wait())
                 outcome = self._final_outcome()
             except Over:
                 outcome = self._end_outcome()
@@ -132,6 +131,7 @@ class _LiveTrial:
                 outcome = self._outcome(*misbehaviour(error))
             except TimeoutError as error:
                 stall, outcome = str(error), self._outcome("hung", str(error))
+            self._starved = max(self._starved, hosts.still_wait())
             log = [line for program in hosts.programs for line in program.link.log()]
             output = [o for p in hosts.programs for o in (p.link.stdout, p.link.stderr)]
         self.tape.note_endpoints(hosts.endpoints)

@@ -38,7 +38,7 @@ from grader.host.frames import (
 )
 from grader.host.privileges import prefer
 from grader.launch import HostProcess, Nursery
-from grader.link import Channel, HostDied, decoded
+from grader.link import Channel, HostDied, HostHung, decoded
 from grader.runqueue import RunQueue
 from grader.scratch import prefix
 from grader.staging import Stage
@@ -54,7 +54,9 @@ MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
 TURN = 0.02  # [s] between looks at the hosts, at most ...
 REST = 0.001  # ... and at least, however much they say
 MAX_CHUNKS = 64  # read at once from one host
+MAX_PULSE = 2 * 1024 * 1024  # [bytes] with all its endpoints and messages of its start-up
 MAX_PULSES = 100  # of a program at a time: it sends ten a second
+NO_RADIO = "the robot's radio has died: nothing can be said of the node"
 HUNG_AT_START = "the node did not come back from its start-up"
 
 
@@ -72,6 +74,8 @@ class LiveLink(Channel):
     def __init__(self, host: HostProcess, decode: Callable[[bytes], Any]) -> None:
         super().__init__(host)
         self._decode = decode
+        if decode is decode_from_live:
+            self.largest = MAX_PULSE
         self.gone = False  # it has hung up
         self.descriptors = (host.link_in, host.stdout, host.stderr)
 
@@ -173,7 +177,7 @@ class LiveHosts:
         self._radio_host = self._all.enter_context(self._nursery.host(Path(place)))
         self.radio = LiveLink(self._radio_host, decode_from_radio)
         self._register(self.radio)
-        self.radio.send(TuneIn(self._domain, (*self._stage.offers, GO)))
+        self._tell_radio(TuneIn(self._domain, (*self._stage.offers, GO)))
         self._user = self._all.enter_context(self._nursery.user())
         self.start_programs(0)
 
@@ -186,8 +190,9 @@ class LiveHosts:
             )
             link = LiveLink(host, decode_from_live)
             self._register(link)
-            link.send(Start((program,), 0, self._seed, self._stage.offers, self._domain))
             self.programs.append(Program(program, host, link))
+            with contextlib.suppress(HostDied):  # then it has hung up, which will be heard
+                link.send(Start((program,), 0, self._seed, self._stage.offers, self._domain))
 
     def measure(self) -> None:
         """Measure from now on how long a host has to wait; a program as soon as it spins."""
@@ -226,7 +231,7 @@ class LiveHosts:
         for host in (self._radio_host, *(program.host for program in self.programs)):
             prefer(host.pid)
         self.epoch = time.time_ns()
-        self.radio.send(Transmit((Delivery(GO.topic, empty()),)))
+        self.transmit([Delivery(GO.topic, empty())])
         self._heard = [said for said in self._heard if self._counts(said)]
 
     def _all_met(self) -> bool:
@@ -257,7 +262,13 @@ class LiveHosts:
 
     def transmit(self, deliveries: Sequence[Delivery]) -> None:
         """Let the radio send messages of the robot."""
-        self.radio.send(Transmit(tuple(deliveries)))
+        self._tell_radio(Transmit(tuple(deliveries)))
+
+    def _tell_radio(self, frame: ToHost) -> None:
+        try:
+            self.radio.send(frame)
+        except (HostDied, HostHung):
+            raise GraderError(NO_RADIO) from None
 
     def take_heard(self) -> list[Published]:
         """Return what was heard since the last call, in order; times since 1970 [ns]."""
@@ -270,7 +281,7 @@ class LiveHosts:
 
     def still_wait(self) -> float:
         """Return the longest wait for a CPU that has not ended, as far as it was seen [s]."""
-        return max(queue.pending() for queue in self._queues.values())
+        return max((queue.pending() for queue in self._queues.values()), default=0.0)
 
     def cpu(self) -> float:
         """Return the CPU time of the programs [s]."""
@@ -282,22 +293,27 @@ class LiveHosts:
         for descriptor, event in self._poll.poll(max(1, math.ceil(patience * 1e3))):
             if not event & select.POLLIN:  # closed, for ever: it would end each wait at once
                 self._poll.unregister(descriptor)
-        time.sleep(REST)
+        time.sleep(min(REST, patience))
         now = self.now()
         for queue in self._queues.values():
             queue.look()
         for program in self.programs:
             program.link.note_time(now)
             self._hear_program(program)
+        count = 0
         for frame in self.radio.hear():
             match frame:
                 case Tuned():
                     self.endpoints += frame.endpoints
                     self._connected = frame.connected
                 case HeardNow():
+                    count += len(frame.published)
                     self._heard += filter(self._counts, frame.published)
+        if count > MAX_PUBLISHED:
+            raise Flood(f"more than {MAX_PUBLISHED} messages at a time")
+        self._limit_start_up()
         if self.radio.gone:
-            raise GraderError("the robot's radio has died: nothing can be said of the node")
+            raise GraderError(NO_RADIO)
 
     def _hear_program(self, program: Program) -> None:
         frames = program.link.hear()
@@ -313,7 +329,7 @@ class LiveHosts:
                         self._asked += len(frame.endpoints)
                         if self._asked > MAX_ENDPOINTS:  # the radio would choke on them
                             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
-                        self.radio.send(Meet(tuple(frame.endpoints)))
+                        self._tell_radio(Meet(tuple(frame.endpoints)))
                 case Ended():
                     program.ended = frame
         stopped = program.start.stop is not None and program.start.stop <= self.now()
@@ -333,9 +349,13 @@ class LiveHosts:
         return not who or any(not pulse.spun or published.time < pulse.spun for pulse in who)
 
     def _hear_start_up(self, unheard: Sequence[Published]) -> None:
+        if not self.epoch:
+            self._heard += unheard
+
+    def _limit_start_up(self) -> None:
+        """Flood if more was heard before time began than a node says at a time."""
         if self.epoch:
             return
-        self._heard += unheard
         size = sum(len(m.data) for m in self._heard)
         if len(self._heard) > MAX_PUBLISHED or size > MAX_PUBLISHED_BYTES:
             raise Flood("too many or too large messages before it spins")

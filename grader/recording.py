@@ -247,15 +247,15 @@ class Recording:
     def delay(self, begin: float, end: float) -> float:
         """Return how much of the time between two moments [s] went to the machine [s].
 
-        0 in virtual time. In real time: how late the robot's latest message left, and how long the
-        node had to wait for a CPU meanwhile. For what `slack`, the worst of a whole trial, would
-        blur too much.
+        0 in virtual time. In real time: how late the robot's latest message left, and the longest
+        that the node had to wait for a CPU meanwhile. For what `slack`, the worst of a whole trial,
+        would blur too much.
         """
         if self.live is None:
             return 0.0
         first = max(0, int(np.searchsorted(self.compute.time, begin, side="right")) - 1)
         last = int(np.searchsorted(self.compute.time, end))
-        return self.live.lateness + float(self.compute.queued[first:last].sum())
+        return self.live.lateness + float(self.compute.queued[first:last].max(initial=0.0))
 
     @cached_property
     def messages(self) -> tuple[Message, ...]:

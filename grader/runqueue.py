@@ -52,7 +52,8 @@ class RunQueue:
         self._patience = patience
         self._clock = clock
         self._processors = processors or len(os.sched_getaffinity(0))
-        self._looked = clock()
+        self._looked = self._asked = clock()
+        self._ready: dict[str, int] = {}  # thread that was ready at the last look: had run [ns]
         self._known: dict[str, _Counted] = {}  # by thread
         self._seen: dict[str, float] = {}  # thread: [s] seen in the wait that it is in
 
@@ -63,27 +64,27 @@ class RunQueue:
         if since < LOOK_EVERY:
             return
         self._looked = now
-        idle = {}  # thread: [s] ready, but not running
-        used = 0.0
-        for thread, before in list(self._known.items()):
+        before, self._ready = self._ready, {}
+        for thread in self._known:
             with contextlib.suppress(OSError, IndexError, ValueError):
                 after_name = _read(f"{self._tasks}/{thread}/stat").rpartition(b")")[2]
                 if after_name.split()[0] == b"R":
-                    ran = self._counted(thread).ran
-                    idle[thread] = max(0.0, since - (ran - before.ran) / 1e9)
-                    used += (ran - before.ran) / 1e9
-                    self._known[thread] = _Counted(ran, before.waited)
-        others = max(0.0, 1.0 - used / since / self._processors)  # their part of the processors
-        for thread, seconds in idle.items():
-            self._seen[thread] = self._seen.get(thread, 0.0) + seconds * others
+                    self._ready[thread] = self._counted(thread).ran
+        # whoever was ready at both looks and has not run in between has waited
+        ran = {t: (self._ready[t] - before[t]) / 1e9 for t in self._ready if t in before}
+        others = self._others(sum(ran.values()), since)
+        for thread, seconds in ran.items():
+            waited = max(0.0, since - seconds) * others
+            self._seen[thread] = self._seen.get(thread, 0.0) + waited
 
     def worst(self, *, believed: bool = False) -> float:
-        """Return the longest wait that has ended since the last call [s].
+        """Return how long the worst-off thread waited, in waits that ended since the last call [s].
 
-        0 where the kernel doesn't count, and for a process that is gone. If it is `believed`, its
-        count is taken as it is: the process behaved as if it had waited.
+        0 where the kernel doesn't count, and for a process that is gone. If it is `believed`, what
+        was not seen counts, too: the process behaved as if it had waited.
         """
-        worst, now = 0.0, {}
+        waits, now = {}, {}
+        since, self._asked = self._clock() - self._asked, self._clock()
         with contextlib.suppress(OSError), os.scandir(self._tasks) as tasks:
             for thread in (task.name for task in tasks):
                 with contextlib.suppress(OSError, IndexError, ValueError):
@@ -91,14 +92,19 @@ class RunQueue:
                     waited = (found.waited - self._known.get(thread, found).waited) / 1e9
                     if waited:  # the kernel counts a wait when it is over
                         seen = self._seen.pop(thread, 0.0) + self._patience
-                        worst = max(worst, waited if believed else min(waited, seen))
+                        waits[thread] = waited if believed else min(waited, seen)
+        used = sum(now[t].ran - self._known[t].ran for t in now if t in self._known) / 1e9
         self._known = now
         self._seen = {thread: seen for thread, seen in self._seen.items() if thread in now}
-        return worst
+        return max(waits.values(), default=0.0) * (self._others(used, since) if believed else 1.0)
 
     def pending(self) -> float:
         """Return the longest wait that has not ended, as far as it was seen [s]."""
         return max(self._seen.values(), default=0.0)
+
+    def _others(self, used: float, since: float) -> float:
+        """Return the part of the processors that the process itself did not take."""
+        return max(0.0, 1.0 - used / since / self._processors) if since else 1.0
 
     def _counted(self, thread: str) -> _Counted:
         ran, waited, _ = _read(f"{self._tasks}/{thread}/schedstat").split()

@@ -78,11 +78,17 @@ class RobotEnds:
             return ""
         return str(reason).removeprefix("ERROR: ").rstrip("; ").lower()
 
-    def take(self) -> list[Heard]:
-        """Return what was heard since the last call, in the order in which it was sent."""
-        taken = []
+    def take(self, most: int = 10**9) -> list[Heard]:
+        """Return what was heard since the last call, in the order in which it was sent.
+
+        A node can publish as fast as this takes: after `most` messages the rest waits.
+        """
+        taken: list[Heard] = []
         for topic, (name, msg_type, listener) in self._listeners.items():
-            while (message := listener.handle.take_message(msg_type, True)) is not None:
+            while (
+                len(taken) < most
+                and (message := listener.handle.take_message(msg_type, True)) is not None
+            ):
                 data, info = message
                 sent, received = info["source_timestamp"], info["received_timestamp"]
                 taken.append(Heard(sent, received, topic, name, data))

@@ -15,6 +15,8 @@ MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
 MAX_PUBLISHED = 4_000  # messages a node may publish between two events of the world
 MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
 MAX_UNHEARD = 10  # in a pulse: messages of a start-up, before DDS has found it a listener
+MAX_UNHEARD_BYTES = 100_000  # of one of them; a larger one is not told of
+MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
@@ -158,10 +160,11 @@ class Transmit(msgspec.Struct, frozen=True, tag="transmit"):
 class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
     """The state of a program that runs in real time; sent several times a second."""
 
-    spun: int  # [ns] since 1970, when an executor first waited for work; 0: not yet
+    spun: Nanoseconds  # since 1970, when an executor first waited for work; 0: not yet
     busy: float  # [s] since an executor last waited for work; 0 if one does now
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)]  # new ones
-    connected: dict[Name, int]  # "kind topic": how many ends of others it has found
+    # "kind topic": how many ends of others it has found
+    connected: Annotated[dict[Name, int], msgspec.Meta(max_length=MAX_CONNECTED)]
     unheard: Annotated[list[Published], msgspec.Meta(max_length=MAX_UNHEARD)] = []
 
     @property
@@ -178,7 +181,7 @@ class Tuned(msgspec.Struct, frozen=True, tag="tuned"):
 
 
 class HeardNow(msgspec.Struct, frozen=True, tag="heard"):
-    """What the radio heard, with the real time [ns since 1970] at which it came."""
+    """What the radio heard, with the real time [ns since 1970] at which it was sent."""
 
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
 

@@ -22,7 +22,7 @@ from rclpy.task import Task
 
 from . import student
 from .endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report, type_name
-from .frames import MAX_UNHEARD, EndpointReport, Published, Pulse, Start, TuneIn
+from .frames import MAX_UNHEARD, MAX_UNHEARD_BYTES, EndpointReport, Published, Pulse, Start, TuneIn
 from .radio import Radio
 from .wire import Wire, ended
 
@@ -76,15 +76,17 @@ class Vitals:
         The judge would not hear of a command that a constructor sends. It is lost here and now, but
         with a robot that was there before the node it may arrive.
         """
-        if self._spun or len(self._unheard) == MAX_UNHEARD:
+        if self._spun:
             return
         if publisher.topic_name in HIDDEN_TOPICS or publisher.get_subscription_count():
             return
         data = message if isinstance(message, bytes) else serialize_message(message)
         name = type_name(publisher.msg_type)
+        if len(data) > MAX_UNHEARD_BYTES:
+            return
         unheard = Published(time.time_ns(), publisher.topic_name, name, data)
         with self._lock:
-            self._unheard.append(unheard)
+            self._unheard = [*self._unheard, unheard][-MAX_UNHEARD:]  # the last is in force
 
     def waits_unseen(self) -> None:
         """An executor looks for work or does it: which of the two, it doesn't tell."""

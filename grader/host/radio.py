@@ -29,7 +29,7 @@ from .frames import (
 )
 from .wire import Wire
 
-TRANSIT_NS = 100_000_000  # [ns] that a message may have been under way
+TRANSIT_NS = 25_000_000  # [ns] that a message may have been under way
 LOOK = 2.0  # [ms] between looks for messages; they carry the time at which they were sent
 PACKAGES = {  # of which students publish messages; nothing else is imported
     "actionlib_msgs",
@@ -56,6 +56,7 @@ class Radio:
         offers = {offer.topic: offer for offer in order.offers}
         self._ends = RobotEnds(rclpy.get_default_context(), offers)
         self._connected: dict[str, int] = {}
+        self._begun = False
 
     def serve(self) -> None:
         """Go on until the judge is gone; never returns."""
@@ -71,6 +72,7 @@ class Radio:
     def _obey(self) -> None:
         match self._wire.receive():
             case Transmit() as order:
+                self._begun = True
                 for delivery in order.deliver:
                     self._ends.deliver(delivery.topic, delivery.data)
             case Meet() as order:
@@ -93,8 +95,8 @@ class Radio:
 
     def _tell_what_was_heard(self) -> None:
         heard = [
-            Published(_moment(message), message.topic, message.type, message.data)
-            for message in self._ends.take()
+            Published(_moment(message, self._begun), message.topic, message.type, message.data)
+            for message in self._ends.take(MAX_PUBLISHED)
         ]
         while heard:
             count, size = 0, 0
@@ -119,13 +121,14 @@ def message_class(name: str) -> Any:
     return getattr(importlib.import_module(f"{package}.msg"), rest, None)
 
 
-def _moment(message: Heard) -> int:
+def _moment(message: Heard, begun: bool) -> int:
     """Return when a message was sent [ns].
 
-    The sender's stamp counts, which no delay of this process can falsify, but within limits: it is
-    the student's process that sets it.
+    The sender's stamp counts, which no delay of this process can falsify. Since time has `begun` it
+    counts within limits: it is the student's process that sets it.
     """
-    return max(min(message.sent, message.received), message.received - TRANSIT_NS)
+    earliest = message.received - TRANSIT_NS if begun else 0
+    return max(min(message.sent, message.received), earliest)
 
 
 def _profile(end: EndpointReport) -> QoSProfile:

@@ -17,7 +17,14 @@ from grader.checks.model_server.contract import (
     confidence_in,
     spelt_features,
 )
-from grader.checks.model_server.notes import ASKED, START_UP, TOLD, Answered, notes
+from grader.checks.model_server.notes import (
+    ASKED,
+    START_UP,
+    TOLD,
+    Answered,
+    notes,
+    require_ours,
+)
 from grader.checks.reading import published
 from grader.checks.wiring import require_alive
 from grader.features import possible_features, scan_features, spell_features
@@ -52,6 +59,7 @@ class Ask:
 
 def asks(recording: Recording) -> list[Ask]:
     """Return what the server was asked, and what it said."""
+    require_ours(recording, ASKED)
     answers = (note for _, note in notes(recording, TOLD) if isinstance(note, Answered))
     told = {answer.number: answer for answer in answers}
     scans, bench = recording.scans(), recording.scenario.bench_scans
@@ -104,6 +112,8 @@ def _newest(recording: Recording, at: float, said: Answered | None) -> int:
         choices.append(newest - 1)
     if newest + 1 < len(scans) and scans[newest + 1].t - at <= near:
         choices.append(newest + 1)
+    if len(choices) == 1:
+        return newest
     return next((i for i in choices if _fits(recording, i, at, said)), newest)
 
 

@@ -1,6 +1,7 @@
 """What the grader's own programs, which run beside the student's, noted for the judge.
 
-They share a process with the student's nodes, so their notes are read as if those had written them.
+In virtual time they share a process with the student's nodes, in real time a user, so their notes
+are read as if those had written them.
 """
 
 from __future__ import annotations
@@ -37,9 +38,7 @@ class Answered(msgspec.Struct, frozen=True, tag="answered"):
 
 def notes(recording: Recording, topic: str) -> list[tuple[float, Asked | Answered]]:
     """Return what a program of the grader's noted on a topic: time [s] and note."""
-    ends = [e for e in recording.endpoints if e.topic == topic and e.kind == "publisher"]
-    if len(ends) > sum(program.supplied for program in recording.scenario.program):
-        fail_forged(recording, topic, None)
+    require_ours(recording, topic)
     found = []
     for at, value in published(recording, topic, STRING):
         try:
@@ -47,6 +46,13 @@ def notes(recording: Recording, topic: str) -> list[tuple[float, Asked | Answere
         except (msgspec.MsgspecError, ValueError, RecursionError):
             fail_forged(recording, topic, at)
     return found
+
+
+def require_ours(recording: Recording, topic: str) -> None:
+    """Fail if anybody but the grader's programs publishes on a topic of theirs."""
+    ends = [e for e in recording.endpoints if e.topic == topic and e.kind == "publisher"]
+    if len(ends) > sum(program.supplied for program in recording.scenario.program):
+        fail_forged(recording, topic, None)
 
 
 def fail_forged(recording: Recording, topic: str, at: float | None) -> NoReturn:

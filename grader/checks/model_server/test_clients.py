@@ -221,7 +221,7 @@ def test_malformed(recordings: Recordings) -> None:
         said = {text for _, _, text in detections(recording)}
         last = recording.duration_s - PUBLISHED_WITHIN
         for request, kind in zip(found, kinds, strict=True):
-            before = _kind(recording, request.number - 1)
+            before = _kind(recording, request.number - 1) if request.number > 0 else "none"
             if kind == "fine" and request.answered < last and request.message not in said:
                 fail(
                     f"after an answer of the kind “{before}” a good one is not published",

@@ -62,7 +62,7 @@ def answers(recording: Recording) -> list[Answer]:
 def judged(recording: Recording, tag: str = "") -> list[Answer]:
     """Return every bench scan that carries the tag; fail if not all came, or none was answered.
 
-    In real time the answer to the last scans may come after the end; these are left out.
+    Scans at the end whose answer would come after it are left out, in real time (see `turns`).
     """
     require_alive(recording)
     scenario = recording.scenario
@@ -70,12 +70,12 @@ def judged(recording: Recording, tag: str = "") -> list[Answer]:
         fail("the scenario ended before all of its scans were sent", recording=recording)
     found = [answer for answer in answers(recording) if not tag or tag in answer.tags]
     if not found:
-        tagged = (i for i, scan in enumerate(scenario.bench_scans) if tag in scan.tags)
+        pairs = zip(recording.scans(), scenario.bench_scans, strict=False)
         fail(
             f"no command has come by the scans “{tag}”",
             expected="a Twist for each scan",
             actual="none, until the end",
-            at=recording.scans()[next(tagged)].t,
+            at=next((scan.t for scan, bench in pairs if not tag or tag in bench.tags), None),
             recording=recording,
             help="Publish once at the end of the scan callback, whatever the scan was.",
         )
