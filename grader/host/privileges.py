@@ -58,9 +58,9 @@ def take_priority() -> None:
 
 
 def prefer(pid: int) -> None:
-    """Let the session of another process go before others on the machine, if that is allowed.
+    """Let the session of a process go before others on the machine, if that is allowed.
 
-    Not from its start on: a start-up takes much of a CPU, and has time; who is on time does not.
+    Only who is on time needs that: a start-up takes much of a CPU, and mostly has time.
     """
     with contextlib.suppress(OSError):
         Path(f"/proc/{pid}/autogroup").write_text(str(PRIORITY))
