@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from grader.host import live
-from grader.host.frames import EndpointReport
+from grader.host.frames import MAX_UNHEARD, MAX_UNHEARD_BYTES, EndpointReport
 from grader.host.live import Vitals
 
 PUBLISHER = SimpleNamespace(topic_name="/cmd_vel", get_subscription_count=lambda: 1)
@@ -76,3 +76,20 @@ def test_who_spins_has_told_of_all_that_its_constructor_made(vitals: Vitals) -> 
     assert (pulse.spinning, topics(pulse)) == (False, ["/cmd_vel"])
     pulse = vitals.pulse()
     assert (pulse.spinning, topics(pulse)) == (True, ["/scan"])
+
+
+def test_of_a_start_up_the_last_messages_are_told(
+    vitals: Vitals, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live, "type_name", lambda _: "a/msg/B")
+    lonely = SimpleNamespace(topic_name="/cmd_vel", msg_type=None, get_subscription_count=lambda: 0)
+    for number in range(MAX_UNHEARD + 3):
+        vitals.on_publish(lonely, b"%d" % number)
+    vitals.on_publish(lonely, bytes(MAX_UNHEARD_BYTES + 1))
+    vitals.on_publish(PUBLISHER, b"somebody listens")
+    first = vitals.pulse()
+    vitals.wait_begins()
+    vitals.on_publish(lonely, b"it spins")
+
+    assert [int(said.data) for said in first.unheard] == list(range(3, MAX_UNHEARD + 3))
+    assert vitals.pulse().unheard == []
