@@ -245,17 +245,23 @@ class Recording:
         return 0.0 if self.live is None else self.live.lateness + self.live.starved
 
     def delay(self, begin: float, end: float) -> float:
-        """Return how much of the time between two moments [s] went to the machine [s].
+        """Return how much of the time from a message of the robot to an answer went to the machine.
 
-        0 in virtual time. In real time: how late the robot's latest message left, and the longest
-        that the node had to wait for a CPU meanwhile. For what `slack`, the worst of a whole trial,
-        would blur too much.
+        0 in virtual time. In real time: how late the robot's latest message left, and how long the
+        node had to wait for a CPU meanwhile [s].
+        """
+        return self.waited(begin, end) + (self.live.lateness if self.live else 0.0)
+
+    def waited(self, begin: float, end: float) -> float:
+        """Return the longest that the node had to wait for a CPU between two moments [s].
+
+        0 in virtual time. For what `slack`, the worst of a whole trial, would blur too much.
         """
         if self.live is None:
             return 0.0
         first = max(0, int(np.searchsorted(self.compute.time, begin, side="right")) - 1)
         last = int(np.searchsorted(self.compute.time, end))
-        return self.live.lateness + float(self.compute.queued[first:last].max(initial=0.0))
+        return float(self.compute.queued[first:last].max(initial=0.0))
 
     @cached_property
     def messages(self) -> tuple[Message, ...]:

@@ -37,6 +37,12 @@ def measured(live: bool) -> Any:
     return SimpleNamespace(live=SimpleNamespace(lateness=0.01) if live else None, compute=compute)
 
 
+def with_methods(fake: Any) -> Any:
+    fake.delay = lambda begin, end: Recording.delay(fake, begin, end)
+    fake.waited = lambda begin, end: Recording.waited(fake, begin, end)
+    return fake
+
+
 @pytest.mark.parametrize(
     ("begin", "end", "delay"),
     [
@@ -49,8 +55,10 @@ def measured(live: bool) -> Any:
     ],
 )
 def test_a_delay_is_what_was_measured_meanwhile(begin: float, end: float, delay: float) -> None:
-    assert Recording.delay(measured(live=True), begin, end) == pytest.approx(delay)
-    assert Recording.delay(measured(live=False), begin, end) == 0.0
+    for live in (True, False):
+        fake = with_methods(measured(live))
+        assert fake.delay(begin, end) == pytest.approx(delay if live else 0.0)
+        assert fake.waited(begin, end) == pytest.approx(delay - 0.01 if live else 0.0)
 
 
 @pytest.mark.parametrize(
@@ -65,7 +73,7 @@ def test_a_scan_waits_for_its_command_no_longer_than_the_machine_made_it(
 
     fake = measured(live)
     fake.name, fake.twists = "prompt", lambda: SimpleNamespace(t=np.array([command]))
-    fake.delay = lambda begin, end: Recording.delay(fake, begin, end)
+    with_methods(fake)
     with contextlib.nullcontext() if prompt else pytest.raises(CheckFailed, match="had to wait"):
         require_prompt(fake, 0.2)
 
@@ -89,6 +97,36 @@ def test_one_gap_in_a_hundred_may_be_linux(
 
     gaps = np.array([0.05] * (100 - count) + [longest] * count)
     assert _a_rare_hiccup(recording(live), gaps, count) == forgiven
+
+
+@pytest.mark.parametrize(
+    ("period", "where", "right"),
+    [
+        (0.05, None, True),
+        (0.1, None, False),  # ten a second: that a thread once waited for 50 ms is no excuse
+        (0.05, 0.5, True),  # a long gap, while the thread waited
+        (0.05, 0.8, False),  # another one
+    ],
+)
+def test_a_gap_between_commands_may_be_as_long_as_the_machine_made_it(
+    monkeypatch: pytest.MonkeyPatch, period: float, where: float | None, right: bool
+) -> None:
+    from grader.checks.slow_model import test_core  # noqa: PLC0415
+    from grader.verdict import CheckFailed  # noqa: PLC0415
+
+    turns, none = np.arange(20) / 20, np.zeros(20)
+    queued = np.where(np.isclose(turns, 0.55), 0.05, 0.0)
+    times = np.arange(0.05, 1.0, period)
+    if where is not None:
+        times = np.concatenate([times, times + 0.95, times + 1.9])
+        times = times[~np.isclose(times, where)]
+        times = times[~np.isclose(times, where + 1.0) | (where < 0.6)]
+    fake = recording(SimpleNamespace(lateness=0.06), slack=0.11, name="gaps")
+    fake.compute = Compute(turns, none, none, queued)
+    fake.twists, fake.duration_s = lambda: SimpleNamespace(t=times), float(times[-1]) + 0.05
+    monkeypatch.setattr(test_core, "require_commands", lambda _: None)
+    with contextlib.nullcontext() if right else pytest.raises(CheckFailed, match="stumbles"):
+        test_core.require_period(with_methods(fake))
 
 
 # --- exercise 6: scans and requests that cross ----------------------------------------------------

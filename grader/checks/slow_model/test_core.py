@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -249,7 +251,8 @@ def require_period(recording: Recording) -> None:
     t = recording.twists().t
     ends = np.append(t, recording.duration_s)
     gaps = np.diff(ends)
-    wrong = np.flatnonzero(gaps > LONGEST_GAP + recording.slack + 1e-6)
+    waits = np.array([recording.waited(*pair) for pair in pairwise(ends.tolist())])
+    wrong = np.flatnonzero(gaps > LONGEST_GAP + waits + 1e-6)
     if len(wrong) and not _a_rare_hiccup(recording, gaps, len(wrong)):
         i = int(wrong[0])
         fail(
