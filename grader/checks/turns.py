@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from grader.recording import Recording, Scan
 
 LAST_MOMENT = 0.3  # [s] before the end of a run; a scan then may find its answer after it
-LATEST = 0.5  # [s] that an answer may come late, in real time; later it is no answer to that scan
+LATEST = 0.8  # [s] that an answer may come late, in real time; later it is no answer to that scan
 
 
 def turns(recording: Recording) -> tuple[tuple[Scan, ...], NDArray[np.intp]]:

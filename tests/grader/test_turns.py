@@ -29,7 +29,7 @@ def recording(commands: Any, live: object = "live") -> Any:
         (SCANS[:18] + 0.15, 18),  # the last two answers come after the end
         (SCANS[:16] + 0.15, 0),  # four scans were never answered
         (SCANS - 0.01, 0),  # before its scan
-        (SCANS + 0.7, 0),  # seven scans late is no answer
+        (SCANS + 0.9, 0),  # nine scans late is no answer
         (np.append(SCANS + 0.01, 1.99), 0),  # one too many
         ([], 0),
     ],
