@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.recording import Recording, Scan
+from grader.recording import Floats, Recording, Scan
 
 LAST_MOMENT = 0.3  # [s] before the end of a run; a scan then may find its answer after it
-LATEST = 0.8  # [s] that an answer may come late, in real time; later it is no answer to that scan
+LATEST = 0.5  # [s] that an answer may come late, in real time, and what the node waited for a CPU
 
 
 def turns(recording: Recording) -> tuple[tuple[Scan, ...], NDArray[np.intp]]:
@@ -39,6 +39,15 @@ def answered_in_turn(recording: Recording) -> int:
         return 0
     delays = commands - scans[:count]
     unanswered = scans[count:] <= recording.duration_s - LAST_MOMENT
-    if np.any(delays < 0.0) or np.any(delays > LATEST) or np.any(unanswered):
+    latest = LATEST + _waited(recording, scans[:count], commands)
+    if np.any(delays < 0.0) or np.any(delays > latest) or np.any(unanswered):
         return 0
     return count
+
+
+def _waited(recording: Recording, begins: Floats, ends: Floats) -> Floats:
+    """Return how long the node waited for a CPU in all, from each begin to its end [s], (n,)."""
+    turns = recording.compute.time
+    total = np.concatenate(([0.0], np.cumsum(recording.compute.queued)))
+    first = np.maximum(np.searchsorted(turns, begins, side="right") - 1, 0)
+    return np.asarray(total[np.maximum(np.searchsorted(turns, ends), first)] - total[first])
