@@ -23,15 +23,16 @@ test: $(VENV)/.dev ## set up, run the tests
 
 test-deep: $(DEEP)/.deep ## make .venv-deep with PyTorch and Keras, run what needs them
 	$(DEEP)/bin/pytest -m deep
-	$(DEEP)/bin/python -m grader.proof model_formats
+	$(DEEP)/bin/python -m grader.authoring.proof model_formats
 
-lint: $(VENV)/.dev ## ruff, mypy, skeletons in step with the solutions
+lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the solutions
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/python -m grader.skeletons --check
-	$(BIN)/python -m grader.catalogue --check
-	$(BIN)/python -m grader.pitfalls --check
+	$(BIN)/lint-imports
+	$(BIN)/python -m grader.course.skeletons --check
+	$(BIN)/python -m grader.authoring.catalogue --check
+	$(BIN)/python -m grader.authoring.pitfalls --check
 	$(BIN)/python lessons/figures.py --check
 	$(BIN)/python -m grader.notebook.build --check
 
@@ -40,7 +41,7 @@ format: $(VENV)/.dev ## let ruff format and fix what it can
 	$(BIN)/ruff check --fix .
 
 prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which check kills which
-	$(BIN)/python -m grader.proof
+	$(BIN)/python -m grader.authoring.proof
 
 bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lidar.py
@@ -49,12 +50,12 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20 --variants 0
 
 attacks: $(VENV)/.dev ## every attack with all checks; what opens without each layer (docs/attacks.md)
-	COURSE_ATTACKS=full $(BIN)/pytest -n auto --dist worksteal tests/attacks tests/grader/test_sandbox.py
+	COURSE_ATTACKS=full $(BIN)/pytest -n auto --dist worksteal tests/attacks tests/grader/host/test_sandbox.py
 	$(BIN)/python tests/attacks/layers.py --write
 
 site: $(VENV)/.dev ## build the lesson as a site into build/site
 	$(BIN)/sphinx-build -q -W --keep-going -n -b html -d build/doctrees lessons build/site
-	$(BIN)/python -m grader.pitfalls build/site/pitfalls/replays
+	$(BIN)/python -m grader.authoring.pitfalls build/site/pitfalls/replays
 	@echo "open build/site/index.html"
 
 notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with 12 students in all exercises
@@ -69,10 +70,10 @@ bench-notebook: $(VENV)/.dev ## time the first check of a notebook on a bare sys
 	$(BIN)/python benchmarks/bare_notebook.py
 
 skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
-	$(BIN)/python -m grader.skeletons
-	$(BIN)/python -m grader.catalogue
-	$(BIN)/python -m grader.listings
-	$(BIN)/python -m grader.pitfalls --made
+	$(BIN)/python -m grader.course.skeletons
+	$(BIN)/python -m grader.authoring.catalogue
+	$(BIN)/python -m grader.authoring.listings
+	$(BIN)/python -m grader.authoring.pitfalls --made
 	$(BIN)/python lessons/figures.py
 	$(BIN)/python -m grader.notebook.build
 

@@ -17,8 +17,8 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
-from grader.batch.work import Unit, UnitResult, grade_unit
-from grader.exercises import find_exercise
+from grader.classroom.work import Unit, UnitResult, grade_unit
+from grader.course.exercises import find_exercise
 
 FEW = 10  # the cost from here on must not grow
 SETTINGS = "c = get_config()\nc.CourseDirectory.course_id = 'bench'\n"

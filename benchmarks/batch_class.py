@@ -6,8 +6,8 @@ import shutil
 import zipfile
 from pathlib import Path
 
-from grader.exercises import Exercise, find_exercise
-from grader.proof import claims
+from grader.authoring.proof import claims
+from grader.course.exercises import Exercise, find_exercise
 
 NODE = """\
 import os, signal, sys, threading

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from batch_class import make_class
 
-from grader.batch.store import Store, stable
+from grader.classroom.store import Store, stable
 
 COURSE = [sys.executable, "-m", "grader.cli", "autograde"]
 DASK = [sys.executable, "-m", "dask"]

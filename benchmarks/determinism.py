@@ -8,10 +8,10 @@ import sys
 import time
 from collections.abc import Iterator
 
-from grader.exercises import Exercise, all_exercises, find_exercise
-from grader.grading import grade_submission
-from grader.launch import Nursery
-from grader.submission import find_submission
+from grader.course.exercises import Exercise, all_exercises, find_exercise
+from grader.course.submission import find_submission
+from grader.grading.grading import grade_submission
+from grader.link.hosts import Nursery
 from sim.messages import EPOCH_NS
 
 GRADINGS = 20

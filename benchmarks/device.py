@@ -194,7 +194,7 @@ def time_call(call: Call, finished: Call) -> float:
 
 def feature_time(calls: int = 200) -> float:
     """Return the median time of making the five features of one scan [ms]."""
-    from grader.features import features  # noqa: PLC0415
+    from grader.models.features import features  # noqa: PLC0415
     from sim.lidar import PROFILES  # noqa: PLC0415
 
     lidar = PROFILES["default"]

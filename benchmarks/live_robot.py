@@ -24,8 +24,8 @@ from pathlib import Path
 
 import numpy as np
 
-from grader.domains import own_domain
-from grader.ros import find_ros
+from grader.link.domains import own_domain
+from grader.link.ros_environment import find_ros
 
 ROOT = Path(__file__).resolve().parent.parent
 RATES = {"/scan": 40.0, "/odom": 20.0}  # [Hz]

@@ -17,9 +17,9 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from grader.launch import Nursery
-from grader.submission import Submission
-from grader.trial import run_trial
+from grader.course.submission import Submission
+from grader.link.hosts import Nursery
+from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
 from sim.scenario import Scenario, load_scenario
 

@@ -12,12 +12,12 @@ import argparse
 import msgspec
 import numpy as np
 
-from grader.exercises import find_exercise
-from grader.launch import Nursery
-from grader.live import run_live_trial
-from grader.proof import claims, complete
+from grader.authoring.proof import claims, complete
+from grader.course.exercises import find_exercise
+from grader.link.hosts import Nursery
 from grader.recording import Recording
-from grader.trial import run_trial
+from grader.trial.real_time import run_live_trial
+from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
 from sim.scenario import load_scenario
 

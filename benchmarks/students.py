@@ -22,8 +22,8 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from grader.exercises import all_exercises, find_exercise
-from grader.fairness import Verdict, examine, right_solutions
+from grader.authoring.fairness import Verdict, examine, right_solutions
+from grader.course.exercises import all_exercises, find_exercise
 from sim.difficulty import Difficulty
 
 UNITS = {"free_way": " m", "width": " m", "clutter": "", "tortuosity": " rad/m"}

@@ -17,11 +17,11 @@ from pathlib import Path
 
 import msgspec
 
-from grader.exercises import all_exercises, find_exercise
-from grader.grading import grade_submission
-from grader.launch import Nursery
-from grader.plugin import ERROR, FAIL, INCONCLUSIVE, UNAVAILABLE
-from grader.proof import Claim, claims, complete
+from grader.authoring.proof import Claim, claims, complete
+from grader.course.exercises import all_exercises, find_exercise
+from grader.grading.grading import grade_submission
+from grader.grading.plugin import ERROR, FAIL, INCONCLUSIVE, UNAVAILABLE
+from grader.link.hosts import Nursery
 from sim.messages import EPOCH_NS
 
 PAGE_HEAD = """\

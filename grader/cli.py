@@ -12,7 +12,7 @@ import click
 from grader.errors import GraderError, InputError
 
 if TYPE_CHECKING:
-    from grader.grading import Grading
+    from grader.grading.grading import Grading
     from grader.recording import Recording
 
 FULL, LESS, FAULT = 0, 1, 2  # exit codes
@@ -70,7 +70,7 @@ def list_() -> None:
     from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
 
-    from grader.exercises import all_exercises  # noqa: PLC0415
+    from grader.course.exercises import all_exercises  # noqa: PLC0415
 
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
     for heading in ("#", "Exercise", "File", "What it is about"):
@@ -112,8 +112,8 @@ def grade(
 
     Exit code 0: full core score. 1: less. 2: wrong usage, or the grader's own fault.
     """
-    from grader.exercises import find_exercise  # noqa: PLC0415
-    from grader.submission import find_submission  # noqa: PLC0415
+    from grader.course.exercises import find_exercise  # noqa: PLC0415
+    from grader.course.submission import find_submission  # noqa: PLC0415
 
     chosen = find_exercise(exercise)
     first = file.with_name(chosen.files[0])
@@ -124,7 +124,7 @@ def grade(
         seed = _student_seed(student, secret, chosen.slug, seed)
     _check_writable(report, json_)
     with _nursery(chosen.libraries) as nursery:
-        from grader.grading import grade_submission  # noqa: PLC0415
+        from grader.grading.grading import grade_submission  # noqa: PLC0415
 
         grading = grade_submission(
             chosen,
@@ -166,8 +166,8 @@ def drive(
     bag: Path | None,
 ) -> int:
     """Run any rclpy node in the mock robot, without grading."""
+    from grader.course.submission import find_submission  # noqa: PLC0415
     from grader.drive import arguments_of, drive_node, print_summary, scenario_for  # noqa: PLC0415
-    from grader.submission import find_submission  # noqa: PLC0415
 
     arguments = arguments_of(params)
     chosen = scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
@@ -177,7 +177,7 @@ def drive(
     with _nursery() as nursery:
         recording = drive_node(submission, chosen, nursery, seed=seed, arguments=arguments)
     if bag is not None:
-        from grader.bag import save  # noqa: PLC0415
+        from grader.recording.bag import save  # noqa: PLC0415
 
         save(recording, bag)
     print_summary(recording, file=str(file))
@@ -192,7 +192,7 @@ def drive(
 @click.option("--scans", type=click.IntRange(100, 100_000), default=2000, help="How many.")
 def dataset(out: Path, seed: int, scans: int) -> int:
     """Make data to learn from: OUT.npz with scans of the mock lidar and an expert's speeds."""
-    from grader.dataset import make_dataset  # noqa: PLC0415
+    from grader.models.dataset import make_dataset  # noqa: PLC0415
 
     if out.suffix != ".npz":
         raise InputError(f"{out}: expected a name that ends in .npz")
@@ -220,9 +220,9 @@ def check_bag(
     report: Path | None,
 ) -> int:
     """Judge saved recordings: BAG is one bag, or a folder of them. No student code runs."""
-    from grader.exercises import find_exercise  # noqa: PLC0415
-    from grader.grading import grade as grade_recordings  # noqa: PLC0415
-    from grader.trials import SavedTrials, load_bags  # noqa: PLC0415
+    from grader.course.exercises import find_exercise  # noqa: PLC0415
+    from grader.grading.grading import grade as grade_recordings  # noqa: PLC0415
+    from grader.trial.trials import SavedTrials, load_bags  # noqa: PLC0415
 
     chosen = find_exercise(exercise)
     _check_writable(report, json_)
@@ -241,8 +241,8 @@ def doctor() -> int:
     """
     from rich.console import Console  # noqa: PLC0415
 
-    from grader.doctor import diagnose  # noqa: PLC0415
-    from grader.terminal import render_diagnosis  # noqa: PLC0415
+    from grader.link.doctor import diagnose  # noqa: PLC0415
+    from grader.report.terminal import render_diagnosis  # noqa: PLC0415
 
     found = diagnose()
     render_diagnosis(found, Console())
@@ -290,11 +290,11 @@ def autograde(
     """
     from rich.console import Console  # noqa: PLC0415
 
-    from grader.batch.batch import Options  # noqa: PLC0415
-    from grader.batch.batch import autograde as grade_class  # noqa: PLC0415
-    from grader.batch.progress import ConsoleWatcher, summary  # noqa: PLC0415
-    from grader.results import ResultOptions  # noqa: PLC0415
-    from grader.students import read_secret  # noqa: PLC0415
+    from grader.classroom.batch import Options  # noqa: PLC0415
+    from grader.classroom.batch import autograde as grade_class  # noqa: PLC0415
+    from grader.classroom.progress import ConsoleWatcher, summary  # noqa: PLC0415
+    from grader.classroom.results import ResultOptions  # noqa: PLC0415
+    from grader.course.students import read_secret  # noqa: PLC0415
 
     ResultOptions(hide=hide)  # refuses unknown words before the work
     options = Options(
@@ -329,9 +329,9 @@ def release(folder: Path, exercises: tuple[str, ...], student_package: bool, pla
 
     That is the lesson as a site, the skeletons, the notebooks, the public scenarios and the grader.
     """
-    from grader.exercises import find_exercise  # noqa: PLC0415
-    from grader.handouts import handouts  # noqa: PLC0415
-    from grader.release import release as make_release  # noqa: PLC0415
+    from grader.authoring.handouts import handouts  # noqa: PLC0415
+    from grader.authoring.release import release as make_release  # noqa: PLC0415
+    from grader.course.exercises import find_exercise  # noqa: PLC0415
 
     slugs = [find_exercise(name).slug for name in exercises]
     make = None if plain else handouts
@@ -343,7 +343,7 @@ def release(folder: Path, exercises: tuple[str, ...], student_package: bool, pla
     return FULL
 
 
-for _command, _room in {"autograde": "batch", "release": "release.py"}.items():
+for _command, _room in {"autograde": "classroom", "release": "authoring"}.items():
     if not Path(__file__).with_name(_room).exists():
         cli.commands.pop(_command, None)  # the students' package does without
 
@@ -381,7 +381,7 @@ def _say(message: str) -> int:
 
 
 def _student_seed(student: str | None, secret: Path | None, slug: str, seed: int | None) -> int:
-    from grader.students import read_secret, student_seed  # noqa: PLC0415
+    from grader.course.students import read_secret, student_seed  # noqa: PLC0415
 
     if student is None or secret is None:
         raise InputError("--student and --secret go together")
@@ -392,7 +392,7 @@ def _student_seed(student: str | None, secret: Path | None, slug: str, seed: int
 
 def _nursery(libraries: tuple[str, ...] = ()) -> Any:
     """Start the process that will run the node, as early as possible: it warms up meanwhile."""
-    from grader.launch import Nursery  # noqa: PLC0415
+    from grader.link.hosts import Nursery  # noqa: PLC0415
     from sim.messages import EPOCH_NS  # noqa: PLC0415
 
     return Nursery(EPOCH_NS, libraries=libraries)
@@ -411,7 +411,7 @@ def _check_writable(report: Path | None, json_: str | None) -> None:
 
 
 def _show(grading: Grading, json_: str | None, report: Path | None) -> None:
-    from grader.report import json_text, render_terminal  # noqa: PLC0415
+    from grader.report.page import json_text, render_terminal  # noqa: PLC0415
 
     result = grading.as_dict()
     if json_ == JSON_STDOUT:
@@ -434,7 +434,7 @@ def _write_report(
     title: str,
     quiet: bool = False,
 ) -> None:
-    from grader.report import page_html, page_payload  # noqa: PLC0415
+    from grader.report.page import page_html, page_payload  # noqa: PLC0415
 
     path.write_text(page_html(page_payload(grading, recordings, title)), "utf-8")
     if not quiet:

@@ -12,14 +12,14 @@ import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
+from grader.course.submission import Submission
 from grader.errors import InputError
-from grader.launch import Nursery
-from grader.models import OWN
+from grader.link.hosts import Nursery
+from grader.models.files import OWN
 from grader.recording import Endpoint, Recording
-from grader.submission import Submission
-from grader.terminal import printable
-from grader.trial import run_trial
-from grader.trials import mixed_seed
+from grader.report.terminal import printable
+from grader.trial.trials import mixed_seed
+from grader.trial.virtual_time import run_trial
 from sim.lidar import PROFILES
 from sim.messages import CMD_VEL_TOPIC, TWIST_STAMPED
 from sim.scenario import Scenario, ScriptEvent, load_scenario

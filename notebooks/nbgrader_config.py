@@ -3,7 +3,7 @@
 What is graded are nodes, driven and judged by the course's own judge: no cell of a student runs.
 """
 
-from grader.gradebook_plugin import configure
+from grader.nbgrader import configure
 
 c = get_config()  # noqa: F821  (nbgrader's)
 c.CourseDirectory.course_id = "rclpy_agents"

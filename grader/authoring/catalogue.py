@@ -1,7 +1,7 @@
 """Write docs/mutants.md: which mistake is caught by which check.
 
 What stands there comes from the mutants' docstrings; that it is true is what the proof proves.
-`python -m grader.catalogue` writes the page, `--check` tells whether it is up to date.
+`python -m grader.authoring.catalogue` writes the page, `--check` tells whether it is up to date.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from __future__ import annotations
 import sys
 from collections import defaultdict
 
-from grader.exercises import ROOT, Exercise, all_exercises
-from grader.proof import Claim, claims
+from grader.authoring.proof import Claim, claims
+from grader.course.exercises import ROOT, Exercise, all_exercises
 
 PAGE = ROOT / "docs" / "mutants.md"
 HEAD = """\
@@ -20,7 +20,7 @@ Every check of the course is proven by wrong solutions, *mutants*: nodes with on
 each, in `solutions/<exercise>/mutants/`. `make prove` grades them all; each has to fail exactly the
 checks named here. (Checks that are skipped because one that they need failed are not listed.)
 
-This page is made from the mutants' docstrings by `python -m grader.catalogue`.
+This page is made from the mutants' docstrings by `python -m grader.authoring.catalogue`.
 """
 
 
@@ -36,7 +36,9 @@ def main(arguments: list[str]) -> int:
     if "--check" in arguments:
         if PAGE.is_file() and PAGE.read_text("utf-8") == page:
             return 0
-        print(f"{PAGE.relative_to(ROOT)} is out of date: run `python -m grader.catalogue`")
+        print(
+            f"{PAGE.relative_to(ROOT)} is out of date: run `python -m grader.authoring.catalogue`"
+        )
         return 1
     PAGE.write_text(page, "utf-8")
     return 0

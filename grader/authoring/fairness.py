@@ -18,15 +18,15 @@ from functools import lru_cache
 
 import msgspec
 
-from grader.exercises import find_exercise
-from grader.grading import Grading, grade
-from grader.launch import Nursery
-from grader.plugin import INCONCLUSIVE, PASS, SKIP
-from grader.proof import Claim, claims, complete, objections
+from grader.authoring.proof import Claim, claims, complete, objections
+from grader.course.exercises import find_exercise
+from grader.course.students import student_seed
+from grader.course.submission import Submission
+from grader.grading.grading import Grading, grade
+from grader.grading.plugin import INCONCLUSIVE, PASS, SKIP
+from grader.link.hosts import Nursery
 from grader.recording import Recording
-from grader.students import student_seed
-from grader.submission import Submission
-from grader.trials import NodeTrials
+from grader.trial.trials import NodeTrials
 from sim.difficulty import Difficulty, difficulty
 from sim.layout import layout_to_json
 from sim.messages import EPOCH_NS

@@ -12,9 +12,9 @@ import tempfile
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
+from grader.course.exercises import ROOT, all_exercises
 from grader.errors import GraderError, InputError
-from grader.exercises import ROOT, all_exercises
-from grader.gradebook_plugin.cells import definition
+from grader.nbgrader.cells import definition
 
 SITE = "lesson"  # folder of the site in a release
 NOTEBOOKS = "notebooks"
@@ -71,7 +71,7 @@ def site(work: Path) -> dict[str, bytes]:
         "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html",
         "-d", str(work / "doctrees"), str(ROOT / "lessons"), str(out),
     )  # fmt: skip
-    _run("-m", "grader.pitfalls", str(out / "pitfalls" / "replays"))
+    _run("-m", "grader.authoring.pitfalls", str(out / "pitfalls" / "replays"))
     return {f"{SITE}/{path.relative_to(out).as_posix()}": data for path, data in _files(out)}
 
 

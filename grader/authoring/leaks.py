@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from grader.exercises import SOLUTIONS, all_exercises
-from grader.gradebook_plugin.cells import definition
+from grader.course.exercises import SOLUTIONS, all_exercises
+from grader.nbgrader.cells import definition
 
 Shingle = tuple[str, ...]
 SHINGLE = 6  # lines in a row, without empty ones, that nobody writes twice by chance

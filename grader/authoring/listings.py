@@ -1,8 +1,8 @@
 """Write docs/listing-style.md: four textbook listings, each graded, and what to do about it.
 
 The nodes are in docs/listings/. Scores, tables and messages on the page are what the grader says of
-them; nothing is pasted. `python -m grader.listings` writes the page, `--check` tells whether it is
-what the grader says now.
+them; nothing is pasted. `python -m grader.authoring.listings` writes the page, `--check` tells
+whether it is what the grader says now.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from pathlib import Path
 
 from rich.console import Console
 
+from grader.authoring.proof import Claim, grade_claim
+from grader.course.exercises import ROOT, find_exercise
 from grader.errors import GraderError
-from grader.exercises import ROOT, find_exercise
-from grader.grading import Grading
-from grader.launch import Nursery
-from grader.plugin import FAIL, CheckResult
-from grader.proof import Claim, grade_claim
-from grader.report import render_terminal
+from grader.grading.grading import Grading
+from grader.grading.plugin import FAIL, CheckResult
+from grader.link.hosts import Nursery
+from grader.report.page import render_terminal
 from sim.messages import EPOCH_NS
 
 PAGE = ROOT / "docs" / "listing-style.md"
@@ -35,7 +35,7 @@ Much of what is printed about robots is written in one style: short, plausible, 
 author's desk. These nodes are in that style. Each is complete, runs, and has one mistake; below it
 stands what the grader says of it, and what a student does about that.
 
-Nobody typed the scores and messages: `python -m grader.listings` grades the nodes in
+Nobody typed the scores and messages: `python -m grader.authoring.listings` grades the nodes in
 [docs/listings](listings) and writes this page, and a test fails when it is no longer what the
 grader says. To see one for yourself, with a replay of every run:
 
@@ -137,7 +137,7 @@ def main(arguments: list[str]) -> int:
     if "--check" in arguments:
         if PAGE.is_file() and PAGE.read_text("utf-8") == text:
             return 0
-        print(f"{PAGE.relative_to(ROOT)} is out of date: run `python -m grader.listings`")
+        print(f"{PAGE.relative_to(ROOT)} is out of date: run `python -m grader.authoring.listings`")
         return 1
     PAGE.write_text(text, "utf-8")
     return 0

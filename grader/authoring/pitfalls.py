@@ -2,9 +2,9 @@
 
 Each pitfall is a node in lessons/pitfalls/nodes that looks right and is not, and the same node put
 right. Their jobs are other and smaller ones than the exercises': they are published, and nobody
-should pass with one of them. `python -m grader.pitfalls OUT` drives them and writes a replay of
-each into OUT, which opens where it goes wrong. `--made` writes lessons/pitfalls/made: the
-differences, the frames of the replays, and what the grader says of wrong solutions
+should pass with one of them. `python -m grader.authoring.pitfalls OUT` drives them and writes a
+replay of each into OUT, which opens where it goes wrong. `--made` writes lessons/pitfalls/made:
+the differences, the frames of the replays, and what the grader says of wrong solutions
 (solutions/*/mutants) that make the same mistakes; `--check` tells whether that is up to date.
 """
 
@@ -26,16 +26,16 @@ from rich.console import Console
 
 from grader.checks.obstacle_avoidance.contract import front_distance
 from grader.checks.obstacle_avoidance.evidence import answers, spell
+from grader.course.exercises import ROOT, find_exercise
+from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
-from grader.exercises import ROOT, find_exercise
-from grader.features import possible_features
-from grader.grading import Grading, grade_submission
-from grader.launch import Nursery
-from grader.models import probe
+from grader.grading.grading import Grading, grade_submission
+from grader.link.hosts import Nursery
+from grader.models.features import possible_features
+from grader.models.files import probe
 from grader.recording import Recording
-from grader.report import GENERATED_BY, page_html, render_terminal, replay_payload
-from grader.submission import find_submission
-from grader.trial import run_trial
+from grader.report.page import GENERATED_BY, page_html, render_terminal, replay_payload
+from grader.trial.virtual_time import run_trial
 from sim.messages import CMD_VEL_TOPIC, EPOCH_NS, TWIST_STAMPED
 from sim.scenario import load_scenario
 
@@ -295,7 +295,9 @@ def main(arguments: list[str]) -> int:
     if arguments == ["--check"]:
         stale = [file.name for file, text in texts.items() if _text_of(file) != text]
         if stale:
-            print(f"{', '.join(stale)}: not up to date: run `python -m grader.pitfalls --made`")
+            print(
+                f"{', '.join(stale)}: not up to date: run `python -m grader.authoring.pitfalls --made`"
+            )
         return 1 if stale else 0
     MADE.mkdir(exist_ok=True)
     for file, text in texts.items():

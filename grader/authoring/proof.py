@@ -8,7 +8,7 @@ Every mutant says in its docstring which checks it fails::
     requires: torch                     (modules without which the node would fail otherwise)
 
 Field checks are only judged when all of the core passed, so a mutant names either kind. A variant
-that claims the badge says `field: all`. `python -m grader.proof [EXERCISE …]` prints
+that claims the badge says `field: all`. `python -m grader.authoring.proof [EXERCISE …]` prints
 which mutant is killed by which check.
 
 Of an exercise with several files, a variant or mutant is a folder with some of them, or one file
@@ -28,13 +28,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from grader.course.exercises import Exercise, all_exercises, find_exercise
+from grader.course.installed import why_not
+from grader.course.submission import Submission, find_submission
 from grader.errors import GraderError
-from grader.exercises import Exercise, all_exercises, find_exercise
-from grader.grading import Grading, grade_submission
-from grader.installed import why_not
-from grader.launch import Nursery
-from grader.plugin import FAIL, UNAVAILABLE
-from grader.submission import Submission, find_submission
+from grader.grading.grading import Grading, grade_submission
+from grader.grading.plugin import FAIL, UNAVAILABLE
+from grader.link.hosts import Nursery
 from sim.messages import EPOCH_NS
 
 SKELETON_POINTS = 10  # at most

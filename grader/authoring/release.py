@@ -14,15 +14,12 @@ import zipfile
 from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
+from grader.authoring.leaks import Leak, leaks
+from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.errors import GraderError, InputError
-from grader.exercises import ROOT, SOLUTIONS, all_exercises
-from grader.leaks import Leak, leaks
 
 # The grader's rooms for instructors and contributors; students' `course` does without.
-INSTRUCTORS = (
-    "batch", "gradebook_plugin", "results", "release.py", "leaks.py", "handouts.py", "build.py",
-    "catalogue.py", "fairness.py", "listings.py", "pitfalls.py", "proof.py", "skeletons.py",
-)  # fmt: skip
+INSTRUCTORS = ("authoring", "classroom", "nbgrader", "build.py", "skeletons.py")
 PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # of what makes a folder a ROS package
 MARKER = "resource"  # its folder of files without a suffix, by which ROS finds a package
 LESSONS = "lessons"
@@ -102,7 +99,8 @@ def release(
         Make `FOLDER.zip` beside it too, the same bytes each time; `pip install` takes either.
     make
         Makes the lesson's site and the notebooks, given the exercises that are left out (see
-        `grader.handouts`). Without it there are no notebooks, and the lesson is its Markdown.
+        `grader.authoring.handouts`). Without it there are no notebooks, and the lesson is its
+        Markdown.
 
     Raises
     ------

@@ -10,8 +10,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from grader.features import Floats, possible_features
-from grader.models import probe
+from grader.models.features import Floats, possible_features
+from grader.models.files import probe
 from grader.recording import Recording, Scan
 from sim.scenario import Model
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from grader.checks.verdict import fail
 from grader.recording import Recording
-from grader.verdict import fail
 from sim.messages import decode
 
 

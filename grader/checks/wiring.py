@@ -9,9 +9,9 @@ from __future__ import annotations
 import difflib
 from typing import NamedTuple
 
-from grader.exercises import Service, Topic, find_exercise
+from grader.checks.verdict import fail
+from grader.course.exercises import Service, Topic, find_exercise
 from grader.recording import Endpoint, Recording
-from grader.verdict import fail
 
 _ENDS = {
     "missing": "Put all files of the exercise into one folder, and grade that folder.",

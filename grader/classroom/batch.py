@@ -12,19 +12,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grader.batch.canaries import STRIKES, Watch, canaries_of
-from grader.batch.conditions import HASHED, fingerprint, submission_hash
-from grader.batch.engine import Crew, DaskCrew, LocalCrew, WorkerDied, refusal, run
-from grader.batch.intake import Found, Student, find_files, find_students, read_file
-from grader.batch.progress import Watcher
-from grader.batch.row import GRADED, HELD, StoredResult
-from grader.batch.store import Key, Store
-from grader.batch.work import Unit, UnitResult, isolation_is_enough, judge_saved, why_held
+from grader.classroom.canaries import STRIKES, Watch, canaries_of
+from grader.classroom.conditions import HASHED, fingerprint, submission_hash
+from grader.classroom.engine import Crew, DaskCrew, LocalCrew, WorkerDied, refusal, run
+from grader.classroom.intake import Found, Student, find_files, find_students, read_file
+from grader.classroom.progress import Watcher
+from grader.classroom.results import ResultOptions, write_results
+from grader.classroom.row import GRADED, HELD, StoredResult
+from grader.classroom.store import Key, Store
+from grader.classroom.work import Unit, UnitResult, isolation_is_enough, judge_saved, why_held
+from grader.course.exercises import Exercise, all_exercises, find_exercise
+from grader.course.students import student_seed
 from grader.errors import GraderError, InputError
-from grader.exercises import Exercise, all_exercises, find_exercise
-from grader.results import ResultOptions, write_results
-from grader.scratch import sweep
-from grader.students import student_seed
+from grader.link.scratch import sweep
 
 __all__ = ["Options", "autograde", "isolation_is_enough"]
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from grader.batch.store import Key
-from grader.batch.work import Unit
-from grader.exercises import Exercise
-from grader.proof import Claim, claims, complete
+from grader.authoring.proof import Claim, claims, complete
+from grader.classroom.store import Key
+from grader.classroom.work import Unit
+from grader.course.exercises import Exercise
 
 REFERENCE, MUTANT = ".reference", ".mutant"  # no student's id begins with a dot
 STRIKES = 2  # bad rounds in a row, after which an exercise is left to a person

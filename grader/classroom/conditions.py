@@ -7,12 +7,13 @@ import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from grader.exercises import ROOT, Exercise
-from grader.grading import versions
+from grader.course.exercises import ROOT, Exercise
+from grader.grading.grading import versions
 
 SUFFIXES = {".py", ".toml", ".xml"}
 HASHED = 32  # [characters] of each hash
-NO_VERDICT = {"batch", "results", "player"}  # folders of the grader that only organise or show
+# rooms of the grader on which a verdict depends; the others only organise or show
+VERDICT = ("checks", "course", "grading", "host", "link", "models", "recording", "trial")
 
 
 def fingerprint(exercise: Exercise) -> str:
@@ -35,14 +36,13 @@ def submission_hash(
 
 
 def _sources(exercise: Exercise) -> Iterator[Path]:
-    grader = ROOT / "grader"
-    folders = [ROOT / "sim", grader / "host", exercise.checks]
-    files = [path for folder in folders for path in folder.rglob("*")]
-    files += [*grader.glob("*.py"), *grader.joinpath("checks").glob("*.py")]
-    files.append(exercise.folder / "exercise.toml")
-    shown = {"cli.py", "report.py", "terminal.py", "doctor.py", "release.py"}
-    yield from sorted(
-        path for path in set(files)
-        if path.suffix in SUFFIXES and path.is_file() and path.name not in shown
-        and not NO_VERDICT & set(path.relative_to(ROOT).parts)
-    )  # fmt: skip
+    rooms = [ROOT / "sim", *(ROOT / "grader" / room for room in VERDICT)]
+    files = {path for room in rooms for path in room.rglob("*") if path.suffix in SUFFIXES}
+    others = {path for path in files if _of_another_exercise(path, exercise)}
+    yield from sorted({*files - others, exercise.folder / "exercise.toml"})
+
+
+def _of_another_exercise(path: Path, exercise: Exercise) -> bool:
+    """Tell whether it is one of the checks of an exercise that is not graded here."""
+    checks = exercise.checks.parent
+    return path.parent.parent == checks and path.parent != exercise.checks

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from grader.batch.work import Unit, UnitResult, grade_unit, isolation_problem
+from grader.classroom.work import Unit, UnitResult, grade_unit, isolation_problem
 from grader.errors import GraderError, InputError
 
 DASK_RETRIES = 2

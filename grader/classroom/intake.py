@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
+from grader.course.submission import MAX_SIZE
 from grader.errors import InputError
-from grader.submission import MAX_SIZE
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 MAX_MEMBERS = 5_000  # of an archive

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from grader.batch.row import GRADED, HELD, StoredResult
+from grader.classroom.row import GRADED, HELD, StoredResult
 
 MOST_HELD = 20  # lines at the end
 

@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from grader.batch.row import GRADED, HELD, RUNNING, WAITING, StoredResult
+from grader.classroom.row import GRADED, HELD, RUNNING, WAITING, StoredResult
 from grader.errors import InputError
 
 SCHEMA = 1

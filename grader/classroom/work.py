@@ -22,13 +22,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from grader.batch.row import StoredResult
-from grader.doctor import foreign_code_problem
+from grader.classroom.row import StoredResult
+from grader.course.exercises import Exercise, find_exercise
 from grader.errors import GraderError, InputError
-from grader.exercises import Exercise, find_exercise
-from grader.launch import Nursery
-from grader.scratch import prefix
-from grader.warm import WarmNurseries
+from grader.link.doctor import foreign_code_problem
+from grader.link.hosts import Nursery
+from grader.link.pool import WarmNurseries
+from grader.link.scratch import prefix
 
 UNIT_LIMIT = 2 * 3600.0  # [s] after which a worker gives itself up; trials end long before
 TICK = os.sysconf("SC_CLK_TCK")  # of the times in /proc [1/s]
@@ -155,8 +155,8 @@ def _grade(unit: Unit) -> UnitResult:
 
 
 def _run(exercise: Exercise, unit: Unit, bags: Path | None) -> dict[str, Any]:
-    from grader.grading import grade_submission  # noqa: PLC0415  (pulls the whole judge in)
-    from grader.submission import find_submission  # noqa: PLC0415
+    from grader.course.submission import find_submission  # noqa: PLC0415
+    from grader.grading.grading import grade_submission  # noqa: PLC0415  (pulls the whole judge in)
 
     nursery = _nurseries.of(exercise.libraries)
     refusal = "" if unit.trust else isolation_is_enough(nursery)
@@ -181,8 +181,8 @@ def _run(exercise: Exercise, unit: Unit, bags: Path | None) -> dict[str, Any]:
 
 
 def _judge(exercise: Exercise, unit: Unit) -> dict[str, Any]:
-    from grader.grading import grade  # noqa: PLC0415
-    from grader.trials import SavedTrials, load_bags  # noqa: PLC0415
+    from grader.grading.grading import grade  # noqa: PLC0415
+    from grader.trial.trials import SavedTrials, load_bags  # noqa: PLC0415
 
     trials = SavedTrials(load_bags(Path(unit.saved)))
     first = exercise.files[0]

@@ -10,10 +10,10 @@ import msgspec
 
 from grader.errors import GraderError, InputError
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 EXERCISES = ROOT / "exercises"
 SOLUTIONS = ROOT / "solutions"
-CHECKS = Path(__file__).resolve().parent / "checks"
+CHECKS = ROOT / "grader" / "checks"
 
 
 class Topic(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

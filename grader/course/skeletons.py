@@ -11,7 +11,7 @@ A solution marks what students write, and what they get in its place::
 
 Everything from BEGIN to END goes; the comment lines below SKELETON stay, each without its first
 ``# ``. Without a SKELETON part a block becomes one ``# TODO``, and the code around it has to stand
-on its own. ``python -m grader.skeletons`` writes the skeletons, ``--check`` only compares.
+on its own. ``python -m grader.course.skeletons`` writes the skeletons, ``--check`` only compares.
 """
 
 import re
@@ -24,7 +24,7 @@ import click
 
 from sim.errors import InputError
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 
 _MARKER = re.compile(r"^\s*### (BEGIN SOLUTION|SKELETON|END SOLUTION)\s*$")
 _MISSPELT = re.compile(r"^\s*#+\s*(BEGIN[ _]SOLUTION|SKELETON|END[ _]SOLUTION)\b", re.IGNORECASE)
@@ -137,7 +137,9 @@ def main(check: bool) -> None:
             stale += 1
             name = path.relative_to(ROOT).as_posix()
             if check:
-                click.echo(f"{name} is out of step: run python -m grader.skeletons", err=True)
+                click.echo(
+                    f"{name} is out of step: run python -m grader.course.skeletons", err=True
+                )
             else:
                 path.write_text(text, encoding="utf-8")
                 click.echo(f"wrote {name}")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.errors import InputError
-from grader.scratch import fresh_folder
+from grader.link.scratch import fresh_folder
 
 MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
 

@@ -13,11 +13,11 @@ from typing import Any
 
 import msgspec
 
+from grader.course.exercises import Exercise
+from grader.course.installed import COURSE
+from grader.course.submission import Submission
 from grader.errors import GraderError
-from grader.exercises import Exercise
-from grader.installed import COURSE
-from grader.launch import Nursery
-from grader.plugin import (
+from grader.grading.plugin import (
     ERROR,
     INCONCLUSIVE,
     PASS,
@@ -26,10 +26,10 @@ from grader.plugin import (
     CheckPlugin,
     CheckResult,
 )
+from grader.link.hosts import Nursery
 from grader.recording import Recording
-from grader.submission import Submission
-from grader.trials import NodeTrials, Trials
-from grader.watch import Watch, nobody
+from grader.trial.progress import Watch, nobody
+from grader.trial.trials import NodeTrials, Trials
 
 ATTEMPTS = 2
 REPORTED_PACKAGES = (

@@ -6,8 +6,8 @@ A check is a test under `grader/checks/<exercise>/` with a `check` mark::
     def test_slow_zone(recordings):
         \"\"\"Between 0.5 m and 1.0 m the robot drives at 0.15 m/s.\"\"\"
 
-Its docstring's first line is what the student reads; it fails through `grader.verdict.fail`. Any
-other exception is the grader's own fault (ERROR). With `requires=("torch",)` it is judged only
+Its docstring's first line is what the student reads; it fails through `grader.checks.verdict.fail`.
+Any other exception is the grader's own fault (ERROR). With `requires=("torch",)` it is judged only
 where these libraries are installed; elsewhere it is UNAVAILABLE, and its scenarios don't run.
 """
 
@@ -19,11 +19,11 @@ from typing import Any
 
 import pytest
 
+from grader.checks.verdict import CheckFailed, Inconclusive, inconclusive
 from grader.errors import GraderError, InputError
 from grader.recording import Recording
-from grader.trials import NoRecording, Trials
-from grader.verdict import CheckFailed, Inconclusive, inconclusive
-from grader.watch import CHECK, Watch, nobody
+from grader.trial.progress import CHECK, Watch, nobody
+from grader.trial.trials import NoRecording, Trials
 
 PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
 UNAVAILABLE = "unavailable"  # an optional library that it is about is not installed here

@@ -8,7 +8,7 @@ from __future__ import annotations
 import socket
 import sys
 
-from .nursery import serve
+from .forkserver import serve
 
 control, epoch, kind, layers, *libraries = sys.argv[1:]
 serve(socket.socket(fileno=int(control)), int(epoch), kind, layers.split(","), libraries)

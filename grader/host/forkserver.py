@@ -25,9 +25,12 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from . import isolation, privileges, scripts, threads
-from . import kernel as kernel_module
+from . import scripts
 from .frames import Birth, Hello, Request
+from .sandbox import layers as sandbox_layers
+from .sandbox import users
+from .virtual import kernel as kernel_module
+from .virtual import threads
 
 REQUEST_DESCRIPTORS = 5  # link in, link out, stdout, stderr, status
 PRELOADED = (  # packages whose message types are loaded before the fork
@@ -87,7 +90,7 @@ def serve(
 
     `layers` are the layers of isolation that the judge wants, if the machine has them.
     """
-    may_mount = isolation.begin(layers)
+    may_mount = sandbox_layers.begin(layers)
     body: Body = scripts.serve
     if kind == NODES:
         kernel = kernel_module.Kernel()
@@ -99,7 +102,7 @@ def serve(
         body = _run_live
     _import(libraries)
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
-    control.sendall(msgspec.json.encode(Hello(isolation.prepare(layers, may_mount=may_mount))))
+    control.sendall(msgspec.json.encode(Hello(sandbox_layers.prepare(layers, may_mount=may_mount))))
     gc.freeze()
     children: dict[int, Child] = {}  # by pidfd
     while True:
@@ -142,7 +145,7 @@ def _bury(pidfd: int, child: Child, *, alone: bool) -> None:
     with contextlib.suppress(OSError):
         os.killpg(child.pid, signal.SIGKILL)  # not yet reaped, so the number is still its own
     if child.uid and alone:
-        privileges.end_all_of(child.uid)
+        users.end_all_of(child.uid)
     _, wait_status = os.waitpid(child.pid, 0)
     with contextlib.suppress(OSError):
         os.write(child.status, str(os.waitstatus_to_exitcode(wait_status)).encode())
@@ -165,36 +168,37 @@ def _become_host(request: Request, descriptors: list[int], body: Body) -> None:
         os.environ["HOME"] = os.environ["TMPDIR"] = request.folder
         os.environ["ROS_LOG_DIR"] = request.folder
         if body is _run_live:
-            privileges.take_priority()
+            users.take_priority()
         if request.prompt:
-            privileges.prefer(os.getpid())
-        isolation.enter(request, datagrams=body is _run_live)
+            users.prefer(os.getpid())
+        sandbox_layers.enter(request, datagrams=body is _run_live)
         body(link_in, link_out)
     finally:
         os._exit(70)
 
 
 def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_out: int) -> None:
-    from . import bridge, ros, session, student  # noqa: PLC0415  (rclpy is imported by now)
+    from . import program  # noqa: PLC0415  (rclpy is imported by now)
+    from .virtual import bridge, executors, session  # noqa: PLC0415
 
     trial = session.Session(link_in, link_out)
     trial.kernel, kernel.world = kernel, trial
     start = trial.start()
     trial.bridge = bridge.Bridge(start.offers)
     trial.bridge.install()
-    trial.clocks = ros.install(kernel, epoch, trial.bridge)
-    ros.refuse_real_time(trial.leave_for_real_time)
+    trial.clocks = executors.install(kernel, epoch, trial.bridge)
+    executors.refuse_real_time(trial.leave_for_real_time)
     _steer_init()
     trial.mark()
-    student.run(trial, start)
+    program.run(trial, start)
     os._exit(0)
 
 
 def _run_live(link_in: int, link_out: int) -> None:
-    from . import live  # noqa: PLC0415  (rclpy is imported by now)
+    from .real_time import node  # noqa: PLC0415  (rclpy is imported by now)
 
     _steer_init()
-    live.serve(link_in, link_out)
+    node.serve(link_in, link_out)
 
 
 def _steer_init() -> None:
@@ -223,9 +227,10 @@ def _warm_up(*, virtual: bool = True) -> None:
             check_for_type_support(getattr(module, name))
     _import(("numpy", "rclpy.node", "rclpy.executors", "rclpy.action"))
     if virtual:
-        from . import bridge, ros, session, student  # noqa: F401, PLC0415
+        from . import program  # noqa: F401, PLC0415
+        from .virtual import bridge, executors, session  # noqa: F401, PLC0415
     else:
-        from . import live  # noqa: F401, PLC0415
+        from .real_time import node  # noqa: F401, PLC0415
 
 
 def _import(libraries: Sequence[str]) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from . import libraries
 from .frames import ProgramStart, Start
-from .session import Session
+from .virtual.session import Session
 
 OURS = Path(__file__).parent
 
@@ -26,7 +26,7 @@ def run(session: Session, start: Start) -> None:
         session.begin(start.lead)
         session.end(*run_file(start.programs[0]))
         return
-    from .programs import Programs  # noqa: PLC0415  (needs rclpy)
+    from .virtual.programs import Programs  # noqa: PLC0415  (needs rclpy)
 
     session.programs = Programs(
         session.kernel, start.programs, lambda program: _run_one_of_many(session, program)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from . import student
+from . import program
 from .frames import (
     Ended,
     FromScript,
@@ -54,8 +54,8 @@ def _run(order: Script) -> Ended:
     random.seed(order.seed)  # a fork inherits the nursery's generators
     np.random.seed(order.seed)
     sys.path.insert(0, str(Path(order.file).parent))
-    kind, text, detail = student.run_file(ProgramStart(order.file, order.arguments))
-    student.join_threads()
+    kind, text, detail = program.run_file(ProgramStart(order.file, order.arguments))
+    program.join_threads()
     return ended(kind, text, detail)
 
 

@@ -9,8 +9,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from grader.errors import GraderError, InputError
-from grader.host.isolation import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
-from grader.launch import Nursery
+from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
+from grader.link.hosts import Nursery
 from sim.messages import EPOCH_NS
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions

@@ -1,7 +1,7 @@
 """Start hosts: the untrusted processes in which students' nodes run.
 
 This is the seam for the sandbox: whatever isolates a host from the judge belongs here and in
-`grader.host.privileges`.
+`grader.host.sandbox.users`.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from pathlib import Path
 
 import msgspec
 
-from grader.claims import claim
 from grader.errors import GraderError
 from grader.host.frames import Birth, Hello, Request
-from grader.host.isolation import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
-from grader.host.privileges import USERS, closed_ancestor, prefer
-from grader.host.sandbox import hide_memory
-from grader.ros import RosEnvironment, find_ros
+from grader.host.sandbox.kernel_filters import hide_memory
+from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
+from grader.host.sandbox.users import USERS, closed_ancestor, prefer
+from grader.link.locks import claim
+from grader.link.ros_environment import RosEnvironment, find_ros
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 TRAINING_LIBRARIES = ("numpy", "sklearn.ensemble", "skl2onnx", "onnxruntime")
 LAYER_TEXTS = {
     LIMITS: "resource limits",
@@ -52,7 +52,7 @@ VIRTUAL_DDS = {  # it never leaves the process
 }
 LIVE_DDS = {  # it never leaves the machine
     "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
-    "FASTRTPS_DEFAULT_PROFILES_FILE": str(ROOT / "grader" / "host" / "live.xml"),
+    "FASTRTPS_DEFAULT_PROFILES_FILE": str(ROOT / "grader" / "host" / "real_time" / "live.xml"),
 }
 START_LIMIT = 60.0  # [s] for the imports of a cold machine
 
@@ -97,7 +97,7 @@ class HostProcess:
 
 
 class Nursery:
-    """A warm process that forks hosts (see grader.host.nursery).
+    """A warm process that forks hosts (see grader.host.forkserver).
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ class Nursery:
 
     @property
     def layers(self) -> tuple[str, ...]:
-        """The layers of isolation that hosts have here (see grader.host.isolation)."""
+        """The layers of isolation that hosts have here (see grader.host.sandbox.layers)."""
         self._await_ready()
         return self._layers
 

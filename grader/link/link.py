@@ -36,9 +36,9 @@ from grader.host.frames import (
     decode_to_judge,
     encode,
 )
-from grader.launch import HostProcess
-from grader.log import LogLine
-from grader.runqueue import RunQueue
+from grader.link.hosts import HostProcess
+from grader.link.log import LogLine
+from grader.link.run_queue import RunQueue
 
 MAX_OUTPUT = 512 * 1024  # [bytes] of stdout and stderr each that are kept
 MAX_LINES = 20_000  # of stdout and stderr each that are kept

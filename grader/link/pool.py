@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grader.launch import Nursery
+from grader.link.hosts import Nursery
 from sim.messages import EPOCH_NS
 
 

@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from grader.host.privileges import USERS
+from grader.host.sandbox.users import USERS
 
 _OURS = re.compile(r"course-([0-9]+)-.*")
 

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.features import FRONT_EDGE
+from grader.models.features import FRONT_EDGE
 from sim.caster import Caster, static_faces
 from sim.clearance import is_inside
 from sim.faults import measured, speckle

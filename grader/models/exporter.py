@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from grader.errors import GraderError
-from grader.launch import LEARNING, NO_GPU
+from grader.link.hosts import LEARNING, NO_GPU
 
-ROOT = Path(__file__).resolve().parent.parent
-COMMAND = (sys.executable, "-s", "-B", "-X", "utf8", "-m", "grader.formats")
+ROOT = Path(__file__).resolve().parents[2]
+COMMAND = (sys.executable, "-s", "-B", "-X", "utf8", "-m", "grader.models.formats")
 
 
 class Exporter:
-    """The process (see grader.formats) and what it has made; it starts when first needed."""
+    """The process (see grader.models.formats) and what it has made; it starts when first needed."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from grader.dataset import PROFILE, make_dataset
 from grader.errors import GraderError
-from grader.exporter import EXPORTER
-from grader.features import features
-from grader.host import classifiers, probes
+from grader.host.supplied import classifiers, probes
+from grader.models.dataset import PROFILE, make_dataset
+from grader.models.exporter import EXPORTER
+from grader.models.features import features
 from sim.scenario import Model
 
 OWN = "own"  # the student's own trained model

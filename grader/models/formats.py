@@ -1,4 +1,4 @@
-"""Write one model in any of four formats: a process of its own, which `grader.exporter` asks.
+"""Write one model in any of four formats: a process of its own that `grader.models.exporter` asks.
 
 The judge must not import PyTorch, Keras or scikit-learn; this process does, when it first needs
 them. A request is a line of JSON, and so is its answer::
@@ -26,8 +26,8 @@ from typing import Any
 
 import numpy as np
 
-from grader.dataset import PROFILE, make_dataset
-from grader.features import features
+from grader.models.dataset import PROFILE, make_dataset
+from grader.models.features import features
 
 FEATURES = 5
 ONNX_OPSETS = (("", 17), ("ai.onnx.ml", 3))

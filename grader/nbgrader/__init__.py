@@ -2,7 +2,7 @@
 
 `nbgrader_config.py` of a course says::
 
-    from grader.gradebook_plugin import configure
+    from grader.nbgrader import configure
 
     configure(get_config())
 
@@ -18,6 +18,6 @@ from typing import Any
 
 def configure(config: Any) -> None:
     """Put the course's steps among nbgrader's own, in its configuration."""
-    from grader.gradebook_plugin.configuration import set_up  # noqa: PLC0415  (nbgrader: 1 s)
+    from grader.nbgrader.configuration import set_up  # noqa: PLC0415  (nbgrader: 1 s)
 
     set_up(config)

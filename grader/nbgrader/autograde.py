@@ -17,22 +17,22 @@ from nbgrader.converters.base import NbGraderException
 from nbgrader.preprocessors import NbGraderPreprocessor
 from traitlets import Bool, Unicode
 
+from grader.course.exercises import find_exercise
+from grader.course.students import read_secret, student_seed
 from grader.errors import GraderError, InputError
-from grader.exercises import find_exercise
-from grader.gradebook_plugin.cells import Wanted, last_definitions, made_files, wanted
-from grader.gradebook_plugin.gradebook import (
+from grader.nbgrader.cells import Wanted, last_definitions, made_files, wanted
+from grader.nbgrader.gradebook import (
     Place,
     opened,
     trusted_cells,
     write_comment,
     write_mark,
 )
-from grader.gradebook_plugin.intake import Unreadable, read_cells
-from grader.gradebook_plugin.judge import Verdict, judge, refusal
-from grader.gradebook_plugin.marks import Mark, mark_of
-from grader.gradebook_plugin.restore import ABOUT, Trusted, restored, unreadable
-from grader.gradebook_plugin.table import output_of
-from grader.students import read_secret, student_seed
+from grader.nbgrader.intake import Unreadable, read_cells
+from grader.nbgrader.judge import Verdict, judge, refusal
+from grader.nbgrader.marks import Mark, mark_of
+from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
+from grader.nbgrader.table import output_of
 
 FILE = "course_file"  # in the resources: the notebook that was handed in
 NO_RESPONSE = "No response."  # nbgrader's own words
@@ -74,7 +74,7 @@ class CourseExporter(NotebookExporter):  # type: ignore[misc]
 
 
 class RestoreCells(NbGraderPreprocessor):  # type: ignore[misc]
-    """Puts the notebook that was handed in into order (see grader.gradebook_plugin.restore)."""
+    """Puts the notebook that was handed in into order (see grader.nbgrader.restore)."""
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> tuple[NotebookNode, Resources]:
         """Return the notebook to grade."""

@@ -7,8 +7,8 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from grader.course.exercises import find_exercise
 from grader.errors import InputError
-from grader.exercises import find_exercise
 
 MAGIC = re.compile(r"%%node[ \t]+(\S.*)")
 BOM = "\ufeff"

@@ -17,9 +17,9 @@ from nbgrader.preprocessors import (
     SaveCells,
 )
 
-from grader.gradebook_plugin.autograde import CourseExporter, JudgeNodes, RestoreCells
-from grader.gradebook_plugin.offline import work_offline
-from grader.gradebook_plugin.release import LeaveSkeletons
+from grader.nbgrader.autograde import CourseExporter, JudgeNodes, RestoreCells
+from grader.nbgrader.offline import work_offline
+from grader.nbgrader.release import LeaveSkeletons
 
 VALIDATION_LIMIT = 300  # [s] for a test cell in `nbgrader validate`; nbgrader's own is 30
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from nbgrader.api import Gradebook
 
-from grader.gradebook_plugin.marks import Mark
-from grader.gradebook_plugin.restore import Trusted
+from grader.nbgrader.marks import Mark
+from grader.nbgrader.restore import Trusted
 
 
 @dataclass(frozen=True)

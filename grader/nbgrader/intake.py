@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grader.submission import MAX_SIZE
+from grader.course.submission import MAX_SIZE
 
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grader.doctor import foreign_code_problem
+from grader.course.exercises import Exercise
+from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
-from grader.exercises import Exercise
-from grader.grading import grade_submission
-from grader.scratch import fresh_folder
-from grader.submission import find_submission
-from grader.warm import WarmNurseries
+from grader.grading.grading import grade_submission
+from grader.link.doctor import foreign_code_problem
+from grader.link.pool import WarmNurseries
+from grader.link.scratch import fresh_folder
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from grader.gradebook_plugin.cells import Wanted
-from grader.gradebook_plugin.judge import Verdict
+from grader.nbgrader.cells import Wanted
+from grader.nbgrader.judge import Verdict
 
 UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
 

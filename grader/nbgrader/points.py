@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 
-from grader.exercises import find_exercise
-from grader.grading import grade
-from grader.trials import SavedTrials
+from grader.course.exercises import find_exercise
+from grader.grading.grading import grade
+from grader.trial.trials import SavedTrials
 
 
 @cache

@@ -8,9 +8,9 @@ from nbformat import NotebookNode
 from nbgrader.preprocessors import NbGraderPreprocessor
 from traitlets import Unicode
 
-from grader.gradebook_plugin.cells import definition, unknown_checks, wanted
-from grader.gradebook_plugin.points import points_of
-from grader.skeletons import strip_solution
+from grader.course.skeletons import strip_solution
+from grader.nbgrader.cells import definition, unknown_checks, wanted
+from grader.nbgrader.points import points_of
 
 Resources = dict[str, Any]
 

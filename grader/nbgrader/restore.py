@@ -14,8 +14,8 @@ from typing import Any
 
 from nbformat import NotebookNode, v4
 
-from grader.gradebook_plugin.cells import definition
-from grader.gradebook_plugin.intake import Cell
+from grader.nbgrader.cells import definition
+from grader.nbgrader.intake import Cell
 
 SCHEMA = 3  # of nbgrader's metadata
 MAX_PROSE = 100_000  # [characters] of a cell that makes no file

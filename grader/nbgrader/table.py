@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from nbformat import NotebookNode, v4
 
-from grader.gradebook_plugin.marks import Mark
-from grader.terminal import OUTCOMES, facts_of, plain, points_of, with_details
+from grader.nbgrader.marks import Mark
+from grader.report.terminal import OUTCOMES, facts_of, plain, points_of, with_details
 
 COLOURS = {"pass": "#1a7f37", "fail": "#b42318", "error": "#8250df"}
 GREY = "#57606a"

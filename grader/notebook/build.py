@@ -25,10 +25,10 @@ import jupytext
 import nbformat
 from nbformat import NotebookNode, v4
 
+from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.errors import GraderError
-from grader.exercises import ROOT, all_exercises, find_exercise
-from grader.gradebook_plugin.cells import Wanted, definition, wanted
-from grader.gradebook_plugin.points import points_of
+from grader.nbgrader.cells import Wanted, definition, wanted
+from grader.nbgrader.points import points_of
 from grader.notebook.bootstrap import BOOTSTRAP
 
 NOTEBOOKS = ROOT / "notebooks"

@@ -18,10 +18,10 @@ from typing import IO
 import msgspec
 
 from grader.errors import GraderError
-from grader.launch import ROOT
+from grader.link.hosts import ROOT
+from grader.link.scratch import sweep
 from grader.notebook.orders import Answer, Order, Progressed, Warm
 from grader.notebook.show import BEAT
-from grader.scratch import sweep
 
 GRACE = 4.0  # [s] for an interrupted judge to end the nodes and go
 CHUNK = 1 << 16  # [bytes]

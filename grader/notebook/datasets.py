@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grader.dataset import PROFILE, make_dataset
 from grader.errors import InputError
+from grader.models.dataset import PROFILE, make_dataset
 from grader.notebook.child import environment
 from grader.notebook.session import SESSION
 from grader.notebook.show import BEAT, Progress, preformatted, tell
-from grader.terminal import plain
+from grader.report.terminal import plain
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -23,11 +23,13 @@ import msgspec
 import numpy as np
 from rich.console import Console
 
+from grader.course.exercises import find_exercise
+from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, print_summary, scenario_for
 from grader.errors import GraderError, InputError
-from grader.exercises import find_exercise
-from grader.grading import Grading, grade_submission
-from grader.launch import Nursery
+from grader.grading.grading import Grading, grade_submission
+from grader.link.hosts import Nursery
+from grader.link.pool import WarmNurseries
 from grader.notebook.orders import (
     Answer,
     Drive,
@@ -40,10 +42,8 @@ from grader.notebook.orders import (
     Warm,
 )
 from grader.recording import Recording
-from grader.report import embedded_payload, json_text, page_html, page_payload
-from grader.submission import find_submission
-from grader.terminal import render_terminal
-from grader.warm import WarmNurseries
+from grader.report.page import embedded_payload, json_text, page_html, page_payload
+from grader.report.terminal import render_terminal
 
 GRACE = 5.0  # [s] for an interrupted order to tidy up
 WIDTH = 100  # [characters] of the tables

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import msgspec
 
+from grader.course.exercises import Exercise, find_exercise
 from grader.errors import GraderError, InputError
-from grader.exercises import Exercise, find_exercise
 from grader.notebook.child import JUDGE
 from grader.notebook.frame import frame_html
 from grader.notebook.kind import sentence

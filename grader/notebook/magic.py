@@ -9,11 +9,11 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from grader.course.submission import MAX_SIZE
 from grader.errors import GraderError
 from grader.notebook.cells import MAGIC, CellProblem, NodeCell, check_syntax, ended, file_name
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import show, tell
-from grader.submission import MAX_SIZE
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell

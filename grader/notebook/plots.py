@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.errors import InputError
-from grader.features import FRONT_EDGE, NAMES, scan_features
+from grader.models.features import FRONT_EDGE, NAMES, scan_features
 from grader.recording import Scan
 from sim.lidar import PROFILES
 from sim.messages import LASER_SCAN, SCAN_TOPIC, decode

@@ -21,8 +21,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from grader.errors import GraderError, InputError
+from grader.link.ros_environment import RosEnvironment, find_ros
 from grader.notebook.show import Progress
-from grader.ros import RosEnvironment, find_ros
 
 ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"

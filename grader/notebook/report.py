@@ -9,7 +9,7 @@ from typing import Any
 
 from grader.notebook.frame import folded, frame_html
 from grader.notebook.show import Bundle, execution_count, show
-from grader.terminal import (
+from grader.report.terminal import (
     OUTCOMES,
     PROVISIONAL,
     PROVISIONAL_WHY,

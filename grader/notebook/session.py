@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from grader.course.exercises import Exercise, all_exercises
 from grader.errors import InputError
-from grader.exercises import Exercise, all_exercises
 
 
 @dataclass

@@ -36,7 +36,7 @@ def execution_count() -> int | None:
 
 def tell(text: str) -> None:
     """Print a message; the student's own text in it is no command to a terminal."""
-    from grader.terminal import plain  # noqa: PLC0415
+    from grader.report.terminal import plain  # noqa: PLC0415
 
     print("\n".join(plain(line) for line in text.split("\n")), flush=True)
 

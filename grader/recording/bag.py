@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 
 from grader.errors import InputError
-from grader.log import LogLine
+from grader.link.log import LogLine
 from grader.recording import Compute, Endpoint, Live, Outcome, Recording, Training
 from sim.layout import layout_from_json, layout_to_json
 from sim.messages import (

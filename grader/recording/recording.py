@@ -2,8 +2,8 @@
 
 A recording holds every message that crossed the link, the simulator's ground truth, the node's
 endpoints and log, and how the node ended. The checks' verdict depends on nothing else, so a
-recording can be saved as a bag (see grader.bag), loaded and judged again without running any
-student's code.
+recording can be saved as a bag (see grader.recording.bag), loaded and judged again without running
+any student's code.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.host.frames import Tensor
-from grader.log import LogLine
+from grader.link.log import LogLine
 from sim.layout import Layout, layout_to_json
 from sim.messages import (
     EPOCH_NS,

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from grader.replay import moments_of, replay_payload
-from grader.terminal import render_terminal
+from grader.report.replay import moments_of, replay_payload
+from grader.report.terminal import render_terminal
 
 if TYPE_CHECKING:
     from grader.recording import Recording

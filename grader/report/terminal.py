@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
-    from grader.doctor import Diagnosis
+    from grader.link.doctor import Diagnosis
 
 Check = Mapping[str, Any]
 

@@ -1,7 +1,7 @@
 """One trial in real time: the node as a process on DDS, beside a robot that keeps to the clock.
 
-The judge runs the robot and its clock; a radio (grader.host.radio) has the robot's ends of the
-topics, in a process of its own, and says when what came. The recording has the form of any other.
+The judge runs the robot and its clock; a radio (grader.host.real_time.robot) has the robot's ends
+of the topics, in a process of its own, and says when what came. The recording has the form of any other.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from pathlib import Path
 
 import msgspec
 
-from grader.crowd import CROWD
-from grader.domains import own_domain
-from grader.habit import Habit
+from grader.course.submission import Submission
 from grader.host.frames import Delivery
-from grader.host.privileges import priority
-from grader.launch import Nursery
-from grader.link import HostForged
-from grader.live_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over
+from grader.host.sandbox.users import priority
+from grader.link.domains import own_domain
+from grader.link.hosts import Nursery
+from grader.link.link import HostForged
 from grader.recording import COMPLETED, Live, Outcome, Recording
-from grader.staging import Stage, stage
-from grader.submission import Submission
-from grader.tape import Command, Flood, Tape, not_run
-from grader.trial import (
+from grader.trial.exclusive import CROWD
+from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over
+from grader.trial.recorder import Command, Flood, Tape, not_run
+from grader.trial.staging import Stage, stage
+from grader.trial.stalls import Habit
+from grader.trial.virtual_time import (
     GRACE,
     LOOK_EVERY,
     NEVER_SPUN,
@@ -68,8 +68,8 @@ def run_live_trial(
     reason
         Why the trial isn't in virtual time, for the report.
 
-    The other parameters are those of `grader.trial.run_trial`. If the machine stalls, the trial is
-    repeated; if it stalls again, the recording says so (`live.stall`).
+    The other parameters are those of `grader.trial.virtual_time.run_trial`. If the machine stalls,
+    the trial is repeated; if it stalls again, the recording says so (`live.stall`).
 
     Raises
     ------

@@ -36,14 +36,14 @@ from grader.host.frames import (
     decode_from_live,
     decode_from_radio,
 )
-from grader.host.privileges import prefer
-from grader.launch import HostProcess, Nursery
-from grader.link import Channel, HostDied, HostHung, decoded
-from grader.runqueue import RunQueue
-from grader.scratch import prefix
-from grader.staging import Stage
-from grader.tape import MAX_ENDPOINTS, Flood
-from grader.trial import NEVER_SPUN
+from grader.host.sandbox.users import prefer
+from grader.link.hosts import HostProcess, Nursery
+from grader.link.link import Channel, HostDied, HostHung, decoded
+from grader.link.run_queue import RunQueue
+from grader.link.scratch import prefix
+from grader.trial.recorder import MAX_ENDPOINTS, Flood
+from grader.trial.staging import Stage
+from grader.trial.virtual_time import NEVER_SPUN
 from sim.messages import EMPTY, OFFERED, empty
 
 GO = Offer("/probe/go", EMPTY, True)  # tells programs of ours that time begins

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from grader.host.frames import EndpointReport, Published
-from grader.link import HostForged, Output
-from grader.log import LogLine
+from grader.link.link import HostForged, Output
+from grader.link.log import LogLine
 from grader.recording import Compute, Endpoint, Live, Outcome, Recording
 from sim.messages import (
     CMD_VEL_TOPIC,

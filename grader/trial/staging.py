@@ -8,13 +8,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.course.submission import Submission
 from grader.host.frames import Offer, ProgramStart
-from grader.models import write_models
-from grader.submission import Submission
+from grader.models.files import write_models
 from sim.messages import OFFERED, SENSORS
 from sim.scenario import Scenario
 
-SUPPLIED = Path(__file__).parent / "host" / "supplied"  # programs of ours that run beside students'
+# programs of ours that run beside students'
+SUPPLIED = Path(__file__).parents[1] / "host" / "supplied"
 
 
 @dataclass(frozen=True)

@@ -21,13 +21,15 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from grader.dataset import PROFILE, Dataset, make_dataset
+from grader.course.submission import Submission
 from grader.errors import GraderError
-from grader.features import features
 from grader.host.frames import Ended, Loaded, LoadModels, Predict, Predicted, Script
-from grader.launch import HostProcess, Nursery
-from grader.link import HostDied, HostForged, HostHung, Link
-from grader.log import LogLine
+from grader.link.hosts import HostProcess, Nursery
+from grader.link.link import HostDied, HostForged, HostHung, Link
+from grader.link.log import LogLine
+from grader.link.scratch import fresh_folder
+from grader.models.dataset import PROFILE, Dataset, make_dataset
+from grader.models.features import features
 from grader.recording import (
     COMPLETED,
     Floats,
@@ -37,10 +39,8 @@ from grader.recording import (
     ScriptRun,
     Training,
 )
-from grader.scratch import fresh_folder
-from grader.submission import Submission
-from grader.tape import line_without_folder, not_run, without_folder
-from grader.trial import GRACE, status_text
+from grader.trial.recorder import line_without_folder, not_run, without_folder
+from grader.trial.virtual_time import GRACE, status_text
 from sim.scenario import Scenario, TrainingSpec
 from sim.simulation import Simulation
 

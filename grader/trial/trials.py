@@ -12,16 +12,16 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol
 
-from grader import bag, installed
-from grader.launch import Nursery
-from grader.live import run_live_trial
-from grader.models import OWN
-from grader.recording import Outcome, Recording
-from grader.submission import Submission
-from grader.tape import not_run
-from grader.training import Trained, run_training
-from grader.trial import Limits, prepared, run_trial
-from grader.watch import TRIAL, Watch, nobody
+from grader.course import installed
+from grader.course.submission import Submission
+from grader.link.hosts import Nursery
+from grader.models.files import OWN
+from grader.recording import Outcome, Recording, bag
+from grader.trial.progress import TRIAL, Watch, nobody
+from grader.trial.real_time import run_live_trial
+from grader.trial.recorder import not_run
+from grader.trial.training import Trained, run_training
+from grader.trial.virtual_time import Limits, prepared, run_trial
 from sim.difficulty import comparable_seed
 from sim.scenario import Scenario, load_scenario
 

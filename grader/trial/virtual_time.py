@@ -10,13 +10,13 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from grader.course.submission import Submission
 from grader.host.frames import Delivery, Ended, Run, Settled, Slept, Start
-from grader.launch import HostProcess, Nursery
-from grader.link import Cost, HostDied, HostForged, HostHung, Link
+from grader.link.hosts import HostProcess, Nursery
+from grader.link.link import Cost, HostDied, HostForged, HostHung, Link
 from grader.recording import COMPLETED, Outcome, Recording
-from grader.staging import Stage, missing_file, stage
-from grader.submission import Submission
-from grader.tape import Flood, Tape, not_run
+from grader.trial.recorder import Flood, Tape, not_run
+from grader.trial.staging import Stage, missing_file, stage
 from sim.messages import EPOCH_NS, Message
 from sim.scenario import Scenario
 from sim.simulation import Simulation

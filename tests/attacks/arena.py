@@ -24,15 +24,15 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.exercises import find_exercise
-from grader.grading import Grading, grade, grade_submission
-from grader.host.isolation import CALLS, USER
-from grader.host.privileges import USERS
-from grader.launch import Nursery
+from grader.course.exercises import find_exercise
+from grader.course.submission import Submission
+from grader.grading.grading import Grading, grade, grade_submission
+from grader.host.sandbox.layers import CALLS, USER
+from grader.host.sandbox.users import USERS
+from grader.link.hosts import Nursery
 from grader.recording import Recording
-from grader.submission import Submission
-from grader.trial import Limits
-from grader.trials import NodeTrials
+from grader.trial.trials import NodeTrials
+from grader.trial.virtual_time import Limits
 from sim.scenario import Scenario
 
 HERE = Path(__file__).resolve().parent

@@ -20,9 +20,10 @@ sys.path[:0] = [str(ROOT), str(Path(__file__).resolve().parent)]
 
 from arena import HOSTILE, Arena, claim  # noqa: E402
 
-from grader.host import isolation, privileges  # noqa: E402
-from grader.host.isolation import LAYERS, LIMITS  # noqa: E402
-from grader.launch import LAYER_TEXTS, Nursery  # noqa: E402
+from grader.host.sandbox import layers as isolation  # noqa: E402
+from grader.host.sandbox import users as privileges  # noqa: E402
+from grader.host.sandbox.layers import LAYERS, LIMITS  # noqa: E402
+from grader.link.hosts import LAYER_TEXTS, Nursery  # noqa: E402
 from sim.messages import EPOCH_NS  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "attacks.md"

@@ -24,14 +24,14 @@ from arena import (
 )
 from rich.console import Console
 
-from grader.exercises import find_exercise
-from grader.grading import Grading, grade_submission
-from grader.launch import Nursery
-from grader.plugin import UNJUDGED
-from grader.report import page_html, page_payload
-from grader.submission import Submission
-from grader.terminal import render_terminal
-from grader.trial import run_trial
+from grader.course.exercises import find_exercise
+from grader.course.submission import Submission
+from grader.grading.grading import Grading, grade_submission
+from grader.grading.plugin import UNJUDGED
+from grader.link.hosts import Nursery
+from grader.report.page import page_html, page_payload
+from grader.report.terminal import render_terminal
+from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
 from sim.scenario import load_scenario
 

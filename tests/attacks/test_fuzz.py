@@ -32,7 +32,7 @@ from grader.host.frames import (
     decode_to_judge,
     encode,
 )
-from grader.link import Channel, HostForged, decoded
+from grader.link.link import Channel, HostForged, decoded
 
 DECODERS: dict[str, tuple[Callable[[bytes], Any], tuple[type, ...]]] = {
     "nodes": (decode_to_judge, (Settled, Ended)),

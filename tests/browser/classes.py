@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from grader.batch.row import GRADED, HELD, StoredResult
-from grader.results.options import ResultOptions
+from grader.classroom.results.options import ResultOptions
+from grader.classroom.row import GRADED, HELD, StoredResult
 
 HOSTILE = (
     "</style></script><script>window.pwned=1</script><img src=x onerror=window.pwned=1>"

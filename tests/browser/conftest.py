@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from grader.report import page_html
+from grader.report.page import page_html
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = [

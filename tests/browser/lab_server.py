@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grader.exercises import ROOT
+from grader.course.exercises import ROOT
 
 NOTEBOOK_TESTS = str(ROOT / "tests" / "notebooks")
 sys.path[:0] = [path for path in [NOTEBOOK_TESTS] if path not in sys.path]  # nbgrader_kit

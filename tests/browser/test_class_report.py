@@ -11,7 +11,7 @@ from typing import Any
 import classes
 import pytest
 
-from grader.results import ResultOptions, write_results
+from grader.classroom.results import ResultOptions, write_results
 
 OpenFile = Callable[..., Any]
 CONTRAST = """() => {

@@ -28,7 +28,7 @@ from nbgrader_kit import (
     total,
 )
 
-from grader.exercises import ROOT
+from grader.course.exercises import ROOT
 from grader.notebook.build import ASSIGNMENT
 
 pytestmark = slow

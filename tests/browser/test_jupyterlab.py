@@ -21,8 +21,8 @@ pytest.importorskip("matplotlib", reason="matplotlib is not installed (the extra
 from lab_server import Server, Tab, picture, serving, tab, wait_until
 from nbgrader_kit import cell_named, fill, make_course, released, slow, solution, source_of
 
-from grader.exercises import ROOT
-from grader.gradebook_plugin.cells import wanted
+from grader.course.exercises import ROOT
+from grader.nbgrader.cells import wanted
 
 pytestmark = slow
 NAME = "01_loop"

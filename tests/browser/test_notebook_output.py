@@ -12,7 +12,7 @@ import pytest
 
 from grader.notebook.frame import frame_html
 from grader.notebook.report import CheckReport
-from grader.report import page_html
+from grader.report.page import page_html
 
 NOTEBOOK = """\
 <!DOCTYPE html><html><head><meta charset="utf-8"><title>Notebook</title>

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from grader.launch import Nursery
-from grader.pitfalls import FOLDER, PITFALLS, REPLAYS, Pitfall, write_replays
+from grader.authoring.pitfalls import FOLDER, PITFALLS, REPLAYS, Pitfall, write_replays
+from grader.link.hosts import Nursery
 from sim.messages import EPOCH_NS
 
 DESK, TELEPHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}

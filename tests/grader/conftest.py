@@ -7,10 +7,10 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from grader.launch import Nursery
+from grader.course.submission import Submission
+from grader.link.hosts import Nursery
 from grader.recording import Recording
-from grader.submission import Submission
-from grader.trial import Limits, run_trial
+from grader.trial.virtual_time import Limits, run_trial
 from sim.messages import EPOCH_NS
 from sim.scenario import Scenario, load_scenario
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 import msgspec
 
 from grader.host.frames import LENGTH, Settled, encode
-from grader.launch import HostProcess
+from grader.link.hosts import HostProcess
 
 SETTLED = Settled(now=0, spinning=True, asleep=False, published=[])
 

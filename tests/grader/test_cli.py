@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from grader import bag
-from grader.exercises import SOLUTIONS
+from grader.course.exercises import SOLUTIONS
+from grader.recording import bag
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
@@ -166,8 +166,8 @@ def test_a_name_that_is_not_utf8(tmp_path: Path) -> None:
 
 def test_without_ros_it_says_how_to_get_it(tmp_path: Path) -> None:
     source = (
-        "import sys, grader.ros, grader.launch, grader.cli\n"
-        "grader.launch.find_ros = lambda: grader.ros.find_ros({}, [])\n"
+        "import sys, grader.link.ros_environment, grader.link.hosts, grader.cli\n"
+        "grader.link.hosts.find_ros = lambda: grader.link.ros_environment.find_ros({}, [])\n"
         f"sys.argv = ['course', 'drive', {str(REFERENCE)!r}, '--scenario', 'demo_wall']\n"
         "grader.cli.main()\n"
     )

@@ -19,7 +19,7 @@ from lesson_pages import PAGES, ROOT, Block, blocks
 
 import grader.drive
 from grader.cli import cli
-from grader.launch import Nursery
+from grader.link.hosts import Nursery
 from grader.recording import Recording
 from sim.messages import EPOCH_NS
 

@@ -12,12 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader.drive import arguments_of, drive_node, print_summary, scenario_for
-from grader.errors import InputError
-from grader.exercises import ROOT, find_exercise
-from grader.grading import Grading
-from grader.launch import Nursery
-from grader.pitfalls import (
+from grader.authoring.pitfalls import (
     FOLDER,
     FRAME,
     MADE,
@@ -31,9 +26,14 @@ from grader.pitfalls import (
     main,
     replay,
 )
-from grader.proof import claims
+from grader.authoring.proof import claims
+from grader.course.exercises import ROOT, find_exercise
+from grader.course.submission import find_submission
+from grader.drive import arguments_of, drive_node, print_summary, scenario_for
+from grader.errors import InputError
+from grader.grading.grading import Grading
+from grader.link.hosts import Nursery
 from grader.recording import Recording
-from grader.submission import find_submission
 from sim.messages import EPOCH_NS, TWIST_STAMPED
 
 BY_NAME = {pitfall.name: pitfall for pitfall in PITFALLS}
@@ -293,7 +293,7 @@ def failed(grading: Grading) -> set[str]:
 def test_what_is_made_is_up_to_date(nursery: Nursery, pitfall: Pitfall) -> None:
     for file, text in made(nursery, [pitfall]):
         assert file.read_text("utf-8") == text, (
-            f"{file.name}: run `python -m grader.pitfalls --made`"
+            f"{file.name}: run `python -m grader.authoring.pitfalls --made`"
         )
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.exercises import EXERCISES
-from grader.leaks import leaks
+from grader.authoring.leaks import leaks
+from grader.course.exercises import EXERCISES
 
 
 @pytest.fixture

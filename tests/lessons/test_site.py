@@ -14,7 +14,7 @@ from urllib.parse import unquote, urldefrag, urlparse
 import pytest
 from lesson_pages import LESSONS, PAGES, ROOT
 
-from grader.pitfalls import FRAME, PITFALLS
+from grader.authoring.pitfalls import FRAME, PITFALLS
 
 LOADS = {  # elements that fetch what an attribute names
     ("link", "href"), ("script", "src"), ("img", "src"), ("img", "srcset"), ("source", "src"),
@@ -62,7 +62,7 @@ def css_loads(css: str) -> list[str]:
 
 @cache
 def replays() -> set[str]:
-    """Return the files that `python -m grader.pitfalls` writes."""
+    """Return the files that `python -m grader.authoring.pitfalls` writes."""
     names = {f"{Path(node).stem}.html" for pitfall in PITFALLS for node in pitfall.nodes}
     return names | set(FRAME)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from processes import Town, town
 
-from grader.domains import own_domain
+from grader.link.domains import own_domain
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from grader.ros import find_ros
+from grader.link.ros_environment import find_ros
 
 NODES = Path(__file__).parent / "nodes"
 ROOT = Path(__file__).resolve().parents[2]

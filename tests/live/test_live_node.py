@@ -12,7 +12,7 @@ import pytest
 from processes import Line, Process, Town, town
 from rosbags.rosbag2 import Reader
 
-from grader.domains import own_domain
+from grader.link.domains import own_domain
 from sim.messages import EPOCH_NS, TWIST
 
 ODOM_PERIOD = 0.05  # [s]

@@ -14,8 +14,8 @@ from typing import Any
 import nbformat
 import pytest
 
-from grader.exercises import ROOT
-from grader.gradebook_plugin.cells import definition
+from grader.course.exercises import ROOT
+from grader.nbgrader.cells import definition
 from grader.notebook.build import ASSIGNMENT, NOTEBOOKS, SOURCES
 
 FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"

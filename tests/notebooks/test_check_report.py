@@ -14,7 +14,7 @@ from rich.console import Console
 from grader.notebook.frame import frame_html
 from grader.notebook.report import COLOURS, CheckReport, grading_html
 from grader.notebook.show import Progress, preformatted
-from grader.terminal import OUTCOMES, render_terminal
+from grader.report.terminal import OUTCOMES, render_terminal
 
 HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(2)>\"'&\x1b[31m\u202e"
 

@@ -23,10 +23,10 @@ from nbgrader_kit import (
     source_of,
 )
 
-from grader.exercises import ROOT, all_exercises, find_exercise
-from grader.gradebook_plugin.cells import definition
-from grader.gradebook_plugin.points import points_of
-from grader.installed import why_not
+from grader.course.exercises import ROOT, all_exercises, find_exercise
+from grader.course.installed import why_not
+from grader.nbgrader.cells import definition
+from grader.nbgrader.points import points_of
 from grader.notebook import build
 from grader.notebook.bootstrap import BOOTSTRAP
 

@@ -11,7 +11,7 @@ import pytest
 from kernels import Kernel, Said, save
 
 from grader.cli import cli
-from grader.exercises import SOLUTIONS, find_exercise
+from grader.course.exercises import SOLUTIONS, find_exercise
 
 AGENT = "obstacle_avoidance_agent.py"
 RIGHT = (SOLUTIONS / "obstacle_avoidance" / AGENT).read_text("utf-8")

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from nbgrader_kit import slow
 
-from grader.exercises import ROOT, all_exercises
-from grader.leaks import leaks
-from grader.pitfalls import PITFALLS
+from grader.authoring.leaks import leaks
+from grader.authoring.pitfalls import PITFALLS
+from grader.course.exercises import ROOT, all_exercises
 
 pytestmark = slow
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from kernels import Kernel, gone, save, started
 
-from grader.exercises import SOLUTIONS
+from grader.course.exercises import SOLUTIONS
 
 AGENT = "obstacle_avoidance_agent.py"
 RIGHT = (SOLUTIONS / "obstacle_avoidance" / AGENT).read_text("utf-8")

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from kernels import Kernel
 
-from grader.gradebook_plugin.cells import definition
+from grader.nbgrader.cells import definition
 from grader.notebook.cells import CellProblem, NodeCell, check_syntax, file_name
 
 HOSTILE = "<script>alert('x')</script>"

@@ -33,15 +33,15 @@ from nbgrader_kit import (
     total,
 )
 
-from grader.exercises import Exercise, find_exercise
-from grader.gradebook_plugin.cells import definition
-from grader.gradebook_plugin.points import points_of
-from grader.grading import grade_submission
-from grader.launch import Nursery
+from grader.authoring.proof import Claim, claims, complete
+from grader.course.exercises import Exercise, find_exercise
+from grader.course.skeletons import strip_solution
+from grader.course.submission import find_submission
+from grader.grading.grading import grade_submission
+from grader.link.hosts import Nursery
+from grader.nbgrader.cells import definition
+from grader.nbgrader.points import points_of
 from grader.notebook.build import ASSIGNMENT, SOURCES, TEXTS, asked_by
-from grader.proof import Claim, claims, complete
-from grader.skeletons import strip_solution
-from grader.submission import find_submission
 from sim.messages import EPOCH_NS
 
 EXERCISES = {

@@ -11,12 +11,12 @@ from typing import Any
 import msgspec
 import pytest
 
+from grader.course.exercises import SOLUTIONS
 from grader.errors import GraderError
-from grader.exercises import SOLUTIONS
+from grader.link.pool import WarmNurseries
 from grader.notebook import judge
 from grader.notebook.judge import carry_out
 from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Problem, Progressed, Warm
-from grader.warm import WarmNurseries
 
 AGENT = "obstacle_avoidance_agent.py"
 RIGHT = SOLUTIONS / "obstacle_avoidance" / AGENT
@@ -106,7 +106,7 @@ def test_wrong_orders_are_explained(nurseries: WarmNurseries) -> None:
 
 
 def slugs() -> list[str]:
-    from grader.exercises import all_exercises  # noqa: PLC0415
+    from grader.course.exercises import all_exercises  # noqa: PLC0415
 
     return [exercise.slug for exercise in all_exercises()]
 

@@ -12,8 +12,8 @@ from nbconvert.exporters import HTMLExporter
 from nbformat import NotebookNode, v4
 from traitlets.config import Config
 
-from grader.gradebook_plugin import configure
-from grader.gradebook_plugin.offline import MAX_FORMULA
+from grader.nbgrader import configure
+from grader.nbgrader.offline import MAX_FORMULA
 from grader.notebook.build import SOURCES
 
 STATIC = Path(nbgrader.__file__).parent / "server_extensions" / "formgrader" / "static"

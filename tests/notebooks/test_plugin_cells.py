@@ -3,7 +3,7 @@
 import pytest
 
 from grader.errors import InputError
-from grader.gradebook_plugin.cells import Wanted, definition, last_definitions, made_files, wanted
+from grader.nbgrader.cells import Wanted, definition, last_definitions, made_files, wanted
 
 NODE = "x = 1\n"
 

@@ -4,10 +4,10 @@ from typing import Any
 
 import pytest
 
-from grader.gradebook_plugin.cells import Wanted
-from grader.gradebook_plugin.judge import Verdict
-from grader.gradebook_plugin.marks import Mark, mark_of
-from grader.gradebook_plugin.table import output_of
+from grader.nbgrader.cells import Wanted
+from grader.nbgrader.judge import Verdict
+from grader.nbgrader.marks import Mark, mark_of
+from grader.nbgrader.table import output_of
 
 
 def check(name: str, outcome: str = "pass", points: int = 5, **more: Any) -> dict[str, Any]:

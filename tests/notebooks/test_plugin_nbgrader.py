@@ -25,13 +25,13 @@ from nbgrader_kit import (
 )
 from traitlets.config import Config
 
+from grader.course.exercises import find_exercise
+from grader.course.students import student_seed
 from grader.errors import GraderError
-from grader.exercises import find_exercise
-from grader.gradebook_plugin import configure, judge
-from grader.gradebook_plugin.judge import Verdict
+from grader.link.pool import WarmNurseries
+from grader.nbgrader import configure, judge
+from grader.nbgrader.judge import Verdict
 from grader.notebook.build import ASSIGNMENT
-from grader.students import student_seed
-from grader.warm import WarmNurseries
 
 pytestmark = slow
 SLUG = "obstacle_avoidance"
@@ -40,8 +40,8 @@ EVIL = "Because. <script>steal()</script> [x](javascript:steal())"
 SWITCHES = """
 import os, sys
 from grader.errors import GraderError
-from grader.exercises import find_exercise
-from grader.gradebook_plugin import judge
+from grader.course.exercises import find_exercise
+from grader.nbgrader import judge
 
 if os.environ.get("TEST_OPEN"):
     judge.foreign_code_problem = lambda layers: "nothing is kept apart here; say so with --trust"
@@ -186,8 +186,8 @@ def test_release_fetch_submit_and_collect(course: Path, tmp_path: Path) -> None:
 def test_every_student_has_worlds_of_their_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from grader.gradebook_plugin import autograde  # noqa: PLC0415  (nbgrader: 1 s)
-    from grader.gradebook_plugin.gradebook import Place  # noqa: PLC0415
+    from grader.nbgrader import autograde  # noqa: PLC0415  (nbgrader: 1 s)
+    from grader.nbgrader.gradebook import Place  # noqa: PLC0415
 
     seeds: list[int | None] = []
 
@@ -224,7 +224,7 @@ def test_one_file_of_two_is_graded_as_course_grade_grades_it() -> None:
 def test_a_secret_that_is_none_is_refused(tmp_path: Path) -> None:
     from nbgrader.converters.base import NbGraderException  # noqa: PLC0415
 
-    from grader.gradebook_plugin.autograde import CourseExporter  # noqa: PLC0415
+    from grader.nbgrader.autograde import CourseExporter  # noqa: PLC0415
 
     config = Config()
     config.JudgeNodes.trust = True
@@ -236,7 +236,7 @@ def test_a_secret_that_is_none_is_refused(tmp_path: Path) -> None:
 def test_a_machine_without_ros_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     from nbgrader.converters.base import NbGraderException  # noqa: PLC0415
 
-    from grader.gradebook_plugin.autograde import CourseExporter  # noqa: PLC0415
+    from grader.nbgrader.autograde import CourseExporter  # noqa: PLC0415
 
     def none(*_: object) -> None:
         raise GraderError("no ROS 2 here")
@@ -250,7 +250,7 @@ def test_a_release_with_an_unknown_check_is_refused() -> None:
     from nbformat import v4  # noqa: PLC0415
 
     from grader.errors import InputError  # noqa: PLC0415
-    from grader.gradebook_plugin.release import LeaveSkeletons  # noqa: PLC0415
+    from grader.nbgrader.release import LeaveSkeletons  # noqa: PLC0415
 
     cell = v4.new_code_cell('check("1:wirin")', metadata={"nbgrader": {"grade": True}})
     with pytest.raises(InputError, match="unknown check 'wirin' of obstacle_avoidance"):

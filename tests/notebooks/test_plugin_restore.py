@@ -14,11 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from nbconvert import HTMLExporter
 
-from grader.gradebook_plugin import intake
-from grader.gradebook_plugin.cells import definition
-from grader.gradebook_plugin.intake import Cell, Unreadable, read_cells
-from grader.gradebook_plugin.restore import ABOUT, Trusted, harmless, restored, unreadable
-from grader.submission import MAX_SIZE
+from grader.course.submission import MAX_SIZE
+from grader.nbgrader import intake
+from grader.nbgrader.cells import definition
+from grader.nbgrader.intake import Cell, Unreadable, read_cells
+from grader.nbgrader.restore import ABOUT, Trusted, harmless, restored, unreadable
 
 NODE = Trusted("node-agent", "code", "%%node agent.py\n# TODO", solution=True)
 TEST = Trusted("ex-wiring", "code", 'check("1:wiring")', points=5.0)

@@ -17,10 +17,10 @@ from pathlib import Path, PurePath
 import pytest
 from kernels import Kernel, started
 
-from grader.exercises import all_exercises
+from grader.course.exercises import all_exercises
+from grader.link.ros_environment import find_ros
 from grader.notebook import preparation
 from grader.notebook.bootstrap import BOOTSTRAP
-from grader.ros import find_ros
 
 ROOT = Path(preparation.__file__).resolve().parents[2]
 FAKE_PIP = """\
@@ -281,7 +281,8 @@ def test_libraries_that_need_each_other_are_loaded_in_any_order() -> None:
     if ros.kind == "apt":
         pytest.skip("ROS 2 comes from apt here")
     code = (
-        "from grader.notebook.preparation import load_libraries; from grader.ros import find_ros;"
+        "from grader.notebook.preparation import load_libraries;"
+        "from grader.link.ros_environment import find_ros;"
         "print(load_libraries(find_ros().library_path))"
     )
     environment = {**os.environ, "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1", "LD_LIBRARY_PATH": ""}

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from nbgrader_kit import make_course, shared
 
-from grader.exercises import EXERCISES, ROOT, all_exercises
-from grader.handouts import made_by, notebooks, without
-from grader.leaks import leaks
+from grader.authoring.handouts import made_by, notebooks, without
+from grader.authoring.leaks import leaks
+from grader.course.exercises import EXERCISES, ROOT, all_exercises
 from grader.notebook import build
 from grader.notebook.build import ASSIGNMENT
 

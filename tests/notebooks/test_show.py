@@ -19,7 +19,7 @@ matplotlib.use("agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
 from grader.errors import InputError  # noqa: E402
-from grader.features import scan_features  # noqa: E402
+from grader.models.features import scan_features  # noqa: E402
 from grader.notebook import show_features, show_left_right, show_scan  # noqa: E402
 from grader.notebook.plots import SECTORS, as_scan  # noqa: E402
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from kernels import Kernel, save
 
-from grader.dataset import make_dataset
+from grader.models.dataset import make_dataset
 from grader.notebook.datasets import plain_output
 
 SCRIPT = "train_velocity_model.py"

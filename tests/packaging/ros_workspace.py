@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from grader.domains import own_domain
-from grader.exercises import ROOT, SOLUTIONS
+from grader.course.exercises import ROOT, SOLUTIONS
+from grader.link.domains import own_domain
 
 SCANS = """
 import sys, rclpy

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from grader.exercises import ROOT
+from grader.course.exercises import ROOT
 
 PROGRAM = ROOT / "benchmarks" / "device.py"
 SKIPPED = "cuda    skipped: PyTorch sees no CUDA device on this machine"

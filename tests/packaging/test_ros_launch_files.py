@@ -9,7 +9,7 @@ import pytest
 import yaml
 from ros_launch import Node, arguments, started
 
-from grader.exercises import ROOT, all_exercises
+from grader.course.exercises import ROOT, all_exercises
 from sim.lidar import PROFILES
 from sim.live import cli
 from sim.live.options import Options

@@ -27,7 +27,7 @@ from ros_workspace import (
     running,
 )
 
-from grader.exercises import ROOT, all_exercises
+from grader.course.exercises import ROOT, all_exercises
 
 FOLDERS = {"course_sim": "sim", "course_exercises": "exercises"}
 PROGRAMS = {Path(file).stem for exercise in all_exercises() for file in exercise.files}
@@ -157,7 +157,7 @@ def test_the_robot_scans_and_drives(prefixes: list[Path], tmp_path: Path) -> Non
 
 
 def test_a_release_of_one_exercise_builds_too(tmp_path: Path) -> None:
-    from grader.release import release  # noqa: PLC0415
+    from grader.authoring.release import release  # noqa: PLC0415
 
     pytest.importorskip("setuptools", reason="setuptools is not installed")
     release(tmp_path / "course", exercises=["goal_seeking"])

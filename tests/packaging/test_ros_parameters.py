@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 import yaml
 
-from grader.exercises import ROOT, all_exercises
+from grader.course.exercises import ROOT, all_exercises
 
 CONFIG = ROOT / "exercises" / "config"
 FILES = sorted(CONFIG.glob("*.yaml"))

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
-from grader.exercises import ROOT
+from grader.course.exercises import ROOT
 from sim.messages import GOAL_TOPIC, ODOM_FRAME, ODOM_TOPIC, SCAN_TOPIC
 
 FILE = ROOT / "exercises" / "rviz" / "course.rviz"

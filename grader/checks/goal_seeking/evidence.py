@@ -16,9 +16,9 @@ from grader.checks.goal_seeking.contract import (
     poses,
     quests,
 )
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording
-from grader.verdict import fail
 
 ZERO = 1e-6  # [m/s, rad/s] "zero" in every field
 RATE_TOLERANCE = 0.005  # [s] around the period

@@ -37,9 +37,9 @@ from grader.checks.goal_seeking.evidence import (
     way,
 )
 from grader.checks.moments import first_asked
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 FIRST = "goal_origin_to_5_3"
 AROUND = ("goal_behind", "goal_beside", "goal_across_the_seam")

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from grader.checks.predictions import MODEL
-from grader.features import scan_features
+from grader.models.features import scan_features
 from grader.recording import Recording
 
 TOPIC = "/diagnostics"

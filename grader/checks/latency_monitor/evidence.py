@@ -22,9 +22,9 @@ from grader.checks.latency_monitor.contract import (
 from grader.checks.predictions import predictions
 from grader.checks.reading import published
 from grader.checks.turns import turns
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
-from grader.verdict import fail
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from grader.checks.latency_monitor.evidence import (
 )
 from grader.checks.moments import first_asked
 from grader.checks.predictions import ZERO
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 TIMES = "latency_times"
 FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")

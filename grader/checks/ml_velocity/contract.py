@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from grader.features import possible_features
-from grader.models import probe
+from grader.models.features import possible_features
+from grader.models.files import probe
 from grader.recording import Recording, Scan
 from sim.scenario import Scenario
 

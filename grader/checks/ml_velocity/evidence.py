@@ -9,9 +9,9 @@ import numpy as np
 from grader.checks.ml_velocity.contract import MAX_SPEED, Right, right_speed
 from grader.checks.moments import came_to_rest, first_asked
 from grader.checks.obstacle_avoidance.evidence import Answer, garbage, judged, spell
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
-from grader.verdict import fail
 
 SPEED_TOLERANCE = 2e-4  # [m/s]; probes show a distance of 2.5 mm
 LEAST_WAY = 0.8  # [m]

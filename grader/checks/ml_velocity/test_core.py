@@ -21,9 +21,9 @@ from grader.checks.obstacle_avoidance.evidence import (
     require_one_command_each,
     spell,
 )
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 DRIVES = ("ml_drive_wall", "ml_drive_cart", "ml_drive_store")
 WITHOUT_MODEL = ("ml_no_model", "ml_broken_model", "ml_foreign_model")

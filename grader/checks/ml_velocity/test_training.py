@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from grader.checks.ml_velocity.evidence import require_safe_drive
+from grader.checks.verdict import fail, inconclusive
 from grader.recording import ModelAnswers, Recording, ScriptRun, Training
-from grader.verdict import fail, inconclusive
 
 ACCURACY = 0.03  # [m/s] mean absolute error
 PREDICTION_LIMIT = 0.1  # [s], p99

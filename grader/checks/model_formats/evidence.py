@@ -6,9 +6,9 @@ from grader.checks.ml_velocity.contract import Right
 from grader.checks.model_formats.contract import model_file, right_speed
 from grader.checks.moments import first_asked
 from grader.checks.obstacle_avoidance.evidence import Answer, garbage, judged, spell
-from grader.log import LogLine
+from grader.checks.verdict import fail
+from grader.link.log import LogLine
 from grader.recording import Recording
-from grader.verdict import fail
 
 SPEED_TOLERANCE = 1e-3  # [m/s]; all formats compute in float32
 LOUD = ("warn", "error", "fatal")

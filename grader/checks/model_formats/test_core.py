@@ -23,9 +23,9 @@ from grader.checks.obstacle_avoidance.evidence import (
     require_one_command_each,
     spell,
 )
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 LEARN = ("sklearn",)
 ONNX = ("onnx", "onnxruntime")

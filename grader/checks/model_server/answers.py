@@ -26,10 +26,10 @@ from grader.checks.model_server.notes import (
     require_ours,
 )
 from grader.checks.reading import published
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.features import possible_features, scan_features, spell_features
+from grader.models.features import possible_features, scan_features, spell_features
 from grader.recording import Recording, Scan
-from grader.verdict import fail
 from sim.messages import UINT32
 
 UNDER_WAY = 0.06  # [s] that a scan may be on its way to the server, in real time

@@ -17,9 +17,9 @@ from grader.checks.model_server.notes import (
     notes,
 )
 from grader.checks.reading import published
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
-from grader.verdict import fail
 from sim.messages import STRING, UINT32
 
 TICK = 1e-6  # [s] rounding

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.features import possible_features
-from grader.models import probe
+from grader.models.features import possible_features
+from grader.models.files import probe
 from grader.recording import Scan
 from sim.scenario import Scenario
 

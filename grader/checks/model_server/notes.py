@@ -11,8 +11,8 @@ from typing import NoReturn
 import msgspec
 
 from grader.checks.reading import published
+from grader.checks.verdict import fail
 from grader.recording import Recording
-from grader.verdict import fail
 from sim.messages import STRING
 
 ASKED, TOLD = "/probe/asked", "/probe/told"  # of grader/host/supplied/detection_asker.py

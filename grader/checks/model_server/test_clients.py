@@ -24,9 +24,9 @@ from grader.checks.model_server.contract import (
     ROLES,
 )
 from grader.checks.model_server.notes import START_UP
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 PUBLISHED_WITHIN = ASK_PERIOD + 0.1  # [s] after the answer; some look for it at their next tick
 SLOW_WINDOW = (1.2, 3.2)  # [s] in which the three clients' requests are counted

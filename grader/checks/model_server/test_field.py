@@ -9,9 +9,9 @@ import pytest
 from grader.checks.model_server.answers import require_contract
 from grader.checks.model_server.clients import detections, require_heartbeat
 from grader.checks.model_server.contract import ASK_PERIOD, HAIR, NEXT_REQUEST, ROLES
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 BY_ANGLE = "Compute each beam's angle from angle_min and angle_increment, and wrap it to -π … π."
 LONGEST_WAIT = 1.6  # [s] between two detections of one client, with a model that takes 0.3 s

@@ -15,9 +15,9 @@ from grader.checks.model_server.answers import (
 )
 from grader.checks.model_server.clients import detections
 from grader.checks.model_server.contract import ROLES, allowed
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 Recordings = tuple[Recording, ...]
 

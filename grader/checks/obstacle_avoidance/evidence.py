@@ -10,9 +10,9 @@ import numpy as np
 
 from grader.checks.obstacle_avoidance.contract import front_distance, right_speeds
 from grader.checks.turns import turns
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording, Scan
-from grader.verdict import fail
 
 CAUTION = 0.05  # [m/s] slower before an obstacle than where the way is free, on average
 ZERO = 1e-6  # [m/s, rad/s] "zero" in every field

@@ -18,9 +18,9 @@ from grader.checks.obstacle_avoidance.evidence import (
     spell,
 )
 from grader.checks.turns import answered_in_turn
+from grader.checks.verdict import fail, inconclusive
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail, inconclusive
 
 BENCH = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
 DRIVES = ("avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store")

@@ -12,9 +12,9 @@ import numpy as np
 from grader.checks.obstacle_avoidance.evidence import FIELDS, garbage, spell
 from grader.checks.reading import published
 from grader.checks.safety_supervisor.contract import LEVELS, ZERO, Tick, ticks
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
-from grader.verdict import fail
 
 TOPIC = "/diagnostics"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"

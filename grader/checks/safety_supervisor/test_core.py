@@ -22,9 +22,9 @@ from grader.checks.safety_supervisor.evidence import (
     require_reasons,
     require_text,
 )
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 SHORT = (
     "safe_pass",

@@ -13,9 +13,9 @@ from grader.checks.safety_supervisor.evidence import (
     require_reasons,
     require_text,
 )
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 Recordings = tuple[Recording, ...]
 BY_ANGLE = "Compute each beam's angle from angle_min and angle_increment, and wrap it to -π … π."

@@ -8,9 +8,9 @@ import numpy as np
 
 from grader.checks.predictions import TOLERANCE, ZERO, predictions
 from grader.checks.slow_model.contract import LATEST_STOP
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording
-from grader.verdict import fail
 
 START_UP = 0.125  # [s] in which the first tick of a 50 ms timer has come
 STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; nobody's prediction

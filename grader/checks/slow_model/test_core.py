@@ -29,9 +29,9 @@ from grader.checks.slow_model.evidence import (
     require_rate,
     spell,
 )
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 LEADER = "slow_leader"
 SHORTEST_INFERENCE = 0.2  # [s] of the late lidar's model

@@ -16,9 +16,9 @@ from grader.checks.trend_memory.contract import (
     Step,
     steps,
 )
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
-from grader.verdict import fail
 from sim.messages import FLOAT64
 
 TOPIC = "/closing_speed"

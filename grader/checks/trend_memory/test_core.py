@@ -26,9 +26,9 @@ from grader.checks.trend_memory.evidence import (
     require_value,
     require_way,
 )
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
-from grader.verdict import fail
 
 FIRST = "trend_approach"
 DRIVES = ("trend_wall", "trend_cart")

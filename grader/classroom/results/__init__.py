@@ -1,6 +1,6 @@
 """What comes out of a graded class: the class report, feedback pages, gradebooks, JUnit."""
 
-from grader.results.options import ResultOptions
-from grader.results.write import write_results
+from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.write import write_results
 
 __all__ = ["ResultOptions", "write_results"]

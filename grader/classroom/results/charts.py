@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from grader.results.items import BINS, Distribution, Item
-from grader.results.page import Element, el
-from grader.results.words import plural
+from grader.classroom.results.items import BINS, Distribution, Item
+from grader.classroom.results.page import Element, el
+from grader.classroom.results.words import plural
 
 WIDTH, HEIGHT = 440, 190  # [user units] of the histogram
 LEFT, RIGHT, TOP, BOTTOM = 8, 8, 34, 34

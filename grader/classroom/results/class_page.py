@@ -6,16 +6,16 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from urllib.parse import quote
 
-from grader.batch.row import GRADED, StoredResult
-from grader.report import GENERATED_BY
-from grader.results.charts import sparkline
-from grader.results.clean import folder_name, one_line
-from grader.results.exercise_section import exercise_section
-from grader.results.items import Distribution, distribution
-from grader.results.marks import Task, is_graded, is_held, points_of, why_held
-from grader.results.options import ResultOptions
-from grader.results.page import Element, document, el, name, section, table
-from grader.results.words import NOTHING, moment, plural, points
+from grader.classroom.results.charts import sparkline
+from grader.classroom.results.clean import folder_name, one_line
+from grader.classroom.results.exercise_section import exercise_section
+from grader.classroom.results.items import Distribution, distribution
+from grader.classroom.results.marks import Task, is_graded, is_held, points_of, why_held
+from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.page import Element, document, el, name, section, table
+from grader.classroom.results.words import NOTHING, moment, plural, points
+from grader.classroom.row import GRADED, StoredResult
+from grader.report.page import GENERATED_BY
 
 FILES = (
     ("scores.csv", "every grading, for a spreadsheet"),

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from grader.batch.row import StoredResult
-from grader.exercises import EXERCISES
-from grader.results.charts import failures, histogram
-from grader.results.clean import one_line
-from grader.results.items import ENOUGH, Distribution, Item, item_analysis
-from grader.results.marks import Task, is_graded
-from grader.results.options import ResultOptions, Sources
-from grader.results.page import Element, el, name, section, table
-from grader.results.similarity import Group, similar_groups
-from grader.results.words import NOTHING, plural, points, seconds, signed
+from grader.classroom.results.charts import failures, histogram
+from grader.classroom.results.clean import one_line
+from grader.classroom.results.items import ENOUGH, Distribution, Item, item_analysis
+from grader.classroom.results.marks import Task, is_graded
+from grader.classroom.results.options import ResultOptions, Sources
+from grader.classroom.results.page import Element, el, name, section, table
+from grader.classroom.results.similarity import Group, similar_groups
+from grader.classroom.results.words import NOTHING, plural, points, seconds, signed
+from grader.classroom.row import StoredResult
+from grader.course.exercises import EXERCISES
 
 SLOWEST = 5
 FEW = " With {} these figures are mostly chance, so nothing is read into them here."

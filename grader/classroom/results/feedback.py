@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from grader.batch.row import StoredResult
+from grader.classroom.results.clean import one_line
+from grader.classroom.results.marks import Task, checks_of, is_graded, is_held, points_of
+from grader.classroom.results.page import Element, document, el, name, table
+from grader.classroom.results.withheld import for_students, hides_worlds, runs_for_students
+from grader.classroom.row import StoredResult
 from grader.errors import InputError
 from grader.recording import Recording
-from grader.report import page_html, page_payload
-from grader.results.clean import one_line
-from grader.results.marks import Task, checks_of, is_graded, is_held, points_of
-from grader.results.page import Element, document, el, name, table
-from grader.results.withheld import for_students, hides_worlds, runs_for_students
+from grader.report.page import page_html, page_payload
 
 WAITING = "Not graded yet."
 HELD = "A person is looking at this one; it has no score yet, and it will not be forgotten."
@@ -73,7 +73,7 @@ def _row(result: StoredResult, task: Task) -> Element:
 
 def _recordings(bags: Path) -> list[Recording]:
     """Return the replays' recordings; a page without them is better than none."""
-    from grader.trials import load_bags  # noqa: PLC0415  (rosbags: 0.2 s)
+    from grader.trial.trials import load_bags  # noqa: PLC0415  (rosbags: 0.2 s)
 
     try:
         return load_bags(bags)

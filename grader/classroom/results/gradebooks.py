@@ -9,9 +9,8 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
-from grader.batch.row import GRADED, StoredResult
-from grader.results.clean import cell
-from grader.results.marks import (
+from grader.classroom.results.clean import cell
+from grader.classroom.results.marks import (
     Task,
     checks_of,
     is_graded,
@@ -20,6 +19,7 @@ from grader.results.marks import (
     raw_points,
     why_held,
 )
+from grader.classroom.row import GRADED, StoredResult
 
 Cell = str | float | int | None
 

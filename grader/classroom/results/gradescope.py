@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Any
 
-from grader.batch.row import StoredResult
-from grader.results.clean import one_line, visible
-from grader.results.marks import UNJUDGED, Check, Task, is_held, points_of
-from grader.results.withheld import for_students
+from grader.classroom.results.clean import one_line, visible
+from grader.classroom.results.marks import UNJUDGED, Check, Task, is_held, points_of
+from grader.classroom.results.withheld import for_students
+from grader.classroom.row import StoredResult
 
 MAX_OUTPUT = 4000  # [characters] of one test
 WORDS = {

@@ -12,9 +12,9 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.batch.row import StoredResult
-from grader.results.clean import one_line
-from grader.results.marks import UNJUDGED, Check, Task, checks_of, points_of
+from grader.classroom.results.clean import one_line
+from grader.classroom.results.marks import UNJUDGED, Check, Task, checks_of, points_of
+from grader.classroom.row import StoredResult
 
 BINS = 10
 ENOUGH = 10  # submissions; below, indices are mostly chance

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
-from grader.batch.row import StoredResult
-from grader.results.clean import one_line, visible
-from grader.results.marks import Check, Task, checks_of, is_held, why_held
+from grader.classroom.results.clean import one_line, visible
+from grader.classroom.results.marks import Check, Task, checks_of, is_held, why_held
+from grader.classroom.row import StoredResult
 
 SKIPPED = ("skip", "unavailable")
 ERRORS = ("error", "inconclusive")

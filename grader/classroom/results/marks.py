@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from grader.batch.row import GRADED, HELD, StoredResult
+from grader.classroom.results.clean import one_line
+from grader.classroom.row import GRADED, HELD, StoredResult
+from grader.course.exercises import all_exercises
 from grader.errors import GraderError
-from grader.exercises import all_exercises
-from grader.results.clean import one_line
 
 Check = Mapping[str, Any]
 

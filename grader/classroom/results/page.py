@@ -8,10 +8,10 @@ from collections.abc import Iterable
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from grader.report import GENERATED_BY
-from grader.results.clean import one_line, visible
+from grader.classroom.results.clean import one_line, visible
+from grader.report.page import GENERATED_BY
 
-TOKENS = Path(__file__).resolve().parent.parent / "player" / "tokens.css"
+TOKENS = Path(__file__).resolve().parents[2] / "report" / "player" / "tokens.css"
 STYLE = Path(__file__).resolve().parent / "class.css"
 
 Element = ET.Element

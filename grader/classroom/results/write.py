@@ -12,16 +12,16 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
-from grader.batch.row import StoredResult
-from grader.report import json_text, page_html
-from grader.results.class_page import class_page
-from grader.results.clean import folder_name
-from grader.results.feedback import exercise_page, index_page, wants_bags
-from grader.results.gradebooks import canvas_csv, moodle_csv, scores_csv
-from grader.results.gradescope import results_json
-from grader.results.junit import junit_xml
-from grader.results.marks import Task, is_graded, tasks_of
-from grader.results.options import ResultOptions
+from grader.classroom.results.class_page import class_page
+from grader.classroom.results.clean import folder_name
+from grader.classroom.results.feedback import exercise_page, index_page, wants_bags
+from grader.classroom.results.gradebooks import canvas_csv, moodle_csv, scores_csv
+from grader.classroom.results.gradescope import results_json
+from grader.classroom.results.junit import junit_xml
+from grader.classroom.results.marks import Task, is_graded, tasks_of
+from grader.classroom.results.options import ResultOptions
+from grader.classroom.row import StoredResult
+from grader.report.page import json_text, page_html
 
 PAGES = ".pages.json"  # of what each feedback page was made
 MANY = 20  # pages, from which on more processes are worth their start

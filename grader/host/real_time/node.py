@@ -20,11 +20,11 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 from rclpy.task import Task
 
-from . import student
-from .endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report, type_name
-from .frames import MAX_UNHEARD, MAX_UNHEARD_BYTES, EndpointReport, Published, Pulse, Start, TuneIn
-from .radio import Radio
-from .wire import Wire, ended
+from .. import program
+from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report, type_name
+from ..frames import MAX_UNHEARD, MAX_UNHEARD_BYTES, EndpointReport, Published, Pulse, Start, TuneIn
+from ..wire import Wire, ended
+from .robot import Radio
 
 PERIOD = 0.1  # [s] between pulses
 EVENTS_PERIOD = 0.5  # [s] an EventsExecutor waits at a time
@@ -141,8 +141,8 @@ def _run_program(wire: Wire, start: Start) -> None:
     threading.Thread(target=_beat, args=(wire, vitals, lock), daemon=True).start()
     random.seed(start.seed)
     sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
-    end = student.run_file(start.programs[0])
-    student.join_threads()
+    end = program.run_file(start.programs[0])
+    program.join_threads()
     with lock:
         wire.send(vitals.pulse())
         wire.send(ended(*end))

@@ -15,8 +15,7 @@ import msgspec
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from .ends import Heard, RobotEnds
-from .frames import (
+from ..frames import (
     MAX_PUBLISHED,
     MAX_PUBLISHED_BYTES,
     EndpointReport,
@@ -27,7 +26,8 @@ from .frames import (
     Tuned,
     TuneIn,
 )
-from .wire import Wire
+from ..robot_ends import Heard, RobotEnds
+from ..wire import Wire
 
 TRANSIT_NS = 25_000_000  # [ns] that a message may have been under way
 LOOK = 2.0  # [ms] between looks for messages; they carry the time at which they were sent

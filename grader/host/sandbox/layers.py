@@ -12,14 +12,14 @@ import sys
 from collections.abc import Collection
 from pathlib import Path
 
-from . import privileges, sandbox
-from .frames import Request
+from ..frames import Request
+from . import kernel_filters, users
 
 LIMITS, USER, MOUNTS, NETWORK, FILES, CALLS = (
     "limits", "user", "mounts", "network", "files", "calls",
 )  # fmt: skip
 LAYERS = (LIMITS, USER, MOUNTS, NETWORK, FILES, CALLS)
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent.parent  # grader/host
 SYSTEM = (  # what the interpreter and its libraries read besides their own files
     "/usr", "/lib", "/lib64", "/bin",
     "/etc/ld.so.cache", "/etc/localtime", "/etc/os-release",
@@ -32,23 +32,23 @@ DEVICES = (Path("/dev/null"), Path("/dev/shm"))
 
 def begin(wanted: Collection[str]) -> bool:
     """Come to the right to mounts and networks of one's own; no thread may have been started."""
-    return os.getuid() == 0 or (not {MOUNTS, NETWORK}.isdisjoint(wanted) and privileges.own_user())
+    return os.getuid() == 0 or (not {MOUNTS, NETWORK}.isdisjoint(wanted) and users.own_user())
 
 
 def prepare(wanted: Collection[str], *, may_mount: bool) -> tuple[str, ...]:
     """Do in the nursery what its hosts need; return the layers that they can have."""
     found = [LIMITS]
     if may_mount:
-        mounts = privileges.own_mounts()
-        if USER in wanted and os.getuid() == 0 and privileges.open_to_others(needed_paths()):
+        mounts = users.own_mounts()
+        if USER in wanted and os.getuid() == 0 and users.open_to_others(needed_paths()):
             found.append(USER)
         if MOUNTS in wanted and mounts:
             found.append(MOUNTS)
-        if NETWORK in wanted and privileges.own_network():
+        if NETWORK in wanted and users.own_network():
             found.append(NETWORK)
-    if FILES in wanted and sandbox.landlock_abi():
+    if FILES in wanted and kernel_filters.landlock_abi():
         found.append(FILES)
-    if CALLS in wanted and sandbox.has_seccomp():
+    if CALLS in wanted and kernel_filters.has_seccomp():
         found.append(CALLS)
     return tuple(found)
 
@@ -57,18 +57,18 @@ def enter(request: Request, *, datagrams: bool) -> None:
     """Put the layers on, in this process, for good."""
     folder = Path(request.folder)
     if MOUNTS in request.layers:
-        privileges.private_mounts(folder, needed_paths())
+        users.private_mounts(folder, needed_paths())
         os.chdir(folder)
-    privileges.set_limits()
+    users.set_limits()
     if USER in request.layers:
-        privileges.drop_to(request.uid)
+        users.drop_to(request.uid)
     elif os.getuid() != 0:
-        privileges.drop_capabilities()
-    sandbox.die_with_parent()
+        users.drop_capabilities()
+    kernel_filters.die_with_parent()
     if FILES in request.layers:
-        sandbox.restrict_files(readable_paths(), [folder, *DEVICES])
+        kernel_filters.restrict_files(readable_paths(), [folder, *DEVICES])
     if CALLS in request.layers:
-        sandbox.restrict_calls(datagrams=datagrams)
+        kernel_filters.restrict_calls(datagrams=datagrams)
 
 
 def needed_paths() -> list[Path]:

@@ -1,6 +1,6 @@
 """Models that tell the judge, through `/cmd_vel` alone, what a node does with its model.
 
-They are pickled by the judge (grader.models) and unpickled by the student's node. Every one has
+They are pickled by the judge (grader.models.files) and unpickled by the student's node. Each has
 `predict(X)` for X of shape (n, 5), features in the order of EXERCISES.md: front minimum, mean and
 standard deviation, left minimum, right minimum. None of them is clever; each answers one question.
 """

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from .endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
-from .ends import RobotEnds
-from .frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, Published
+from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
+from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, Published
+from ..robot_ends import RobotEnds
 
 
 class Bridge:

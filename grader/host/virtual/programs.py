@@ -19,8 +19,8 @@ import rclpy
 import rclpy.context
 import rclpy.node
 
-from .ends import ROBOT_NODE
-from .frames import ProgramStart
+from ..frames import ProgramStart
+from ..robot_ends import ROBOT_NODE
 from .kernel import Kernel
 
 GLOBAL_EXECUTOR = "__executor"  # of the module rclpy

@@ -12,9 +12,9 @@ from typing import Any
 
 import msgspec
 
+from ..frames import MARK, MAX_LEAD, MAX_PUBLISHED, Run, Settled, Slept, Start
+from ..wire import Wire, ended, flush_output
 from . import kernel as kernel_module
-from .frames import MARK, MAX_LEAD, MAX_PUBLISHED, Run, Settled, Slept, Start
-from .wire import Wire, ended, flush_output
 
 FLOODED = f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time"
 

@@ -1,12 +1,12 @@
 """docs/mutants.md is in step with the mutants."""
 
-from grader.catalogue import PAGE, catalogue
-from grader.exercises import all_exercises
-from grader.proof import claims
+from grader.authoring.catalogue import PAGE, catalogue
+from grader.authoring.proof import claims
+from grader.course.exercises import all_exercises
 
 
 def test_the_page_is_up_to_date() -> None:
-    assert PAGE.read_text("utf-8") == catalogue(), "run `python -m grader.catalogue`"
+    assert PAGE.read_text("utf-8") == catalogue(), "run `python -m grader.authoring.catalogue`"
 
 
 def test_every_mutant_says_what_its_mistake_is() -> None:

@@ -6,8 +6,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from grader.exercises import all_exercises
-from grader.fairness import Shared, examine, fingerprint, is_own, right_solutions
+from grader.authoring.fairness import Shared, examine, fingerprint, is_own, right_solutions
+from grader.course.exercises import all_exercises
 from grader.recording import COMPLETED, Outcome, Recording
 from sim.messages import twist
 from sim.scenario import load_scenario

@@ -2,7 +2,17 @@
 
 import pytest
 
-from grader.listings import BEGIN, END, HEAD, LISTINGS, NODES, PAGE, Listing, crucial_lines, section
+from grader.authoring.listings import (
+    BEGIN,
+    END,
+    HEAD,
+    LISTINGS,
+    NODES,
+    PAGE,
+    Listing,
+    crucial_lines,
+    section,
+)
 
 
 @pytest.mark.parametrize(

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from grader.authoring.proof import Claim, claims, complete, grade_claim, objections, unproven
+from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
-from grader.exercises import Exercise, all_exercises
-from grader.grading import Grading
-from grader.launch import Nursery
-from grader.plugin import CheckResult
-from grader.proof import Claim, claims, complete, grade_claim, objections, unproven
+from grader.grading.grading import Grading
+from grader.grading.plugin import CheckResult
+from grader.link.hosts import Nursery
 from sim.messages import EPOCH_NS
 
 IN_FULL = ("obstacle_avoidance",)
@@ -76,7 +76,7 @@ def test_there_are_solutions_of_every_kind(exercise: object) -> None:
 @pytest.fixture
 def pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Exercise:
     """An exercise of two files, with solutions in a folder of its own."""
-    monkeypatch.setattr("grader.exercises.SOLUTIONS", tmp_path)
+    monkeypatch.setattr("grader.course.exercises.SOLUTIONS", tmp_path)
     exercise = Exercise(99, "pair", "Pair", "", ("server.py", "client.py"), "server", 100)
     texts = {
         "server.py": "reference",

@@ -14,12 +14,12 @@ from pathlib import Path
 
 import pytest
 
-from grader import handouts
+from grader.authoring import handouts
+from grader.authoring.leaks import leaks
+from grader.authoring.release import contents, questions, release
+from grader.course.exercises import ROOT, all_exercises
+from grader.course.skeletons import strip_solution
 from grader.errors import GraderError, InputError
-from grader.exercises import ROOT, all_exercises
-from grader.leaks import leaks
-from grader.release import contents, questions, release
-from grader.skeletons import strip_solution
 
 # What is made for a release is tested where it is made: tests/lessons/test_released_site.py,
 # tests/notebooks/test_released_notebooks.py and, the whole of it, test_handouts.py.
@@ -244,7 +244,7 @@ def test_a_skeleton_is_no_leak_and_its_solution_is(tmp_path: Path) -> None:
 def test_a_leak_stops_the_release(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     solution = (ROOT / "solutions/goal_seeking/goal_seeking_agent.py").read_bytes()
     spoilt = contents() | {"sim/notes.py": solution}  # as if somebody had put it there
-    monkeypatch.setattr("grader.release.contents", lambda *_: spoilt)
+    monkeypatch.setattr("grader.authoring.release.contents", lambda *_: spoilt)
     with pytest.raises(GraderError, match=r"nothing was released: sim/notes\.py"):
         release(tmp_path / "out", archive=True)
     assert list(tmp_path.iterdir()) == []

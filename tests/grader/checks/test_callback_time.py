@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.exercises import find_exercise
-from grader.launch import Nursery
+from grader.checks.verdict import CheckFailed, Inconclusive
+from grader.course.exercises import find_exercise
+from grader.course.submission import Submission
+from grader.link.hosts import Nursery
 from grader.recording import Compute, Recording
-from grader.submission import Submission
-from grader.trial import run_trial
-from grader.verdict import CheckFailed, Inconclusive
+from grader.trial.virtual_time import run_trial
 from sim.scenario import load_scenario
 
 EXERCISE = find_exercise("obstacle_avoidance")

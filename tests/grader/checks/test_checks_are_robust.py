@@ -20,15 +20,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from grader.exercises import Exercise, all_exercises
+from grader.checks.verdict import CheckFailed, Inconclusive
+from grader.course.exercises import Exercise, all_exercises
+from grader.course.submission import find_submission
 from grader.host.frames import Tensor
-from grader.launch import Nursery
-from grader.log import LogLine
+from grader.link.hosts import Nursery
+from grader.link.log import LogLine
 from grader.recording import Endpoint, ModelAnswers, Outcome, Recording, ScriptRun
-from grader.report import json_text
-from grader.submission import find_submission
-from grader.trials import NodeTrials
-from grader.verdict import CheckFailed, Inconclusive
+from grader.report.page import json_text
+from grader.trial.trials import NodeTrials
 from sim.messages import EPOCH_NS, STRING, TWIST, Message, decode, encode, typestore
 
 Spoil = Callable[[Recording, random.Random], Recording]

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from grader.checks.model_server.answers import read_detection, require_detection
-from grader.verdict import CheckFailed
+from grader.checks.verdict import CheckFailed
 
 GOOD = '{"label": "free", "confidence": 0.9, "stamp": 1.0}'
 

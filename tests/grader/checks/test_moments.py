@@ -9,11 +9,11 @@ from conftest import PREAMBLE, RunNode, short
 
 from grader.checks.moments import came_to_rest, first_asked, first_contact
 from grader.checks.obstacle_avoidance.contract import right_speeds
-from grader.exercises import CHECKS, SOLUTIONS, find_exercise
-from grader.grading import Grading, grade_submission
-from grader.launch import Nursery
-from grader.plugin import CheckResult
-from grader.submission import Submission
+from grader.course.exercises import CHECKS, SOLUTIONS, find_exercise
+from grader.course.submission import Submission
+from grader.grading.grading import Grading, grade_submission
+from grader.grading.plugin import CheckResult
+from grader.link.hosts import Nursery
 
 # A wrong end of a topic is wrong all the time; a training has no robot; and who answered too few
 # scans has a check that says why.

@@ -69,7 +69,7 @@ def test_a_scan_waits_for_its_command_no_longer_than_the_machine_made_it(
     live: bool, command: float, prompt: bool
 ) -> None:
     from grader.checks.ml_velocity.evidence import require_prompt  # noqa: PLC0415
-    from grader.verdict import CheckFailed  # noqa: PLC0415
+    from grader.checks.verdict import CheckFailed  # noqa: PLC0415
 
     fake = measured(live)
     fake.name, fake.twists = "prompt", lambda: SimpleNamespace(t=np.array([command]))
@@ -112,7 +112,7 @@ def test_a_gap_between_commands_may_be_as_long_as_the_machine_made_it(
     monkeypatch: pytest.MonkeyPatch, period: float, where: float | None, right: bool
 ) -> None:
     from grader.checks.slow_model import test_core  # noqa: PLC0415
-    from grader.verdict import CheckFailed  # noqa: PLC0415
+    from grader.checks.verdict import CheckFailed  # noqa: PLC0415
 
     turns, none = np.arange(20) / 20, np.zeros(20)
     queued = np.where(np.isclose(turns, 0.55), 0.05, 0.0)
@@ -192,7 +192,7 @@ def test_a_request_from_before_the_beginning_is_none_but_its_answer_is_known(
 ) -> None:
     from grader.checks.model_server import clients  # noqa: PLC0415
     from grader.checks.model_server.notes import Answered, Asked  # noqa: PLC0415
-    from grader.verdict import CheckFailed  # noqa: PLC0415
+    from grader.checks.verdict import CheckFailed  # noqa: PLC0415
 
     noted = [
         (0.1, Answered(0, success=True, message="early", life=7)),  # nobody noted that it was asked
@@ -299,7 +299,7 @@ def test_scans_whose_answer_would_come_after_the_end_are_left_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     from grader.checks.obstacle_avoidance.evidence import judged  # noqa: PLC0415
-    from grader.verdict import CheckFailed  # noqa: PLC0415
+    from grader.checks.verdict import CheckFailed  # noqa: PLC0415
 
     assert len(judged(bench(monkeypatch, answered=4), "a")) == 2
     assert len(judged(bench(monkeypatch, answered=2), "a")) == 1

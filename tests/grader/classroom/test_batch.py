@@ -9,16 +9,16 @@ from typing import Any
 
 import pytest
 
-from grader.batch import batch
-from grader.batch.batch import Options, autograde
-from grader.batch.engine import DaskCrew
-from grader.batch.row import GRADED, HELD, RUNNING, StoredResult
-from grader.batch.store import Store
-from grader.batch.work import Unit, UnitResult, isolation_problem
+from grader.authoring.proof import claims
+from grader.classroom import batch
+from grader.classroom.batch import Options, autograde
+from grader.classroom.engine import DaskCrew
+from grader.classroom.row import GRADED, HELD, RUNNING, StoredResult
+from grader.classroom.store import Store
+from grader.classroom.work import Unit, UnitResult, isolation_problem
+from grader.course.exercises import find_exercise
+from grader.course.students import student_seed
 from grader.errors import GraderError, InputError
-from grader.exercises import find_exercise
-from grader.proof import claims
-from grader.students import student_seed
 
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from grader.batch import engine
-from grader.batch.engine import LocalCrew
+from grader.classroom import engine
+from grader.classroom.engine import LocalCrew
 
 ROOT = Path(__file__).resolve().parents[2]
 PARENT = """\
 import os
-from grader.batch.engine import LocalCrew
+from grader.classroom.engine import LocalCrew
 
 if __name__ == "__main__":
     crew = LocalCrew(1)

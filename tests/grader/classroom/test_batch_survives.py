@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.batch.store import Store, stable
+from grader.classroom.store import Store, stable
 
 SLUG, FILE = "trend_memory", "trend_agent.py"
 COURSE = [sys.executable, "-m", "grader.cli", "autograde"]

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from grader.batch import intake
-from grader.batch.intake import Student, find_files, find_students, read_file, student_id
+from grader.classroom import intake
+from grader.classroom.intake import Student, find_files, find_students, read_file, student_id
+from grader.course.submission import MAX_SIZE
 from grader.errors import InputError
-from grader.submission import MAX_SIZE
 
 AGENT = "agent.py"
 

@@ -18,17 +18,17 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from grader.batch.row import GRADED, HELD, RUNNING, StoredResult
+from grader.classroom.results import ResultOptions, write, write_results
+from grader.classroom.results.clean import cell, folder_name, one_line, visible
+from grader.classroom.results.gradebooks import canvas_csv, moodle_csv, scores_csv
+from grader.classroom.results.gradescope import results_json
+from grader.classroom.results.items import distribution, item_analysis, point_biserial
+from grader.classroom.results.junit import junit_xml
+from grader.classroom.results.marks import points_of, tasks_of, why_held
+from grader.classroom.results.similarity import NOISE, WINDOW, fingerprints, similar_groups, tokens
+from grader.classroom.results.withheld import for_students
+from grader.classroom.row import GRADED, HELD, RUNNING, StoredResult
 from grader.errors import InputError
-from grader.results import ResultOptions, write, write_results
-from grader.results.clean import cell, folder_name, one_line, visible
-from grader.results.gradebooks import canvas_csv, moodle_csv, scores_csv
-from grader.results.gradescope import results_json
-from grader.results.items import distribution, item_analysis, point_biserial
-from grader.results.junit import junit_xml
-from grader.results.marks import points_of, tasks_of, why_held
-from grader.results.similarity import NOISE, WINDOW, fingerprints, similar_groups, tokens
-from grader.results.withheld import for_students
 
 _CLASSES = Path(__file__).resolve().parent.parent / "browser" / "classes.py"
 _spec = importlib.util.spec_from_file_location("classes", _CLASSES)

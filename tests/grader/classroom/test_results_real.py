@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from grader.batch.row import StoredResult
-from grader.exercises import ROOT, find_exercise
-from grader.grading import grade_submission
-from grader.launch import Nursery
-from grader.results import ResultOptions, write_results
-from grader.results.items import item_analysis
-from grader.results.withheld import shows_run
-from grader.submission import find_submission
+from grader.classroom.results import ResultOptions, write_results
+from grader.classroom.results.items import item_analysis
+from grader.classroom.results.withheld import shows_run
+from grader.classroom.row import StoredResult
+from grader.course.exercises import ROOT, find_exercise
+from grader.course.submission import find_submission
+from grader.grading.grading import grade_submission
+from grader.link.hosts import Nursery
 
 SUBMISSIONS = {
     ("ada", "obstacle_avoidance"): "obstacle_avoidance_agent.py",

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from grader import exercises
+from grader.course import exercises
+from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.errors import GraderError, InputError
-from grader.exercises import Exercise, all_exercises, find_exercise
 from sim.messages import typestore
 
 ALL = all_exercises()

@@ -7,9 +7,9 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from grader.course.installed import why_not
 from grader.errors import GraderError
-from grader.installed import why_not
-from grader.trials import SavedTrials
+from grader.trial.trials import SavedTrials
 from sim.scenario import NodeSpec, ProgramSpec, Scenario
 
 

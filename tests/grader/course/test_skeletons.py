@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.skeletons import ROOT, skeletons, strip_solution
+from grader.course.skeletons import ROOT, skeletons, strip_solution
 from sim.errors import InputError
 
 
@@ -71,7 +71,7 @@ ALL = list(skeletons())
     ("path", "text"), ALL, ids=[p.relative_to(ROOT).as_posix() for p, _ in ALL]
 )
 def test_every_skeleton_is_in_step_and_complete(path: Path, text: str) -> None:
-    assert path.read_text(encoding="utf-8") == text, "run python -m grader.skeletons"
+    assert path.read_text(encoding="utf-8") == text, "run python -m grader.course.skeletons"
     tree = ast.parse(text)
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name != "__init__":

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from grader.course.students import read_secret, student_seed
 from grader.errors import InputError
-from grader.students import read_secret, student_seed
 
 SECRET = b"0123456789abcdef"
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from grader.course.submission import MAX_SIZE, Submission, find_submission
 from grader.errors import InputError
-from grader.submission import MAX_SIZE, Submission, find_submission
 
 
 @pytest.fixture

@@ -9,18 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from grader import exercises
+from grader.course import exercises
+from grader.course.exercises import Exercise
 from grader.errors import GraderError, InputError
-from grader.exercises import Exercise
-from grader.grading import Grading, grade
-from grader.plugin import MAX_MESSAGE
+from grader.grading.grading import Grading, grade
+from grader.grading.plugin import MAX_MESSAGE
 from grader.recording import Live, Recording
-from grader.trials import NoRecording
+from grader.trial.trials import NoRecording
 
 PREAMBLE = """\
 import os, sys
 import pytest
-from grader.verdict import fail, inconclusive
+from grader.checks.verdict import fail, inconclusive
 check = pytest.mark.check
 """
 count = itertools.count()

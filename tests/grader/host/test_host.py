@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from conftest import RunNode, short
 
-from grader.link import MAX_OUTPUT
-from grader.trial import Limits
+from grader.link.link import MAX_OUTPUT
+from grader.trial.virtual_time import Limits
 
 SPINNING = {
     "rclpy.spin": "rclpy.init(); rclpy.spin(Echo())",

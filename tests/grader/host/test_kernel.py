@@ -9,7 +9,7 @@ import pytest
 
 PREAMBLE = """
 import json, queue, sys, threading, time
-from grader.host import kernel as k, threads
+from grader.host.virtual import kernel as k, threads
 
 class Alone(k.World):
     '''A world with an event every 10 ms and nothing in it.'''

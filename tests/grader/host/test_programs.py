@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from conftest import PREAMBLE, short
 
-from grader.launch import Nursery
+from grader.course.submission import Submission
+from grader.link.hosts import Nursery
 from grader.recording import Recording
-from grader.submission import Submission
-from grader.trial import run_trial
+from grader.trial.virtual_time import run_trial
 from sim.scenario import ProgramSpec
 
 SERVER = """

@@ -6,12 +6,12 @@ import pytest
 from click.testing import CliRunner
 from rich.console import Console
 
-from grader import doctor
 from grader.cli import cli
-from grader.doctor import Diagnosis, Layer, diagnose, foreign_code_problem
 from grader.errors import GraderError
-from grader.host.isolation import CALLS, FILES, LAYERS, LIMITS, USER
-from grader.terminal import render_diagnosis
+from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
+from grader.link import doctor
+from grader.link.doctor import Diagnosis, Layer, diagnose, foreign_code_problem
+from grader.report.terminal import render_diagnosis
 
 
 def test_this_machine_can_run_nodes() -> None:

@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 from conftest import PREAMBLE, RunNode, short
 
+from grader.course.submission import Submission
 from grader.errors import GraderError
-from grader.host.isolation import CALLS, LAYERS
-from grader.host.privileges import USERS
-from grader.launch import Nursery
-from grader.ros import RosEnvironment
-from grader.submission import Submission
-from grader.trial import run_trial
+from grader.host.sandbox.layers import CALLS, LAYERS
+from grader.host.sandbox.users import USERS
+from grader.link.hosts import Nursery
+from grader.link.ros_environment import RosEnvironment
+from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -151,10 +151,10 @@ def test_hosts_end_with_a_judge_that_is_killed(echo: Submission) -> None:
 KILLED_JUDGE = """
     from pathlib import Path
     from grader.host.frames import Start
-    from grader.launch import Nursery
-    from grader.link import Link
-    from grader.staging import stage
-    from grader.submission import Submission
+    from grader.link.hosts import Nursery
+    from grader.link.link import Link
+    from grader.trial.staging import stage
+    from grader.course.submission import Submission
     from sim.messages import EPOCH_NS
     from sim.scenario import load_scenario
 
@@ -293,7 +293,7 @@ ORDINARY = """
 import json, os, sys
 from pathlib import Path
 sys.path[:0] = [{root!r}, {tests!r}]
-from grader.host import isolation, privileges
+from grader.host.sandbox import layers as isolation, users as privileges
 if os.getuid() == 0:
     paths = [*isolation.needed_paths(), Path({root!r})]
     if not (privileges.own_mounts() and privileges.open_to_others(paths)):
@@ -304,10 +304,10 @@ if os.getuid() == 0:
     os.setresuid(65534, 65534, 65534)
 import tempfile
 from conftest import PREAMBLE, short
-from grader.host.isolation import CALLS, LAYERS
-from grader.launch import Nursery
-from grader.submission import Submission
-from grader.trial import run_trial
+from grader.host.sandbox.layers import CALLS, LAYERS
+from grader.link.hosts import Nursery
+from grader.course.submission import Submission
+from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
 with tempfile.TemporaryDirectory() as folder, Nursery(EPOCH_NS) as nursery:
     file = Path(folder) / 'echo.py'

@@ -11,7 +11,6 @@ from fake_host import FakeHost, frame, settled, talking
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grader import link as link_module
 from grader.host.frames import (
     LENGTH,
     MARK,
@@ -25,7 +24,8 @@ from grader.host.frames import (
     Start,
     encode,
 )
-from grader.link import (
+from grader.link import link as link_module
+from grader.link.link import (
     MAX_LINES,
     MAX_OUTPUT,
     HostDied,
@@ -34,7 +34,7 @@ from grader.link import (
     Link,
     Output,
 )
-from grader.log import LogLine
+from grader.link.log import LogLine
 
 START = Start(programs=(ProgramStart("agent.py"),), epoch=0, seed=1, offers=())
 LIMIT = 20.0  # [s] for answers that come

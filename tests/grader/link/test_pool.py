@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.warm import WarmNurseries
+from grader.link.pool import WarmNurseries
 
 
 def children() -> set[str]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grader.errors import InputError
-from grader.ros import find_ros
+from grader.link.ros_environment import find_ros
 
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.runqueue import RunQueue
+from grader.link.run_queue import RunQueue
 
 PATIENCE = 0.02
 

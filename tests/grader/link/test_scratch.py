@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader import scratch
+from grader.link import scratch
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader.dataset import PROFILE, expert_speed, make_dataset
-from grader.features import features
+from grader.models.dataset import PROFILE, expert_speed, make_dataset
+from grader.models.features import features
 
 
 def test_the_same_seed_gives_the_same_data() -> None:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from grader.features import features, possible_features, scan_features, spell_features
+from grader.models.features import features, possible_features, scan_features, spell_features
 from grader.recording import Scan
 
 DEGREES = np.arange(-180.0, 180.0)

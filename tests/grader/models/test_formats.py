@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from grader.errors import GraderError
-from grader.exporter import Exporter
-from grader.models import model_bytes, probe, write_models
+from grader.models.exporter import Exporter
+from grader.models.files import model_bytes, probe, write_models
 from sim.scenario import Model
 
 nan, inf = float("nan"), float("inf")
@@ -143,7 +143,7 @@ def test_the_exporter_starts_again_after_its_end(exporter: Exporter) -> None:
 def test_the_judge_imports_none_of_the_libraries() -> None:
     code = """
 import sys
-from grader.models import model_bytes
+from grader.models.files import model_bytes
 from sim.scenario import Model
 model_bytes(Model("linear", {"weights": (0.0, 0.0, 0.0, 0.0, 0.0)}), ".onnx")
 print({"onnx", "onnxruntime", "torch", "keras", "sklearn"} & set(sys.modules))

@@ -14,13 +14,12 @@ from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
-from grader import bag
+from grader.course.submission import Submission
 from grader.errors import InputError
-from grader.launch import Nursery
-from grader.log import LogLine
-from grader.recording import Compute, Outcome, Recording
-from grader.submission import Submission
-from grader.trial import run_trial
+from grader.link.hosts import Nursery
+from grader.link.log import LogLine
+from grader.recording import Compute, Outcome, Recording, bag
+from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS, Message, decode, typestore
 from sim.scenario import ScriptEvent, load_scenario
 

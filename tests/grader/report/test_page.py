@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.report import PLAYER, json_text, page_html
+from grader.report.page import PLAYER, json_text, page_html
 
 HOSTILE = "</script><script>alert(1)</script><!--<script> \u2028\u2029 & @@CSP@@ \U0001f916 \ud800"
 

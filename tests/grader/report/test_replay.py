@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.log import LogLine
+from grader.link.log import LogLine
 from grader.recording import Outcome, Recording
-from grader.replay import MAX_BEAMS, MAX_LOG_LINES, millimetres, moments_of, replay_payload
-from grader.report import page_html, page_payload
+from grader.report.page import page_html, page_payload
+from grader.report.replay import MAX_BEAMS, MAX_LOG_LINES, millimetres, moments_of, replay_payload
 from sim.messages import pose_stamped, twist
 from sim.scenario import scenario_from_toml
 from sim.simulation import Simulation

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from grader.report import render_terminal
+from grader.report.page import render_terminal
 
 
 def check(outcome: str = "pass", **parts: Any) -> dict[str, Any]:

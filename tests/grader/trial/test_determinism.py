@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from grader.exercises import SOLUTIONS
-from grader.launch import Nursery
-from grader.submission import Submission
-from grader.trial import run_trial
+from grader.course.exercises import SOLUTIONS
+from grader.course.submission import Submission
+from grader.link.hosts import Nursery
+from grader.trial.virtual_time import run_trial
 from sim.scenario import load_scenario
 
 AVOIDANCE = SOLUTIONS / "obstacle_avoidance"

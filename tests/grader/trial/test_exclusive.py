@@ -2,7 +2,7 @@
 
 import threading
 
-from grader.crowd import Crowd
+from grader.trial.exclusive import Crowd
 
 
 def test_many_may_be_there_at_once() -> None:

@@ -9,7 +9,7 @@ import pytest
 from conftest import short
 from fake_host import FakeHost, frame, settled
 
-from grader import link, tape, trial
+from grader.course.submission import Submission
 from grader.host.frames import (
     MAX_NAME,
     MAX_PUBLISHED,
@@ -19,9 +19,10 @@ from grader.host.frames import (
     Slept,
     encode,
 )
+from grader.link import link
 from grader.recording import Recording
-from grader.submission import Submission
-from grader.trial import Limits, run_trial
+from grader.trial import recorder, virtual_time
+from grader.trial.virtual_time import Limits, run_trial
 from sim.messages import LASER_SCAN, TWIST, twist
 from sim.scenario import Scenario
 
@@ -46,7 +47,7 @@ class FakeNursery:
 def forge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
     """Run a trial in which the host gives these answers, one after the other."""
     monkeypatch.setattr(link, "STACK_TIME", 0.1)
-    monkeypatch.setattr(trial, "GRACE", 0.01)
+    monkeypatch.setattr(virtual_time, "GRACE", 0.01)
     file = tmp_path / "node.py"
     file.write_text("pass")
 
@@ -117,7 +118,7 @@ def test_a_host_that_says_nothing_hangs(forge) -> None:  # type: ignore[no-untyp
 
 
 def test_a_forged_flood_is_a_flood(forge, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr(tape, "MAX_BYTES", 1_000_000)
+    monkeypatch.setattr(recorder, "MAX_BYTES", 1_000_000)
     long = Published(FIRST, "/" * MAX_NAME, "x" * MAX_NAME, b"")
     outcome = forge(
         settled(), settled(FIRST, published=[long] * MAX_PUBLISHED), hang_up=False

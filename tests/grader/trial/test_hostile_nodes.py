@@ -5,8 +5,8 @@ import os
 import pytest
 from conftest import RunNode, short
 
-from grader import tape, trial
-from grader.trial import Limits
+from grader.trial import recorder, virtual_time
+from grader.trial.virtual_time import Limits
 from sim.messages import TWIST
 
 PATIENT = Limits(start=60.0, step=60.0, total=120.0)
@@ -34,7 +34,7 @@ def test_floods_end_the_trial(run_node: RunNode, flood: str) -> None:
 
 
 def test_a_slow_flood_ends_the_trial(run_node: RunNode, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tape, "MAX_BYTES", 10_000)
+    monkeypatch.setattr(recorder, "MAX_BYTES", 10_000)
     recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(10.0))
 
     assert recording.outcome.kind == "flooded"
@@ -57,9 +57,9 @@ def test_a_thousand_messages_at_once_are_no_flood(run_node: RunNode) -> None:
 def test_a_full_folder_ends_the_trial(
     run_node: RunNode, monkeypatch: pytest.MonkeyPatch, size: int
 ) -> None:
-    monkeypatch.setattr(tape, "MAX_FILES", 50)
-    monkeypatch.setattr(tape, "MAX_FOLDER", 20_000)
-    monkeypatch.setattr(trial, "LOOK_EVERY", 1)
+    monkeypatch.setattr(recorder, "MAX_FILES", 50)
+    monkeypatch.setattr(recorder, "MAX_FOLDER", 20_000)
+    monkeypatch.setattr(virtual_time, "LOOK_EVERY", 1)
     recording = run_node(f"""
         class Hoarder(Echo):
             def on_scan(self, scan):

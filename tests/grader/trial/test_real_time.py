@@ -11,19 +11,18 @@ import numpy as np
 import pytest
 from conftest import PREAMBLE, RunNode, short
 
-from grader import bag
+from grader.course.exercises import find_exercise
+from grader.course.submission import Submission
 from grader.errors import GraderError
-from grader.exercises import find_exercise
-from grader.grading import grade_submission
-from grader.host.ends import Heard
-from grader.host.radio import _moment
-from grader.launch import Nursery
-from grader.live import _LiveTrial, run_live_trial
-from grader.live_hosts import LiveHosts
-from grader.recording import Recording
-from grader.submission import Submission
-from grader.trial import Limits
-from grader.trials import NodeTrials
+from grader.grading.grading import grade_submission
+from grader.host.real_time.robot import _moment
+from grader.host.robot_ends import Heard
+from grader.link.hosts import Nursery
+from grader.recording import Recording, bag
+from grader.trial.real_time import _LiveTrial, run_live_trial
+from grader.trial.real_time_hosts import LiveHosts
+from grader.trial.trials import NodeTrials
+from grader.trial.virtual_time import Limits
 from sim.messages import EPOCH_NS, STRING, Message, decode
 from sim.scenario import ProgramSpec, Scenario, ScriptEvent
 
@@ -131,14 +130,14 @@ ENDS = {
 
 @pytest.mark.parametrize("kind", ENDS)
 def test_each_end_has_a_name(kind: str, run_live: RunLive, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grader.live_hosts.IDLE_START", 0.5)
+    monkeypatch.setattr("grader.trial.real_time_hosts.IDLE_START", 0.5)
     assert run_live(ENDS[kind]).outcome.kind == kind
 
 
 def test_a_callback_that_never_returns_hangs(
     run_live: RunLive, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("grader.live.HUNG_AFTER", 0.5)
+    monkeypatch.setattr("grader.trial.real_time.HUNG_AFTER", 0.5)
     recording = run_live("""
         class Stuck(Echo):
             def on_scan(self, scan):
@@ -334,7 +333,7 @@ def test_a_busy_wait_runs_in_real_time(nursery: Nursery, tmp_path: Path) -> None
 def test_a_node_that_hangs_in_real_time_too_has_hung(
     nursery: Nursery, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("grader.live.HUNG_AFTER", 0.5)
+    monkeypatch.setattr("grader.trial.real_time.HUNG_AFTER", 0.5)
     exercise = find_exercise("obstacle_avoidance")
     file = tmp_path / exercise.files[0]
     file.write_text(
@@ -370,12 +369,12 @@ def test_wait_for_message_is_virtual(run_node: RunNode) -> None:
 def test_a_node_that_never_gets_started_is_not_run_again_and_again(
     nursery: Nursery, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("grader.live_hosts.START_LIMIT", 0.5)
+    monkeypatch.setattr("grader.trial.real_time_hosts.START_LIMIT", 0.5)
     file = tmp_path / "node.py"
     file.write_text("while True: pass")
     with NodeTrials(Submission(file), nursery, limits=Limits(start=0.5, step=1.0)) as trials:
         first = trials.get("avoid_infinity")
-        monkeypatch.setattr("grader.trials.run_trial", None)
+        monkeypatch.setattr("grader.trial.trials.run_trial", None)
         second = trials.get("avoid_blind")
 
     assert [first.outcome.kind, second.outcome.kind] == ["hung", "hung"]

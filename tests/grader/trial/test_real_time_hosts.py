@@ -19,9 +19,9 @@ from grader.host.frames import (
     decode_from_live,
     encode,
 )
-from grader.link import HostDied, HostHung
-from grader.live_hosts import LiveHosts
-from grader.tape import Flood
+from grader.link.link import HostDied, HostHung
+from grader.trial.real_time_hosts import LiveHosts
+from grader.trial.recorder import Flood
 
 BEGUN = 1_700_000_000_000_000_000  # [ns]
 

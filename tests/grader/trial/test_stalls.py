@@ -1,6 +1,6 @@
 """What a node usually answers."""
 
-from grader.habit import ENOUGH, Habit
+from grader.trial.stalls import ENOUGH, Habit
 
 SCAN, ODOM = frozenset({"/scan"}), frozenset({"/odom"})
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from grader import bag
-from grader.launch import Nursery
-from grader.submission import find_submission
-from grader.training import Trained, run_training
+from grader.course.submission import find_submission
+from grader.link.hosts import Nursery
+from grader.recording import bag
+from grader.trial.training import Trained, run_training
 from sim.scenario import Scenario, load_scenario, scenario_from_toml
 
 pytest.importorskip("skl2onnx")

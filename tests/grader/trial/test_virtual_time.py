@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from conftest import RunNode, short
 
+from grader.course.submission import Submission
 from grader.recording import Recording
-from grader.submission import Submission
-from grader.trial import run_trial
+from grader.trial.virtual_time import run_trial
 from sim.messages import TWIST_STAMPED
 from sim.scenario import ScriptEvent
 

@@ -1,0 +1,1 @@
+"""Prove the graders, and make what students are handed."""

@@ -1,0 +1,1 @@
+"""What an exercise is: its description, files, seeds and skeletons, and how students hand in."""

@@ -1,0 +1,1 @@
+"""Run an exercise's checks over recordings and add up the points."""

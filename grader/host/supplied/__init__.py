@@ -1,0 +1,1 @@
+"""Models and programs of ours that run beside a student's node."""

@@ -1,0 +1,1 @@
+"""Virtual time: the student's program runs by the judge's clock."""

@@ -1,0 +1,35 @@
+"""What happened in one trial: the one thing that checks and reports see."""
+
+from grader.recording.recording import (
+    COMPLETED,
+    Compute,
+    Endpoint,
+    Floats,
+    Goals,
+    Live,
+    ModelAnswers,
+    Odom,
+    Outcome,
+    Recording,
+    Scan,
+    ScriptRun,
+    Training,
+    Twists,
+)
+
+__all__ = [
+    "COMPLETED",
+    "Compute",
+    "Endpoint",
+    "Floats",
+    "Goals",
+    "Live",
+    "ModelAnswers",
+    "Odom",
+    "Outcome",
+    "Recording",
+    "Scan",
+    "ScriptRun",
+    "Training",
+    "Twists",
+]

@@ -1,0 +1,1 @@
+"""Show a grading: in a terminal, and as a page with replays."""
