@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
 
 GRADINGS = 20
@@ -21,13 +21,13 @@ BUSY_LOOPS = 2
 def main() -> int:
     """Grade the references (or those named) 20 times, half under load; 1 if any differs."""
     different = 0
-    with Nursery(EPOCH_NS) as nursery:
+    with ForkServer(EPOCH_NS) as forkserver:
         for exercise in [find_exercise(name) for name in sys.argv[1:]] or all_exercises():
-            different += _grade_often(exercise, nursery)
+            different += _grade_often(exercise, forkserver)
     return 1 if different else 0
 
 
-def _grade_often(exercise: Exercise, nursery: Nursery) -> int:
+def _grade_often(exercise: Exercise, forkserver: ForkServer) -> int:
     file = exercise.solutions / exercise.files[0]
     submission = find_submission(file, exercise.files[0], exercise.files[1:])
     seen: dict[str, set[str]] = {}
@@ -38,7 +38,7 @@ def _grade_often(exercise: Exercise, nursery: Nursery) -> int:
         with _load(loaded):
             for _ in range(GRADINGS // 2):
                 grading = grade_submission(
-                    exercise, submission, nursery, file=file.name, field=True
+                    exercise, submission, forkserver, file=file.name, field=True
                 )
                 scores.add(grading.score)
                 for recording in grading.recordings:

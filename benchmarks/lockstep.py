@@ -18,7 +18,7 @@ import msgspec
 import numpy as np
 
 from grader.course.submission import Submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
 from sim.scenario import Scenario, load_scenario
@@ -75,10 +75,10 @@ print((time.perf_counter() - start) / 2000)
 
 def main() -> None:
     """Print the three figures, each with its peer."""
-    with tempfile.TemporaryDirectory() as name, Nursery(EPOCH_NS) as nursery:
+    with tempfile.TemporaryDirectory() as name, ForkServer(EPOCH_NS) as forkserver:
         folder = Path(name)
-        _step_cost(folder, nursery)
-        _real_time_factor(folder, nursery)
+        _step_cost(folder, forkserver)
+        _real_time_factor(folder, forkserver)
     _cold_grading()
 
 
@@ -93,26 +93,26 @@ def _node(folder: Path, source: str) -> Submission:
     return Submission(file)
 
 
-def _step_cost(folder: Path, nursery: Nursery) -> None:
+def _step_cost(folder: Path, forkserver: ForkServer) -> None:
     scenario = load_scenario("demo_wall")
     silent = msgspec.structs.replace(scenario.odometry, enabled=False)
     node = _node(folder, ECHO + SPIN)
     costs = []
     for _ in range(RUNS):
-        recording = run_trial(node, _scenario(odometry=silent), nursery)
+        recording = run_trial(node, _scenario(odometry=silent), forkserver)
         assert len(recording.published) == len(recording.delivered) > 500
         costs.append(float(np.median(recording.compute.wall[2:])))
-    plain = [_plain_step(folder, nursery) for _ in range(RUNS)]
+    plain = [_plain_step(folder, forkserver) for _ in range(RUNS)]
     step, peer = statistics.median(costs), statistics.median(plain)
     print(f"scan -> cmd_vel, lock-step: {step * 1e3:.3f} ms (goal 0.4)")
     print(f"  plain rclpy in one process: {peer * 1e3:.3f} ms; ratio {step / peer:.1f}")
 
 
-def _plain_step(folder: Path, nursery: Nursery) -> float:
+def _plain_step(folder: Path, forkserver: ForkServer) -> float:
     file = folder / "plain.py"
     file.write_text(ECHO + PLAIN)
     environment = {
-        **nursery.ros.variables(),
+        **forkserver.ros.variables(),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
         "ROS_LOG_DIR": str(folder),
     }
@@ -122,12 +122,12 @@ def _plain_step(folder: Path, nursery: Nursery) -> float:
     return float(done.stdout)
 
 
-def _real_time_factor(folder: Path, nursery: Nursery) -> None:
+def _real_time_factor(folder: Path, forkserver: ForkServer) -> None:
     node = _node(folder, ECHO + CONTROL)
     factors = []
     for _ in range(RUNS):
         start = time.perf_counter()
-        recording = run_trial(node, _scenario(), nursery)
+        recording = run_trial(node, _scenario(), forkserver)
         elapsed = time.perf_counter() - start - recording.compute.wall[0]
         assert recording.outcome.completed
         factors.append(SECONDS / elapsed)

@@ -14,7 +14,7 @@ import numpy as np
 
 from grader.authoring.proof import claims, complete
 from grader.course.exercises import find_exercise
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.real_time import run_live_trial
 from grader.trial.virtual_time import run_trial
@@ -43,11 +43,11 @@ def main() -> None:
     exercise = find_exercise(EXERCISE)
     found = {claim.path.stem: claim for claim in claims(exercise) if claim.kind != "skeleton"}
     print(f"{'':46}   virtual time       live\n{'':46}   Hz   longest    Hz   longest")
-    with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
+    with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
         for stem, about in SHOWN.items():
             with complete(found[stem]) as submission:
-                virtual = run_trial(submission, scenario, nursery)
-                live = run_live_trial(submission, scenario, nursery)
+                virtual = run_trial(submission, scenario, forkserver)
+                live = run_live_trial(submission, scenario, forkserver)
             stalled = f"  ({live.live.stall})" if live.live and live.live.stall else ""
             print(f"{about:46} {_figures(virtual)}  {_figures(live)}{stalled}", flush=True)
 

@@ -21,7 +21,7 @@ from grader.authoring.proof import Claim, claims, complete
 from grader.course.exercises import all_exercises, find_exercise
 from grader.grading.grading import grade_submission
 from grader.grading.plugin import ERROR, FAIL, INCONCLUSIVE, UNAVAILABLE
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
 
 PAGE_HEAD = """\
@@ -68,7 +68,7 @@ def main() -> int:
     kind = "mutant" if options.mutants else "reference"
     differing = undecided = 0
     for exercise in exercises:
-        with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
+        with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
             for claim in claims(exercise):
                 if claim.kind != kind or claim.lacks:
                     continue
@@ -79,7 +79,7 @@ def main() -> int:
                         # field checks are judged when the core is full: few mutants get there
                         wrong = options.mutants and (not verdicts or verdicts[0].field)
                         field = options.field or wrong
-                        verdict = _grade(claim, nursery, tier, run, field=field)
+                        verdict = _grade(claim, forkserver, tier, run, field=field)
                         _add(options.keep, verdict)
                     verdicts.append(verdict)
                 same, unsure = _print(verdicts)
@@ -89,11 +89,11 @@ def main() -> int:
     return 1 if differing else 0
 
 
-def _grade(claim: Claim, nursery: Nursery, tier: int, run: int, *, field: bool) -> Verdict:
+def _grade(claim: Claim, forkserver: ForkServer, tier: int, run: int, *, field: bool) -> Verdict:
     begin = time.perf_counter()
     with complete(claim) as submission:
         grading = grade_submission(
-            claim.exercise, submission, nursery, file=claim.path.name, field=field, tier=tier
+            claim.exercise, submission, forkserver, file=claim.path.name, field=field, tier=tier
         )
     judged = [check for check in grading.checks if check.outcome != UNAVAILABLE]
     failed = [check for check in judged if check.outcome == FAIL]

@@ -123,13 +123,13 @@ def grade(
     if student is not None or secret is not None:
         seed = _student_seed(student, secret, chosen.slug, seed)
     _check_writable(report, json_)
-    with _nursery(chosen.libraries) as nursery:
+    with _forkserver(chosen.libraries) as forkserver:
         from grader.grading.grading import grade_submission  # noqa: PLC0415
 
         grading = grade_submission(
             chosen,
             submission,
-            nursery,
+            forkserver,
             file=str(file),
             field=field,
             only=only,
@@ -174,8 +174,8 @@ def drive(
     own = [program.file for program in chosen.program if not program.supplied]
     submission = find_submission(file, others=[name for name in own if name])
     _check_writable(report, None)
-    with _nursery() as nursery:
-        recording = drive_node(submission, chosen, nursery, seed=seed, arguments=arguments)
+    with _forkserver() as forkserver:
+        recording = drive_node(submission, chosen, forkserver, seed=seed, arguments=arguments)
     if bag is not None:
         from grader.recording.bag import save  # noqa: PLC0415
 
@@ -292,7 +292,7 @@ def autograde(
 
     from grader.classroom.batch import Options  # noqa: PLC0415
     from grader.classroom.batch import autograde as grade_class  # noqa: PLC0415
-    from grader.classroom.progress import ConsoleWatcher, summary  # noqa: PLC0415
+    from grader.classroom.progress import ConsoleProgress, summary  # noqa: PLC0415
     from grader.classroom.results import ResultOptions  # noqa: PLC0415
     from grader.course.students import read_secret  # noqa: PLC0415
 
@@ -310,8 +310,8 @@ def autograde(
         retry_held=retry_held,
     )
     console = Console()
-    with ConsoleWatcher(console) as watcher:
-        results = grade_class(submissions, out, options, watcher, regrade=regrade)
+    with ConsoleProgress(console) as progress:
+        results = grade_class(submissions, out, options, progress, regrade=regrade)
     lines, held = summary(results, out)
     console.print(lines, markup=False, highlight=False, soft_wrap=True)
     return LESS if held else FULL
@@ -390,12 +390,12 @@ def _student_seed(student: str | None, secret: Path | None, slug: str, seed: int
     return student_seed(read_secret(secret), student, slug)
 
 
-def _nursery(libraries: tuple[str, ...] = ()) -> Any:
+def _forkserver(libraries: tuple[str, ...] = ()) -> Any:
     """Start the process that will run the node, as early as possible: it warms up meanwhile."""
-    from grader.link.hosts import Nursery  # noqa: PLC0415
+    from grader.link.hosts import ForkServer  # noqa: PLC0415
     from sim.messages import EPOCH_NS  # noqa: PLC0415
 
-    return Nursery(EPOCH_NS, libraries=libraries)
+    return ForkServer(EPOCH_NS, libraries=libraries)
 
 
 def _check_writable(report: Path | None, json_: str | None) -> None:

@@ -14,7 +14,7 @@ from rich.markup import escape
 
 from grader.course.submission import Submission
 from grader.errors import InputError
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.models.files import OWN
 from grader.recording import Endpoint, Recording
 from grader.report.terminal import printable
@@ -92,7 +92,7 @@ def arguments_of(params: Sequence[str]) -> list[str]:
 def drive_node(
     submission: Submission,
     scenario: Scenario,
-    nursery: Nursery,
+    forkserver: ForkServer,
     *,
     seed: int | None = None,
     arguments: Sequence[str] = (),
@@ -106,7 +106,7 @@ def drive_node(
     return run_trial(
         submission,
         scenario,
-        nursery,
+        forkserver,
         seed=mixed_seed(scenario.seed, seed),
         arguments=arguments,
         stamped=True,

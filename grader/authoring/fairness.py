@@ -24,7 +24,7 @@ from grader.course.students import student_seed
 from grader.course.submission import Submission
 from grader.grading.grading import Grading, grade
 from grader.grading.plugin import INCONCLUSIVE, PASS, SKIP
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.trials import NodeTrials
 from sim.difficulty import Difficulty, difficulty
@@ -68,17 +68,17 @@ def examine(claim: Claim, students: Iterable[int], *, field: int = 0) -> Iterato
     students.
     """
     libraries = claim.exercise.libraries
-    with Nursery(EPOCH_NS, libraries=libraries) as nursery, complete(claim) as submission:
+    with ForkServer(EPOCH_NS, libraries=libraries) as forkserver, complete(claim) as submission:
         shared = Shared()
         for student in students:
-            yield _examine(claim, submission, student, nursery, shared, student < field)
+            yield _examine(claim, submission, student, forkserver, shared, student < field)
 
 
 def _examine(
     claim: Claim,
     submission: Submission,
     student: int,
-    nursery: Nursery,
+    forkserver: ForkServer,
     shared: Shared,
     field: bool,
 ) -> Verdict:
@@ -87,7 +87,7 @@ def _examine(
     judged = field and claim.field_ready
     stalls = 0
     while True:
-        trials = ThriftyTrials(submission, nursery, seed=seed, shared=shared)
+        trials = ThriftyTrials(submission, forkserver, seed=seed, shared=shared)
         with trials:
             grading = grade(claim.exercise, trials, file=claim.path.name, field=judged)
         stalled = any(check.outcome == INCONCLUSIVE for check in grading.checks)

@@ -20,7 +20,7 @@ from grader.course.exercises import ROOT, find_exercise
 from grader.errors import GraderError
 from grader.grading.grading import Grading
 from grader.grading.plugin import FAIL, CheckResult
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.report.page import render_terminal
 from sim.messages import EPOCH_NS
 
@@ -127,8 +127,8 @@ def grade_listing(listing: Listing) -> Grading:
     """Grade a listing, core and (if the core is full) field, with the reference's other files."""
     exercise = find_exercise(listing.exercise)
     claim = Claim(exercise, "mutant", NODES / listing.file)
-    with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
-        return grade_claim(claim, nursery)
+    with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
+        return grade_claim(claim, forkserver)
 
 
 def main(arguments: list[str]) -> int:

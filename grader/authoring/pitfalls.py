@@ -30,7 +30,7 @@ from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
 from grader.grading.grading import Grading, grade_submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.models.features import possible_features
 from grader.models.files import probe
 from grader.recording import Recording
@@ -287,17 +287,16 @@ def main(arguments: list[str]) -> int:
     """Write the replays, or the texts; with `--check` compare the texts, 1 if they are not so."""
     if len(arguments) != 1 or (arguments[0].startswith("-") and arguments[0] not in MODES):
         raise InputError(f"expected a folder for the replays, or {' or '.join(MODES)}")
-    with Nursery(EPOCH_NS) as nursery:
+    with ForkServer(EPOCH_NS) as forkserver:
         if arguments[0] not in MODES:
-            write_replays(Path(arguments[0]), nursery)
+            write_replays(Path(arguments[0]), forkserver)
             return 0
-        texts = dict(made(nursery))
+        texts = dict(made(forkserver))
     if arguments == ["--check"]:
         stale = [file.name for file, text in texts.items() if _text_of(file) != text]
         if stale:
-            print(
-                f"{', '.join(stale)}: not up to date: run `python -m grader.authoring.pitfalls --made`"
-            )
+            command = "python -m grader.authoring.pitfalls --made"
+            print(f"{', '.join(stale)}: not up to date: run `{command}`")
         return 1 if stale else 0
     MADE.mkdir(exist_ok=True)
     for file, text in texts.items():
@@ -305,21 +304,21 @@ def main(arguments: list[str]) -> int:
     return 0
 
 
-def write_replays(out: Path, nursery: Nursery) -> None:
+def write_replays(out: Path, forkserver: ForkServer) -> None:
     """Drive every node and write its replay, and what frames the replays in a page."""
     out.mkdir(parents=True, exist_ok=True)
     for name in FRAME:
         shutil.copyfile(FOLDER / name, out / name)
     for pitfall in PITFALLS:
         for node in pitfall.nodes:
-            recording = drive(pitfall, node, nursery)
+            recording = drive(pitfall, node, forkserver)
             (out / f"{node}.html").write_text(replay(pitfall, recording), "utf-8")
 
 
-def drive(pitfall: Pitfall, node: str, nursery: Nursery) -> Recording:
+def drive(pitfall: Pitfall, node: str, forkserver: ForkServer) -> Recording:
     """Run a node in the pitfall's scenario; the robot takes nothing but Twist."""
     submission = find_submission(NODES / f"{node}.py")
-    return run_trial(submission, load_scenario(pitfall.scenario), nursery)
+    return run_trial(submission, load_scenario(pitfall.scenario), forkserver)
 
 
 def replay(pitfall: Pitfall, recording: Recording) -> str:
@@ -338,19 +337,21 @@ def replay(pitfall: Pitfall, recording: Recording) -> str:
 # --- texts ----------------------------------------------------------------------------------------
 
 
-def made(nursery: Nursery, pitfalls: Iterable[Pitfall] = PITFALLS) -> Iterator[tuple[Path, str]]:
+def made(
+    forkserver: ForkServer, pitfalls: Iterable[Pitfall] = PITFALLS
+) -> Iterator[tuple[Path, str]]:
     """Return every file of lessons/pitfalls/made with its text."""
     for pitfall in pitfalls:
         yield MADE / f"{pitfall.name}.diff", differences(pitfall.wrong[0], pitfall.right)
         for mutant, checks in pitfall.caught.items():
-            said = printed(grade_mutant(mutant, nursery, only=checks))
+            said = printed(grade_mutant(mutant, forkserver, only=checks))
             yield MADE / f"{Path(mutant).name}.grade.txt", said
         for node in pitfall.nodes:
-            shown = frame(pitfall, drive(pitfall, node, nursery), node)
+            shown = frame(pitfall, drive(pitfall, node, forkserver), node)
             yield MADE / f"{node}.frame.txt", shown
 
 
-def grade_mutant(mutant: str, nursery: Nursery, *, only: Iterable[str] = ()) -> Grading:
+def grade_mutant(mutant: str, forkserver: ForkServer, *, only: Iterable[str] = ()) -> Grading:
     """Grade a wrong solution, `exercise/name`, by some checks or by all, as if it were handed in.
 
     Raises
@@ -361,11 +362,11 @@ def grade_mutant(mutant: str, nursery: Nursery, *, only: Iterable[str] = ()) -> 
     slug, _, name = mutant.partition("/")
     exercise = find_exercise(slug)
     file = exercise.solutions / "mutants" / f"{name}.py"
-    return grade(slug, file, nursery, as_file=exercise.files[0], only=only)
+    return grade(slug, file, forkserver, as_file=exercise.files[0], only=only)
 
 
 def grade(
-    slug: str, path: Path, nursery: Nursery, *, as_file: str = "", only: Iterable[str] = ()
+    slug: str, path: Path, forkserver: ForkServer, *, as_file: str = "", only: Iterable[str] = ()
 ) -> Grading:
     """Grade a node, by some checks or by all of the core.
 
@@ -378,7 +379,7 @@ def grade(
     grading = grade_submission(
         find_exercise(slug),
         find_submission(path),
-        nursery,
+        forkserver,
         file=as_file or path.name,
         field=any(check.startswith("field_") for check in only),
         only=only,

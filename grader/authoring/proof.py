@@ -34,7 +34,7 @@ from grader.course.submission import Submission, find_submission
 from grader.errors import GraderError
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import FAIL, UNAVAILABLE
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
 
 SKELETON_POINTS = 10  # at most
@@ -81,11 +81,11 @@ def claims(exercise: Exercise) -> Iterator[Claim]:
         yield Claim(exercise, "mutant", path, fails, requires=_listed("requires", doc))
 
 
-def grade_claim(claim: Claim, nursery: Nursery) -> Grading:
+def grade_claim(claim: Claim, forkserver: ForkServer) -> Grading:
     """Grade a solution with the core and the field checks."""
     with complete(claim) as submission:
         return grade_submission(
-            claim.exercise, submission, nursery, file=claim.path.name, field=True
+            claim.exercise, submission, forkserver, file=claim.path.name, field=True
         )
 
 
@@ -170,8 +170,8 @@ def main(names: list[str]) -> int:
     exercises = [find_exercise(name) for name in names] or all_exercises()
     tallies = []
     for exercise in exercises:
-        with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
-            tallies.append(_prove(exercise, nursery))
+        with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
+            tallies.append(_prove(exercise, forkserver))
     print(f"\n  {'exercise':24} killed  of")
     for tally in tallies:
         rest = f"  ({tally.in_part} claims not proven in full here)" if tally.in_part else ""
@@ -190,7 +190,7 @@ def _print_list(title: str, lines: list[str]) -> None:
     print("".join(f"  {line}\n" for line in lines), end="")
 
 
-def _prove(exercise: Exercise, nursery: Nursery) -> Tally:
+def _prove(exercise: Exercise, forkserver: ForkServer) -> Tally:
     tally = Tally(exercise.slug)
     used: set[str] = set()
     judged: set[str] = set()
@@ -202,7 +202,7 @@ def _prove(exercise: Exercise, nursery: Nursery) -> Tally:
             reasons[claim.lacks] = None
             print(f"~ {claim.name:64}   -  not proven here", flush=True)
             continue
-        grading = grade_claim(claim, nursery)
+        grading = grade_claim(claim, forkserver)
         against = [f"{claim.name}: {line}" for line in objections(claim, grading)]
         absent = unavailable(grading)
         judged |= {check.id for check in grading.checks if check.id not in absent}

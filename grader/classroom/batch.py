@@ -12,11 +12,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grader.classroom.canaries import STRIKES, Watch, canaries_of
+from grader.classroom.canaries import STRIKES, CanaryRounds, canaries_of
 from grader.classroom.conditions import HASHED, fingerprint, submission_hash
-from grader.classroom.engine import Crew, DaskCrew, LocalCrew, WorkerDied, refusal, run
+from grader.classroom.engine import DaskWorkers, LocalWorkers, WorkerDied, Workers, refusal, run
 from grader.classroom.intake import Found, Student, find_files, find_students, read_file
-from grader.classroom.progress import Watcher
+from grader.classroom.progress import Progress
 from grader.classroom.results import ResultOptions, write_results
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.store import Key, Store
@@ -70,7 +70,7 @@ class Candidate:
 
 
 def autograde(
-    submissions: Path, out: Path, options: Options, watcher: Watcher, *, regrade: bool = False
+    submissions: Path, out: Path, options: Options, progress: Progress, *, regrade: bool = False
 ) -> list[StoredResult]:
     """Grade every submission that is new or changed; return all results.
 
@@ -94,9 +94,9 @@ def autograde(
             store.retry_held()
         try:
             if regrade:
-                _Regrade(store, out, candidates, options, watcher).run()
+                _Regrade(store, out, candidates, options, progress).run()
             else:
-                _Batch(store, out, candidates, options, watcher).run()
+                _Batch(store, out, candidates, options, progress).run()
         finally:
             store.give_back()
         results = store.results()
@@ -176,22 +176,22 @@ class _Batch:
         out: Path,
         candidates: Mapping[Key, Candidate],
         options: Options,
-        watcher: Watcher,
+        progress: Progress,
     ) -> None:
         self._store = store
         self._out = out
         self._candidates = candidates
         self._options = options
-        self._watcher = watcher
+        self._progress = progress
         self._running: set[Key] = set()
         self._rooms = 0
         self._prints = {key[1]: "" for key in candidates}
-        self._watches: dict[str, Watch] = {}
+        self._all_rounds: dict[str, CanaryRounds] = {}
 
     def run(self) -> None:
         """Grade what waits."""
         waiting = self._waiting()
-        self._watcher.begin(len(waiting))
+        self._progress.begin(len(waiting))
         unverified = [slug for slug in self._prints if self._store.unverified(slug)]
         if not waiting and not (self._options.canaries and unverified):
             return
@@ -199,19 +199,19 @@ class _Batch:
             exercise = find_exercise(slug)
             self._prints[slug] = fingerprint(exercise)
             if self._options.canaries:
-                self._watches[slug] = self._watch(exercise)
-        with _crew(self._options) as crew:
-            if not self._options.trust and (problem := refusal(crew)):
+                self._all_rounds[slug] = self._rounds_of(exercise)
+        with _workers(self._options) as workers:
+            if not self._options.trust and (problem := refusal(workers)):
                 raise InputError(problem)
-            run(crew, self._next, self._done)
+            run(workers, self._next, self._done)
 
-    def _watch(self, exercise: Exercise) -> Watch:
+    def _rounds_of(self, exercise: Exercise) -> CanaryRounds:
         sample = Unit("", exercise.slug, {}, field=self._options.field, tier=self._options.tier)
         sample = replace(sample, trust=self._options.trust)
         canaries = canaries_of(exercise, sample)
         if not canaries:
             self._store.note(f"{exercise.slug}: without its solutions, no canaries were graded.")
-        return Watch(canaries, self._options.canaries, trusted=not canaries)
+        return CanaryRounds(canaries, self._options.canaries, trusted=not canaries)
 
     def _waiting(self) -> list[Key]:
         known = (key for key in self._store.waiting() if key in self._candidates)
@@ -219,20 +219,20 @@ class _Batch:
 
     def _next(self, busy: bool) -> Unit | None:
         waiting = self._waiting()
-        for slug, watch in self._watches.items():
-            if watch.waiting:
-                return watch.next()
-            if watch.in_round or not watch.canaries:
+        for slug, rounds in self._all_rounds.items():
+            if rounds.waiting:
+                return rounds.next()
+            if rounds.in_round or not rounds.canaries:
                 continue
             mine = [key for key in waiting if key[1] == slug]
             covers = self._store.unverified(slug)
             running = any(key[1] == slug for key in self._running)
-            if (mine and watch.due) or (covers and not mine and not running):
-                watch.begin(covers)
-                return watch.next()
+            if (mine and rounds.due) or (covers and not mine and not running):
+                rounds.begin(covers)
+                return rounds.next()
         for key in waiting:
-            watch_or_none = self._watches.get(key[1])
-            if watch_or_none is not None and not watch_or_none.trusted:
+            rounds_or_none = self._all_rounds.get(key[1])
+            if rounds_or_none is not None and not rounds_or_none.trusted:
                 continue
             alone = self._store.counts(key).deaths >= DEATHS - 1
             if alone and busy:
@@ -272,17 +272,17 @@ class _Batch:
             self._died(unit, result)
             return
         problem = result.problem if result.grading is None else why_held(result.grading)
-        watch = self._watches.get(unit.exercise)
+        rounds = self._all_rounds.get(unit.exercise)
         if problem:
-            if watch is not None:
-                watch.asked = True  # was it the submission, or the machine?
+            if rounds is not None:
+                rounds.asked = True  # was it the submission, or the machine?
             if self._store.put_off(unit.key, unsure=True).unsure < UNSURE:
                 self._tell(unit, f"put off: {problem}", counts=False)
                 return
         self._keep(unit, result, problem)
-        if watch is not None:
-            watch.since += 1
-            if watch.strikes >= STRIKES:  # it was running when the grader was found out
+        if rounds is not None:
+            rounds.since += 1
+            if rounds.strikes >= STRIKES:  # it was running when the grader was found out
                 self._store.hold(unit.key, "the grader could not be trusted while it ran")
 
     def _keep(self, unit: Unit, result: UnitResult, problem: str) -> None:
@@ -329,46 +329,46 @@ class _Batch:
         return folder
 
     def _canary_done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
-        watch = self._watches[unit.exercise]
-        canary = watch.out.pop(unit.key)
+        rounds = self._all_rounds[unit.exercise]
+        canary = rounds.out.pop(unit.key)
         if isinstance(result, WorkerDied):
             result = UnitResult(None, f"could not be graded: {result}")
         drift = canary.drift(result.grading, result.problem)
         self._store.canary(unit.key, result.grading, drift, result.cpu_s)
         if drift:
-            watch.drifts.append(f"the known solution {unit.student.lstrip('.')} {drift}")
-        if not watch.in_round:
-            self._round_over(unit.exercise, watch)
+            rounds.drifts.append(f"the known solution {unit.student.lstrip('.')} {drift}")
+        if not rounds.in_round:
+            self._round_over(unit.exercise, rounds)
 
-    def _round_over(self, slug: str, watch: Watch) -> None:
-        if not watch.drifts:
-            watch.trusted, watch.strikes = True, 0
-            self._store.verify(watch.covers)
+    def _round_over(self, slug: str, rounds: CanaryRounds) -> None:
+        if not rounds.drifts:
+            rounds.trusted, rounds.strikes = True, 0
+            self._store.verify(rounds.covers)
             return
-        watch.trusted = False
-        watch.strikes += 1
-        why = "; ".join(watch.drifts)
+        rounds.trusted = False
+        rounds.strikes += 1
+        why = "; ".join(rounds.drifts)
         again = self._store.unverified(slug)
-        if watch.strikes < STRIKES:
+        if rounds.strikes < STRIKES:
             self._remark(
                 f"{slug}: {why}. What was graded since the last good canary ({len(again)} "
                 "submissions) was put in quarantine and graded again."
             )
         hopeless = [key for key in again if self._store.counts(key).quarantines >= QUARANTINES - 1]
         self._store.quarantine(key for key in again if key not in hopeless)
-        if watch.strikes >= STRIKES:
+        if rounds.strikes >= STRIKES:
             hopeless += [key for key in self._waiting() if key[1] == slug]
-            watch.canaries, watch.trusted = [], False
-            self._remark(f"{slug}: {why}, {watch.strikes} times in a row; held for a person.")
+            rounds.canaries, rounds.trusted = [], False
+            self._remark(f"{slug}: {why}, {rounds.strikes} times in a row; held for a person.")
         for key in dict.fromkeys(hopeless):
             self._store.hold(key, f"the grader could not be trusted: {why}")
 
     def _remark(self, text: str) -> None:
         self._store.note(text)
-        self._watcher.say(text)
+        self._progress.say(text)
 
     def _tell(self, unit: Unit, outcome: str, *, counts: bool = True) -> None:
-        self._watcher.done(unit.student, unit.exercise, outcome, counts=counts)
+        self._progress.done(unit.student, unit.exercise, outcome, counts=counts)
 
 
 class _Regrade:
@@ -380,10 +380,10 @@ class _Regrade:
         out: Path,
         candidates: Mapping[Key, Candidate],
         options: Options,
-        watcher: Watcher,
+        progress: Progress,
     ) -> None:
         self._store = store
-        self._watcher = watcher
+        self._progress = progress
         self._workers = options.workers
         self._options = options
         slugs = dict.fromkeys(key[1] for key in candidates)
@@ -403,32 +403,32 @@ class _Regrade:
 
     def run(self) -> None:
         """Judge all that have recordings."""
-        self._watcher.begin(len(self._units))
+        self._progress.begin(len(self._units))
         left = iter(self._units)
-        with _crew(replace(self._options, dask="")) as crew:
-            run(crew, lambda _busy: next(left, None), self._done)
+        with _workers(replace(self._options, dask="")) as workers:
+            run(workers, lambda _busy: next(left, None), self._done)
 
     def _done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
         if isinstance(result, WorkerDied) or result.grading is None:
             why = str(result) if isinstance(result, WorkerDied) else result.problem
-            self._watcher.done(*unit.key, f"as it was: {why}")
+            self._progress.done(*unit.key, f"as it was: {why}")
             return
         before = self._old[unit.key].grading or {}
         grading = {**result.grading, "isolation": before.get("isolation", "")}
         self._store.regraded(unit.key, grading, why_held(grading), self._hashes[unit.key])
         score = f"{grading['score']}/{grading['max_score']}"
-        self._watcher.done(*unit.key, f"{score}, was {before.get('score', '-')}")
+        self._progress.done(*unit.key, f"{score}, was {before.get('score', '-')}")
 
 
 @contextlib.contextmanager
-def _crew(options: Options) -> Iterator[Crew]:
-    crew: Crew = DaskCrew(options.dask) if options.dask else LocalCrew(options.workers)
+def _workers(options: Options) -> Iterator[Workers]:
+    workers: Workers = DaskWorkers(options.dask) if options.dask else LocalWorkers(options.workers)
     try:
-        yield crew
+        yield workers
     except BaseException:
-        crew.close(now=True)
+        workers.close(now=True)
         raise
-    crew.close(now=False)
+    workers.close(now=False)
 
 
 @contextlib.contextmanager

@@ -43,7 +43,7 @@ class Canary:
 
 
 @dataclass
-class Watch:
+class CanaryRounds:
     """The canaries of one exercise during a run."""
 
     canaries: list[Canary]

@@ -36,7 +36,7 @@ class WorkerDied(Exception):
     """A worker ended in the middle of a unit."""
 
 
-class Crew(Protocol):
+class Workers(Protocol):
     """Workers."""
 
     @property
@@ -55,7 +55,7 @@ class Crew(Protocol):
 
 
 def run(
-    crew: Crew,
+    workers: Workers,
     next_unit: Callable[[bool], Unit | None],
     done: Callable[[Unit, UnitResult | WorkerDied], None],
 ) -> None:
@@ -65,11 +65,11 @@ def run(
     """
     running: dict[Future[UnitResult], Unit] = {}
     while True:
-        while len(running) < crew.slots and not any(u.alone for u in running.values()):
+        while len(running) < workers.slots and not any(u.alone for u in running.values()):
             unit = next_unit(bool(running))
             if unit is None:
                 break
-            running[crew.submit(grade_unit, unit)] = unit
+            running[workers.submit(grade_unit, unit)] = unit
         if not running:
             return
         finished = wait(running, return_when=FIRST_COMPLETED).done
@@ -77,10 +77,10 @@ def run(
             done(running.pop(future), _outcome(future))
 
 
-def refusal(crew: Crew) -> str:
+def refusal(workers: Workers) -> str:
     """Say why the workers should not run other people's code; "" if they may."""
     try:
-        return str(crew.submit(isolation_problem).result())
+        return str(workers.submit(isolation_problem).result())
     except BrokenExecutor as error:
         raise GraderError(f"no worker could be started ({error})") from None
 
@@ -95,7 +95,7 @@ def _outcome(future: Future[UnitResult]) -> UnitResult | WorkerDied:
 
 
 @dataclass
-class _Lane:
+class _Slot:
     """One local worker and what it is at."""
 
     executor: Executor
@@ -116,42 +116,42 @@ class _Lane:
         )
 
 
-class LocalCrew:
+class LocalWorkers:
     """Worker processes of this machine."""
 
     local = True
 
     def __init__(self, workers: int) -> None:
         self.slots = workers
-        self._lanes: list[_Lane] = []
+        self._slots: list[_Slot] = []
 
     def submit(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
         """Give a free worker something to do; a dead one is replaced."""
-        lane = next((lane for lane in self._lanes if lane.free), None)
-        if lane is None:
-            lane = _Lane(_one_process())
-            self._lanes.append(lane)
-        elif lane.broken or lane.begun >= RENEWED:
-            lane.executor.shutdown(wait=False)
-            lane.executor, lane.begun = _one_process(), 0
-        lane.begun += 1
+        slot = next((slot for slot in self._slots if slot.free), None)
+        if slot is None:
+            slot = _Slot(_one_process())
+            self._slots.append(slot)
+        elif slot.broken or slot.begun >= RENEWED:
+            slot.executor.shutdown(wait=False)
+            slot.executor, slot.begun = _one_process(), 0
+        slot.begun += 1
         try:
-            lane.task = lane.executor.submit(task, *arguments)
+            slot.task = slot.executor.submit(task, *arguments)
         except BrokenExecutor:  # it died between two units
-            lane.executor = _one_process()
-            lane.task = lane.executor.submit(task, *arguments)
-        return lane.task
+            slot.executor = _one_process()
+            slot.task = slot.executor.submit(task, *arguments)
+        return slot.task
 
     def close(self, *, now: bool) -> None:
         """Send the workers home."""
-        for lane in self._lanes:
-            if now and isinstance(lane.executor, ProcessPoolExecutor):
-                for process in list((lane.executor._processes or {}).values()):
+        for slot in self._slots:
+            if now and isinstance(slot.executor, ProcessPoolExecutor):
+                for process in list((slot.executor._processes or {}).values()):
                     process.kill()
-            lane.executor.shutdown(wait=True, cancel_futures=True)
+            slot.executor.shutdown(wait=True, cancel_futures=True)
 
 
-class DaskCrew:
+class DaskWorkers:
     """The workers of a Dask cluster."""
 
     local = False

@@ -9,7 +9,8 @@ from typing import Any, Protocol
 
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
 
 from grader.classroom.row import GRADED, HELD, StoredResult
 
@@ -28,7 +29,7 @@ def summary(results: Sequence[StoredResult], out: Path) -> tuple[str, int]:
     return "\n".join(lines), len(held)
 
 
-class Watcher(Protocol):
+class Progress(Protocol):
     """Somebody who is told."""
 
     def begin(self, total: int) -> None:
@@ -41,16 +42,16 @@ class Watcher(Protocol):
         """Something else happened."""
 
 
-class ConsoleWatcher:
+class ConsoleProgress:
     """Shows it on the console."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
         self._total = self._over = 0
-        self._bar: Progress | None = None
+        self._bar: Bar | None = None
         self._task: Any = None
 
-    def __enter__(self) -> ConsoleWatcher:
+    def __enter__(self) -> ConsoleProgress:
         return self
 
     def __exit__(
@@ -66,7 +67,7 @@ class ConsoleWatcher:
         """Show the bar."""
         self._total = total
         if self._console.is_terminal and total:
-            self._bar = Progress(
+            self._bar = Bar(
                 BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
                 TextColumn("{task.description}"), console=self._console, transient=True,
             )  # fmt: skip

@@ -26,8 +26,8 @@ from grader.classroom.row import StoredResult
 from grader.course.exercises import Exercise, find_exercise
 from grader.errors import GraderError, InputError
 from grader.link.doctor import foreign_code_problem
-from grader.link.hosts import Nursery
-from grader.link.pool import WarmNurseries
+from grader.link.hosts import ForkServer
+from grader.link.pool import ForkServerPool
 from grader.link.scratch import prefix
 
 UNIT_LIMIT = 2 * 3600.0  # [s] after which a worker gives itself up; trials end long before
@@ -71,8 +71,8 @@ class UnitResult:
 
 
 _one_at_a_time = threading.Lock()
-_nurseries = WarmNurseries(most=1)  # of this worker, kept between units
-atexit.register(_nurseries.close)
+_forkservers = ForkServerPool(most=1)  # of this worker, kept between units
+atexit.register(_forkservers.close)
 
 
 def grade_unit(unit: Unit) -> UnitResult:
@@ -94,14 +94,14 @@ def isolation_problem() -> str:
     """Say why this worker should not run other people's code; "" if it may."""
     with _one_at_a_time:
         try:
-            return isolation_is_enough(_nurseries.of())
+            return isolation_is_enough(_forkservers.of())
         except (GraderError, InputError) as error:
             raise GraderError(str(error)) from None
 
 
-def isolation_is_enough(nursery: Nursery) -> str:
-    """Say why other people's code should not run in this nursery's hosts; "" if it may."""
-    return foreign_code_problem(nursery.layers)
+def isolation_is_enough(forkserver: ForkServer) -> str:
+    """Say why other people's code should not run in this fork server's hosts; "" if it may."""
+    return foreign_code_problem(forkserver.layers)
 
 
 def cpu_seconds() -> float:
@@ -146,10 +146,10 @@ def _grade(unit: Unit) -> UnitResult:
             packed = b"" if unit.room or not unit.bags else _packed(room)
         return UnitResult(grading, bags=packed)
     except (GraderError, InputError) as error:
-        _nurseries.close()
+        _forkservers.close()
         return UnitResult(None, " ".join(str(error).split()))
     except Exception as error:  # the grader's own fault costs a student nothing, nor the class
-        _nurseries.close()
+        _forkservers.close()
         text = f"the grader failed ({type(error).__name__}: {str(error)[:300]})"
         return UnitResult(None, " ".join(text.split()))
 
@@ -158,8 +158,8 @@ def _run(exercise: Exercise, unit: Unit, bags: Path | None) -> dict[str, Any]:
     from grader.course.submission import find_submission  # noqa: PLC0415
     from grader.grading.grading import grade_submission  # noqa: PLC0415  (pulls the whole judge in)
 
-    nursery = _nurseries.of(exercise.libraries)
-    refusal = "" if unit.trust else isolation_is_enough(nursery)
+    forkserver = _forkservers.of(exercise.libraries)
+    refusal = "" if unit.trust else isolation_is_enough(forkserver)
     if refusal:
         raise GraderError(refusal)
     with tempfile.TemporaryDirectory(prefix=prefix()) as name:
@@ -170,7 +170,7 @@ def _run(exercise: Exercise, unit: Unit, bags: Path | None) -> dict[str, Any]:
         grading = grade_submission(
             exercise,
             find_submission(folder / first, first, others),
-            nursery,
+            forkserver,
             file=first,
             field=unit.field,
             seed=unit.seed,

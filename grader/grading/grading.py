@@ -26,9 +26,9 @@ from grader.grading.plugin import (
     CheckPlugin,
     CheckResult,
 )
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Recording
-from grader.trial.progress import Watch, nobody
+from grader.trial.progress import OnProgress, ignore
 from grader.trial.trials import NodeTrials, Trials
 
 ATTEMPTS = 2
@@ -124,7 +124,7 @@ def grade(
     field: bool = False,
     only: Iterable[str] = (),
     isolation: str = "",
-    watch: Watch = nobody,
+    on_progress: OnProgress = ignore,
 ) -> Grading:
     """Run the checks of `exercise` over the recordings of `trials`.
 
@@ -137,7 +137,7 @@ def grade(
     """
     import pytest  # noqa: PLC0415  (0.1 s)
 
-    plugin = CheckPlugin(trials, field=field, only=only, watch=watch)
+    plugin = CheckPlugin(trials, field=field, only=only, on_progress=on_progress)
     with _undisturbed():
         code = pytest.main(_arguments(exercise), plugins=[plugin])
     if plugin.interrupted:
@@ -159,7 +159,7 @@ def grade(
 def grade_submission(
     exercise: Exercise,
     submission: Submission,
-    nursery: Nursery,
+    forkserver: ForkServer,
     *,
     file: str,
     field: bool = False,
@@ -167,7 +167,7 @@ def grade_submission(
     seed: int | None = None,
     bags: Path | None = None,
     tier: int = 1,
-    watch: Watch = nobody,
+    on_progress: OnProgress = ignore,
 ) -> Grading:
     """Run the student's node and judge it; a machine that stalled gets a second try.
 
@@ -181,7 +181,12 @@ def grade_submission(
     only = tuple(only)
     for _ in range(ATTEMPTS):
         with NodeTrials(
-            submission, nursery, seed=seed, bags=bags, real_time=tier == 2, watch=watch
+            submission,
+            forkserver,
+            seed=seed,
+            bags=bags,
+            real_time=tier == 2,
+            on_progress=on_progress,
         ) as trials:
             grading = grade(
                 exercise,
@@ -190,8 +195,8 @@ def grade_submission(
                 tier=tier,
                 field=field,
                 only=only,
-                isolation=nursery.isolation,
-                watch=watch,
+                isolation=forkserver.isolation,
+                on_progress=on_progress,
             )
         if tier == 2 or not any(check.outcome == INCONCLUSIVE for check in grading.checks):
             break  # a trial in real time has had its second try already

@@ -22,7 +22,7 @@ import pytest
 from grader.checks.verdict import CheckFailed, Inconclusive, inconclusive
 from grader.errors import GraderError, InputError
 from grader.recording import Recording
-from grader.trial.progress import CHECK, Watch, nobody
+from grader.trial.progress import CHECK, OnProgress, ignore
 from grader.trial.trials import NoRecording, Trials
 
 PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
@@ -75,12 +75,17 @@ class CheckPlugin:
     """Collects the checks, feeds them recordings and writes down their outcomes."""
 
     def __init__(
-        self, trials: Trials, *, field: bool, only: Iterable[str] = (), watch: Watch = nobody
+        self,
+        trials: Trials,
+        *,
+        field: bool,
+        only: Iterable[str] = (),
+        on_progress: OnProgress = ignore,
     ) -> None:
         self._trials = trials
         self._field = field
         self._only = tuple(only)
-        self._watch = watch
+        self._on_progress = on_progress
         self._checks: dict[str, Check] = {}  # by node id
         self._lacks: dict[str, str] = {}  # by check id: which libraries are not here
         self.results: dict[str, CheckResult] = {}  # by check id
@@ -145,10 +150,10 @@ class CheckPlugin:
             self.results[check.id] = _judge(check, self._excused(check, call.excinfo.value))
         elif call.when == "call":
             self.results[check.id] = _result(check, PASS)
-        self._watch(CHECK, len(self.results), len(self._checks))
+        self._on_progress(CHECK, len(self.results), len(self._checks))
 
     def _excused(self, check: Check, error: BaseException) -> BaseException:
-        """Return the error, unless the machine stalled: then nobody knows whose fault it is."""
+        """Return the error, unless the machine stalled: then ignore knows whose fault it is."""
         if not isinstance(error, CheckFailed):
             return error
         for name in check.scenarios:

@@ -1,4 +1,4 @@
-"""Entry of the nursery, started by the judge only.
+"""Entry of the fork server, started by the judge only.
 
 python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts|live LAYER,… [LIBRARY …]
 """

@@ -2,8 +2,8 @@
 
 It has imported rclpy and the common interfaces (never called `rclpy.init`, started no thread) and
 holds no secret. The judge sends one request per trial, with the descriptors of the link; the answer
-is the child's pidfd, later its wait status. A nursery for scripts, which return, has neither rclpy
-nor virtual time.
+is the child's pidfd, later its wait status. A fork server for scripts, which return, has neither
+rclpy nor virtual time.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def _become_host(request: Request, descriptors: list[int], body: Body) -> None:
         os.environ["ROS_LOG_DIR"] = request.folder
         if body is _run_live:
             users.take_priority()
-        if request.prompt:
+        if request.priority:
             users.prefer(os.getpid())
         sandbox_layers.enter(request, datagrams=body is _run_live)
         body(link_in, link_out)

@@ -218,11 +218,11 @@ class Request(msgspec.Struct, frozen=True):
     folder: str
     uid: int
     layers: tuple[str, ...]  # of isolation, by their names in `isolation.py`
-    prompt: bool = False  # it goes before others on the machine from its start on
+    priority: bool = False  # it goes before others on the machine from its start on
 
 
 class Hello(msgspec.Struct, frozen=True):
-    """The nursery's first words: ready, and what it can do for isolation."""
+    """The fork server's first words: ready, and what it can do for isolation."""
 
     layers: tuple[str, ...]  # of isolation that this machine has
 

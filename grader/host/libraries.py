@@ -12,7 +12,7 @@ def hide(names: Collection[str]) -> None:
     if not names:
         return
     hidden = frozenset(names)
-    for name in list(sys.modules):  # the nursery may have imported them already
+    for name in list(sys.modules):  # the fork server may have imported them already
         if name.partition(".")[0] in hidden:
             del sys.modules[name]
     sys.meta_path[:] = [_Blind(finder, hidden) for finder in sys.meta_path]

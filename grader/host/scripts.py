@@ -51,7 +51,7 @@ def serve(read_fd: int, write_fd: int) -> None:
 
 
 def _run(order: Script) -> Ended:
-    random.seed(order.seed)  # a fork inherits the nursery's generators
+    random.seed(order.seed)  # a fork inherits the fork server's generators
     np.random.seed(order.seed)
     sys.path.insert(0, str(Path(order.file).parent))
     kind, text, detail = program.run_file(ProgramStart(order.file, order.arguments))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from grader.errors import GraderError, InputError
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions
@@ -89,9 +89,9 @@ def diagnose() -> Diagnosis:
     ros, problem = "", ""
     found: tuple[str, ...] = ()
     try:
-        with Nursery(EPOCH_NS) as nursery:
-            found = nursery.layers
-            ros = nursery.ros.kind
+        with ForkServer(EPOCH_NS) as forkserver:
+            found = forkserver.layers
+            ros = forkserver.ros.kind
     except (GraderError, InputError) as error:
         problem = str(error)
     return Diagnosis(

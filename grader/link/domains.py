@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from grader.errors import GraderError
-from grader.link.locks import claim
+from grader.link.locks import held
 
 DOMAINS = range(1, 102)  # above 101 the ports are Linux's own for outgoing connections
 # UDP ports of a domain, by the DDSI-RTPS specification (OMG formal/2022-04-01, 9.6.2.1)
@@ -29,7 +29,7 @@ def own_domain() -> Iterator[int]:
     candidates = [domain for domain in DOMAINS if domain not in taken]
     random.SystemRandom().shuffle(candidates)
     for domain in candidates:
-        with claim(f"domain/{domain}") as mine:
+        with held(f"domain/{domain}") as mine:
             if mine:
                 yield domain
                 return

@@ -27,7 +27,7 @@ from grader.host.frames import Birth, Hello, Request
 from grader.host.sandbox.kernel_filters import hide_memory
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
 from grader.host.sandbox.users import USERS, closed_ancestor, prefer
-from grader.link.locks import claim
+from grader.link.locks import held
 from grader.link.ros_environment import RosEnvironment, find_ros
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -40,7 +40,7 @@ LAYER_TEXTS = {
     FILES: "no files but its own (Landlock)",
     CALLS: "no programs, processes or sockets (seccomp)",
 }
-NODES, SCRIPTS, LIVE = "nodes", "scripts", "live"  # what a nursery's hosts do
+NODES, SCRIPTS, LIVE = "nodes", "scripts", "live"  # what a fork server's hosts do
 NO_GPU = {"CUDA_VISIBLE_DEVICES": ""}  # the same run on every machine
 LEARNING = {  # for whoever imports Keras
     "KERAS_BACKEND": "torch",
@@ -70,7 +70,7 @@ class HostProcess:
     status: int  # the exit status arrives here, as text, when the host has ended
 
     def kill(self) -> None:
-        """End the host; the nursery ends what it started (see `_bury` there)."""
+        """End the host; the fork server ends what it started (see `_bury` there)."""
         with contextlib.suppress(ProcessLookupError):
             signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
 
@@ -96,7 +96,7 @@ class HostProcess:
             os.close(fd)
 
 
-class Nursery:
+class ForkServer:
     """A warm process that forks hosts (see grader.host.forkserver).
 
     Parameters
@@ -124,7 +124,7 @@ class Nursery:
         self._epoch = epoch
         self._libraries = tuple(libraries)
         self._kind = kind
-        self._sisters: dict[str, Nursery] = {}  # by kind; they start when first asked for
+        self._sisters: dict[str, ForkServer] = {}  # by kind; they start when first asked for
         self.ros = ros or find_ros()
         self._lock = threading.Lock()
         self._wanted = tuple(layers)
@@ -147,7 +147,7 @@ class Nursery:
                 start_new_session=self._kind == LIVE,  # Linux weighs CPU time by session
             )
 
-    def __enter__(self) -> Nursery:
+    def __enter__(self) -> ForkServer:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -173,19 +173,19 @@ class Nursery:
         return ", ".join(LAYER_TEXTS[layer] for layer in self.layers)
 
     @property
-    def workshop(self) -> Nursery:
-        """The nursery for scripts that goes with this one."""
+    def workshop(self) -> ForkServer:
+        """The fork server for scripts that goes with this one."""
         return self._sister(SCRIPTS, TRAINING_LIBRARIES)
 
     @property
-    def live(self) -> Nursery:
-        """The nursery for nodes in real time that goes with this one."""
+    def live(self) -> ForkServer:
+        """The fork server for nodes in real time that goes with this one."""
         return self._sister(LIVE, self._libraries)
 
-    def _sister(self, kind: str, libraries: Sequence[str]) -> Nursery:
+    def _sister(self, kind: str, libraries: Sequence[str]) -> ForkServer:
         with self._lock:
             if kind not in self._sisters:
-                sister = Nursery(
+                sister = ForkServer(
                     self._epoch, self.ros, libraries=libraries, kind=kind, layers=self._wanted
                 )
                 sister._users = self._users  # no two hosts are the same user
@@ -204,7 +204,7 @@ class Nursery:
             return
         for _ in USERS:
             uid = next(self._users)
-            with claim(f"user/{uid}") as mine:
+            with held(f"user/{uid}") as mine:
                 if mine:
                     yield uid
                     return
@@ -212,23 +212,23 @@ class Nursery:
 
     @contextlib.contextmanager
     def host(
-        self, folder: Path, user: int | None = None, *, prompt: bool = False
+        self, folder: Path, user: int | None = None, *, priority: bool = False
     ) -> Iterator[HostProcess]:
         """Fork a host that works in `folder`; it is dead when the block ends.
 
-        Each host is another user, unless several are to share their folder. A `prompt` one goes
-        before others on the machine from its start on, if that is allowed.
+        Each host is another user, unless several are to share their folder. One with `priority`
+        goes before others on the machine from its start on, if that is allowed.
         """
         with self.user() if user is None else contextlib.nullcontext(user) as uid:
             if uid:
                 _give(folder, uid)
-            with self._forked(folder, uid, prompt) as host:
+            with self._forked(folder, uid, priority) as host:
                 yield host
 
     @contextlib.contextmanager
-    def _forked(self, folder: Path, uid: int, prompt: bool) -> Iterator[HostProcess]:
+    def _forked(self, folder: Path, uid: int, priority: bool) -> Iterator[HostProcess]:
         self._await_ready()
-        host = self._fork(folder, uid, prompt)
+        host = self._fork(folder, uid, priority)
         try:
             yield host
         finally:
@@ -288,14 +288,14 @@ class Nursery:
         lines = self._log.read().decode("utf-8", "replace").strip().splitlines()
         return lines[-1] if lines else "it said nothing"
 
-    def _fork(self, folder: Path, uid: int, prompt: bool) -> HostProcess:
+    def _fork(self, folder: Path, uid: int, priority: bool) -> HostProcess:
         their_in, link_out = os.pipe()
         link_in, their_out = os.pipe()
         stdout, their_stdout = os.pipe()
         stderr, their_stderr = os.pipe()
         status, their_status = os.pipe()
         theirs = [their_in, their_out, their_stdout, their_stderr, their_status]
-        request = msgspec.json.encode(Request(str(folder), uid, self._layers, prompt))
+        request = msgspec.json.encode(Request(str(folder), uid, self._layers, priority))
         try:
             with self._lock:
                 socket.send_fds(self._control, [request], theirs)

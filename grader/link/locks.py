@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 
 @contextlib.contextmanager
-def claim(name: str) -> Iterator[bool]:
+def held(name: str) -> Iterator[bool]:
     """Hold a name until the block ends, or this process does; False if another holds it.
 
     An abstract socket is the name's keeper: no file that a killed grader would leave behind.

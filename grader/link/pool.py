@@ -1,13 +1,13 @@
-"""Nurseries that stay warm from one grading to the next: rclpy is imported once, not each time."""
+"""Fork servers kept warm from one grading to the next: rclpy is imported once, not each time."""
 
 from __future__ import annotations
 
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
 
 
-class WarmNurseries:
-    """Nurseries by the libraries that they have imported; each starts when first asked for.
+class ForkServerPool:
+    """Fork servers by the libraries that they have imported; each starts when first asked for.
 
     Used by one thread at a time.
 
@@ -19,29 +19,29 @@ class WarmNurseries:
 
     def __init__(self, most: int | None = None) -> None:
         self._most = most
-        self._warm: dict[tuple[str, ...], Nursery] = {}  # the one used last is the last
+        self._warm: dict[tuple[str, ...], ForkServer] = {}  # the one used last is the last
 
-    def __enter__(self) -> WarmNurseries:
+    def __enter__(self) -> ForkServerPool:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def of(self, libraries: tuple[str, ...] = ()) -> Nursery:
-        """Return the nursery that has imported these modules.
+    def of(self, libraries: tuple[str, ...] = ()) -> ForkServer:
+        """Return the fork server that has imported these modules.
 
         Raises
         ------
         GraderError
             It can't be started.
         """
-        nursery = self._warm.pop(libraries, None)
-        if nursery is None:
+        forkserver = self._warm.pop(libraries, None)
+        if forkserver is None:
             while self._most is not None and len(self._warm) >= self._most:
                 self._end(next(iter(self._warm)))
-            nursery = Nursery(EPOCH_NS, libraries=libraries)
-        self._warm[libraries] = nursery
-        return nursery
+            forkserver = ForkServer(EPOCH_NS, libraries=libraries)
+        self._warm[libraries] = forkserver
+        return forkserver
 
     def close(self) -> None:
         """End them all: at the end, or after a fault, when nobody knows in what state one is."""

@@ -1,4 +1,4 @@
-"""Have the files of a notebook judged, one warm nursery for all students."""
+"""Have the files of a notebook judged, one warm fork server for all students."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
 from grader.link.doctor import foreign_code_problem
-from grader.link.pool import WarmNurseries
+from grader.link.pool import ForkServerPool
 from grader.link.scratch import fresh_folder
 
 
@@ -29,8 +29,8 @@ class Verdict:
 
 
 _one_at_a_time = threading.Lock()
-_nurseries = WarmNurseries(most=1)  # kept from one student to the next
-atexit.register(_nurseries.close)
+_forkservers = ForkServerPool(most=1)  # kept from one student to the next
+atexit.register(_forkservers.close)
 
 
 def refusal() -> str:
@@ -42,7 +42,7 @@ def refusal() -> str:
         No node can run here at all.
     """
     with _one_at_a_time:
-        return foreign_code_problem(_nurseries.of().layers)
+        return foreign_code_problem(_forkservers.of().layers)
 
 
 def judge(exercise: Exercise, files: Mapping[str, str], *, seed: int | None = None) -> Verdict:
@@ -59,7 +59,7 @@ def judge(exercise: Exercise, files: Mapping[str, str], *, seed: int | None = No
             said = " ".join(str(error).split())
         except Exception as error:  # the grader's own fault costs a student nothing
             said = " ".join(f"the grader failed ({type(error).__name__}: {error})".split())
-        _nurseries.close()
+        _forkservers.close()
         return Verdict(None, problem=said[:600])
 
 
@@ -68,7 +68,7 @@ def _grading(exercise: Exercise, file: Path, seed: int | None) -> dict[str, Any]
     grading = grade_submission(
         exercise,
         find_submission(file, first, others),
-        _nurseries.of(exercise.libraries),
+        _forkservers.of(exercise.libraries),
         file=file.name,
         seed=seed,
     )

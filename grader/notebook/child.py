@@ -54,7 +54,7 @@ class Judge:
     def ask(
         self,
         order: Order,
-        watch: Callable[[Progressed], None],
+        on_progress: Callable[[Progressed], None],
         beat: Callable[[], None] = lambda: None,
     ) -> Answer:
         """Give an order, and wait for the answer; `beat` is called now and then meanwhile.
@@ -70,12 +70,12 @@ class Judge:
             waited = self._process is not None
             try:
                 try:
-                    return self._ask(order, watch, beat)
+                    return self._ask(order, on_progress, beat)
                 except _EndedBefore:
                     if not waited:
                         raise
                     self.end()  # something ended it while it waited: a new one can answer
-                    return self._ask(order, watch, beat)
+                    return self._ask(order, on_progress, beat)
             except BaseException:
                 self.end()
                 raise
@@ -105,12 +105,12 @@ class Judge:
         return None if self._process is None else self._process.pid
 
     def _ask(
-        self, order: Order, watch: Callable[[Progressed], None], beat: Callable[[], None]
+        self, order: Order, on_progress: Callable[[Progressed], None], beat: Callable[[], None]
     ) -> Answer:
         self._tell(order)
         answer = self._next(beat)
         while isinstance(answer, Progressed):
-            watch(answer)
+            on_progress(answer)
             try:
                 answer = self._next(beat)
             except _EndedBefore as error:

@@ -1,7 +1,7 @@
 """The judge of a notebook: a process beside the kernel that drives and grades as `course` does.
 
 The kernel runs whatever a student writes, so nothing is judged in it. This process reads orders
-from stdin, keeps the nursery of hosts warm between them, and ends when the kernel does.
+from stdin, keeps the fork server of hosts warm between them, and ends when the kernel does.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, print_summary, scenario_for
 from grader.errors import GraderError, InputError
 from grader.grading.grading import Grading, grade_submission
-from grader.link.hosts import Nursery
-from grader.link.pool import WarmNurseries
+from grader.link.hosts import ForkServer
+from grader.link.pool import ForkServerPool
 from grader.notebook.orders import (
     Answer,
     Drive,
@@ -60,58 +60,58 @@ def main() -> None:
     orders: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(sys.stdin.buffer, orders), daemon=True).start()
     send = _sender(answers)
-    with contextlib.suppress(KeyboardInterrupt, BrokenPipeError), WarmNurseries() as nurseries:
+    with contextlib.suppress(KeyboardInterrupt, BrokenPipeError), ForkServerPool() as forkservers:
         while line := orders.get():
             order = msgspec.json.decode(line, type=Order)
-            answer = carry_out(order, nurseries, send)
+            answer = carry_out(order, forkservers, send)
             if answer is not None:
                 send(answer)
 
 
-def carry_out(order: Order, nurseries: WarmNurseries, send: Send) -> Answer | None:
+def carry_out(order: Order, forkservers: ForkServerPool, send: Send) -> Answer | None:
     """Do what is asked for, and return the answer: none to `Warm`."""
     try:
         match order:
             case Warm():
-                nurseries.of(order.libraries)
+                forkservers.of(order.libraries)
                 return None
             case Drive():
-                return _drive(order, nurseries.of(order.libraries))
+                return _drive(order, forkservers.of(order.libraries))
             case Grade():
-                return _grade(order, nurseries, send)
+                return _grade(order, forkservers, send)
     except InputError as error:
         return None if isinstance(order, Warm) else Problem(str(error))
     except GraderError as error:
-        nurseries.close()
+        forkservers.close()
         return None if isinstance(order, Warm) else Problem(str(error), fault=True)
 
 
-def _drive(order: Drive, nursery: Nursery) -> Driven:
+def _drive(order: Drive, forkserver: ForkServer) -> Driven:
     scenario = scenario_for(
         order.scenario, lidar=order.lidar, duration=order.duration, goals=order.goals
     )
     others = [program.file for program in scenario.program if program.file]
     submission = find_submission(Path(order.file), others=others)
     arguments = arguments_of(order.params)
-    recording = drive_node(submission, scenario, nursery, seed=order.seed, arguments=arguments)
+    recording = drive_node(submission, scenario, forkserver, seed=order.seed, arguments=arguments)
     with contextlib.redirect_stdout(io.StringIO()) as said:
         print_summary(recording, file=order.shown)
     payload = page_payload(None, [recording], recording.scenario.title or recording.name)
     return Driven(said.getvalue(), page_html({**payload, "embedded": True}))
 
 
-def _grade(order: Grade, nurseries: WarmNurseries, send: Send) -> Graded:
+def _grade(order: Grade, forkservers: ForkServerPool, send: Send) -> Graded:
     exercise = find_exercise(order.exercise)
     path = Path(order.file)
     submission = find_submission(path, exercise.files[0], exercise.files[1:])
     grading = grade_submission(
         exercise,
         submission,
-        nurseries.of(exercise.libraries),
+        forkservers.of(exercise.libraries),
         file=order.shown,
         field=order.field,
         only=order.only,
-        watch=lambda what, done, of: send(Progressed(what, done, of)),
+        on_progress=lambda what, done, of: send(Progressed(what, done, of)),
     )
     result = grading.as_dict()
     console = Console(file=io.StringIO(), width=WIDTH, color_system=None, legacy_windows=False)

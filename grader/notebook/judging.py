@@ -94,12 +94,12 @@ def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
     """Ask the judge, with a bar below the cell; None if it was stopped or failed, which is said."""
     done = {"trial": (0, 0), "check": (0, 0)}
 
-    def watch(step: Progressed) -> None:
+    def on_progress(step: Progressed) -> None:
         done[step.what] = step.done, step.of
         bar.update(*_told(done))
 
     try:
-        answer = JUDGE.ask(order, watch, bar.beat)
+        answer = JUDGE.ask(order, on_progress, bar.beat)
     except KeyboardInterrupt:
         bar.say(f"{failed}: stopped, because you interrupted the kernel. Run the cell again.")
         return None

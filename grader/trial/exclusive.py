@@ -9,7 +9,7 @@ from collections.abc import Iterator
 WHOLE = 1_000  # trials: as many as there never are
 
 
-class Crowd:
+class TrialLock:
     """Trials that run at the same time; one that was disturbed runs again with nobody beside it."""
 
     def __init__(self) -> None:
@@ -18,7 +18,7 @@ class Crowd:
         self._waiting_alone = 0
 
     @contextlib.contextmanager
-    def joined(self, *, alone: bool) -> Iterator[None]:
+    def held(self, *, alone: bool) -> Iterator[None]:
         """Be one of the trials, or the only one."""
         with self._changed:
             self._waiting_alone += alone
@@ -33,14 +33,14 @@ class Crowd:
                 self._changed.notify_all()
 
     @property
-    def somebody_waits_alone(self) -> bool:
+    def exclusive_wanted(self) -> bool:
         """One that wants no company waits for the others to leave."""
         return self._waiting_alone > 0
 
     def _may_enter(self, alone: bool) -> bool:
         if alone:
             return self._inside == 0
-        return self._inside < WHOLE and not self.somebody_waits_alone
+        return self._inside < WHOLE and not self.exclusive_wanted
 
 
-CROWD = Crowd()  # of this process
+TRIAL_LOCK = TrialLock()  # of this process

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 TRIAL, CHECK = "trial", "check"
 
-Watch = Callable[[str, int, int], None]
+OnProgress = Callable[[str, int, int], None]
 """Called with TRIAL or CHECK, how many are done, and of how many; from any thread."""
 
 
-def nobody(what: str, done: int, of: int) -> None:
-    """Watch nothing."""
+def ignore(what: str, done: int, of: int) -> None:
+    """Tell nobody."""

@@ -1,7 +1,8 @@
 """One trial in real time: the node as a process on DDS, beside a robot that keeps to the clock.
 
 The judge runs the robot and its clock; a radio (grader.host.real_time.robot) has the robot's ends
-of the topics, in a process of its own, and says when what came. The recording has the form of any other.
+of the topics, in a process of its own, and says when what came. The recording has the form of any
+other.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from grader.course.submission import Submission
 from grader.host.frames import Delivery
 from grader.host.sandbox.users import priority
 from grader.link.domains import own_domain
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.link.link import HostForged
 from grader.recording import COMPLETED, Live, Outcome, Recording
-from grader.trial.exclusive import CROWD
+from grader.trial.exclusive import TRIAL_LOCK
 from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over
-from grader.trial.recorder import Command, Flood, Tape, not_run
+from grader.trial.recorder import Command, Flood, Recorder, not_run
 from grader.trial.staging import Stage, stage
-from grader.trial.stalls import Habit
+from grader.trial.stalls import AnswerRate
 from grader.trial.virtual_time import (
     GRACE,
     LOOK_EVERY,
@@ -51,7 +52,7 @@ HUNG = "the node did not come back from a callback"
 def run_live_trial(
     submission: Submission,
     scenario: Scenario,
-    nursery: Nursery,
+    forkserver: ForkServer,
     *,
     seed: int | None = None,
     arguments: Sequence[str] = (),
@@ -63,7 +64,7 @@ def run_live_trial(
 
     Parameters
     ----------
-    nursery
+    fork server
         One for virtual time; its sister for real time is used.
     reason
         Why the trial isn't in virtual time, for the report.
@@ -82,11 +83,13 @@ def run_live_trial(
         if problem is not None:
             return not_run(simulation, problem)
         with (
-            CROWD.joined(alone=attempt > 0),
+            TRIAL_LOCK.held(alone=attempt > 0),
             stage(submission, scenario, arguments, files) as staged,
             own_domain() as domain,
         ):
-            trial = _LiveTrial(Tape(simulation, stamped=stamped), nursery.live, staged, domain)
+            trial = _LiveTrial(
+                Recorder(simulation, stamped=stamped), forkserver.live, staged, domain
+            )
             recording = trial.run(reason)
         if not recording.live or not recording.live.stall:
             break
@@ -103,12 +106,14 @@ def _longest_stall(scenario: Scenario) -> float:
 class _LiveTrial:
     """A trial on its way."""
 
-    def __init__(self, tape: Tape, nursery: Nursery, staged: Stage, domain: int) -> None:
-        self.tape = tape
-        self.hosts = LiveHosts(nursery, staged, domain, tape.simulation.seed)
+    def __init__(
+        self, recorder: Recorder, forkserver: ForkServer, staged: Stage, domain: int
+    ) -> None:
+        self.recorder = recorder
+        self.hosts = LiveHosts(forkserver, staged, domain, recorder.simulation.seed)
         self._stage = staged
         self._lateness = 0.0  # [s] of the robot's latest message
-        self._habit = Habit()
+        self._answer_rate = AnswerRate()
         self._starved = 0.0  # [s] that a thread of a host has waited for a CPU, at worst
 
     def run(self, reason: str) -> Recording:
@@ -134,27 +139,27 @@ class _LiveTrial:
             self._starved = max(self._starved, hosts.still_wait())
             log = [line for program in hosts.programs for line in program.link.log()]
             output = [o for p in hosts.programs for o in (p.link.stdout, p.link.stderr)]
-        self.tape.note_endpoints(hosts.endpoints)
-        limit = _longest_stall(self.tape.simulation.scenario)
+        self.recorder.note_endpoints(hosts.endpoints)
+        limit = _longest_stall(self.recorder.simulation.scenario)
         if self._lateness > limit:
             stall = f"a message of the robot left {self._lateness:.3f} s late"
         elif self._starved > limit:
             stall = f"the node had to wait {self._starved:.3f} s for a CPU"
         live = Live(hosts.epoch or time.time_ns(), reason, self._lateness, self._starved, stall)
         log.sort(key=lambda line: line.time)
-        return self.tape.freeze(outcome, self._stage.folder, log, output, live)
+        return self.recorder.freeze(outcome, self._stage.folder, log, output, live)
 
     # --- the clock -------------------------------------------------------------------------------
 
     def _drive(self) -> None:
         """Let the robot live through the scenario, on time."""
-        tape, simulation, hosts = self.tape, self.tape.simulation, self.hosts
+        recorder, simulation, hosts = self.recorder, self.recorder.simulation, self.hosts
         pending = simulation.advance(0, self._take_heard())  # what was said in its start-up
         while True:
             self._transmit(pending)
             hosts.start_programs(simulation.now)
             hosts.stop_programs(simulation.now)
-            if simulation.now >= tape.end:
+            if simulation.now >= recorder.end:
                 return
             hosts.measure()
             began, until = simulation.now, self._next_moment()
@@ -166,21 +171,26 @@ class _LiveTrial:
             self._lateness = max(self._lateness, (hosts.now() - until) / 1e9)
             answered = (commands[0][0] - began) / 1e9 if commands else math.nan
             kind = frozenset(message.topic for message in pending)
-            missed = not answered <= PROMPT and self._habit.answers(kind)
-            self._habit.note(kind, answered=not math.isnan(answered))
+            missed = not answered <= PROMPT and self._answer_rate.answers(kind)
+            self._answer_rate.note(kind, answered=not math.isnan(answered))
             queued = hosts.waited(believed=missed)
             self._starved = max(self._starved, queued)
             used = hosts.cpu() - cpu
             wall = min(used, (until - began) / 1e9) if math.isnan(answered) else answered
-            tape.compute.append((began / 1e9, max(0.0, wall), used, queued))
-            if len(tape.compute) % LOOK_EVERY == 0:
-                tape.check_folder(self._stage.folder)
+            recorder.compute.append((began / 1e9, max(0.0, wall), used, queued))
+            if len(recorder.compute) % LOOK_EVERY == 0:
+                recorder.check_folder(self._stage.folder)
             pending = simulation.advance(until, commands)
 
     def _next_moment(self) -> int:
         """Return when something is to be done next [ns], at the latest at the scenario's end."""
-        now, end = self.tape.simulation.now, self.tape.end
-        moments = [self.tape.simulation.next_event(), *self.hosts.moments, now + HEARTBEAT_NS, end]
+        now, end = self.recorder.simulation.now, self.recorder.end
+        moments = [
+            self.recorder.simulation.next_event(),
+            *self.hosts.moments,
+            now + HEARTBEAT_NS,
+            end,
+        ]
         return min(moment for moment in moments if moment is not None and now < moment <= end)
 
     def _transmit(self, messages: Sequence[Message]) -> None:
@@ -189,17 +199,17 @@ class _LiveTrial:
         real = [with_epoch(message, self.hosts.epoch) for message in messages]
         self._lateness = max(self._lateness, (self.hosts.now() - messages[0].time) / 1e9)
         self.hosts.transmit([Delivery(message.topic, message.data) for message in real])
-        self.tape.delivered += real
+        self.recorder.delivered += real
 
     def _take_heard(self) -> list[Command]:
         """Note what was heard, with times since the scenario's start; none goes back in time."""
-        last = self.tape.published[-1].time if self.tape.published else 0
+        last = self.recorder.published[-1].time if self.recorder.published else 0
         now = max(self.hosts.now(), last)
         timed = [
             msgspec.structs.replace(m, time=min(max(m.time - self.hosts.epoch, last), now))
             for m in self.hosts.take_heard()
         ]
-        return self.tape.hear(timed, last, now)
+        return self.recorder.hear(timed, last, now)
 
     # --- how it ended ----------------------------------------------------------------------------
 
@@ -216,9 +226,9 @@ class _LiveTrial:
 
     def _end_outcome(self) -> Outcome:
         """Say how the program ended that has ended; let the robot roll on."""
-        reached = max(self.hosts.now(), self.tape.simulation.now)
+        reached = max(self.hosts.now(), self.recorder.simulation.now)
         with contextlib.suppress(HostForged, Flood):
-            self.tape.roll_on(min(reached, self.tape.end), self._take_heard())
+            self.recorder.roll_on(min(reached, self.recorder.end), self._take_heard())
         program = next(p for p in self.hosts.programs if p.ended or p.link.gone)
         name = f"{Path(program.start.file).name}: " if len(self._stage.programs) > 1 else ""
         if program.ended is None:
@@ -227,4 +237,4 @@ class _LiveTrial:
         return self._outcome(end.kind, name + end.text, end.detail)
 
     def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:
-        return Outcome(kind, text, min(self.hosts.now(), self.tape.end) / 1e9, detail)
+        return Outcome(kind, text, min(self.hosts.now(), self.recorder.end) / 1e9, detail)

@@ -37,7 +37,7 @@ from grader.host.frames import (
     decode_from_radio,
 )
 from grader.host.sandbox.users import prefer
-from grader.link.hosts import HostProcess, Nursery
+from grader.link.hosts import ForkServer, HostProcess
 from grader.link.link import Channel, HostDied, HostHung, decoded
 from grader.link.run_queue import RunQueue
 from grader.link.scratch import prefix
@@ -140,12 +140,12 @@ class LiveHosts:
         For the `random` of the node's programs.
     """
 
-    def __init__(self, nursery: Nursery, staged: Stage, domain: int, seed: int) -> None:
+    def __init__(self, forkserver: ForkServer, staged: Stage, domain: int, seed: int) -> None:
         self.programs: list[Program] = []  # that have been started, in order
         self.radio: LiveLink
         self.endpoints: list[EndpointReport] = []  # that the radio has dealt with
         self.epoch = 0  # [ns] since 1970 at the scenario's start; 0: not yet
-        self._nursery = nursery
+        self._forkserver = forkserver
         self._stage = staged
         self._domain = domain
         self._seed = seed
@@ -174,11 +174,11 @@ class LiveHosts:
     def open(self) -> None:
         """Start the radio and the programs that run from the beginning."""
         place = self._all.enter_context(tempfile.TemporaryDirectory(prefix=prefix()))
-        self._radio_host = self._all.enter_context(self._nursery.host(Path(place)))
+        self._radio_host = self._all.enter_context(self._forkserver.host(Path(place)))
         self.radio = LiveLink(self._radio_host, decode_from_radio)
         self._register(self.radio)
         self._tell_radio(TuneIn(self._domain, (*self._stage.offers, GO)))
-        self._user = self._all.enter_context(self._nursery.user())
+        self._user = self._all.enter_context(self._forkserver.user())
         self.start_programs(0)
 
     def start_programs(self, now: int) -> None:
@@ -186,7 +186,7 @@ class LiveHosts:
         while self._waiting and self._waiting[0].start <= now:
             program = self._waiting.pop(0)
             host = self._all.enter_context(
-                self._nursery.host(self._stage.folder, self._user, prompt=self.epoch > 0)
+                self._forkserver.host(self._stage.folder, self._user, priority=self.epoch > 0)
             )
             link = LiveLink(host, decode_from_live)
             self._register(link)

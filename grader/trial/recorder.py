@@ -41,7 +41,7 @@ class Flood(Exception):
     """The node published too much."""
 
 
-class Tape:
+class Recorder:
     """What a trial has given so far.
 
     Parameters
@@ -208,4 +208,4 @@ def line_without_folder(line: LogLine, folder: Path) -> LogLine:
 
 def not_run(simulation: Simulation, outcome: Outcome) -> Recording:
     """Return the recording of a scenario in which no node ran."""
-    return Tape(simulation).freeze(outcome, Path(), (), ())
+    return Recorder(simulation).freeze(outcome, Path(), (), ())

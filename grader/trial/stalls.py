@@ -8,7 +8,7 @@ ENOUGH = 5  # events of a kind, before anything is usual
 USUAL = 0.8  # part of them that is answered
 
 
-class Habit:
+class AnswerRate:
     """Counts, for each kind of event, how often the node said something before the next event.
 
     A kind is the set of topics on which the event's messages came.

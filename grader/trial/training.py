@@ -24,7 +24,7 @@ import numpy as np
 from grader.course.submission import Submission
 from grader.errors import GraderError
 from grader.host.frames import Ended, Loaded, LoadModels, Predict, Predicted, Script
-from grader.link.hosts import HostProcess, Nursery
+from grader.link.hosts import ForkServer, HostProcess
 from grader.link.link import HostDied, HostForged, HostHung, Link
 from grader.link.log import LogLine
 from grader.link.scratch import fresh_folder
@@ -65,7 +65,7 @@ class Trained:
 
 
 def run_training(
-    submission: Submission, scenario: Scenario, nursery: Nursery, *, seed: int | None = None
+    submission: Submission, scenario: Scenario, forkserver: ForkServer, *, seed: int | None = None
 ) -> Trained:
     """Run the training script that belongs to a submission, and question its models.
 
@@ -85,11 +85,11 @@ def run_training(
         training = Training(spec.script, problem)
         return Trained(replace(not_run(simulation, outcome), training=training), None)
     _require_libraries()
-    return _train(submission, simulation, spec, nursery.workshop)
+    return _train(submission, simulation, spec, forkserver.workshop)
 
 
 def _train(
-    submission: Submission, simulation: Simulation, spec: TrainingSpec, workshop: Nursery
+    submission: Submission, simulation: Simulation, spec: TrainingSpec, workshop: ForkServer
 ) -> Trained:
     data = make_dataset(spec.rows, 2 * simulation.seed)
     hidden = make_dataset(spec.hidden_rows, 2 * simulation.seed + 1, blind=False)
@@ -134,7 +134,7 @@ def _run_script(
     submission: Submission,
     spec: TrainingSpec,
     data: Dataset,
-    workshop: Nursery,
+    workshop: ForkServer,
     names: tuple[str, str],
 ) -> tuple[ScriptRun, dict[str, bytes], tuple[LogLine, ...]]:
     """Run the script once; return how that went, what it wrote, and what it said."""
@@ -189,7 +189,7 @@ def _take_file(path: Path) -> bytes | None:
 
 
 def _question(
-    files: dict[str, bytes], training: Training, hidden: Dataset, workshop: Nursery
+    files: dict[str, bytes], training: Training, hidden: Dataset, workshop: ForkServer
 ) -> Training:
     """Let a fresh host load the models, without the script beside them, and predict."""
     seen = features(hidden.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
@@ -256,6 +256,6 @@ def _time_singles(link: Link, seen: Floats) -> tuple[Floats, Floats]:
 
 
 @contextmanager
-def _link(workshop: Nursery, folder: Path) -> Iterator[tuple[Link, HostProcess]]:
+def _link(workshop: ForkServer, folder: Path) -> Iterator[tuple[Link, HostProcess]]:
     with workshop.host(folder) as host:
         yield Link(host), host

@@ -14,10 +14,10 @@ from typing import Protocol
 
 from grader.course import installed
 from grader.course.submission import Submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
-from grader.trial.progress import TRIAL, Watch, nobody
+from grader.trial.progress import TRIAL, OnProgress, ignore
 from grader.trial.real_time import run_live_trial
 from grader.trial.recorder import not_run
 from grader.trial.training import Trained, run_training
@@ -55,12 +55,12 @@ class NodeTrials:
     """Runs the student's node, a few scenarios at a time."""
 
     submission: Submission
-    nursery: Nursery
+    forkserver: ForkServer
     seed: int | None = None  # mixed into every scenario's own
     bags: Path | None = None
     limits: Limits = field(default_factory=Limits)
     real_time: bool = False  # Tier 2: all trials in wall-clock time, on DDS
-    watch: Watch = nobody
+    on_progress: OnProgress = ignore
     _futures: dict[str, Future[Recording]] = field(default_factory=dict)
     _trained: dict[str, Future[Trained]] = field(default_factory=dict)
     _seeds: dict[str, int] = field(default_factory=dict)  # by scenario
@@ -117,7 +117,7 @@ class NodeTrials:
 
     def _tell(self, _: Future[Recording]) -> None:
         futures = list(self._futures.values())
-        self.watch(TRIAL, sum(future.done() for future in futures), len(futures))
+        self.on_progress(TRIAL, sum(future.done() for future in futures), len(futures))
 
     def _train(self, name: str) -> None:
         if name in self._trained:
@@ -127,7 +127,7 @@ class NodeTrials:
             run_training,
             self.submission,
             scenario,
-            self.nursery,
+            self.forkserver,
             seed=self.seed_of(scenario),
         )
 
@@ -149,7 +149,7 @@ class NodeTrials:
         recording = run_trial(
             self.submission,
             scenario,
-            self.nursery,
+            self.forkserver,
             seed=self.seed_of(scenario),
             limits=limits,
             files=self._own_models(scenario),
@@ -185,7 +185,7 @@ class NodeTrials:
         return run_live_trial(
             self.submission,
             scenario,
-            self.nursery,
+            self.forkserver,
             seed=self.seed_of(scenario),
             files=self._own_models(scenario),
             reason=reason,

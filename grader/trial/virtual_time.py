@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 from grader.course.submission import Submission
 from grader.host.frames import Delivery, Ended, Run, Settled, Slept, Start
-from grader.link.hosts import HostProcess, Nursery
+from grader.link.hosts import ForkServer, HostProcess
 from grader.link.link import Cost, HostDied, HostForged, HostHung, Link
 from grader.recording import COMPLETED, Outcome, Recording
-from grader.trial.recorder import Flood, Tape, not_run
+from grader.trial.recorder import Flood, Recorder, not_run
 from grader.trial.staging import Stage, missing_file, stage
 from sim.messages import EPOCH_NS, Message
 from sim.scenario import Scenario
@@ -43,7 +43,7 @@ class Limits:
 def run_trial(
     submission: Submission,
     scenario: Scenario,
-    nursery: Nursery,
+    forkserver: ForkServer,
     *,
     seed: int | None = None,
     arguments: Sequence[str] = (),
@@ -77,16 +77,16 @@ def run_trial(
         simulation = prepared(scenario, seed)
         with (
             stage(submission, scenario, arguments, files) as staged,
-            nursery.host(staged.folder) as host,
+            forkserver.host(staged.folder) as host,
         ):
-            trial = _Trial(Tape(simulation, stamped=stamped), Link(host), host)
+            trial = _Trial(Recorder(simulation, stamped=stamped), Link(host), host)
             try:
                 outcome = trial.conduct(staged, limits or Limits(), lead)
             except _Early as early:
                 lead = early.lead
                 continue
             output = (trial.link.stdout, trial.link.stderr)
-            return trial.tape.freeze(outcome, staged.folder, trial.link.log(), output)
+            return trial.recorder.freeze(outcome, staged.folder, trial.link.log(), output)
 
 
 def prepared(scenario: Scenario, seed: int | None) -> Simulation:
@@ -117,8 +117,8 @@ class _Early(Exception):
 class _Trial:
     """A trial on its way."""
 
-    def __init__(self, tape: Tape, link: Link, host: HostProcess) -> None:
-        self.tape = tape
+    def __init__(self, recorder: Recorder, link: Link, host: HostProcess) -> None:
+        self.recorder = recorder
         self.link = link
         self._host = host
         self._at = 0.0  # [s] the time that the node has come to
@@ -127,7 +127,7 @@ class _Trial:
 
     def conduct(self, staged: Stage, limits: Limits, lead: int) -> Outcome:
         """Run the trial to its end, with the node `lead` [ns] ahead; say how it ended."""
-        tape, simulation = self.tape, self.tape.simulation
+        recorder, simulation = self.recorder, self.recorder.simulation
         start = Start(staged.programs, EPOCH_NS, simulation.seed, staged.offers, lead=lead)
         clock_end = time.perf_counter() + limits.total
         try:
@@ -136,16 +136,16 @@ class _Trial:
                 raise HostForged("a second early start") if lead else _Early(first.lead)
             answer: Settled | Ended = first
             pending = self._take(answer, cost, began=0, agreed=0)
-            while isinstance(answer, Settled) and simulation.now < tape.end:
+            while isinstance(answer, Settled) and simulation.now < recorder.end:
                 if time.perf_counter() > clock_end:
                     raise HostHung("")
-                if len(tape.compute) % LOOK_EVERY == 0:
-                    tape.check_folder(staged.folder)
+                if len(recorder.compute) % LOOK_EVERY == 0:
+                    recorder.check_folder(staged.folder)
                 began = simulation.now
                 self._at = began / 1e9
-                until = min(simulation.next_event() or tape.end, tape.end)
+                until = min(simulation.next_event() or recorder.end, recorder.end)
                 frame = Run(until, tuple(Delivery(m.topic, m.data) for m in pending))
-                tape.delivered += pending
+                recorder.delivered += pending
                 answer, cost = self.link.run(frame, limits.step)
                 pending = self._take(answer, cost, began, until)
         except HostHung as hung:
@@ -166,21 +166,21 @@ class _Trial:
 
     def _take(self, answer: Settled | Ended, cost: Cost, began: int, agreed: int) -> list[Message]:
         """Note an answer, let the robot follow it; return the robot's next messages."""
-        tape = self.tape
+        recorder = self.recorder
         reached = _reached(answer, began, agreed)
         self._at = reached / 1e9
-        tape.note_endpoints(answer.endpoints)
-        commands = tape.hear(answer.published, began, reached)
-        tape.compute.append((began / 1e9, cost.wall, cost.cpu, cost.queued))
+        recorder.note_endpoints(answer.endpoints)
+        commands = recorder.hear(answer.published, began, reached)
+        recorder.compute.append((began / 1e9, cost.wall, cost.cpu, cost.queued))
         if isinstance(answer, Ended):
-            tape.roll_on(reached, commands)
+            recorder.roll_on(reached, commands)
             return []
         self._spun = self._spun or answer.spinning
         if answer.spinning or answer.asleep:
             self._stuck = None
         elif self._stuck is None:
             self._stuck = reached / 1e9
-        return tape.simulation.advance(reached, commands)
+        return recorder.simulation.advance(reached, commands)
 
     def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:
         return Outcome(kind, text, self._at, detail)

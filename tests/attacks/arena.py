@@ -29,7 +29,7 @@ from grader.course.submission import Submission
 from grader.grading.grading import Grading, grade, grade_submission
 from grader.host.sandbox.layers import CALLS, USER
 from grader.host.sandbox.users import USERS
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.trials import NodeTrials
 from grader.trial.virtual_time import Limits
@@ -135,12 +135,14 @@ class Arena:
             path = Path(shutil.copyfile(path, self.beside / f"{path.stem}.py"))
         return Submission(path, "", tuple(self.beside.iterdir()))
 
-    def grade(self, path: Path, nursery: Nursery, *, hasty: bool, everything: bool) -> Grading:
+    def grade(
+        self, path: Path, forkserver: ForkServer, *, hasty: bool, everything: bool
+    ) -> Grading:
         """Grade a submission with all checks, or with some."""
         submission, only = self.submission(path), () if everything else SOME
         if not hasty:
-            return grade_submission(EXERCISE, submission, nursery, file=path.name, only=only)
-        with Hasty(submission, nursery, limits=HASTY) as trials:
+            return grade_submission(EXERCISE, submission, forkserver, file=path.name, only=only)
+        with Hasty(submission, forkserver, limits=HASTY) as trials:
             return grade(EXERCISE, trials, file=path.name, only=only)
 
     def said(self, recordings: Collection[Recording]) -> list[str]:
@@ -291,7 +293,7 @@ def _end(pid: int) -> bool:
 
 
 def orphans() -> set[int]:
-    """Return the processes of hosts' users that have lost their nursery."""
+    """Return the processes of hosts' users that have lost their fork server."""
     found = set()
     for folder in Path("/proc").iterdir():
         with contextlib.suppress(OSError, ValueError):

@@ -23,7 +23,7 @@ from arena import HOSTILE, Arena, claim  # noqa: E402
 from grader.host.sandbox import layers as isolation  # noqa: E402
 from grader.host.sandbox import users as privileges  # noqa: E402
 from grader.host.sandbox.layers import LAYERS, LIMITS  # noqa: E402
-from grader.link.hosts import LAYER_TEXTS, Nursery  # noqa: E402
+from grader.link.hosts import LAYER_TEXTS, ForkServer  # noqa: E402
 from sim.messages import EPOCH_NS  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "attacks.md"
@@ -69,8 +69,8 @@ def rows() -> list[str]:
 def survey(off: Sequence[str]) -> dict[str, Openings]:
     """Try the attacks; return what each row opens."""
     found: dict[str, Openings] = {}
-    with Nursery(EPOCH_NS) as nursery:
-        here = nursery.layers
+    with ForkServer(EPOCH_NS) as forkserver:
+        here = forkserver.layers
     for row in off:
         if row in ("", ALL_OFF) or row in here:
             layers = [LIMITS] if row == ALL_OFF else [layer for layer in LAYERS if layer != row]
@@ -82,13 +82,13 @@ def survey(off: Sequence[str]) -> dict[str, Openings]:
 def openings(layers: Sequence[str]) -> Openings:
     """Return what is possible behind these layers, and which attacks show it."""
     found: Openings = {}
-    with Nursery(EPOCH_NS, layers=layers) as nursery, Arena(nursery.layers) as arena:
+    with ForkServer(EPOCH_NS, layers=layers) as forkserver, Arena(forkserver.layers) as arena:
         for path in HOSTILE:
             if not path.stem.startswith(FAMILIES) or claim(path).hangs or claim(path).full:
                 continue
             if path.stem == "exhaust_deep_folders":  # shows nothing here
                 continue
-            grading = arena.grade(path, nursery, hasty=True, everything=False)
+            grading = arena.grade(path, forkserver, hasty=True, everything=False)
             for what in (*arena.said(grading.recordings), *arena.losses()):
                 found.setdefault(what.partition(":")[0], []).append(path.stem)
     return found

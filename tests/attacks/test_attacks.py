@@ -28,7 +28,7 @@ from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import UNJUDGED
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.report.page import page_html, page_payload
 from grader.report.terminal import render_terminal
 from grader.trial.virtual_time import run_trial
@@ -41,29 +41,29 @@ FEEDBACK = [path for path in HOSTILE if path.stem.startswith("feedback_")]
 
 
 @pytest.fixture(scope="module")
-def nursery() -> Iterator[Nursery]:
-    with Nursery(EPOCH_NS) as nursery:
-        yield nursery
+def forkserver() -> Iterator[ForkServer]:
+    with ForkServer(EPOCH_NS) as forkserver:
+        yield forkserver
 
 
 @pytest.fixture(scope="module")
-def arena(nursery: Nursery) -> Iterator[Arena]:
-    with Arena(nursery.layers) as arena:
+def arena(forkserver: ForkServer) -> Iterator[Arena]:
+    with Arena(forkserver.layers) as arena:
         yield arena
 
 
 @pytest.fixture(scope="module")
-def digest(nursery: Nursery) -> str:
+def digest(forkserver: ForkServer) -> str:
     """What the reference does when nobody has attacked yet."""
-    return run_trial(REFERENCE, NEXT, nursery).digest()
+    return run_trial(REFERENCE, NEXT, forkserver).digest()
 
 
 @pytest.fixture(scope="module")
-def honest_points(arena: Arena, nursery: Nursery) -> int:
+def honest_points(arena: Arena, forkserver: ForkServer) -> int:
     """What the honest part of the hostile submissions is worth."""
     path = arena.folder / "constant.py"
     path.write_text("from kit import drive\n\ndrive()\n")
-    grading = arena.grade(path, nursery, hasty=False, everything=FULL)
+    grading = arena.grade(path, forkserver, hasty=False, everything=FULL)
     path.unlink()
     return grading.score
 
@@ -80,22 +80,22 @@ def test_there_are_enough_of_both() -> None:
 
 @pytest.mark.parametrize("path", HOSTILE, ids=named)
 def test_a_hostile_submission_gains_nothing(
-    path: Path, arena: Arena, nursery: Nursery, digest: str, honest_points: int
+    path: Path, arena: Arena, forkserver: ForkServer, digest: str, honest_points: int
 ) -> None:
     wanted = claim(path)
     if wanted.full and not FULL:
         pytest.skip("shows only with all checks: make attacks")
     before = orphans()
     hasty = wanted.hangs and (not FULL or path.stem != "exhaust_sleep_for_ever")
-    grading = arena.grade(path, nursery, hasty=hasty, everything=FULL)
+    grading = arena.grade(path, forkserver, hasty=hasty, everything=FULL)
 
     assert arena.said(grading.recordings) == []
     assert arena.losses() == []
     assert orphans() <= before
-    assert children(nursery._process.pid) == []
+    assert children(forkserver._process.pid) == []
     assert grading.score <= max(wanted.score if FULL else 0, honest_points)
     assert_judged(grading, wanted.outcomes)
-    assert run_trial(REFERENCE, NEXT, nursery).digest() == digest
+    assert run_trial(REFERENCE, NEXT, forkserver).digest() == digest
 
 
 def assert_judged(grading: Grading, outcomes: frozenset[str]) -> None:
@@ -108,10 +108,12 @@ def assert_judged(grading: Grading, outcomes: frozenset[str]) -> None:
 
 @pytest.mark.parametrize("path", HONEST, ids=lambda path: path.stem)
 def test_an_odd_but_honest_submission_loses_nothing(
-    path: Path, arena: Arena, nursery: Nursery
+    path: Path, arena: Arena, forkserver: ForkServer
 ) -> None:
     only = () if FULL else BENCHES
-    grading = grade_submission(EXERCISE, arena.submission(path), nursery, file=path.name, only=only)
+    grading = grade_submission(
+        EXERCISE, arena.submission(path), forkserver, file=path.name, only=only
+    )
 
     assert [(c.id, c.message) for c in grading.checks if c.outcome != "pass"] == []
     assert arena.said(grading.recordings) == []
@@ -121,7 +123,7 @@ def test_an_odd_but_honest_submission_loses_nothing(
 
 
 @pytest.mark.skipif(not FULL, reason="trains a model: make attacks")
-def test_a_model_with_a_payload_gains_nothing(arena: Arena, nursery: Nursery) -> None:
+def test_a_model_with_a_payload_gains_nothing(arena: Arena, forkserver: ForkServer) -> None:
     """A pickle runs code where it is loaded: in a host, behind the same layers."""
     pytest.importorskip("sklearn")
     exercise = find_exercise("ml_velocity")
@@ -130,7 +132,7 @@ def test_a_model_with_a_payload_gains_nothing(arena: Arena, nursery: Nursery) ->
     others = (HERE / "training" / script, *beside)
     submission = Submission(exercise.folder / controller, "", others)
     only = ("training_runs", "model_loads", "onnx_form")
-    grading = grade_submission(exercise, submission, nursery, file=controller, only=only)
+    grading = grade_submission(exercise, submission, forkserver, file=controller, only=only)
 
     assert arena.said(grading.recordings) == []
     assert arena.losses() == []
@@ -138,18 +140,22 @@ def test_a_model_with_a_payload_gains_nothing(arena: Arena, nursery: Nursery) ->
     assert not grading.faulty
 
 
-def test_after_all_attacks_the_reference_has_full_marks(nursery: Nursery, digest: str) -> None:
-    grading = grade_submission(EXERCISE, REFERENCE, nursery, file="reference.py")
+def test_after_all_attacks_the_reference_has_full_marks(
+    forkserver: ForkServer, digest: str
+) -> None:
+    grading = grade_submission(EXERCISE, REFERENCE, forkserver, file="reference.py")
 
     assert (grading.score, grading.max_score, grading.faulty) == (100, 100, False)
     assert digest in [recording.digest() for recording in grading.recordings]
 
 
 @pytest.mark.parametrize("path", FEEDBACK, ids=named)
-def test_feedback_is_text_and_nothing_else(path: Path, arena: Arena, nursery: Nursery) -> None:
+def test_feedback_is_text_and_nothing_else(
+    path: Path, arena: Arena, forkserver: ForkServer
+) -> None:
     """What a submission says is shown, but it can't become part of a page or steer a terminal."""
     submission = arena.submission(path)
-    grading = grade_submission(EXERCISE, submission, nursery, file=path.name, only=SOME)
+    grading = grade_submission(EXERCISE, submission, forkserver, file=path.name, only=SOME)
     result = grading.as_dict()
     page = page_html(page_payload(result, grading.recordings, path.name))
     screen = io.StringIO()

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from grader.authoring.pitfalls import FOLDER, PITFALLS, REPLAYS, Pitfall, write_replays
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
 
 DESK, TELEPHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
@@ -33,8 +33,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.returncode == 0, done.stderr
     assert "pitfalls" not in done.stderr  # no warning about our pages
     folder = site / "html" / FOLDER.name
-    with Nursery(EPOCH_NS) as nursery:
-        write_replays(folder / REPLAYS, nursery)
+    with ForkServer(EPOCH_NS) as forkserver:
+        write_replays(folder / REPLAYS, forkserver)
     return folder
 
 

@@ -1,4 +1,4 @@
-"""The real thing for tests: one nursery for the session, and a way to run a few lines of node."""
+"""The real thing for tests: one fork server a session, and a way to run a few lines of node."""
 
 import textwrap
 from collections.abc import Callable, Iterator
@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from grader.course.submission import Submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.virtual_time import Limits, run_trial
 from sim.messages import EPOCH_NS
@@ -39,9 +39,9 @@ RunNode = Callable[..., Recording]
 
 
 @pytest.fixture(scope="session")
-def nursery() -> Iterator[Nursery]:
-    with Nursery(EPOCH_NS) as nursery:
-        yield nursery
+def forkserver() -> Iterator[ForkServer]:
+    with ForkServer(EPOCH_NS) as forkserver:
+        yield forkserver
 
 
 @pytest.fixture(scope="session")
@@ -57,7 +57,7 @@ def short(duration: float, name: str = "demo_wall") -> Scenario:
 
 
 @pytest.fixture
-def run_node(nursery: Nursery, short_scenario: Scenario, tmp_path: Path) -> RunNode:
+def run_node(forkserver: ForkServer, short_scenario: Scenario, tmp_path: Path) -> RunNode:
     """Run a few lines of node (after PREAMBLE) in a scenario."""
 
     def run(source: str | bytes, scenario: Scenario | None = None, **options: object) -> Recording:
@@ -66,6 +66,6 @@ def run_node(nursery: Nursery, short_scenario: Scenario, tmp_path: Path) -> RunN
             source = (PREAMBLE + textwrap.dedent(source)).encode()
         file.write_bytes(source)
         options.setdefault("limits", Limits(start=20.0, step=5.0, total=60.0))
-        return run_trial(Submission(file), scenario or short_scenario, nursery, **options)
+        return run_trial(Submission(file), scenario or short_scenario, forkserver, **options)
 
     return run

@@ -19,7 +19,7 @@ from lesson_pages import PAGES, ROOT, Block, blocks
 
 import grader.drive
 from grader.cli import cli
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from sim.messages import EPOCH_NS
 
@@ -86,9 +86,9 @@ def same(expected: str, actual: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def nursery() -> Iterator[Nursery]:
-    with Nursery(EPOCH_NS) as nursery:
-        yield nursery
+def forkserver() -> Iterator[ForkServer]:
+    with ForkServer(EPOCH_NS) as forkserver:
+        yield forkserver
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if snippets(page)], ids=lambda p: p.stem)
@@ -119,7 +119,7 @@ def test_snippets_print_what_the_page_says(page: Path) -> None:
 def test_commands_print_what_the_page_says(
     command: Block,
     shown: Block | None,
-    nursery: Nursery,
+    forkserver: ForkServer,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -131,7 +131,7 @@ def test_commands_print_what_the_page_says(
         return recordings[-1]
 
     monkeypatch.setattr(grader.drive, "drive_node", drive)
-    monkeypatch.setattr("grader.cli._nursery", lambda *_: contextlib.nullcontext(nursery))
+    monkeypatch.setattr("grader.cli._forkserver", lambda *_: contextlib.nullcontext(forkserver))
     monkeypatch.setenv("COLUMNS", "80")
     for block in nodes():
         (tmp_path / block.options["caption"]).write_text(block.text, "utf-8")

@@ -32,7 +32,7 @@ from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, print_summary, scenario_for
 from grader.errors import InputError
 from grader.grading.grading import Grading
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from sim.messages import EPOCH_NS, TWIST_STAMPED
 
@@ -71,16 +71,16 @@ each_pitfall = pytest.mark.parametrize("pitfall", PITFALLS, ids=named)
 
 
 @pytest.fixture(scope="module")
-def nursery() -> Iterator[Nursery]:
-    with Nursery(EPOCH_NS) as nursery:
-        yield nursery
+def forkserver() -> Iterator[ForkServer]:
+    with ForkServer(EPOCH_NS) as forkserver:
+        yield forkserver
 
 
 class Runs:
     """The replayed runs, each driven once."""
 
-    def __init__(self, nursery: Nursery) -> None:
-        self.of = functools.cache(lambda name, node: drive(BY_NAME[name], node, nursery))
+    def __init__(self, forkserver: ForkServer) -> None:
+        self.of = functools.cache(lambda name, node: drive(BY_NAME[name], node, forkserver))
 
     def wrong(self, name: str) -> Recording:
         return self.of(name, f"{name}_wrong")
@@ -90,8 +90,8 @@ class Runs:
 
 
 @pytest.fixture(scope="module")
-def runs(nursery: Nursery) -> Runs:
-    return Runs(nursery)
+def runs(forkserver: ForkServer) -> Runs:
+    return Runs(forkserver)
 
 
 def page_of(pitfall: Pitfall) -> str:
@@ -177,10 +177,10 @@ def test_heading_without_yaw_goes_in_circles(runs: Runs) -> None:
     assert math.hypot(right.truth.x[-1] - 5.0, right.truth.y[-1] - 3.0) < 0.3
 
 
-def test_without_yaw_a_goal_straight_ahead_is_reached(nursery: Nursery) -> None:
+def test_without_yaw_a_goal_straight_ahead_is_reached(forkserver: ForkServer) -> None:
     node = find_submission(NODES / "heading_without_yaw_wrong.py")
     straight = arguments_of(["y:=0.0"])
-    truth = drive_node(node, scenario_for("demo_open"), nursery, arguments=straight).truth
+    truth = drive_node(node, scenario_for("demo_open"), forkserver, arguments=straight).truth
     assert math.hypot(truth.x[-1] - 5.0, truth.y[-1]) < 0.3
 
 
@@ -204,10 +204,10 @@ def test_twist_stamped_is_not_heard(runs: Runs) -> None:
 
 
 def test_drive_takes_twist_stamped_and_says_so(
-    nursery: Nursery, capsys: pytest.CaptureFixture[str]
+    forkserver: ForkServer, capsys: pytest.CaptureFixture[str]
 ) -> None:
     node = find_submission(NODES / "twist_stamped_wrong.py")
-    recording = drive_node(node, scenario_for("avoid_wall", duration=3.0), nursery)
+    recording = drive_node(node, scenario_for("avoid_wall", duration=3.0), forkserver)
     capsys.readouterr()
     print_summary(recording, file=node.path.name)
     assert np.abs(recording.truth.v).max() > 0.35
@@ -236,9 +236,9 @@ def different_texts() -> Iterator[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("exercise", "node"), list(different_texts()))
-def test_no_published_node_passes(nursery: Nursery, exercise: str, node: str) -> None:
+def test_no_published_node_passes(forkserver: ForkServer, exercise: str, node: str) -> None:
     """What is lost in some checks cannot be won in the others."""
-    grading = grade(exercise, NODES / f"{node}.py", nursery, only=QUICK[exercise])
+    grading = grade(exercise, NODES / f"{node}.py", forkserver, only=QUICK[exercise])
     assert find_exercise(exercise).max_points == 100
     assert 100 - sum(check.max_points - check.points for check in grading.checks) <= MOST
 
@@ -263,8 +263,8 @@ def test_what_the_pages_say_of_all_checks(mutant: str, also: set[str]) -> None:
     assert claim.fails == set(quoted) | also
 
 
-def test_what_is_not_heard_is_not_called_wrong(nursery: Nursery) -> None:
-    grading = grade_mutant("obstacle_avoidance/twist_stamped", nursery)
+def test_what_is_not_heard_is_not_called_wrong(forkserver: ForkServer) -> None:
+    grading = grade_mutant("obstacle_avoidance/twist_stamped", forkserver)
     assert failed(grading) == {"wiring"}
     assert sum(check.outcome == "skip" for check in grading.checks) == 14
 
@@ -290,8 +290,8 @@ def failed(grading: Grading) -> set[str]:
 
 
 @each_pitfall
-def test_what_is_made_is_up_to_date(nursery: Nursery, pitfall: Pitfall) -> None:
-    for file, text in made(nursery, [pitfall]):
+def test_what_is_made_is_up_to_date(forkserver: ForkServer, pitfall: Pitfall) -> None:
+    for file, text in made(forkserver, [pitfall]):
         assert file.read_text("utf-8") == text, (
             f"{file.name}: run `python -m grader.authoring.pitfalls --made`"
         )
@@ -394,10 +394,10 @@ def test_a_replay_is_small_and_names_no_machine(runs: Runs, pitfall: Pitfall, no
     assert "dist-packages" not in html
 
 
-def test_two_runs_give_the_same_replay(runs: Runs, nursery: Nursery) -> None:
+def test_two_runs_give_the_same_replay(runs: Runs, forkserver: ForkServer) -> None:
     pitfall = BY_NAME["left_right_swapped"]
     node = "left_right_swapped_wrong"
-    again = replay(pitfall, drive(pitfall, node, nursery))
+    again = replay(pitfall, drive(pitfall, node, forkserver))
     assert again == replay(pitfall, runs.of(pitfall.name, node))
 
 

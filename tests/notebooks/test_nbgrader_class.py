@@ -38,7 +38,7 @@ from grader.course.exercises import Exercise, find_exercise
 from grader.course.skeletons import strip_solution
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.nbgrader.cells import definition
 from grader.nbgrader.points import points_of
 from grader.notebook.build import ASSIGNMENT, SOURCES, TEXTS, asked_by
@@ -118,12 +118,12 @@ def expected() -> Iterator[tuple[str, str, Checks]]:
     """Yield what `course grade` gives: student, exercise, points and outcome of each check."""
     for notebook, students in HANDED_IN.items():
         for exercise in map(find_exercise, EXERCISES[notebook]):
-            with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
+            with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
                 for student in students:
-                    yield student, exercise.slug, graded(exercise, student, nursery)
+                    yield student, exercise.slug, graded(exercise, student, forkserver)
 
 
-def graded(exercise: Exercise, student: str, nursery: Nursery) -> Checks:
+def graded(exercise: Exercise, student: str, forkserver: ForkServer) -> Checks:
     files = nodes(exercise, student)
     if not files:  # `course grade` refuses an empty folder
         return dict.fromkeys(points_of(exercise.slug), (0, "skip"))
@@ -132,7 +132,7 @@ def graded(exercise: Exercise, student: str, nursery: Nursery) -> Checks:
             Path(name, file).write_text(text, "utf-8")
         first, *others = exercise.files
         submission = find_submission(Path(name), first, others)
-        grading = grade_submission(exercise, submission, nursery, file=first)
+        grading = grade_submission(exercise, submission, forkserver, file=first)
         return {check.id: (check.points, check.outcome) for check in grading.checks}
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from grader.course.exercises import SOLUTIONS
 from grader.errors import GraderError
-from grader.link.pool import WarmNurseries
+from grader.link.pool import ForkServerPool
 from grader.notebook import judge
 from grader.notebook.judge import carry_out
 from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Problem, Progressed, Warm
@@ -23,8 +23,8 @@ RIGHT = SOLUTIONS / "obstacle_avoidance" / AGENT
 
 
 @pytest.fixture(scope="module")
-def nurseries() -> Iterator[WarmNurseries]:
-    with WarmNurseries() as found:
+def forkservers() -> Iterator[ForkServerPool]:
+    with ForkServerPool() as found:
         yield found
 
 
@@ -46,9 +46,9 @@ def wrong(tmp_path: Path) -> str:
     return str(file)
 
 
-def test_progress_is_told_to_the_end(nurseries: WarmNurseries) -> None:
+def test_progress_is_told_to_the_end(forkservers: ForkServerPool) -> None:
     sent: list[Any] = []
-    answer = graded(carry_out(Grade("1", str(RIGHT), AGENT), nurseries, sent.append))
+    answer = graded(carry_out(Grade("1", str(RIGHT), AGENT), forkservers, sent.append))
 
     assert json.loads(answer.grading)["score"] == 100
     for what in ("trial", "check"):
@@ -60,9 +60,9 @@ def test_progress_is_told_to_the_end(nurseries: WarmNurseries) -> None:
 
 
 def test_the_first_replay_is_the_first_failing_moment(
-    nurseries: WarmNurseries, tmp_path: Path
+    forkservers: ForkServerPool, tmp_path: Path
 ) -> None:
-    answer = graded(carry_out(Grade("1", wrong(tmp_path), AGENT), nurseries, lambda _: None))
+    answer = graded(carry_out(Grade("1", wrong(tmp_path), AGENT), forkservers, lambda _: None))
     shown = replays(answer.page)
     failed = [c for c in json.loads(answer.grading)["checks"] if c["outcome"] == "fail"]
 
@@ -74,28 +74,28 @@ def test_the_first_replay_is_the_first_failing_moment(
 
 
 def test_a_notebook_does_not_carry_more_than_it_can(
-    nurseries: WarmNurseries, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    forkservers: ForkServerPool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     order = Grade("1", wrong(tmp_path), AGENT)
-    all_of_them = graded(carry_out(order, nurseries, lambda _: None)).page
+    all_of_them = graded(carry_out(order, forkservers, lambda _: None)).page
     monkeypatch.setattr(judge, "MAX_REPLAYS", 1)
-    only_one = graded(carry_out(order, nurseries, lambda _: None)).page
+    only_one = graded(carry_out(order, forkservers, lambda _: None)).page
 
     assert len(replays(only_one)) == 1 < len(replays(all_of_them))
     assert replays(only_one)[0] == replays(all_of_them)[0]
 
 
-def test_a_drive_comes_with_its_summary(nurseries: WarmNurseries) -> None:
-    answer = carry_out(Drive(str(RIGHT), "my.py", "demo_wall"), nurseries, lambda _: None)
+def test_a_drive_comes_with_its_summary(forkservers: ForkServerPool) -> None:
+    answer = carry_out(Drive(str(RIGHT), "my.py", "demo_wall"), forkservers, lambda _: None)
 
     assert isinstance(answer, Driven)
     assert answer.text.startswith("my.py in demo_wall, seed 1\n")
     assert [replay["scenario"] for replay in replays(answer.page)] == ["demo_wall"]
 
 
-def test_wrong_orders_are_explained(nurseries: WarmNurseries) -> None:
+def test_wrong_orders_are_explained(forkservers: ForkServerPool) -> None:
     def ask(order: Any) -> Answer | None:
-        return carry_out(order, nurseries, lambda _: None)
+        return carry_out(order, forkservers, lambda _: None)
 
     assert ask(Grade("nope", str(RIGHT), AGENT)) == Problem(
         "unknown exercise 'nope'; there are: " + ", ".join(slugs())
@@ -111,19 +111,19 @@ def slugs() -> list[str]:
     return [exercise.slug for exercise in all_exercises()]
 
 
-def test_after_a_fault_of_ours_the_nurseries_are_new(
-    nurseries: WarmNurseries, monkeypatch: pytest.MonkeyPatch
+def test_after_a_fault_of_ours_the_fork_servers_are_new(
+    forkservers: ForkServerPool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(*_: Any, **__: Any) -> None:
         raise GraderError("no host for the node")
 
-    assert carry_out(Warm(()), nurseries, lambda _: None) is None
-    before = nurseries.of(())
+    assert carry_out(Warm(()), forkservers, lambda _: None) is None
+    before = forkservers.of(())
     monkeypatch.setattr(judge, "grade_submission", broken)
-    answer = carry_out(Grade("1", str(RIGHT), AGENT), nurseries, lambda _: None)
+    answer = carry_out(Grade("1", str(RIGHT), AGENT), forkservers, lambda _: None)
 
     assert answer == Problem("no host for the node", fault=True)
-    assert nurseries.of(()) is not before
+    assert forkservers.of(()) is not before
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ from traitlets.config import Config
 from grader.course.exercises import find_exercise
 from grader.course.students import student_seed
 from grader.errors import GraderError
-from grader.link.pool import WarmNurseries
+from grader.link.pool import ForkServerPool
 from grader.nbgrader import configure, judge
 from grader.nbgrader.judge import Verdict
 from grader.notebook.build import ASSIGNMENT
@@ -241,7 +241,7 @@ def test_a_machine_without_ros_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
     def none(*_: object) -> None:
         raise GraderError("no ROS 2 here")
 
-    monkeypatch.setattr(WarmNurseries, "of", none)
+    monkeypatch.setattr(ForkServerPool, "of", none)
     with pytest.raises(NbGraderException, match="no ROS 2 here"):
         CourseExporter(config=Config())
 

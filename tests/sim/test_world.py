@@ -11,7 +11,7 @@ from sim.placement import build_layout, place
 from sim.world import Box, Clutter, MovingCart, Pillar, Wall, World, load_world
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
-CROWD = World(
+TRIAL_LOCK = World(
     walls=(Wall(((-3, -3), (6, -3), (6, 3))),),
     boxes=(Box((2, 1), (0.5, 1.0), 30.0),),
     pillars=(Pillar((0, 2), 0.2),),
@@ -22,7 +22,7 @@ SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 
 
 def crowd(seed=1, **options):
-    return build_layout(CROWD, rng=np.random.default_rng(seed), **options)
+    return build_layout(TRIAL_LOCK, rng=np.random.default_rng(seed), **options)
 
 
 def area(polygon):
@@ -108,7 +108,7 @@ def test_segments_are_those_of_walls_then_solids():
 
 
 def test_a_cart_stands_moves_and_stands():
-    cart = build_layout(CROWD).carts[0]
+    cart = build_layout(TRIAL_LOCK).carts[0]
     poses = cart.poses(np.array([-1.0, 0.0, 3.0, 6.0, 60.0]))
     assert poses[:, 0].tolist() == [3.0] * 5
     assert poses[:, 1].tolist() == [-3.0, -3.0, 0.0, 3.0, 3.0]

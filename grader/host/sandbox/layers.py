@@ -36,7 +36,7 @@ def begin(wanted: Collection[str]) -> bool:
 
 
 def prepare(wanted: Collection[str], *, may_mount: bool) -> tuple[str, ...]:
-    """Do in the nursery what its hosts need; return the layers that they can have."""
+    """Do in the fork server what its hosts need; return the layers that they can have."""
     found = [LIMITS]
     if may_mount:
         mounts = users.own_mounts()

@@ -1,4 +1,4 @@
-"""Trace the nursery, the judge and a bystander, and read and write their memory by other calls.
+"""Trace the fork server, the judge and a bystander, and read and write their memory by other calls.
 
 gains: nothing
 score: 20

@@ -1,4 +1,4 @@
-"""Signal the nursery, the judge and a bystander (with signal 0, and one that does no harm).
+"""Signal the fork server, the judge and a bystander (with signal 0, and one that does no harm).
 
 gains: nothing
 score: 20

@@ -1,4 +1,4 @@
-"""Read environment, memory, descriptors and command line of the nursery, judge and bystander.
+"""Read environment, memory, descriptors and command line of the fork server, judge and bystander.
 
 gains: nothing
 score: 20

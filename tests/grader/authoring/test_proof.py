@@ -15,7 +15,7 @@ from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
 from grader.grading.grading import Grading
 from grader.grading.plugin import CheckResult
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
 
 IN_FULL = ("obstacle_avoidance",)
@@ -43,25 +43,25 @@ CHOSEN = [claim for exercise in all_exercises() for claim in enough(exercise)]
 
 
 @pytest.fixture(scope="module")
-def nurseries(nursery: Nursery) -> Iterator[Callable[[Exercise], Nursery]]:
-    """One nursery for each set of libraries that take long to import."""
-    warm = {(): nursery}
+def forkservers(forkserver: ForkServer) -> Iterator[Callable[[Exercise], ForkServer]]:
+    """One fork server for each set of libraries that take long to import."""
+    warm = {(): forkserver}
     with contextlib.ExitStack() as stack:
 
-        def nursery_for(exercise: Exercise) -> Nursery:
+        def forkserver_for(exercise: Exercise) -> ForkServer:
             libraries = exercise.libraries
             if libraries not in warm:
-                warm[libraries] = stack.enter_context(Nursery(EPOCH_NS, libraries=libraries))
+                warm[libraries] = stack.enter_context(ForkServer(EPOCH_NS, libraries=libraries))
             return warm[libraries]
 
-        yield nursery_for
+        yield forkserver_for
 
 
 @pytest.mark.parametrize("claim", CHOSEN, ids=lambda claim: claim.name)
-def test_claims_hold(claim: Claim, nurseries: Callable[[Exercise], Nursery]) -> None:
+def test_claims_hold(claim: Claim, forkservers: Callable[[Exercise], ForkServer]) -> None:
     if claim.lacks:
         pytest.skip(f"not proven: {claim.lacks}")
-    grading = grade_claim(claim, nurseries(claim.exercise))
+    grading = grade_claim(claim, forkservers(claim.exercise))
     assert objections(claim, grading) == []
     if lacking := unproven(claim, grading):
         pytest.skip(f"proven but for {lacking}: a library is not installed (make test-deep)")

@@ -10,7 +10,7 @@ import pytest
 from grader.checks.verdict import CheckFailed, Inconclusive
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Compute, Recording
 from grader.trial.virtual_time import run_trial
 from sim.scenario import load_scenario
@@ -26,10 +26,10 @@ def check(pytestconfig: pytest.Config) -> Callable[[tuple[Recording, ...]], None
 
 
 @pytest.fixture(scope="module")
-def recordings(nursery: Nursery) -> tuple[Recording, ...]:
+def recordings(forkserver: ForkServer) -> tuple[Recording, ...]:
     file = EXERCISE.solutions / EXERCISE.files[0]
     names = ("avoid_wall", "avoid_corridor")
-    return tuple(run_trial(Submission(file), load_scenario(n), nursery) for n in names)
+    return tuple(run_trial(Submission(file), load_scenario(n), forkserver) for n in names)
 
 
 def taking(

@@ -24,7 +24,7 @@ from grader.checks.verdict import CheckFailed, Inconclusive
 from grader.course.exercises import Exercise, all_exercises
 from grader.course.submission import find_submission
 from grader.host.frames import Tensor
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.link.log import LogLine
 from grader.recording import Endpoint, ModelAnswers, Outcome, Recording, ScriptRun
 from grader.report.page import json_text
@@ -342,12 +342,14 @@ def mark(check: Callable[..., None]) -> dict[str, Any]:
     return next(mark.kwargs for mark in check.pytestmark if mark.name == "check")  # type: ignore[attr-defined]
 
 
-def recordings_of(exercise: Exercise, nursery: Nursery, checks: list[Any]) -> dict[str, Recording]:
+def recordings_of(
+    exercise: Exercise, forkserver: ForkServer, checks: list[Any]
+) -> dict[str, Recording]:
     """Return what the reference does in every scenario of these checks."""
     file = exercise.solutions / exercise.files[0]
     submission = find_submission(file, exercise.files[0], exercise.files[1:])
     names = list(dict.fromkeys(name for check in checks for name in mark(check)["scenarios"]))
-    with NodeTrials(submission, nursery) as trials:
+    with NodeTrials(submission, forkserver) as trials:
         trials.prepare(names)
         return {name: trials.get(name) for name in names}
 
@@ -370,8 +372,8 @@ def test_no_message_breaks_a_check(slug: str, pytestconfig: pytest.Config) -> No
     pytestconfig.addinivalue_line("markers", "check: a check of the grader")
     exercise = next(exercise for exercise in all_exercises() if exercise.slug == slug)
     checks = [check for check in core_checks(exercise) if is_judged_here(check)]
-    with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
-        recorded = recordings_of(exercise, nursery, checks)
+    with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
+        recorded = recordings_of(exercise, forkserver, checks)
 
     @settings(
         derandomize=True,

@@ -13,7 +13,7 @@ from grader.course.exercises import CHECKS, SOLUTIONS, find_exercise
 from grader.course.submission import Submission
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import CheckResult
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 
 # A wrong end of a topic is wrong all the time; a training has no robot; and who answered too few
 # scans has a check that says why.
@@ -36,11 +36,11 @@ rclpy.spin(Same('obstacle_avoidance_agent'))
 """
 
 
-def graded(nursery: Nursery, tmp_path: Path, source: str, *only: str) -> Grading:
+def graded(forkserver: ForkServer, tmp_path: Path, source: str, *only: str) -> Grading:
     file = tmp_path / "obstacle_avoidance_agent.py"
     file.write_text(PREAMBLE + source)
     exercise = find_exercise("obstacle_avoidance")
-    return grade_submission(exercise, Submission(file), nursery, file=file.name, only=only)
+    return grade_submission(exercise, Submission(file), forkserver, file=file.name, only=only)
 
 
 def failure(grading: Grading, name: str) -> CheckResult:
@@ -50,9 +50,9 @@ def failure(grading: Grading, name: str) -> CheckResult:
 
 
 def test_a_node_that_always_says_the_same_is_shown_where_something_else_is_asked_for(
-    nursery: Nursery, tmp_path: Path
+    forkserver: ForkServer, tmp_path: Path
 ) -> None:
-    grading = graded(nursery, tmp_path, ALWAYS.format(speed=0.5), "no_contact")
+    grading = graded(forkserver, tmp_path, ALWAYS.format(speed=0.5), "no_contact")
 
     check = failure(grading, "no_contact")
     assert check.message == "the node says the same whatever it sees"
@@ -65,9 +65,9 @@ def test_a_node_that_always_says_the_same_is_shown_where_something_else_is_asked
 
 
 def test_a_node_that_always_stands_is_shown_where_it_should_drive(
-    nursery: Nursery, tmp_path: Path
+    forkserver: ForkServer, tmp_path: Path
 ) -> None:
-    grading = graded(nursery, tmp_path, ALWAYS.format(speed=0.0), "stop_zone")
+    grading = graded(forkserver, tmp_path, ALWAYS.format(speed=0.0), "stop_zone")
 
     check = failure(grading, "stop_zone")
     assert check.actual == "always 0.00 m/s"
@@ -75,12 +75,12 @@ def test_a_node_that_always_stands_is_shown_where_it_should_drive(
     assert check.time == next(s.t for s in recording.scans() if 0.0 not in right_speeds(s))
 
 
-def test_a_blind_creeper_is_shown_where_it_should_stand(nursery: Nursery) -> None:
+def test_a_blind_creeper_is_shown_where_it_should_stand(forkserver: ForkServer) -> None:
     """The mutant touches nothing, but not because of what it sees."""
     exercise = find_exercise("obstacle_avoidance")
     file = SOLUTIONS / exercise.slug / "mutants" / "stutters_blindly.py"
     grading = grade_submission(
-        exercise, Submission(file), nursery, file=exercise.files[0], only=["no_contact"]
+        exercise, Submission(file), forkserver, file=exercise.files[0], only=["no_contact"]
     )
 
     check = failure(grading, "no_contact")

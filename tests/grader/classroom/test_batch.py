@@ -12,7 +12,7 @@ import pytest
 from grader.authoring.proof import claims
 from grader.classroom import batch
 from grader.classroom.batch import Options, autograde
-from grader.classroom.engine import DaskCrew
+from grader.classroom.engine import DaskWorkers
 from grader.classroom.row import GRADED, HELD, RUNNING, StoredResult
 from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult, isolation_problem
@@ -28,7 +28,7 @@ Judge = Callable[[Unit], UnitResult]
 
 
 class Quiet:
-    """A watcher that writes down what it is told."""
+    """A progress display that writes down what it is told."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
@@ -43,7 +43,7 @@ class Quiet:
         self.lines.append(text)
 
 
-class FakeCrew:
+class FakeWorkers:
     """Runs the fake judge on the spot."""
 
     local, slots = True, 2
@@ -102,41 +102,41 @@ def handed_in(tmp_path: Path) -> Path:
 @pytest.fixture
 def grade_class(
     handed_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Callable[..., tuple[dict[str, StoredResult], FakeCrew, Quiet]]:
+) -> Callable[..., tuple[dict[str, StoredResult], FakeWorkers, Quiet]]:
     def grade(
         judge: Judge = fair, *, regrade: bool = False, refusal: str = "", **options: Any
-    ) -> tuple[dict[str, StoredResult], FakeCrew, Quiet]:
-        crew, quiet = FakeCrew(judge, refusal), Quiet()
+    ) -> tuple[dict[str, StoredResult], FakeWorkers, Quiet]:
+        workers, quiet = FakeWorkers(judge, refusal), Quiet()
 
         @contextlib.contextmanager
-        def fake_crew(_: Options) -> Iterator[FakeCrew]:
-            yield crew
+        def fake_workers(_: Options) -> Iterator[FakeWorkers]:
+            yield workers
 
-        monkeypatch.setattr(batch, "_crew", fake_crew)
+        monkeypatch.setattr(batch, "_crew", fake_workers)
         options.setdefault("exercises", (SLUG,))
         options.setdefault("canaries", 0)
         results = autograde(handed_in, tmp_path / "out", Options(**options), quiet, regrade=regrade)
-        return {r.student: r for r in results if not r.canary}, crew, quiet
+        return {r.student: r for r in results if not r.canary}, workers, quiet
 
     return grade
 
 
 def test_everybody_is_graded_once(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:
-    results, crew, _ = grade_class()
+    results, workers, _ = grade_class()
     assert {r.state for r in results.values()} == {GRADED}
-    assert crew.students == ["ann", "bob", "eve"]
+    assert workers.students == ["ann", "bob", "eve"]
     assert (tmp_path / "out" / "recordings" / "ann" / SLUG / "trial").is_dir()
     assert (tmp_path / "out" / "class.html").is_file()
 
     (handed_in / "bob" / FILE).write_text("# better\n")
     (handed_in / "new").mkdir()
     (handed_in / "new" / FILE).write_text("# new\n")
-    results, crew, _ = grade_class()
-    assert crew.students == ["bob", "new"]
+    results, workers, _ = grade_class()
+    assert workers.students == ["bob", "new"]
 
     shutil.rmtree(handed_in / "bob")
-    results, crew, _ = grade_class()
-    assert crew.students == []
+    results, workers, _ = grade_class()
+    assert workers.students == []
     assert sorted(results) == ["ann", "eve", "new"]
 
 
@@ -144,16 +144,18 @@ def test_settings_are_part_of_what_was_graded(grade_class: Any) -> None:
     secret = b"0123456789abcdef"
     grade_class()
     assert grade_class(field=True)[1].students == ["ann", "bob", "eve"]
-    crew = grade_class(secret=secret)[1]
-    assert [u.seed for u in crew.seen] == [student_seed(secret, s, SLUG) for s in crew.students]
+    workers = grade_class(secret=secret)[1]
+    assert [u.seed for u in workers.seen] == [
+        student_seed(secret, s, SLUG) for s in workers.students
+    ]
     assert grade_class(secret=secret)[1].students == []
 
 
 def test_missing_and_unreadable_files_are_held(grade_class: Any, handed_in: Path) -> None:
     (handed_in / "lea").mkdir()
     (handed_in / "kim.zip").write_bytes(b"broken")
-    results, crew, _ = grade_class()
-    assert crew.students == ["ann", "bob", "eve"]
+    results, workers, _ = grade_class()
+    assert workers.students == ["ann", "bob", "eve"]
     assert results["lea"].problem == f"expected a file {FILE}; there are no files"
     assert results["kim"].state == HELD
 
@@ -173,15 +175,15 @@ def test_a_dying_worker_is_tried_three_times_the_last_alone(grade_class: Any) ->
             raise BrokenExecutor
         return fair(unit)
 
-    results, crew, _ = grade_class(deadly)
-    assert crew.students == ["ann", "bob", "eve", "bob", "bob"]
-    assert [u.alone for u in crew.seen if u.student == "bob"] == [False, False, True]
+    results, workers, _ = grade_class(deadly)
+    assert workers.students == ["ann", "bob", "eve", "bob", "bob"]
+    assert [u.alone for u in workers.seen if u.student == "bob"] == [False, False, True]
     assert results["bob"].state == HELD
     assert "died" in results["bob"].problem
     assert results["eve"].state == GRADED
     assert grade_class()[1].students == []  # held ones wait for a person
-    results, crew, _ = grade_class(retry_held=True)
-    assert crew.students == ["bob"]
+    results, workers, _ = grade_class(retry_held=True)
+    assert workers.students == ["bob"]
     assert results["bob"].state == GRADED
 
 
@@ -192,8 +194,8 @@ def test_what_could_not_be_judged_gets_another_try(grade_class: Any, outcome: st
             return UnitResult(grading("stop_zone", outcome=outcome))
         return fair(unit)
 
-    results, crew, _ = grade_class(unsure)
-    assert crew.students.count("bob") == 2
+    results, workers, _ = grade_class(unsure)
+    assert workers.students.count("bob") == 2
     assert results["bob"].state == HELD
     assert results["bob"].problem == "could not judge stop_zone: because"
 
@@ -210,16 +212,16 @@ def test_weak_isolation_is_refused(grade_class: Any) -> None:
 
 
 def test_canaries_begin_and_end_a_run(grade_class: Any) -> None:
-    _, crew, quiet = grade_class(canaries=25)
-    order = [unit.student for unit in crew.seen]
+    _, workers, quiet = grade_class(canaries=25)
+    order = [unit.student for unit in workers.seen]
     assert order == [".reference", ".mutant", "ann", "bob", "eve", ".reference", ".mutant"]
     assert not [line for line in quiet.lines if "quarantine" in line]
     assert grade_class(canaries=25)[1].seen == []
 
 
 def test_canaries_come_every_so_often(grade_class: Any) -> None:
-    _, crew, _ = grade_class(canaries=1)
-    assert [u.student for u in crew.seen].count(".reference") >= 3
+    _, workers, _ = grade_class(canaries=1)
+    assert [u.student for u in workers.seen].count(".reference") >= 3
 
 
 def test_a_drift_puts_what_came_before_in_quarantine(grade_class: Any, tmp_path: Path) -> None:
@@ -232,8 +234,8 @@ def test_a_drift_puts_what_came_before_in_quarantine(grade_class: Any, tmp_path:
                 return UnitResult(grading("stop_zone"))
         return fair(unit)
 
-    results, crew, quiet = grade_class(drifting, canaries=25)
-    assert crew.students == ["ann", "bob", "eve"] * 2
+    results, workers, quiet = grade_class(drifting, canaries=25)
+    assert workers.students == ["ann", "bob", "eve"] * 2
     assert {r.state for r in results.values()} == {GRADED}
     (note,) = [line for line in quiet.lines if "quarantine" in line]
     assert "reference came out otherwise in stop_zone" in note
@@ -246,8 +248,8 @@ def test_a_grader_that_judges_wrong_grades_nobody(grade_class: Any, bad: str) ->
     def wrong(unit: Unit) -> UnitResult:
         return UnitResult(grading("wiring")) if unit.student == bad else fair(unit)
 
-    results, crew, _ = grade_class(wrong, canaries=25)
-    assert crew.students == []
+    results, workers, _ = grade_class(wrong, canaries=25)
+    assert workers.students == []
     assert {r.state for r in results.values()} == {HELD}
     assert "could not be trusted" in results["ann"].problem
 
@@ -258,8 +260,8 @@ def test_one_submission_cannot_put_the_others_in_quarantine(grade_class: Any) ->
             return UnitResult(grading("stop_zone", outcome="inconclusive"))
         return fair(unit)
 
-    results, crew, _ = grade_class(unsure, canaries=25)
-    assert (crew.students.count("bob"), crew.students.count("eve")) == (1, 1)
+    results, workers, _ = grade_class(unsure, canaries=25)
+    assert (workers.students.count("bob"), workers.students.count("eve")) == (1, 1)
     assert [r.state for r in results.values()] == [HELD, GRADED, GRADED]
 
 
@@ -288,9 +290,9 @@ def test_two_batches_on_one_folder(grade_class: Any, tmp_path: Path) -> None:
 def test_regrading_runs_no_code_and_changes_the_score(grade_class: Any, handed_in: Path) -> None:
     grade_class()
     (handed_in / "bob" / FILE).write_text("# other\n")
-    results, crew, _ = grade_class(lambda _: UnitResult(grading(score=90)), regrade=True)
-    assert all(unit.saved and not unit.files for unit in crew.seen)
-    assert crew.students == ["ann", "eve"]  # bob's recordings are of another file
+    results, workers, _ = grade_class(lambda _: UnitResult(grading(score=90)), regrade=True)
+    assert all(unit.saved and not unit.files for unit in workers.seen)
+    assert workers.students == ["ann", "eve"]  # bob's recordings are of another file
     assert results["ann"].grading["score"] == 90
     assert grade_class()[1].students == ["bob"]
 
@@ -310,4 +312,4 @@ def test_regrading_after_a_check_was_repaired(
 def test_no_scheduler(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     with pytest.raises(InputError, match="no scheduler there"):
-        DaskCrew("nonsense://nowhere:1")
+        DaskWorkers("nonsense://nowhere:1")

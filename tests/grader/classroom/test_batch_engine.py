@@ -9,38 +9,38 @@ from pathlib import Path
 import pytest
 
 from grader.classroom import engine
-from grader.classroom.engine import LocalCrew
+from grader.classroom.engine import LocalWorkers
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 PARENT = """\
 import os
-from grader.classroom.engine import LocalCrew
+from grader.classroom.engine import LocalWorkers
 
 if __name__ == "__main__":
-    crew = LocalCrew(1)
-    print(crew.submit(os.getpid).result(), flush=True)
+    workers = LocalWorkers(1)
+    print(workers.submit(os.getpid).result(), flush=True)
     os.kill(os.getpid(), 9)
 """
 
 
 def test_a_dead_worker_is_replaced() -> None:
-    crew = LocalCrew(1)
+    workers = LocalWorkers(1)
     try:
-        first = crew.submit(os.getpid).result()
+        first = workers.submit(os.getpid).result()
         with pytest.raises(BrokenExecutor):
-            crew.submit(os._exit, 3).result()
-        assert crew.submit(os.getpid).result() not in (first, os.getpid())
+            workers.submit(os._exit, 3).result()
+        assert workers.submit(os.getpid).result() not in (first, os.getpid())
     finally:
-        crew.close(now=True)
+        workers.close(now=True)
 
 
 def test_an_old_worker_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engine, "RENEWED", 1)
-    crew = LocalCrew(1)
+    workers = LocalWorkers(1)
     try:
-        assert crew.submit(os.getpid).result() != crew.submit(os.getpid).result()
+        assert workers.submit(os.getpid).result() != workers.submit(os.getpid).result()
     finally:
-        crew.close(now=False)
+        workers.close(now=False)
 
 
 def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:

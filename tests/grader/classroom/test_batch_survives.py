@@ -15,7 +15,7 @@ from grader.classroom.store import Store, stable
 SLUG, FILE = "trend_memory", "trend_agent.py"
 COURSE = [sys.executable, "-m", "grader.cli", "autograde"]
 DASK = [sys.executable, "-m", "dask"]
-SOLUTIONS = Path(__file__).resolve().parents[2] / "solutions" / SLUG
+SOLUTIONS = Path(__file__).resolve().parents[3] / "solutions" / SLUG
 EVIL = """\
 import os, signal
 os.kill(-1, signal.SIGKILL)

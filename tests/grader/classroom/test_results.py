@@ -30,7 +30,7 @@ from grader.classroom.results.withheld import for_students
 from grader.classroom.row import GRADED, HELD, RUNNING, StoredResult
 from grader.errors import InputError
 
-_CLASSES = Path(__file__).resolve().parent.parent / "browser" / "classes.py"
+_CLASSES = Path(__file__).resolve().parents[2] / "browser" / "classes.py"
 _spec = importlib.util.spec_from_file_location("classes", _CLASSES)
 assert _spec and _spec.loader
 classes: Any = importlib.util.module_from_spec(_spec)
@@ -390,7 +390,7 @@ def test_winnowing_finds_every_match_that_is_long_enough() -> None:
 
 
 def test_the_courses_own_solutions_are_not_similar() -> None:
-    folder = Path(__file__).resolve().parents[2] / "solutions" / OBSTACLES
+    folder = Path(__file__).resolve().parents[3] / "solutions" / OBSTACLES
     files = [folder / "obstacle_avoidance_agent.py", *sorted(folder.glob("variants/*.py"))]
     texts = {file.stem: {"a.py": file.read_bytes()} for file in files}
     assert len(texts) > 5

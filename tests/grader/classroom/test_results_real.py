@@ -15,7 +15,7 @@ from grader.classroom.row import StoredResult
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 
 SUBMISSIONS = {
     ("ada", "obstacle_avoidance"): "obstacle_avoidance_agent.py",
@@ -29,7 +29,7 @@ SUBMISSIONS = {
 
 @pytest.fixture(scope="module")
 def graded(
-    nursery: Nursery, tmp_path_factory: pytest.TempPathFactory
+    forkserver: ForkServer, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, list[StoredResult]]:
     out = tmp_path_factory.mktemp("class")
     results = []
@@ -39,7 +39,7 @@ def graded(
         # replays of one are enough here, and quick
         bags = out / "recordings" / student / slug if student == "ben" else None
         grading = grade_submission(
-            exercise, find_submission(file), nursery, file=str(file), bags=bags, field=True
+            exercise, find_submission(file), forkserver, file=str(file), bags=bags, field=True
         )
         results.append(
             StoredResult(

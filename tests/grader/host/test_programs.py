@@ -8,7 +8,7 @@ import pytest
 from conftest import PREAMBLE, short
 
 from grader.course.submission import Submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
 from sim.scenario import ProgramSpec
@@ -56,18 +56,20 @@ def client(role: str, **times: float) -> ProgramSpec:
 
 
 def run(
-    nursery: Nursery, folder: Path, *programs: ProgramSpec, client_source: str = CLIENT
+    forkserver: ForkServer, folder: Path, *programs: ProgramSpec, client_source: str = CLIENT
 ) -> Recording:
     (folder / "server.py").write_text(PREAMBLE + SERVER)
     (folder / "client.py").write_text(PREAMBLE + client_source)
     scenario = msgspec.structs.replace(short(3.0), program=programs)
     submission = Submission(folder / "server.py", others=(folder / "client.py",))
-    return run_trial(submission, scenario, nursery)
+    return run_trial(submission, scenario, forkserver)
 
 
-def test_clients_have_their_own_names_and_parameters(nursery: Nursery, tmp_path: Path) -> None:
+def test_clients_have_their_own_names_and_parameters(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
     server = ProgramSpec("server.py")
-    recording = run(nursery, tmp_path, server, client("left"), client("right"))
+    recording = run(forkserver, tmp_path, server, client("left"), client("right"))
 
     assert recording.outcome.completed, recording.outcome
     assert {e.node for e in recording.endpoints} == {"/server", "/left_client", "/right_client"}
@@ -75,19 +77,21 @@ def test_clients_have_their_own_names_and_parameters(nursery: Nursery, tmp_path:
         np.testing.assert_allclose(recording.times(f"/{role}/answer"), np.arange(1, 30) / 10)
 
 
-def test_a_server_can_be_killed_and_come_back(nursery: Nursery, tmp_path: Path) -> None:
+def test_a_server_can_be_killed_and_come_back(forkserver: ForkServer, tmp_path: Path) -> None:
     first, second = ProgramSpec("server.py", stop=0.95), ProgramSpec("server.py", start=2.05)
-    recording = run(nursery, tmp_path, client("left"), first, second)
+    recording = run(forkserver, tmp_path, client("left"), first, second)
 
     assert recording.outcome.completed, recording.outcome
     times = recording.times("/left/answer")
     np.testing.assert_allclose(times, [*np.arange(1, 10) / 10, *np.arange(21, 30) / 10])
 
 
-def test_a_killed_program_leaves_the_others_their_topics(nursery: Nursery, tmp_path: Path) -> None:
+def test_a_killed_program_leaves_the_others_their_topics(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
     """The bridge's node is made by whoever comes first, and must not die with it."""
     recording = run(
-        nursery, tmp_path, client("left", stop=0.95), ProgramSpec("server.py"), client("right")
+        forkserver, tmp_path, client("left", stop=0.95), ProgramSpec("server.py"), client("right")
     )
 
     assert recording.outcome.completed, recording.outcome
@@ -95,24 +99,30 @@ def test_a_killed_program_leaves_the_others_their_topics(nursery: Nursery, tmp_p
     np.testing.assert_allclose(recording.times("/right/answer"), np.arange(1, 30) / 10)
 
 
-def test_a_missing_file_is_named(nursery: Nursery, tmp_path: Path) -> None:
+def test_a_missing_file_is_named(forkserver: ForkServer, tmp_path: Path) -> None:
     scenario = msgspec.structs.replace(short(1.0), program=(client("left"),))
     (tmp_path / "server.py").write_text(PREAMBLE + SERVER)
-    recording = run_trial(Submission(tmp_path / "server.py"), scenario, nursery)
+    recording = run_trial(Submission(tmp_path / "server.py"), scenario, forkserver)
 
     assert recording.outcome.kind == "missing"
     assert recording.outcome.text == "there is no client.py in the submission, only server.py"
 
 
-def test_several_programs_are_as_deterministic_as_one(nursery: Nursery, tmp_path: Path) -> None:
+def test_several_programs_are_as_deterministic_as_one(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
     programs = (ProgramSpec("server.py", stop=1.5), client("left"), client("right", start=0.4))
 
-    assert len({run(nursery, tmp_path, *programs).digest() for _ in range(4)}) == 1
+    assert len({run(forkserver, tmp_path, *programs).digest() for _ in range(4)}) == 1
 
 
-def test_a_program_that_ends_by_itself_ends_the_trial(nursery: Nursery, tmp_path: Path) -> None:
+def test_a_program_that_ends_by_itself_ends_the_trial(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
     crash = CLIENT.replace("if self.client.service_is_ready():", "if 1 / 0:")
-    recording = run(nursery, tmp_path, ProgramSpec("server.py"), client("a"), client_source=crash)
+    recording = run(
+        forkserver, tmp_path, ProgramSpec("server.py"), client("a"), client_source=crash
+    )
 
     assert recording.outcome.kind == "exception"
     assert recording.outcome.text.startswith("client.py: ZeroDivisionError")
@@ -120,18 +130,20 @@ def test_a_program_that_ends_by_itself_ends_the_trial(nursery: Nursery, tmp_path
 
 @pytest.mark.parametrize("executor", ["SingleThreadedExecutor", "MultiThreadedExecutor"])
 def test_programs_may_use_executors_of_their_own(
-    executor: str, nursery: Nursery, tmp_path: Path
+    executor: str, forkserver: ForkServer, tmp_path: Path
 ) -> None:
     source = CLIENT.replace(
         "rclpy.spin(Client())",
         f"executor = {executor}(); executor.add_node(Client()); executor.spin()",
     )
-    recording = run(nursery, tmp_path, ProgramSpec("server.py"), client("a"), client_source=source)
+    recording = run(
+        forkserver, tmp_path, ProgramSpec("server.py"), client("a"), client_source=source
+    )
 
     assert len(recording.times("/a/answer")) == 29
 
 
-def test_shutdown_is_a_programs_own(nursery: Nursery, tmp_path: Path) -> None:
+def test_shutdown_is_a_programs_own(forkserver: ForkServer, tmp_path: Path) -> None:
     source = CLIENT.replace(
         "rclpy.spin(Client())",
         "node = Client()\n"
@@ -140,7 +152,9 @@ def test_shutdown_is_a_programs_own(nursery: Nursery, tmp_path: Path) -> None:
         "    print('ok is', rclpy.ok())\n"
         "    time.sleep(100)",
     )
-    recording = run(nursery, tmp_path, ProgramSpec("server.py"), client("a"), client_source=source)
+    recording = run(
+        forkserver, tmp_path, ProgramSpec("server.py"), client("a"), client_source=source
+    )
 
     assert recording.outcome.completed
     assert [line.text for line in recording.log if line.level == "stdout"] == ["ok is False"]

@@ -77,10 +77,10 @@ def test_the_exit_code(found: Diagnosis, code: int, monkeypatch: pytest.MonkeyPa
 
 
 def test_a_machine_without_ros_is_diagnosed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_nursery(*_: object) -> None:
+    def no_forkserver(*_: object) -> None:
         raise GraderError("ROS 2 Jazzy was not found")
 
-    monkeypatch.setattr(doctor, "Nursery", no_nursery)
+    monkeypatch.setattr(doctor, "ForkServer", no_forkserver)
     found = diagnose()
 
     assert (found.ros, found.problem) == ("", "ROS 2 Jazzy was not found")

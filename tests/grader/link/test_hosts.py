@@ -1,4 +1,4 @@
-"""Hosts and the nursery that they come from: who they run as, and that nothing of them stays."""
+"""Hosts and the fork server they come from: who they run as, and that nothing of them stays."""
 
 import json
 import os
@@ -17,20 +17,20 @@ from grader.course.submission import Submission
 from grader.errors import GraderError
 from grader.host.sandbox.layers import CALLS, LAYERS
 from grader.host.sandbox.users import USERS
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.link.ros_environment import RosEnvironment
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+ROOT = Path(__file__).resolve().parents[3]
 ECHO = "rclpy.init(); rclpy.spin(Echo())"
 root_only = pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
 
 
 @pytest.fixture
-def own_nursery() -> Iterator[Nursery]:
-    with Nursery(EPOCH_NS) as nursery:
-        yield nursery
+def own_forkserver() -> Iterator[ForkServer]:
+    with ForkServer(EPOCH_NS) as forkserver:
+        yield forkserver
 
 
 @pytest.fixture
@@ -74,9 +74,9 @@ ENDS = (
 
 
 def test_fifty_trials_leave_no_process_and_no_descriptor(
-    own_nursery: Nursery, tmp_path: Path
+    own_forkserver: ForkServer, tmp_path: Path
 ) -> None:
-    nursery = own_nursery._process.pid
+    forkserver = own_forkserver._process.pid
     submissions = []
     for number, source in enumerate(ENDS):
         file = tmp_path / f"node_{number}.py"
@@ -87,28 +87,28 @@ def test_fifty_trials_leave_no_process_and_no_descriptor(
     counts = []
     for round_ in range(2):
         for number in range(50 * round_):
-            run_trial(submissions[number % len(submissions)], short(0.05), own_nursery)
-        with submissions[0].folder() as place, own_nursery.host(place):
-            # within a host: the nursery has buried all those before it
-            counts.append((descriptors(), descriptors(nursery), len(children(nursery))))
+            run_trial(submissions[number % len(submissions)], short(0.05), own_forkserver)
+        with submissions[0].folder() as place, own_forkserver.host(place):
+            # within a host: the fork server has buried all those before it
+            counts.append((descriptors(), descriptors(forkserver), len(children(forkserver))))
 
     assert counts[0] == counts[1]
     assert counts[0][2] == 1
-    assert not any(pid in children(os.getpid()) for pid in children(nursery))
+    assert not any(pid in children(os.getpid()) for pid in children(forkserver))
 
 
-def test_a_nursery_ends_with_its_block(echo: Submission) -> None:
+def test_a_forkserver_ends_with_its_block(echo: Submission) -> None:
     before = descriptors()
-    with Nursery(EPOCH_NS) as nursery:
-        run_trial(echo, short(0.05), nursery)
-        pid = nursery._process.pid
+    with ForkServer(EPOCH_NS) as forkserver:
+        run_trial(echo, short(0.05), forkserver)
+        pid = forkserver._process.pid
     assert descriptors() == before
     assert not Path(f"/proc/{pid}").exists()
 
 
-def test_a_nursery_that_nobody_needed_ends() -> None:
-    with Nursery(EPOCH_NS) as nursery:
-        pid = nursery._process.pid
+def test_a_forkserver_that_nobody_needed_ends() -> None:
+    with ForkServer(EPOCH_NS) as forkserver:
+        pid = forkserver._process.pid
     assert not Path(f"/proc/{pid}").exists()
 
 
@@ -127,8 +127,8 @@ def test_what_a_node_starts_ends_with_it(session: str, echo: Submission) -> None
     """
     echo.path.write_text(PREAMBLE + textwrap.dedent(source))
     layers = [layer for layer in LAYERS if layer != CALLS]
-    with Nursery(EPOCH_NS, layers=layers) as nursery:
-        recording = run_trial(echo, short(0.5), nursery)
+    with ForkServer(EPOCH_NS, layers=layers) as forkserver:
+        recording = run_trial(echo, short(0.5), forkserver)
 
     (line,) = recording.log
     assert is_over(int(line.text))
@@ -151,7 +151,7 @@ def test_hosts_end_with_a_judge_that_is_killed(echo: Submission) -> None:
 KILLED_JUDGE = """
     from pathlib import Path
     from grader.host.frames import Start
-    from grader.link.hosts import Nursery
+    from grader.link.hosts import ForkServer
     from grader.link.link import Link
     from grader.trial.staging import stage
     from grader.course.submission import Submission
@@ -159,9 +159,9 @@ KILLED_JUDGE = """
     from sim.scenario import load_scenario
 
     with (
-        Nursery(EPOCH_NS) as nursery,
+        ForkServer(EPOCH_NS) as fork server,
         stage(Submission(Path({file!r})), load_scenario("demo_wall")) as staged,
-        nursery.host(staged.folder) as host,
+        fork server.host(staged.folder) as host,
     ):
         print(host.pid, flush=True)
         Link(host).start(Start(staged.programs, EPOCH_NS, 1, staged.offers), 60.0)
@@ -171,9 +171,9 @@ KILLED_JUDGE = """
 # --- many at once --------------------------------------------------------------------------------
 
 
-def test_many_hosts_at_once(nursery: Nursery, echo: Submission) -> None:
+def test_many_hosts_at_once(forkserver: ForkServer, echo: Submission) -> None:
     with ThreadPoolExecutor(8) as pool:
-        trials = [pool.submit(run_trial, echo, short(1.0), nursery) for _ in range(24)]
+        trials = [pool.submit(run_trial, echo, short(1.0), forkserver) for _ in range(24)]
         recordings = [trial.result() for trial in trials]
 
     assert {recording.outcome.kind for recording in recordings} == {"completed"}
@@ -181,39 +181,41 @@ def test_many_hosts_at_once(nursery: Nursery, echo: Submission) -> None:
 
 
 def test_a_host_that_says_nothing_does_not_hold_up_others(
-    nursery: Nursery, echo: Submission
+    forkserver: ForkServer, echo: Submission
 ) -> None:
-    with echo.folder() as folder, nursery.host(folder):  # nobody tells it what to run
-        assert run_trial(echo, short(0.2), nursery).outcome.completed
+    with echo.folder() as folder, forkserver.host(folder):  # nobody tells it what to run
+        assert run_trial(echo, short(0.2), forkserver).outcome.completed
 
 
 # --- faults --------------------------------------------------------------------------------------
 
 
-def faulty(nursery: Nursery, echo: Submission) -> str:
+def faulty(forkserver: ForkServer, echo: Submission) -> str:
     with pytest.raises(GraderError) as caught:
-        run_trial(echo, short(0.1), nursery)
+        run_trial(echo, short(0.1), forkserver)
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
 
-def test_a_dead_nursery_is_the_graders_fault(own_nursery: Nursery, echo: Submission) -> None:
-    run_trial(echo, short(0.05), own_nursery)
-    own_nursery._process.kill()
-    own_nursery._process.wait()
+def test_a_dead_forkserver_is_the_graders_fault(
+    own_forkserver: ForkServer, echo: Submission
+) -> None:
+    run_trial(echo, short(0.05), own_forkserver)
+    own_forkserver._process.kill()
+    own_forkserver._process.wait()
     before = descriptors()
 
-    assert "no host for the node" in faulty(own_nursery, echo)
-    assert "no host for the node" in faulty(own_nursery, echo)
+    assert "no host for the node" in faulty(own_forkserver, echo)
+    assert "no host for the node" in faulty(own_forkserver, echo)
     assert descriptors() == before
 
 
-def test_a_nursery_that_dies_young_is_the_graders_fault(
-    own_nursery: Nursery, echo: Submission
+def test_a_forkserver_that_dies_young_is_the_graders_fault(
+    own_forkserver: ForkServer, echo: Submission
 ) -> None:
-    own_nursery._process.kill()
+    own_forkserver._process.kill()
 
-    assert "no host for students' nodes" in faulty(own_nursery, echo)
+    assert "no host for students' nodes" in faulty(own_forkserver, echo)
 
 
 def test_ros_that_can_not_be_imported_is_the_graders_fault(
@@ -223,18 +225,18 @@ def test_ros_that_can_not_be_imported_is_the_graders_fault(
     (tmp_path / "rclpy" / "__init__.py").write_text("raise ImportError('as I said')")
     broken = RosEnvironment("wheels", (tmp_path,), (), ())
     os.chmod(tmp_path, 0o755)
-    with Nursery(EPOCH_NS, broken) as nursery:
-        assert faulty(nursery, echo).startswith("no host for students' nodes: ")
+    with ForkServer(EPOCH_NS, broken) as forkserver:
+        assert faulty(forkserver, echo).startswith("no host for students' nodes: ")
 
 
 @root_only
 def test_a_closed_folder_for_temporary_files_is_the_machines_fault(
-    nursery: Nursery, echo: Submission, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    forkserver: ForkServer, echo: Submission, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     os.chmod(tmp_path, 0o700)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
 
-    assert "set TMPDIR" in faulty(nursery, echo)
+    assert "set TMPDIR" in faulty(forkserver, echo)
 
 
 # --- who nodes run as ----------------------------------------------------------------------------
@@ -255,7 +257,7 @@ def test_of_root_nothing_is_left(run_node: RunNode) -> None:
 
     assert int(uid) == int(gid) in USERS
     assert groups == "[]"
-    assert rest[-1] == "0", "a socket to the nursery or the judge is open"
+    assert rest[-1] == "0", "a socket to the forkserver or the judge is open"
     assert "SUDO" not in recording.log[0].text
     assert "PYTEST" not in recording.log[0].text
 
@@ -269,8 +271,8 @@ def test_every_host_is_another_user(run_node: RunNode) -> None:
 
 
 @root_only
-def test_root_says_how_nodes_are_kept_apart(nursery: Nursery) -> None:
-    assert "a user of its own" in nursery.isolation
+def test_root_says_how_nodes_are_kept_apart(forkserver: ForkServer) -> None:
+    assert "a user of its own" in forkserver.isolation
 
 
 def test_limits_are_set(run_node: RunNode) -> None:
@@ -305,11 +307,11 @@ if os.getuid() == 0:
 import tempfile
 from conftest import PREAMBLE, short
 from grader.host.sandbox.layers import CALLS, LAYERS
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.course.submission import Submission
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
-with tempfile.TemporaryDirectory() as folder, Nursery(EPOCH_NS) as nursery:
+with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH_NS) as fork server:
     file = Path(folder) / 'echo.py'
     file.write_text(PREAMBLE + '''
 before = os.listdir('/dev/shm')
@@ -317,17 +319,17 @@ rclpy.init(); node = Echo(); print(os.getuid())
 print(*(f for f in os.listdir('/dev/shm') if 'port' not in f and f not in before))
 rclpy.spin(node)
 ''')
-    runs = [run_trial(Submission(file), short(1.0), nursery) for _ in range(2)]
+    runs = [run_trial(Submission(file), short(1.0), fork server) for _ in range(2)]
     said = [line.text for line in runs[0].log]
     left = set(said[1].split()) & set(os.listdir('/dev/shm'))
     outcomes, digests = {{r.outcome.kind for r in runs}}, {{r.digest() for r in runs}}
-    print(json.dumps([nursery.isolation, said[0], list(outcomes), len(digests),
+    print(json.dumps([fork server.isolation, said[0], list(outcomes), len(digests),
                       len(runs[0].published), bool(said[1]), sorted(left)]))
 """
 
 
 def test_an_ordinary_user_can_grade() -> None:
-    """The judge and its nursery without any privilege."""
+    """The judge and its fork server without any privilege."""
     source = textwrap.dedent(ORDINARY).format(root=str(ROOT), tests=str(Path(__file__).parent))
     done = subprocess.run(
         [sys.executable, "-B", "-c", source],

@@ -16,7 +16,7 @@ from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
 from grader.course.submission import Submission
 from grader.errors import InputError
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.link.log import LogLine
 from grader.recording import Compute, Outcome, Recording, bag
 from grader.trial.virtual_time import run_trial
@@ -47,7 +47,7 @@ rclpy.spin(node)
 
 
 @pytest.fixture(scope="module")
-def recording(nursery: Nursery, tmp_path_factory: pytest.TempPathFactory) -> Recording:
+def recording(forkserver: ForkServer, tmp_path_factory: pytest.TempPathFactory) -> Recording:
     file = tmp_path_factory.mktemp("node") / "wanderer.py"
     file.write_text(NODE, "utf-8")
     scenario = msgspec.structs.replace(
@@ -55,7 +55,7 @@ def recording(nursery: Nursery, tmp_path_factory: pytest.TempPathFactory) -> Rec
         duration=1.5,
         script=(ScriptEvent(at=0.4, goal=(1.0, 2.0, 30.0)),),
     )
-    recording = run_trial(Submission(file), scenario, nursery)
+    recording = run_trial(Submission(file), scenario, forkserver)
     assert recording.outcome.completed
     assert len(recording.published) >= 20
     return recording

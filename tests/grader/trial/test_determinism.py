@@ -10,7 +10,7 @@ import pytest
 
 from grader.course.exercises import SOLUTIONS
 from grader.course.submission import Submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
 from sim.scenario import load_scenario
 
@@ -35,11 +35,11 @@ def busy_machine() -> Iterator[None]:
 
 
 @pytest.mark.parametrize("node", NODES)
-def test_six_runs_are_one(node: str, nursery: Nursery) -> None:
+def test_six_runs_are_one(node: str, forkserver: ForkServer) -> None:
     submission, scenario = Submission(Path(NODES[node])), load_scenario("avoid_store")
-    quiet = [run_trial(submission, scenario, nursery) for _ in range(3)]
+    quiet = [run_trial(submission, scenario, forkserver) for _ in range(3)]
     with busy_machine():
-        loaded = [run_trial(submission, scenario, nursery) for _ in range(3)]
+        loaded = [run_trial(submission, scenario, forkserver) for _ in range(3)]
 
     assert {recording.outcome.kind for recording in quiet + loaded} == {"completed"}
     assert len({recording.digest() for recording in quiet + loaded}) == 1

@@ -2,33 +2,33 @@
 
 import threading
 
-from grader.trial.exclusive import Crowd
+from grader.trial.exclusive import TrialLock
 
 
 def test_many_may_be_there_at_once() -> None:
-    crowd = Crowd()
-    with crowd.joined(alone=False), crowd.joined(alone=False):
+    lock = TrialLock()
+    with lock.held(alone=False), lock.held(alone=False):
         pass
 
 
 def test_one_alone_waits_for_the_others_and_goes_before_later_ones() -> None:
-    crowd, order = Crowd(), []
+    lock, order = TrialLock(), []
     asked = threading.Event()
 
     def alone() -> None:
         asked.set()
-        with crowd.joined(alone=True):
+        with lock.held(alone=True):
             order.append("alone")
 
     def late() -> None:
-        with crowd.joined(alone=False):
+        with lock.held(alone=False):
             order.append("late")
 
     threads = [threading.Thread(target=alone), threading.Thread(target=late)]
-    with crowd.joined(alone=False):
+    with lock.held(alone=False):
         threads[0].start()
         asked.wait()
-        while not crowd.somebody_waits_alone:  # the first thread is on its way there
+        while not lock.exclusive_wanted:  # the first thread is on its way there
             pass
         threads[1].start()
         order.append("first")

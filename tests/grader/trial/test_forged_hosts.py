@@ -31,7 +31,7 @@ FIRST = SCANS[0]
 GO = Published(FIRST, "/cmd_vel", TWIST, twist(time=0, linear_x=0.5).data)
 
 
-class FakeNursery:
+class FakeForkServer:
     """Gives out one host that the test plays."""
 
     def __init__(self, *answers: bytes, hang_up: bool = True) -> None:
@@ -52,9 +52,9 @@ def forge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-u
     file.write_text("pass")
 
     def run(*answers: bytes, hang_up: bool = True, step: float = 20.0) -> Recording:
-        nursery = FakeNursery(*answers, hang_up=hang_up)
+        forkserver = FakeForkServer(*answers, hang_up=hang_up)
         limits = Limits(start=20.0, step=step, total=30.0)
-        return run_trial(Submission(file), short(1.0), nursery, limits=limits)  # type: ignore[arg-type]
+        return run_trial(Submission(file), short(1.0), forkserver, limits=limits)  # type: ignore[arg-type]
 
     return run
 

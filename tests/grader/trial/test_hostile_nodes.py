@@ -96,7 +96,7 @@ ENDS = {"forged", "died", "hung", "exception"}
 @pytest.mark.parametrize("attack", ATTACKS)
 def test_attacks_on_the_link_end_the_trial(run_node: RunNode, attack: str) -> None:
     if attack == "kills its parent" and os.getuid() != 0:
-        pytest.skip("needs the nursery to be another user's")
+        pytest.skip("needs the forkserver to be another user's")
     harmless = attack in ("closes its output", "kills its parent")
     recording = run_node(
         f"""

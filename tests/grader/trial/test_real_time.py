@@ -17,7 +17,7 @@ from grader.errors import GraderError
 from grader.grading.grading import grade_submission
 from grader.host.real_time.robot import _moment
 from grader.host.robot_ends import Heard
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import Recording, bag
 from grader.trial.real_time import _LiveTrial, run_live_trial
 from grader.trial.real_time_hosts import LiveHosts
@@ -30,7 +30,7 @@ RunLive = Callable[..., Recording]
 
 
 @pytest.fixture
-def run_live(nursery: Nursery, tmp_path: Path) -> RunLive:
+def run_live(forkserver: ForkServer, tmp_path: Path) -> RunLive:
     """Run a few lines of node (after PREAMBLE) in a scenario, in real time."""
 
     def run(source: str, scenario: Scenario | None = None, **options: object) -> Recording:
@@ -39,7 +39,7 @@ def run_live(nursery: Nursery, tmp_path: Path) -> RunLive:
         return run_live_trial(
             Submission(file),
             scenario or short(1.0),
-            nursery,
+            forkserver,
             **options,  # type: ignore[arg-type]
         )
 
@@ -216,7 +216,7 @@ rclpy.init(); rclpy.spin(Late())
 
 
 def test_each_of_several_programs_has_a_start_up_of_its_own(
-    nursery: Nursery, tmp_path: Path
+    forkserver: ForkServer, tmp_path: Path
 ) -> None:
     """What one says between its start-up and the beginning is dropped; the other still starts."""
     beating, late = tmp_path / "beating.py", tmp_path / "late.py"
@@ -224,7 +224,7 @@ def test_each_of_several_programs_has_a_start_up_of_its_own(
     late.write_text(PREAMBLE + LATE)
     programs = (ProgramSpec("beating.py"), ProgramSpec("late.py"))
     scenario = msgspec.structs.replace(short(1.0), program=programs)
-    recording = run_live_trial(Submission(beating, others=(late,)), scenario, nursery)
+    recording = run_live_trial(Submission(beating, others=(late,)), scenario, forkserver)
 
     assert recording.outcome.completed, recording.outcome
     twists = recording.twists()
@@ -234,7 +234,7 @@ def test_each_of_several_programs_has_a_start_up_of_its_own(
     assert beats == list(range(beats[0], beats[0] + len(beats)))
 
 
-def test_two_trials_at_once_do_not_hear_each_other(nursery: Nursery, tmp_path: Path) -> None:
+def test_two_trials_at_once_do_not_hear_each_other(forkserver: ForkServer, tmp_path: Path) -> None:
     recordings: dict[str, Recording] = {}
 
     def run(name: str, speed: float) -> None:
@@ -248,7 +248,7 @@ def test_two_trials_at_once_do_not_hear_each_other(nursery: Nursery, tmp_path: P
             rclpy.init(); rclpy.spin(Drive())
             """)
         )
-        recordings[name] = run_live_trial(Submission(file), short(1.0), nursery)
+        recordings[name] = run_live_trial(Submission(file), short(1.0), forkserver)
 
     threads = [threading.Thread(target=run, args=pair) for pair in (("slow", 0.1), ("fast", 0.2))]
     for thread in threads:
@@ -292,7 +292,9 @@ def test_what_virtual_time_cannot_carry_is_noticed(style: str, run_node: RunNode
     assert recording.outcome.kind in ("real_time", "hung")
 
 
-def test_it_is_graded_in_real_time_and_the_report_says_so(nursery: Nursery, tmp_path: Path) -> None:
+def test_it_is_graded_in_real_time_and_the_report_says_so(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
     exercise = find_exercise("obstacle_avoidance")
     source = (exercise.solutions / exercise.files[0]).read_text()
     spin = "        rclpy.spin(node)\n"
@@ -306,7 +308,7 @@ def test_it_is_graded_in_real_time_and_the_report_says_so(nursery: Nursery, tmp_
     file = tmp_path / exercise.files[0]
     file.write_text(source.replace(spin, own))
     grading = grade_submission(
-        exercise, Submission(file), nursery, file=file.name, only=["clear_zone"]
+        exercise, Submission(file), forkserver, file=file.name, only=["clear_zone"]
     )
 
     outcomes = {check.id: check.outcome for check in grading.checks}
@@ -317,11 +319,11 @@ def test_it_is_graded_in_real_time_and_the_report_says_so(nursery: Nursery, tmp_
     assert all(recording.live is not None for recording in grading.recordings)
 
 
-def test_a_busy_wait_runs_in_real_time(nursery: Nursery, tmp_path: Path) -> None:
+def test_a_busy_wait_runs_in_real_time(forkserver: ForkServer, tmp_path: Path) -> None:
     file = tmp_path / "node.py"
     file.write_text(PREAMBLE + textwrap.dedent(UNVIRTUAL["while not done"]))
     limits = Limits(start=1.0, step=1.0, total=5.0)
-    with NodeTrials(Submission(file), nursery, limits=limits) as trials:
+    with NodeTrials(Submission(file), forkserver, limits=limits) as trials:
         first, second = trials.get("avoid_infinity"), trials.get("avoid_blind")
 
     for recording in (first, second):
@@ -331,7 +333,7 @@ def test_a_busy_wait_runs_in_real_time(nursery: Nursery, tmp_path: Path) -> None
 
 
 def test_a_node_that_hangs_in_real_time_too_has_hung(
-    nursery: Nursery, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    forkserver: ForkServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("grader.trial.real_time.HUNG_AFTER", 0.5)
     exercise = find_exercise("obstacle_avoidance")
@@ -345,7 +347,9 @@ def test_a_node_that_hangs_in_real_time_too_has_hung(
         rclpy.init(); rclpy.spin(Stuck())
         """)
     )
-    grading = grade_submission(exercise, Submission(file), nursery, file=file.name, only=["wiring"])
+    grading = grade_submission(
+        exercise, Submission(file), forkserver, file=file.name, only=["wiring"]
+    )
 
     (check,) = grading.checks
     assert (check.outcome, check.actual) == ("fail", "hung")
@@ -367,12 +371,12 @@ def test_wait_for_message_is_virtual(run_node: RunNode) -> None:
 
 
 def test_a_node_that_never_gets_started_is_not_run_again_and_again(
-    nursery: Nursery, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    forkserver: ForkServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("grader.trial.real_time_hosts.START_LIMIT", 0.5)
     file = tmp_path / "node.py"
     file.write_text("while True: pass")
-    with NodeTrials(Submission(file), nursery, limits=Limits(start=0.5, step=1.0)) as trials:
+    with NodeTrials(Submission(file), forkserver, limits=Limits(start=0.5, step=1.0)) as trials:
         first = trials.get("avoid_infinity")
         monkeypatch.setattr("grader.trial.trials.run_trial", None)
         second = trials.get("avoid_blind")

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from grader.course.submission import find_submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.recording import bag
 from grader.trial.training import Trained, run_training
 from sim.scenario import Scenario, load_scenario, scenario_from_toml
@@ -25,20 +25,20 @@ time_limit = 2.0
 ARGUMENTS = "import sys\ndata, out, onnx = sys.argv[2::2]\n"
 
 
-def train(nursery: Nursery, folder: Path, script: str | None) -> Trained:
+def train(forkserver: ForkServer, folder: Path, script: str | None) -> Trained:
     (folder / "node.py").write_text("pass\n")
     if script is not None:
         (folder / "train.py").write_text(ARGUMENTS + script)
     submission = find_submission(folder, "node.py", ["train.py"])
-    return run_training(submission, short(), nursery)
+    return run_training(submission, short(), forkserver)
 
 
 def short() -> Scenario:
     return scenario_from_toml(SHORT, "short")
 
 
-def test_a_missing_script_is_named(nursery: Nursery, tmp_path: Path) -> None:
-    training = train(nursery, tmp_path, None).recording.training
+def test_a_missing_script_is_named(forkserver: ForkServer, tmp_path: Path) -> None:
+    training = train(forkserver, tmp_path, None).recording.training
     assert training is not None
     assert training.problem == "there is no train.py beside node.py"
 
@@ -52,8 +52,10 @@ def test_a_missing_script_is_named(nursery: Nursery, tmp_path: Path) -> None:
         ("while True: pass", "hung"),
     ],
 )
-def test_a_script_that_fails(script: str, kind: str, nursery: Nursery, tmp_path: Path) -> None:
-    trained = train(nursery, tmp_path, script)
+def test_a_script_that_fails(
+    script: str, kind: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    trained = train(forkserver, tmp_path, script)
     assert trained.recording.training is not None
     (run,) = trained.recording.training.runs
     assert (run.kind, run.succeeded) == (kind, False)
@@ -68,31 +70,31 @@ def test_a_script_that_fails(script: str, kind: str, nursery: Nursery, tmp_path:
         "import os; os.mkdir(out)",
     ],
 )
-def test_only_ordinary_files_are_taken(script: str, nursery: Nursery, tmp_path: Path) -> None:
-    training = train(nursery, tmp_path, script).recording.training
+def test_only_ordinary_files_are_taken(script: str, forkserver: ForkServer, tmp_path: Path) -> None:
+    training = train(forkserver, tmp_path, script).recording.training
     assert training is not None
     assert training.runs[0].succeeded
     assert training.runs[0].files == {}
 
 
-def test_unpickling_happens_far_from_the_judge(nursery: Nursery, tmp_path: Path) -> None:
+def test_unpickling_happens_far_from_the_judge(forkserver: ForkServer, tmp_path: Path) -> None:
     script = (
         "class Evil:\n    def __reduce__(self):\n        import os\n        return os._exit, (7,)\n"
         "import pickle\nopen(out, 'wb').write(pickle.dumps(Evil()))\nopen(onnx, 'wb').write(b'x')\n"
     )
-    training = train(nursery, tmp_path, script).recording.training
+    training = train(forkserver, tmp_path, script).recording.training
     assert training is not None
     assert not training.pickle.loaded
     assert "ended or hung" in training.pickle.problem
 
 
-def test_a_bag_keeps_what_was_trained(nursery: Nursery, tmp_path: Path) -> None:
+def test_a_bag_keeps_what_was_trained(forkserver: ForkServer, tmp_path: Path) -> None:
     script = (
         "import pickle\nfrom sklearn.dummy import DummyRegressor\n"
         "model = DummyRegressor(strategy='constant', constant=0.25).fit([[0.0] * 5], [0.25])\n"
         "open(out, 'wb').write(pickle.dumps(model))\nopen(onnx, 'wb').write(b'no model')\n"
     )
-    recording = train(nursery, tmp_path, script).recording
+    recording = train(forkserver, tmp_path, script).recording
     assert recording.training is not None
     assert set(recording.training.pickle.speeds) == {0.25}
     assert recording.training.onnx.problem

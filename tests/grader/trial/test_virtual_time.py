@@ -142,9 +142,9 @@ def test_short_scenarios_end(run_node: RunNode, duration: float) -> None:
     assert recording.duration_s == duration
 
 
-def test_an_unreadable_file_is_not_run(nursery: object, tmp_path: Path) -> None:
+def test_an_unreadable_file_is_not_run(forkserver: object, tmp_path: Path) -> None:
     submission = Submission(tmp_path / "absent.py", "the file is empty")
-    recording = run_trial(submission, short(1.0), nursery)  # type: ignore[arg-type]
+    recording = run_trial(submission, short(1.0), forkserver)  # type: ignore[arg-type]
 
     assert (recording.outcome.kind, recording.outcome.text) == ("unreadable", "the file is empty")
     assert recording.messages == ()
