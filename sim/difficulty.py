@@ -19,8 +19,8 @@ import numpy as np
 
 from sim.clearance import clearance
 from sim.layout import Layout
+from sim.placement import scenario_layout
 from sim.scenario import Scenario
-from sim.simulation import Simulation
 
 WAY = 6.0  # [m] looked ahead
 SURROUNDINGS = 4.0  # [m] around the start
@@ -48,9 +48,7 @@ class Difficulty:
 
 def difficulty(scenario: Scenario, seed: int) -> Difficulty:
     """Return how hard a scenario is with this seed."""
-    simulation = Simulation(scenario)
-    simulation.reset(seed=seed)
-    layout, radius = simulation.layout, scenario.robot.radius
+    layout, radius = scenario_layout(scenario, seed), scenario.robot.radius
     free_way, width = _way_ahead(layout, radius)
     return Difficulty(free_way, width, _clutter(layout, radius), _tortuosity(scenario, layout))
 

@@ -1,16 +1,48 @@
-"""From a world file to a layout: throw the clutter, then mirror and rotate everything."""
+"""From a scenario to a layout: throw the clutter, then mirror and rotate everything."""
 
 import math
 
 import numpy as np
 
+from sim.clearance import clearance, is_inside
 from sim.errors import InputError
+from sim.faults import sensor_rng
 from sim.layout import Cart, Floats, Layout, Pose
+from sim.scenario import Scenario, yaw_in_radians
 from sim.world import Clutter, MovingCart, Pillar, Point, World
 
 PILLAR_SIDES = 16
 START_ROOM = 0.5  # free space between the robot's edge and clutter at the start [m]
 _TRIES = 1000  # for a place of one clutter box
+
+
+def scenario_layout(scenario: Scenario, seed: int) -> Layout:
+    """Return the layout of a scenario with this seed: where everything stands, nothing simulated.
+
+    Raises
+    ------
+    InputError
+        The robot's start is not free, or the clutter does not fit.
+    """
+    spec = scenario.robot
+    jitter = sensor_rng(seed, "start").uniform(-1, 1, 3) * yaw_in_radians(spec.start_jitter)
+    x, y, yaw = (jitter + yaw_in_radians(spec.start)).tolist()
+    layout = build_layout(
+        scenario.world,
+        start=(x, y, yaw),
+        radius=spec.radius,
+        rng=sensor_rng(seed, "clutter"),
+        mirror=scenario.mirror,
+        rotate_deg=scenario.rotate_deg,
+    )
+    x, y, _ = layout.start
+    free = clearance(layout, np.zeros(1), np.array([[x, y]]), spec.radius)[0]
+    if free <= 0.0 or is_inside(layout, (x, y)):
+        raise InputError(
+            f"{scenario.name or scenario.title}: robot.start: the robot would stand in something "
+            f"at ({x:.3g}, {y:.3g}) with seed {seed}; expected a free place of radius {spec.radius}"
+        )
+    return layout
 
 
 def build_layout(

@@ -2,6 +2,11 @@
 
 The keys are the fields of the structs below. A scenario says everything about a run but the node:
 the same scenario and seed give the same run, byte for byte.
+
+A file may begin with `extends = "slow_leader"`: it then starts from the tables of that scenario,
+which must not extend another, and its own keys override them. Tables are merged key by key; any
+other value, a list such as `[[script]]` too, replaces the inherited one as a whole. Title and
+description are not inherited.
 """
 
 import json
@@ -17,10 +22,12 @@ from msgspec import Meta
 from sim.bench import BenchScan
 from sim.errors import InputError
 from sim.lidar import PROFILES
-from sim.toml_input import convert, nearest, parse_toml, read_toml
+from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown
 from sim.world import Degrees, Metres, World, load_world, world_from_doc, world_names
 
 SCENARIOS = Path(__file__).parent / "scenarios"
+EXTENDS = "extends"
+_NOT_INHERITED = ("title", "description")
 MAX_BENCH_SCANS = 20_000
 _MAY_BE_INFINITE = (
     "script.goal",
@@ -270,12 +277,10 @@ def scenario_from_toml(text: str, where: str) -> Scenario:
     Raises
     ------
     InputError
-        The text is not a scenario.
+        The text is not a scenario, or what it extends is none.
     """
-    doc = parse_toml(text, where)
-    if "name" in doc:
-        raise InputError(f"{where}: unknown key 'name': a scenario is called as its file is")
-    return _scenario(doc, where)
+    doc = _parse(text, where)
+    return _scenario(_extended(doc, where) if EXTENDS in doc else doc, where)
 
 
 def scenario_to_json(scenario: Scenario) -> str:
@@ -304,16 +309,54 @@ def _find(name_or_path: str | Path) -> Path:
     text = str(name_or_path)
     if isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text:
         return Path(name_or_path)
-    found = [path for folder in SCENARIOS.iterdir() if (path := folder / f"{text}.toml").is_file()]
-    if len(found) == 1:
-        return found[0]
+    if path := _named(text):
+        return path
     raise InputError(f"no scenario is called '{text}'{nearest(text, scenario_names())}")
+
+
+def _named(name: str) -> Path | None:
+    """Return the file of the course's scenario of that name, if there is one."""
+    found = [path for folder in SCENARIOS.iterdir() if (path := folder / f"{name}.toml").is_file()]
+    return found[0] if len(found) == 1 else None
+
+
+def _parse(text: str, where: str) -> dict[str, Any]:
+    doc = parse_toml(text, where)
+    if "name" in doc:
+        raise InputError(f"{where}: unknown key 'name': a scenario is called as its file is")
+    return doc
+
+
+def _extended(doc: dict[str, Any], where: str) -> dict[str, Any]:
+    """Return the tables of the scenario that `doc` extends, overridden by those of `doc`."""
+    own = {key: value for key, value in doc.items() if key != EXTENDS}
+    base = _base(doc[EXTENDS], where)
+    inherited = {key: value for key, value in base.items() if key not in _NOT_INHERITED}
+    return merged(inherited, own)
+
+
+def _base(name: Any, where: str) -> dict[str, Any]:
+    """Return the tables of the scenario of that name, a right one that extends none."""
+    if not isinstance(name, str):
+        raise InputError(f"{where}: {EXTENDS} = {shown(name)}: expected a scenario's name")
+    at = f'{where}: {EXTENDS} = "{name}"'
+    path = _named(name) if "/" not in name else None
+    if path is None:
+        raise InputError(f"{at}: no scenario is called that{nearest(name, scenario_names())}")
+    base = _parse(read_toml(path), str(path))
+    if EXTENDS in base:
+        what = "itself" if base[EXTENDS] == name else f"'{base[EXTENDS]}'"
+        raise InputError(f"{at}: '{name}' extends {what}; expected a scenario that extends none")
+    _scenario(base, str(path))  # so that its own mistakes are not blamed on `where`
+    return base
 
 
 def _scenario(doc: dict[str, Any], where: str) -> Scenario:
     """Resolve the world first: it is a name or a table, and has errors of its own."""
     if "world" not in doc:
-        raise InputError(f"{where}: missing key 'world' (a world's name, or a table)")
+        raise InputError(
+            f"{where}: missing key 'world' (a world's name, or a table; `extends` inherits one)"
+        )
     world = _world(doc["world"], where)
     empty = {**doc, "world": {}}
     scenario = convert(empty, Scenario, where, may_be_infinite=_MAY_BE_INFINITE)

@@ -45,8 +45,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.clearance import clearance, is_inside
-from sim.errors import InputError
+from sim.clearance import clearance
 from sim.faults import sensor_rng
 from sim.layout import Floats, Layout, Pose
 from sim.messages import (
@@ -59,7 +58,7 @@ from sim.messages import (
     twist,
 )
 from sim.odometry import Odometry
-from sim.placement import build_layout, place
+from sim.placement import place, scenario_layout
 from sim.robot import STEP_NS, Robot
 from sim.scanner import Scanner
 from sim.scenario import Scenario, ScriptEvent, yaw_in_radians
@@ -85,6 +84,13 @@ class Truth:
 class Simulation:
     """One run of a scenario.
 
+    Parameters
+    ----------
+    scenario
+        What happens.
+    seed
+        Takes the place of the scenario's own: the only door for randomness.
+
     Raises
     ------
     InputError
@@ -96,16 +102,11 @@ class Simulation:
     seed: int
     now: int  # since the scenario's start [ns]
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, seed: int | None = None) -> None:
         self.scenario = scenario
-        self.reset()
-
-    def reset(self, *, seed: int | None = None) -> None:
-        """Start over, with this seed or else the scenario's: the only door for randomness."""
-        scenario = self.scenario
         self.seed = scenario.seed if seed is None else seed
         self.now = 0
-        self.layout = _layout(scenario, self.seed)
+        self.layout = scenario_layout(scenario, self.seed)
         slip = scenario.faults.wheel_slip
         self._robot = Robot(scenario.robot, self.layout, wheel_slip=slip)
         self._odometry = Odometry(
@@ -263,30 +264,6 @@ class Simulation:
             if event.kind is not Kind.TELEPORT:
                 messages.append(self._messages.pop((event.kind, event.index)))
         return messages
-
-
-def _layout(scenario: Scenario, seed: int) -> Layout:
-    """Place the scenario's world and robot, and make sure that the robot stands free."""
-    spec = scenario.robot
-    jitter = sensor_rng(seed, "start").uniform(-1, 1, 3) * yaw_in_radians(spec.start_jitter)
-    x, y, yaw = (jitter + yaw_in_radians(spec.start)).tolist()
-    layout = build_layout(
-        scenario.world,
-        start=(x, y, yaw),
-        radius=spec.radius,
-        rng=sensor_rng(seed, "clutter"),
-        mirror=scenario.mirror,
-        rotate_deg=scenario.rotate_deg,
-    )
-    here = np.array([layout.start[:2]])
-    free = clearance(layout, np.zeros(1), here, spec.radius)[0]
-    if free <= 0.0 or is_inside(layout, layout.start[:2]):
-        x, y, _ = layout.start
-        raise InputError(
-            f"{scenario.name or scenario.title}: robot.start: the robot would stand in something "
-            f"at ({x:.3g}, {y:.3g}) with seed {seed}; expected a free place of radius {spec.radius}"
-        )
-    return layout
 
 
 def _between(before: Pose, after: Pose, part: float) -> Pose:

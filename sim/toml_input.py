@@ -74,6 +74,18 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
         raise InputError(f"{where}: not valid TOML: {reason}") from None
 
 
+def merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """Return `base` overridden by `own`: table by table, any other value as a whole."""
+    result = dict(base)
+    for key, value in own.items():
+        inherited = result.get(key)
+        if isinstance(inherited, dict) and isinstance(value, dict):
+            result[key] = merged(inherited, value)
+        else:
+            result[key] = value
+    return result
+
+
 def convert(
     doc: Any, type_: type[T], where: str, *, at: Key = (), may_be_infinite: Iterable[str] = ()
 ) -> T:
@@ -115,6 +127,12 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"; there is: {', '.join(names)}" if names else ""
 
 
+def shown(value: Any) -> str:
+    """Return a value as an error shows it: as it would be written in the file, cut if long."""
+    text = repr(value) if isinstance(value, float) else json.dumps(value, default=str)
+    return text if len(text) <= _MAX_SHOWN else text[: _MAX_SHOWN - 1] + "…"
+
+
 def _explain(error: str, doc: Any, type_: type, at: Key) -> str:
     match = _PATH.fullmatch(error)
     what, key = (match["what"], _keys(match["path"])) if match else (error, ())
@@ -127,8 +145,8 @@ def _explain(error: str, doc: Any, type_: type, at: Key) -> str:
     if (ours := _OURS.fullmatch(what)) and isinstance(came, dict) and ours["key"] in came:
         key, what, came = (*key, ours["key"]), ours["what"], came[ours["key"]]
     expected = _expected(what, type_, key, came)
-    shown = "" if isinstance(came, dict) else f" = {_short(came)}"
-    return f"{_dotted(at + key)}{shown}: {expected}" if at + key else expected
+    value = "" if isinstance(came, dict) else f" = {shown(came)}"
+    return f"{_dotted(at + key)}{value}: {expected}" if at + key else expected
 
 
 def _expected(what: str, type_: type, key: Key, came: Any) -> str:
@@ -175,11 +193,6 @@ def _value_at(doc: Any, key: Key) -> Any:
     for part in key:
         doc = doc[part]
     return doc
-
-
-def _short(value: Any) -> str:
-    text = repr(value) if isinstance(value, float) else json.dumps(value, default=str)
-    return text if len(text) <= _MAX_SHOWN else text[: _MAX_SHOWN - 1] + "…"
 
 
 def _type_at(type_: type, key: Key) -> Any:

@@ -184,8 +184,7 @@ class ThriftyTrials(NodeTrials):
 
 def is_own(scenario: Scenario, seed: int) -> bool:
     """Tell whether the robot sends something else with this seed than with the scenario's own."""
-    simulation = Simulation(scenario)
-    simulation.reset(seed=seed)
+    simulation = Simulation(scenario, seed)
     layout, sent = _own_fingerprint(scenario.name)
     return layout_to_json(simulation.layout) != layout or fingerprint(simulation) != sent
 

@@ -17,6 +17,8 @@ from pathlib import Path, PurePosixPath
 from grader.authoring.leaks import Leak, leaks
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.errors import GraderError, InputError
+from sim.scenario import EXTENDS
+from sim.toml_input import parse_toml
 
 # The grader's rooms for instructors and contributors; students' `course` does without.
 INSTRUCTORS = ("authoring", "classroom", "nbgrader", "build.py", "skeletons.py")
@@ -149,9 +151,22 @@ def contents(
         found[QUIZ] = questions(found[QUIZ].decode("utf-8")).encode()
     if make is not None:
         found.update(make(left_out))
+    _check_bases(found)
     found["pyproject.toml"] = _pyproject((root / "pyproject.toml").read_text("utf-8")).encode()
     found["README.md"] = _readme(left_out, PLAIN if make is None else WITH_SITE).encode()
     return dict(sorted(found.items()))
+
+
+def _check_bases(files: Mapping[str, bytes]) -> None:
+    """Refuse to release a scenario without the one that it extends: it could not be loaded."""
+    folder = "sim/scenarios/"
+    released = {PurePosixPath(path).stem: path for path in files if path.startswith(folder)}
+    for path in released.values():
+        base = parse_toml(files[path].decode(), path).get(EXTENDS)
+        if base is not None and base not in released:
+            raise GraderError(
+                f"nothing was released: {path} extends '{base}', which stays with the instructor"
+            )
 
 
 def questions(quiz: str) -> str:

@@ -34,11 +34,11 @@ from grader.trial.virtual_time import (
     died_text,
     misbehaviour,
     not_runnable,
-    prepared,
 )
 from sim.messages import Message, typestore, with_epoch
 from sim.scenario import Scenario
 from sim.schedule import scan_rate
+from sim.simulation import Simulation
 
 HUNG_AFTER = 5.0  # [s] in a callback at the scenario's end
 STALL = 0.1  # [s] that a message of the robot may be late, or a ready thread wait for a CPU ...
@@ -78,7 +78,7 @@ def run_live_trial(
         The grader or the machine failed; nothing can be said of the submission.
     """
     for attempt in range(ATTEMPTS):
-        simulation = prepared(scenario, seed)
+        simulation = Simulation(scenario, seed)
         problem = not_runnable(submission, scenario)
         if problem is not None:
             return not_run(simulation, problem)

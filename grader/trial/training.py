@@ -74,9 +74,7 @@ def run_training(
     GraderError
         The grader or the machine failed, or a library is missing.
     """
-    simulation = Simulation(scenario)
-    if seed is not None:
-        simulation.reset(seed=seed)
+    simulation = Simulation(scenario, seed)
     spec = scenario.training
     assert spec is not None
     problem = submission.problem or _missing(submission, spec)

@@ -21,9 +21,10 @@ from grader.trial.progress import TRIAL, OnProgress, ignore
 from grader.trial.real_time import run_live_trial
 from grader.trial.recorder import not_run
 from grader.trial.training import Trained, run_training
-from grader.trial.virtual_time import Limits, prepared, run_trial
+from grader.trial.virtual_time import Limits, run_trial
 from sim.difficulty import comparable_seed
 from sim.scenario import Scenario, load_scenario
+from sim.simulation import Simulation
 
 REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
 BUSY_WAIT = "a loop in the node waits without letting time pass (such as `while not done: pass`)"
@@ -142,7 +143,7 @@ class NodeTrials:
         if scenario.training is not None:
             return self._trained[scenario.name].result().recording
         if self._dead is not None:
-            return not_run(prepared(scenario, self.seed_of(scenario)), self._dead)
+            return not_run(Simulation(scenario, self.seed_of(scenario)), self._dead)
         if self.real_time or self._why_real is not None:
             return self._run_in_real_time(scenario, self._why_real or "")
         limits = IMPATIENT if self._hung else self.limits

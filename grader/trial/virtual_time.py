@@ -71,10 +71,10 @@ def run_trial(
     """
     problem = not_runnable(submission, scenario)
     if problem is not None:
-        return not_run(prepared(scenario, seed), problem)
+        return not_run(Simulation(scenario, seed), problem)
     lead = 0
     while True:
-        simulation = prepared(scenario, seed)
+        simulation = Simulation(scenario, seed)
         with (
             stage(submission, scenario, arguments, files) as staged,
             forkserver.host(staged.folder) as host,
@@ -87,14 +87,6 @@ def run_trial(
                 continue
             output = (trial.link.stdout, trial.link.stderr)
             return trial.recorder.freeze(outcome, staged.folder, trial.link.log(), output)
-
-
-def prepared(scenario: Scenario, seed: int | None) -> Simulation:
-    """Return the scenario's simulation, with a seed of its own or another."""
-    simulation = Simulation(scenario)
-    if seed is not None:
-        simulation.reset(seed=seed)
-    return simulation
 
 
 def not_runnable(submission: Submission, scenario: Scenario) -> Outcome | None:

@@ -91,7 +91,7 @@ class LiveRobot:
         InputError
             The robot's start is not free with this seed, or the clutter does not fit.
         """
-        return Simulation(msgspec.structs.replace(self.simulation.scenario, seed=seed))
+        return Simulation(self.simulation.scenario, seed)
 
     def begin(self, simulation: Simulation) -> None:
         """Live in this one from now on."""

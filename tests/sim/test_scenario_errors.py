@@ -20,7 +20,10 @@ CLUTTER = INLINE + "[[world.clutter]]\narea = [[1, -1], [2, 1]]\n"
 
 MISTAKES = {
     "no title": ('world = "hall"', "missing key 'title'"),
-    "no world": ('title = "x"', "missing key 'world' (a world's name, or a table)"),
+    "no world": (
+        'title = "x"',
+        "missing key 'world' (a world's name, or a table; `extends` inherits one)",
+    ),
     "misspelt key": (HEAD + "duraton = 3", "unknown key 'duraton'; did you mean 'duration'?"),
     "misspelt key in a table": (
         HEAD + "[robot]\nraduis = 1",

@@ -16,6 +16,7 @@ from sim import simulation as simulation_module
 from sim.layout import layout_to_json
 from sim.lidar import PROFILES
 from sim.messages import EPOCH_NS, LASER_SCAN, ODOMETRY, decode
+from sim.placement import scenario_layout
 from sim.robot import Robot
 from sim.scenario import RobotSpec, load_scenario, scenario_from_toml
 from sim.simulation import Simulation
@@ -105,11 +106,9 @@ def test_the_run_with_everything_has_everything():
     assert 80 < sum(m.type == ODOMETRY for m in messages) < 121
 
 
-def test_two_runs_are_identical_and_so_is_a_reset_one():
+def test_two_runs_are_identical():
     simulation = Simulation(scenario_from_toml(EVERYTHING, "x"))
-    assert run(simulation, [6 * SECOND], COMMANDS) == WHOLE
-    simulation.reset()
-    assert simulation.now == 0
+    assert (simulation.seed, simulation.now) == (1, 0)
     assert run(simulation, [6 * SECOND], COMMANDS) == WHOLE
 
 
@@ -132,12 +131,11 @@ def test_another_process_with_another_hash_seed_gives_the_same_bytes():
 
 
 def test_another_seed_is_another_run_and_the_global_generators_are_left_alone():
-    simulation = Simulation(scenario_from_toml(EVERYTHING, "x"))
+    scenario = scenario_from_toml(EVERYTHING, "x")
     before = np.random.get_state()[1].tobytes()
-    layout = layout_to_json(simulation.layout)
-    simulation.reset(seed=2)
+    simulation = Simulation(scenario, 2)
     assert simulation.seed == 2
-    assert layout_to_json(simulation.layout) != layout
+    assert layout_to_json(simulation.layout) != layout_to_json(Simulation(scenario).layout)
     assert run(simulation, [6 * SECOND], COMMANDS) != WHOLE
     assert np.random.get_state()[1].tobytes() == before
 
@@ -388,11 +386,8 @@ def test_jitter_moves_the_start_by_the_seed_and_within_its_limits():
     text = (
         'title = "x"\nworld = "open"\n[robot]\nstart = [1, 2, 30]\nstart_jitter = [0.5, 0.25, 10]'
     )
-    simulation = Simulation(scenario_from_toml(text, "x"))
-    starts = []
-    for seed in range(50):
-        simulation.reset(seed=seed)
-        starts.append(simulation.layout.start)
+    scenario = scenario_from_toml(text, "x")
+    starts = [scenario_layout(scenario, seed).start for seed in range(50)]
     off = np.array(starts) - (1.0, 2.0, math.radians(30))
     assert (abs(off) <= (0.5, 0.25, math.radians(10))).all()
     assert (abs(off).max(axis=0) > (0.4, 0.2, math.radians(8))).all()

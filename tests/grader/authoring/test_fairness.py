@@ -56,9 +56,7 @@ def test_noise_that_only_shows_on_the_way_is_found() -> None:
     )
     prints = set()
     for seed in (1, 2):
-        simulation = Simulation(noisy)
-        simulation.reset(seed=seed)
-        prints.add(fingerprint(simulation))
+        prints.add(fingerprint(Simulation(noisy, seed)))
     assert len(prints) == 2
 
 

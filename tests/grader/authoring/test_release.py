@@ -269,6 +269,27 @@ def test_secrets_lying_about_are_left_where_they_are(tmp_path: Path) -> None:
     }  # fmt: skip
 
 
+def test_a_scenario_goes_out_with_the_one_that_it_extends(tmp_path: Path) -> None:
+    for name in ("pyproject.toml", "LICENSE"):
+        (tmp_path / name).write_bytes((ROOT / name).read_bytes())
+    scenarios = tmp_path / "sim" / "scenarios"
+    for folder, name, text in (
+        ("demo", "wide", 'extends = "hall"'),
+        ("goal_seeking", "hall", 'world = "hall"'),
+    ):
+        (scenarios / folder).mkdir(parents=True)
+        (scenarios / folder / f"{name}.toml").write_text(f'title = "x"\n{text}\n', "utf-8")
+    assert {"sim/scenarios/demo/wide.toml", "sim/scenarios/goal_seeking/hall.toml"} <= set(
+        contents((), tmp_path)
+    )
+    with pytest.raises(GraderError) as caught:  # the exercise stays here, and its scenario too
+        contents(["obstacle_avoidance"], tmp_path)
+    assert str(caught.value) == (
+        "nothing was released: sim/scenarios/demo/wide.toml extends 'hall', "
+        "which stays with the instructor"
+    )
+
+
 def test_the_quiz_comes_without_its_rubric() -> None:
     quiz = questions((ROOT / "lessons" / "quiz.md").read_text("utf-8"))
     assert quiz.count("\n## ") == 5

@@ -112,7 +112,7 @@ def grade_class(
         def fake_workers(_: Options) -> Iterator[FakeWorkers]:
             yield workers
 
-        monkeypatch.setattr(batch, "_crew", fake_workers)
+        monkeypatch.setattr(batch, "_workers", fake_workers)
         options.setdefault("exercises", (SLUG,))
         options.setdefault("canaries", 0)
         results = autograde(handed_in, tmp_path / "out", Options(**options), quiet, regrade=regrade)
