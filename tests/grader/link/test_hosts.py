@@ -159,9 +159,9 @@ KILLED_JUDGE = """
     from sim.scenario import load_scenario
 
     with (
-        ForkServer(EPOCH_NS) as fork server,
+        ForkServer(EPOCH_NS) as forkserver,
         stage(Submission(Path({file!r})), load_scenario("demo_wall")) as staged,
-        fork server.host(staged.folder) as host,
+        forkserver.host(staged.folder) as host,
     ):
         print(host.pid, flush=True)
         Link(host).start(Start(staged.programs, EPOCH_NS, 1, staged.offers), 60.0)
@@ -311,7 +311,7 @@ from grader.link.hosts import ForkServer
 from grader.course.submission import Submission
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
-with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH_NS) as fork server:
+with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH_NS) as forkserver:
     file = Path(folder) / 'echo.py'
     file.write_text(PREAMBLE + '''
 before = os.listdir('/dev/shm')
@@ -319,18 +319,18 @@ rclpy.init(); node = Echo(); print(os.getuid())
 print(*(f for f in os.listdir('/dev/shm') if 'port' not in f and f not in before))
 rclpy.spin(node)
 ''')
-    runs = [run_trial(Submission(file), short(1.0), fork server) for _ in range(2)]
+    runs = [run_trial(Submission(file), short(1.0), forkserver) for _ in range(2)]
     said = [line.text for line in runs[0].log]
     left = set(said[1].split()) & set(os.listdir('/dev/shm'))
     outcomes, digests = {{r.outcome.kind for r in runs}}, {{r.digest() for r in runs}}
-    print(json.dumps([fork server.isolation, said[0], list(outcomes), len(digests),
+    print(json.dumps([forkserver.isolation, said[0], list(outcomes), len(digests),
                       len(runs[0].published), bool(said[1]), sorted(left)]))
 """
 
 
 def test_an_ordinary_user_can_grade() -> None:
     """The judge and its fork server without any privilege."""
-    source = textwrap.dedent(ORDINARY).format(root=str(ROOT), tests=str(Path(__file__).parent))
+    source = textwrap.dedent(ORDINARY).format(root=str(ROOT), tests=str(Path(__file__).parents[1]))
     done = subprocess.run(
         [sys.executable, "-B", "-c", source],
         capture_output=True, text=True, check=False, cwd="/", timeout=120,
