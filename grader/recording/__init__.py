@@ -1,21 +1,8 @@
 """What happened in one trial: the one thing that checks and reports see."""
 
-from grader.recording.recording import (
-    COMPLETED,
-    Compute,
-    Endpoint,
-    Floats,
-    Goals,
-    Live,
-    ModelAnswers,
-    Odom,
-    Outcome,
-    Recording,
-    Scan,
-    ScriptRun,
-    Training,
-    Twists,
-)
+from grader.recording.recording import COMPLETED, Compute, Endpoint, Live, Outcome, Recording
+from grader.recording.training import ModelAnswers, ScriptRun, Training
+from grader.recording.views import Floats, Goals, Odom, Scan, Twists
 
 __all__ = [
     "COMPLETED",

@@ -1,0 +1,136 @@
+"""The messages of a trial as numbers: what a recording hands to checks and reports."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.messages import LASER_SCAN, ODOMETRY, POSE_STAMPED, Message, decode, twist_from_cdr
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Twists:
+    """The Twist messages of one topic."""
+
+    t: Floats  # (n,) [s]
+    values: Floats  # (n, 6) linear x, y, z [m/s], angular x, y, z [rad/s]
+
+    @property
+    def linear_x(self) -> Floats:
+        """Forward speed, (n,) [m/s]."""
+        return self.values[:, 0]
+
+    @property
+    def angular_z(self) -> Floats:
+        """Turning speed, positive to the left, (n,) [rad/s]."""
+        return self.values[:, 5]
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """One LaserScan as the node got it."""
+
+    t: float  # [s] scenario time of delivery
+    stamp: float  # [s] scenario time in its header
+    angle_min: float  # [rad]
+    angle_increment: float  # [rad]
+    range_min: float  # [m]
+    range_max: float  # [m]
+    ranges: NDArray[np.float32]  # (n_beams,) [m]
+
+    @property
+    def angles(self) -> Floats:
+        """Beam angles, (n_beams,) [rad], as the message says."""
+        return self.angle_min + self.angle_increment * np.arange(len(self.ranges), dtype=float)
+
+
+@dataclass(frozen=True)
+class Odom:
+    """The Odometry messages of one topic."""
+
+    t: Floats  # (n,) [s]
+    x: Floats  # (n,) [m]
+    y: Floats  # (n,) [m]
+    yaw: Floats  # (n,) [rad]
+    v: Floats  # (n,) [m/s]
+    w: Floats  # (n,) [rad/s]
+
+
+@dataclass(frozen=True)
+class Goals:
+    """The goals that the node was given."""
+
+    t: Floats  # (n,) [s]
+    x: Floats  # (n,) [m]
+    y: Floats  # (n,) [m]
+
+
+def twists(messages: Iterable[Message]) -> Twists:
+    """Decode Twist messages; what is not a Twist is left out."""
+    times, values = [], []
+    for message in messages:
+        try:
+            values.append(twist_from_cdr(message.data))
+        except ValueError:
+            continue
+        times.append(message.time / 1e9)
+    return Twists(np.array(times, dtype=float), np.array(values, dtype=float).reshape(-1, 6))
+
+
+def scans(messages: Iterable[Message], epoch: int) -> tuple[Scan, ...]:
+    """Decode LaserScan messages; `epoch` is the ROS time [ns] at scenario time 0."""
+    return tuple(_scan(message, epoch) for message in messages)
+
+
+def odometry(messages: Iterable[Message]) -> Odom:
+    """Decode Odometry messages."""
+    rows = [_odometry_row(message) for message in messages]
+    return Odom(*np.array(rows, dtype=float).reshape(-1, 6).T)
+
+
+def goals(messages: Iterable[Message]) -> Goals:
+    """Decode PoseStamped messages."""
+    rows = []
+    for message in messages:
+        position = decode(message.data, POSE_STAMPED).pose.position
+        rows.append((message.time / 1e9, position.x, position.y))
+    return Goals(*np.array(rows, dtype=float).reshape(-1, 3).T)
+
+
+def _scan(message: Message, epoch: int) -> Scan:
+    scan = decode(message.data, LASER_SCAN)
+    return Scan(
+        t=message.time / 1e9,
+        stamp=_seconds(scan.header.stamp, epoch),
+        angle_min=scan.angle_min,
+        angle_increment=scan.angle_increment,
+        range_min=scan.range_min,
+        range_max=scan.range_max,
+        ranges=scan.ranges,
+    )
+
+
+def _odometry_row(message: Message) -> tuple[float, ...]:
+    odometry = decode(message.data, ODOMETRY)
+    pose, twist = odometry.pose.pose, odometry.twist.twist
+    q = pose.orientation
+    yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
+    return (
+        message.time / 1e9,
+        pose.position.x,
+        pose.position.y,
+        yaw,
+        twist.linear.x,
+        twist.angular.z,
+    )
+
+
+def _seconds(stamp: object, epoch: int) -> float:
+    sec, nanosec = stamp.sec, stamp.nanosec  # type: ignore[attr-defined]
+    return float(sec * 10**9 + nanosec - epoch) / 1e9
