@@ -128,6 +128,11 @@ class Simulation:
         """Where the robot really is after the last step [m, m, rad], its yaw not wrapped."""
         return self._robot.pose
 
+    @property
+    def end(self) -> int:
+        """When the scenario ends, since its start [ns]."""
+        return self.scenario.duration_ns
+
     def next_event(self) -> int | None:
         """Return when the next message or scripted event comes after `now` [ns], if one does."""
         if self._arrived == len(self._arrivals):

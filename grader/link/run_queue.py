@@ -33,8 +33,8 @@ class RunQueue:
     pid
         Of the process.
     patience
-        Longest time between two calls of `look` [s]: so much waiting may go unseen. By default
-        the kernel is believed, and `look` need not be called.
+        Longest time between two calls of `look` [s]: that much waiting may go unseen. By default
+        all that the kernel counts is taken for waiting, and `look` need not be called.
     clock
         A monotonic clock [s].
     processors
@@ -77,11 +77,11 @@ class RunQueue:
             waited = max(0.0, since - seconds) * others
             self._seen[thread] = self._seen.get(thread, 0.0) + waited
 
-    def worst(self, *, believed: bool = False) -> float:
+    def worst(self, *, unseen_too: bool = False) -> float:
         """Return how long the worst-off thread waited, in waits that ended since the last call [s].
 
-        0 where the kernel doesn't count, and for a process that is gone. If it is `believed`, what
-        was not seen counts, too: the process behaved as if it had waited.
+        0 where the kernel doesn't count, and for a process that is gone. With `unseen_too` a wait
+        counts in full, though it was not seen: for a process that behaved as if it had waited.
         """
         waits, now = {}, {}
         since, self._asked = self._clock() - self._asked, self._clock()
@@ -92,18 +92,18 @@ class RunQueue:
                     waited = (found.waited - self._known.get(thread, found).waited) / 1e9
                     if waited:  # the kernel counts a wait when it is over
                         seen = self._seen.pop(thread, 0.0) + self._patience
-                        waits[thread] = waited if believed else min(waited, seen)
+                        waits[thread] = waited if unseen_too else min(waited, seen)
         used = sum(now[t].ran - self._known[t].ran for t in now if t in self._known) / 1e9
         self._known = now
         self._seen = {thread: seen for thread, seen in self._seen.items() if thread in now}
-        return max(waits.values(), default=0.0) * (self._others(used, since) if believed else 1.0)
+        return max(waits.values(), default=0.0) * (self._others(used, since) if unseen_too else 1.0)
 
     def pending(self) -> float:
         """Return the longest wait that has not ended, as far as it was seen [s]."""
         return max(self._seen.values(), default=0.0)
 
     def _others(self, used: float, since: float) -> float:
-        """Return the part of the processors that the process itself did not take."""
+        """Return which part of the processors the process itself did not take (0 to 1)."""
         return max(0.0, 1.0 - used / since / self._processors) if since else 1.0
 
     def _counted(self, thread: str) -> _Counted:

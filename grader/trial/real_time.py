@@ -8,7 +8,6 @@ other.
 from __future__ import annotations
 
 import contextlib
-import math
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,19 +21,23 @@ from grader.link.domains import own_domain
 from grader.link.hosts import ForkServer
 from grader.link.link import HostForged
 from grader.recording import COMPLETED, Live, Outcome, Recording
-from grader.trial.exclusive import TRIAL_LOCK
-from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over
-from grader.trial.recorder import Command, Flood, Recorder, not_run
-from grader.trial.staging import Stage, stage
-from grader.trial.stalls import AnswerRate
-from grader.trial.virtual_time import (
+from grader.trial.endings import (
     GRACE,
-    LOOK_EVERY,
     NEVER_SPUN,
     died_text,
+    line_without_folder,
     misbehaviour,
+    not_run,
     not_runnable,
+    roll_on,
+    without_folder,
 )
+from grader.trial.exclusive import TRIAL_LOCK
+from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over
+from grader.trial.recorder import Command, Flood, Recorder
+from grader.trial.staging import Stage, check_folder, stage
+from grader.trial.stalls import AnswerRate
+from grader.trial.virtual_time import LOOK_EVERY
 from sim.messages import Message, typestore, with_epoch
 from sim.scenario import Scenario
 from sim.schedule import scan_rate
@@ -64,7 +67,7 @@ def run_live_trial(
 
     Parameters
     ----------
-    fork server
+    forkserver
         One for virtual time; its sister for real time is used.
     reason
         Why the trial isn't in virtual time, for the report.
@@ -87,9 +90,8 @@ def run_live_trial(
             stage(submission, scenario, arguments, files) as staged,
             own_domain() as domain,
         ):
-            trial = _LiveTrial(
-                Recorder(simulation, stamped=stamped), forkserver.live, staged, domain
-            )
+            hosts = LiveHosts(forkserver.live, staged, domain, simulation.seed)
+            trial = _LiveTrial(simulation, Recorder(stamped=stamped), hosts, staged)
             recording = trial.run(reason)
         if not recording.live or not recording.live.stall:
             break
@@ -104,13 +106,14 @@ def _longest_stall(scenario: Scenario) -> float:
 
 
 class _LiveTrial:
-    """A trial on its way."""
+    """A trial under way."""
 
     def __init__(
-        self, recorder: Recorder, forkserver: ForkServer, staged: Stage, domain: int
+        self, simulation: Simulation, recorder: Recorder, hosts: LiveHosts, staged: Stage
     ) -> None:
-        self.recorder = recorder
-        self.hosts = LiveHosts(forkserver, staged, domain, recorder.simulation.seed)
+        self._simulation = simulation
+        self._recorder = recorder
+        self.hosts = hosts
         self._stage = staged
         self._lateness = 0.0  # [s] of the robot's latest message
         self._answer_rate = AnswerRate()
@@ -139,27 +142,30 @@ class _LiveTrial:
             self._starved = max(self._starved, hosts.still_wait())
             log = [line for program in hosts.programs for line in program.link.log()]
             output = [o for p in hosts.programs for o in (p.link.stdout, p.link.stderr)]
-        self.recorder.note_endpoints(hosts.endpoints)
-        limit = _longest_stall(self.recorder.simulation.scenario)
+        self._recorder.note_endpoints(hosts.endpoints)
+        limit = _longest_stall(self._simulation.scenario)
         if self._lateness > limit:
             stall = f"a message of the robot left {self._lateness:.3f} s late"
         elif self._starved > limit:
             stall = f"the node had to wait {self._starved:.3f} s for a CPU"
         live = Live(hosts.epoch or time.time_ns(), reason, self._lateness, self._starved, stall)
         log.sort(key=lambda line: line.time)
-        return self.recorder.freeze(outcome, self._stage.folder, log, output, live)
+        folder = self._stage.folder
+        log = [line_without_folder(line, folder) for line in log]
+        outcome = without_folder(outcome, folder)
+        return self._recorder.freeze(self._simulation, outcome, log, output, live)
 
     # --- the clock -------------------------------------------------------------------------------
 
     def _drive(self) -> None:
         """Let the robot live through the scenario, on time."""
-        recorder, simulation, hosts = self.recorder, self.recorder.simulation, self.hosts
+        recorder, simulation, hosts = self._recorder, self._simulation, self.hosts
         pending = simulation.advance(0, self._take_heard())  # what was said in its start-up
         while True:
             self._transmit(pending)
             hosts.start_programs(simulation.now)
             hosts.stop_programs(simulation.now)
-            if simulation.now >= recorder.end:
+            if simulation.now >= simulation.end:
                 return
             hosts.measure()
             began, until = simulation.now, self._next_moment()
@@ -169,24 +175,25 @@ class _LiveTrial:
                 hosts.listen(min(left / 1e9, TURN))
                 commands += self._take_heard()
             self._lateness = max(self._lateness, (hosts.now() - until) / 1e9)
-            answered = (commands[0][0] - began) / 1e9 if commands else math.nan
+            answered = (commands[0][0] - began) / 1e9 if commands else None
             kind = frozenset(message.topic for message in pending)
-            missed = not answered <= PROMPT and self._answer_rate.answers(kind)
-            self._answer_rate.note(kind, answered=not math.isnan(answered))
-            queued = hosts.waited(believed=missed)
+            late = answered is None or answered > PROMPT
+            missed = late and self._answer_rate.answers(kind)
+            self._answer_rate.note(kind, answered=answered is not None)
+            queued = hosts.waited(unseen_too=missed)
             self._starved = max(self._starved, queued)
             used = hosts.cpu() - cpu
-            wall = min(used, (until - began) / 1e9) if math.isnan(answered) else answered
+            wall = min(used, (until - began) / 1e9) if answered is None else answered
             recorder.compute.append((began / 1e9, max(0.0, wall), used, queued))
             if len(recorder.compute) % LOOK_EVERY == 0:
-                recorder.check_folder(self._stage.folder)
+                check_folder(self._stage.folder)
             pending = simulation.advance(until, commands)
 
     def _next_moment(self) -> int:
         """Return when something is to be done next [ns], at the latest at the scenario's end."""
-        now, end = self.recorder.simulation.now, self.recorder.end
+        now, end = self._simulation.now, self._simulation.end
         moments = [
-            self.recorder.simulation.next_event(),
+            self._simulation.next_event(),
             *self.hosts.moments,
             now + HEARTBEAT_NS,
             end,
@@ -199,17 +206,17 @@ class _LiveTrial:
         real = [with_epoch(message, self.hosts.epoch) for message in messages]
         self._lateness = max(self._lateness, (self.hosts.now() - messages[0].time) / 1e9)
         self.hosts.transmit([Delivery(message.topic, message.data) for message in real])
-        self.recorder.delivered += real
+        self._recorder.delivered += real
 
     def _take_heard(self) -> list[Command]:
         """Note what was heard, with times since the scenario's start; none goes back in time."""
-        last = self.recorder.published[-1].time if self.recorder.published else 0
+        last = self._recorder.published[-1].time if self._recorder.published else 0
         now = max(self.hosts.now(), last)
         timed = [
             msgspec.structs.replace(m, time=min(max(m.time - self.hosts.epoch, last), now))
             for m in self.hosts.take_heard()
         ]
-        return self.recorder.hear(timed, last, now)
+        return self._recorder.hear(timed, last, now)
 
     # --- how it ended ----------------------------------------------------------------------------
 
@@ -226,9 +233,9 @@ class _LiveTrial:
 
     def _end_outcome(self) -> Outcome:
         """Say how the program ended that has ended; let the robot roll on."""
-        reached = max(self.hosts.now(), self.recorder.simulation.now)
+        reached = max(self.hosts.now(), self._simulation.now)
         with contextlib.suppress(HostForged, Flood):
-            self.recorder.roll_on(min(reached, self.recorder.end), self._take_heard())
+            roll_on(self._simulation, min(reached, self._simulation.end), self._take_heard())
         program = next(p for p in self.hosts.programs if p.ended or p.link.gone)
         name = f"{Path(program.start.file).name}: " if len(self._stage.programs) > 1 else ""
         if program.ended is None:
@@ -237,4 +244,4 @@ class _LiveTrial:
         return self._outcome(end.kind, name + end.text, end.detail)
 
     def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:
-        return Outcome(kind, text, min(self.hosts.now(), self.recorder.end) / 1e9, detail)
+        return Outcome(kind, text, min(self.hosts.now(), self._simulation.end) / 1e9, detail)

@@ -41,14 +41,15 @@ from grader.link.hosts import ForkServer, HostProcess
 from grader.link.link import Channel, HostDied, HostHung, decoded
 from grader.link.run_queue import RunQueue
 from grader.link.scratch import prefix
+from grader.trial.endings import NEVER_SPUN
 from grader.trial.recorder import MAX_ENDPOINTS, Flood
 from grader.trial.staging import Stage
-from grader.trial.virtual_time import NEVER_SPUN
 from sim.messages import EMPTY, OFFERED, empty
 
 GO = Offer("/probe/go", EMPTY, True)  # tells programs of ours that time begins
 SEND_LIMIT = 5.0  # [s] for a frame to a host
 START_LIMIT = 20.0  # [s] for a program to begin to spin: imports, models
+LEAST_WORK = 0.01  # [s] of CPU time: a program that starts up takes more
 IDLE_START = 3.0  # [s] without CPU time after which a program won't begin to spin any more
 MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
 TURN = 0.02  # [s] between looks at the hosts, at most ...
@@ -122,7 +123,8 @@ class Program:
         if self.ended is not None or self.link.gone or self.pulse.spinning:
             return True
         cpu = self.link.cpu()
-        if not cpu - self.cpu < 0.01 or self.idle_since == math.inf:
+        worked = math.isnan(cpu) or cpu - self.cpu >= LEAST_WORK  # NaN: the system doesn't tell
+        if worked or self.idle_since == math.inf:
             self.cpu, self.idle_since = cpu, now
         return now - self.idle_since > IDLE_START
 
@@ -275,9 +277,9 @@ class LiveHosts:
         heard, self._heard = self._heard, []
         return sorted(heard, key=lambda message: message.time)
 
-    def waited(self, *, believed: bool) -> float:
+    def waited(self, *, unseen_too: bool) -> float:
         """Return the longest wait for a CPU since the last call [s] (see `RunQueue.worst`)."""
-        return max(queue.worst(believed=believed) for queue in self._queues.values())
+        return max(queue.worst(unseen_too=unseen_too) for queue in self._queues.values())
 
     def still_wait(self) -> float:
         """Return the longest wait for a CPU that has not ended, as far as it was seen [s]."""

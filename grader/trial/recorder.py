@@ -1,13 +1,8 @@
-"""The growing record of a trial, until it is frozen into a recording."""
+"""The record of a trial while it grows, until it is frozen into a recording."""
 
 from __future__ import annotations
 
-import contextlib
-import errno
-import itertools
-import os
-from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -29,9 +24,6 @@ from sim.simulation import Simulation
 MAX_BYTES = 64 * 1024 * 1024  # a node may publish in one trial
 MESSAGE_BYTES = 128  # what a message takes besides its data and names
 MAX_ENDPOINTS = 1_000
-MAX_FOLDER = 256 * 1024 * 1024  # [bytes] that a node may leave in its folder
-MAX_FILES = 5_000
-AFTERMATH_NS = 10**9  # the robot rolls on for this long when its node is gone
 OURS = ("/course/", "/ground_truth/", "/rosout")  # topics of our own in a bag
 
 Command = tuple[int, float, float]  # time [ns], linear.x [m/s], angular.z [rad/s]
@@ -42,7 +34,7 @@ class Flood(Exception):
 
 
 class Recorder:
-    """What a trial has given so far.
+    """What has happened in a trial so far.
 
     Parameters
     ----------
@@ -50,9 +42,7 @@ class Recorder:
         The robot takes TwistStamped as well as Twist.
     """
 
-    def __init__(self, simulation: Simulation, *, stamped: bool = False) -> None:
-        self.simulation = simulation
-        self.end = round(simulation.scenario.duration * 1e9)  # [ns]
+    def __init__(self, *, stamped: bool = False) -> None:
         self.delivered: list[Message] = []
         self.published: list[Message] = []
         self.endpoints: list[Endpoint] = []
@@ -85,41 +75,27 @@ class Recorder:
                 commands.append(command)
         return commands
 
-    def check_folder(self, folder: Path) -> None:
-        """Make sure that the node doesn't fill the disk."""
-        size = 0
-        for count, entry in enumerate(_entries(folder), start=1):
-            with contextlib.suppress(OSError):
-                size += entry.stat(follow_symlinks=False).st_size
-            if size > MAX_FOLDER or count > MAX_FILES:
-                raise Flood(f"more than {MAX_FILES:,} files or {MAX_FOLDER:,} bytes in its folder")
-
-    def roll_on(self, reached: int, commands: Sequence[Command]) -> None:
-        """Let the robot roll on for a while after its node has ended."""
-        until = max(self.simulation.now, min(reached + AFTERMATH_NS, self.end))
-        self.simulation.advance(until, commands)
-
     def freeze(
         self,
+        simulation: Simulation,
         outcome: Outcome,
-        folder: Path,
-        log: Iterable[LogLine],
-        output: Iterable[Output],
+        log: Iterable[LogLine] = (),
+        output: Iterable[Output] = (),
         live: Live | None = None,
     ) -> Recording:
-        """Return the recording; paths in `folder` are shown as the student knows them."""
+        """Return the recording of a trial that is over, with what the robot did in it."""
         compute = np.array(self.compute, dtype=float).reshape(-1, 4).T
         return Recording(
-            scenario=self.simulation.scenario,
-            layout=self.simulation.layout,
-            seed=self.simulation.seed,
-            duration_s=self.simulation.now / 1e9,
+            scenario=simulation.scenario,
+            layout=simulation.layout,
+            seed=simulation.seed,
+            duration_s=simulation.now / 1e9,
             delivered=tuple(self.delivered),
             published=tuple(self.published),
-            truth=self.simulation.truth(),
-            outcome=without_folder(outcome, folder),
+            truth=simulation.truth(),
+            outcome=outcome,
             endpoints=tuple(self.endpoints),
-            log=tuple(line_without_folder(line, folder) for line in log),
+            log=tuple(log),
             log_truncated=any(stream.truncated for stream in output),
             compute=Compute(*compute),
             live=live,
@@ -167,45 +143,3 @@ def _endpoint(report: EndpointReport) -> Endpoint:
         report.depth,
         report.mismatch,
     )
-
-
-def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
-    """Return what lies in a folder; without recursion, because it may be deep.
-
-    Raises
-    ------
-    Flood
-        It is deeper than a path may be long: what lies there can't be counted.
-    """
-    pending = [str(folder)]
-    while pending:
-        try:
-            with os.scandir(pending.pop()) as entries:
-                found = list(itertools.islice(entries, MAX_FILES + 1))
-        except OSError as error:
-            if error.errno == errno.ENAMETOOLONG:
-                raise Flood("folders in one another without end") from None
-            continue  # gone, or closed to the judge: then nobody else can use it either
-        yield from found
-        pending += [entry.path for entry in found if entry.is_dir(follow_symlinks=False)]
-
-
-def without_folder(outcome: Outcome, folder: Path) -> Outcome:
-    """Show paths as the student knows them: the copy's folder changes from run to run."""
-    prefix = f"{folder}/"
-    return Outcome(
-        outcome.kind,
-        outcome.text.replace(prefix, ""),
-        outcome.at,
-        outcome.detail.replace(prefix, ""),
-    )
-
-
-def line_without_folder(line: LogLine, folder: Path) -> LogLine:
-    """Show paths as the student knows them."""
-    return LogLine(line.time, line.level, line.text.replace(f"{folder}/", ""))
-
-
-def not_run(simulation: Simulation, outcome: Outcome) -> Recording:
-    """Return the recording of a scenario in which no node ran."""
-    return Recorder(simulation).freeze(outcome, Path(), (), ())

@@ -1,15 +1,18 @@
-"""What a node usually answers: a missing answer is something else than one never given."""
+"""How often a node answers: only who usually answers can have missed an answer.
+
+An answer that is missing may be the machine's fault; one that is never given is the node's way.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
 
-ENOUGH = 5  # events of a kind, before anything is usual
-USUAL = 0.8  # part of them that is answered
+ENOUGH = 5  # events of a kind before anything is called usual
+USUAL = 0.8  # share of them that is answered
 
 
 class AnswerRate:
-    """Counts, for each kind of event, how often the node said something before the next event.
+    """Counts, for each kind of event, how often the node published before the next event.
 
     A kind is the set of topics on which the event's messages came.
     """
@@ -24,6 +27,6 @@ class AnswerRate:
         self._answered[kind] += answered
 
     def answers(self, kind: frozenset[str]) -> bool:
-        """Tell whether the node usually answers events of a kind; False as long as it is new."""
+        """Tell whether the node usually answers events of a kind; False while the kind is new."""
         events = self._events[kind]
         return events >= ENOUGH and self._answered[kind] >= USUAL * events

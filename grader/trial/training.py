@@ -39,8 +39,7 @@ from grader.recording import (
     ScriptRun,
     Training,
 )
-from grader.trial.recorder import line_without_folder, not_run, without_folder
-from grader.trial.virtual_time import GRACE, status_text
+from grader.trial.endings import GRACE, line_without_folder, not_run, status_text, without_folder
 from sim.scenario import Scenario, TrainingSpec
 from sim.simulation import Simulation
 

@@ -17,9 +17,9 @@ from grader.course.submission import Submission
 from grader.link.hosts import ForkServer
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
+from grader.trial.endings import not_run
 from grader.trial.progress import TRIAL, OnProgress, ignore
 from grader.trial.real_time import run_live_trial
-from grader.trial.recorder import not_run
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
 from sim.difficulty import comparable_seed

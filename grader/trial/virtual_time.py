@@ -9,26 +9,32 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from grader.course.submission import Submission
 from grader.host.frames import Delivery, Ended, Run, Settled, Slept, Start
 from grader.link.hosts import ForkServer, HostProcess
 from grader.link.link import Cost, HostDied, HostForged, HostHung, Link
 from grader.recording import COMPLETED, Outcome, Recording
-from grader.trial.recorder import Flood, Recorder, not_run
-from grader.trial.staging import Stage, missing_file, stage
+from grader.trial.endings import (
+    GRACE,
+    NEVER_SPUN,
+    STUCK,
+    died_text,
+    line_without_folder,
+    misbehaviour,
+    not_run,
+    not_runnable,
+    roll_on,
+    without_folder,
+)
+from grader.trial.recorder import Flood, Recorder
+from grader.trial.staging import Stage, check_folder, stage
 from sim.messages import EPOCH_NS, Message
 from sim.scenario import Scenario
 from sim.simulation import Simulation
 
 LOOK_EVERY = 64  # exchanges, at the node's folder
-GRACE = 1.0  # [s] for the end of a process that has hung up
-STUCK = (
-    "the node stopped for good: every thread waits for something that can't come any more "
-    "(a blocking call() or wait in a callback waits for an answer that only the executor "
-    "it blocks could deliver)"
-)
-NEVER_SPUN = "the program runs, but its node never spins"
 
 
 @dataclass(frozen=True)
@@ -79,23 +85,13 @@ def run_trial(
             stage(submission, scenario, arguments, files) as staged,
             forkserver.host(staged.folder) as host,
         ):
-            trial = _Trial(Recorder(simulation, stamped=stamped), Link(host), host)
+            trial = _Trial(simulation, Recorder(stamped=stamped), host)
             try:
                 outcome = trial.conduct(staged, limits or Limits(), lead)
             except _Early as early:
                 lead = early.lead
                 continue
-            output = (trial.link.stdout, trial.link.stderr)
-            return trial.recorder.freeze(outcome, staged.folder, trial.link.log(), output)
-
-
-def not_runnable(submission: Submission, scenario: Scenario) -> Outcome | None:
-    """Return why a submission can't be run in a scenario; None if it can."""
-    if submission.problem:
-        return Outcome("unreadable", submission.problem)
-    if missing := missing_file(scenario, submission):
-        return Outcome("missing", missing)
-    return None
+            return trial.recording(outcome, staged.folder)
 
 
 class _Early(Exception):
@@ -107,38 +103,39 @@ class _Early(Exception):
 
 
 class _Trial:
-    """A trial on its way."""
+    """A trial under way."""
 
-    def __init__(self, recorder: Recorder, link: Link, host: HostProcess) -> None:
-        self.recorder = recorder
-        self.link = link
+    def __init__(self, simulation: Simulation, recorder: Recorder, host: HostProcess) -> None:
+        self._simulation = simulation
+        self._recorder = recorder
         self._host = host
+        self._link = Link(host)
         self._at = 0.0  # [s] the time that the node has come to
         self._spun = False
         self._stuck: float | None = None  # [s] since when nothing in the node can ever run again
 
     def conduct(self, staged: Stage, limits: Limits, lead: int) -> Outcome:
         """Run the trial to its end, with the node `lead` [ns] ahead; say how it ended."""
-        recorder, simulation = self.recorder, self.recorder.simulation
+        recorder, simulation, end = self._recorder, self._simulation, self._simulation.end
         start = Start(staged.programs, EPOCH_NS, simulation.seed, staged.offers, lead=lead)
         clock_end = time.perf_counter() + limits.total
         try:
-            first, cost = self.link.start(start, limits.start)
+            first, cost = self._link.start(start, limits.start)
             if isinstance(first, Slept):
                 raise HostForged("a second early start") if lead else _Early(first.lead)
             answer: Settled | Ended = first
             pending = self._take(answer, cost, began=0, agreed=0)
-            while isinstance(answer, Settled) and simulation.now < recorder.end:
+            while isinstance(answer, Settled) and simulation.now < end:
                 if time.perf_counter() > clock_end:
                     raise HostHung("")
                 if len(recorder.compute) % LOOK_EVERY == 0:
-                    recorder.check_folder(staged.folder)
+                    check_folder(staged.folder)
                 began = simulation.now
                 self._at = began / 1e9
-                until = min(simulation.next_event() or recorder.end, recorder.end)
+                until = min(simulation.next_event() or end, end)
                 frame = Run(until, tuple(Delivery(m.topic, m.data) for m in pending))
                 recorder.delivered += pending
-                answer, cost = self.link.run(frame, limits.step)
+                answer, cost = self._link.run(frame, limits.step)
                 pending = self._take(answer, cost, began, until)
         except HostHung as hung:
             text = "the node did not come back from a callback (or from its start-up)"
@@ -156,23 +153,30 @@ class _Trial:
             return Outcome("stuck", STUCK, self._stuck)
         return self._outcome(COMPLETED, "")
 
+    def recording(self, outcome: Outcome, folder: Path) -> Recording:
+        """Return the recording; paths in `folder` are shown as the student knows them."""
+        link = self._link
+        log = [line_without_folder(line, folder) for line in link.log()]
+        outcome = without_folder(outcome, folder)
+        return self._recorder.freeze(self._simulation, outcome, log, (link.stdout, link.stderr))
+
     def _take(self, answer: Settled | Ended, cost: Cost, began: int, agreed: int) -> list[Message]:
         """Note an answer, let the robot follow it; return the robot's next messages."""
-        recorder = self.recorder
+        recorder = self._recorder
         reached = _reached(answer, began, agreed)
         self._at = reached / 1e9
         recorder.note_endpoints(answer.endpoints)
         commands = recorder.hear(answer.published, began, reached)
         recorder.compute.append((began / 1e9, cost.wall, cost.cpu, cost.queued))
         if isinstance(answer, Ended):
-            recorder.roll_on(reached, commands)
+            roll_on(self._simulation, reached, commands)
             return []
         self._spun = self._spun or answer.spinning
         if answer.spinning or answer.asleep:
             self._stuck = None
         elif self._stuck is None:
             self._stuck = reached / 1e9
-        return recorder.simulation.advance(reached, commands)
+        return self._simulation.advance(reached, commands)
 
     def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:
         return Outcome(kind, text, self._at, detail)
@@ -185,21 +189,3 @@ def _reached(answer: Settled | Ended, began: int, agreed: int) -> int:
     if not began <= answer.now <= agreed:
         raise HostForged(f"an end at {answer.now}, between {began} and {agreed}")
     return answer.now
-
-
-def misbehaviour(error: HostForged | Flood) -> tuple[str, str]:
-    """Return the kind and the text of an outcome."""
-    kind = "flooded" if isinstance(error, Flood) else "forged"
-    return kind, f"the node sent more or other than a node can say: {error}"
-
-
-def died_text(status: str) -> str:
-    """Say how a process ended that said nothing, by its exit status."""
-    return f"the node's process ended by itself ({status_text(status)})"
-
-
-def status_text(status: str) -> str:
-    """Put an exit status into words ("-9": killed by signal 9)."""
-    if status.startswith("-"):
-        return f"signal {status[1:]}"
-    return f"exit code {status or 'unknown'}"

@@ -65,7 +65,7 @@ def test_a_long_wait_counts_as_far_as_it_was_seen(
     say(tmp_path, 2, 180_000_000)
     clock.now += 0.1
     queue.look()
-    assert queue.worst(believed=True) == 0.1
+    assert queue.worst(unseen_too=True) == 0.1
 
     say(tmp_path, 2, 280_000_000)
     clock.now += 0.1
@@ -162,8 +162,8 @@ def test_what_threads_of_a_process_take_from_one_another_does_not_count(
 
 
 @pytest.mark.parametrize(("busy", "others"), [(0, 1.0), (1, 0.5), (2, 0.0)])
-def test_nor_does_it_count_when_the_kernel_is_believed(
+def test_nor_does_it_count_when_unseen_waits_count(
     queue: RunQueue, tmp_path: Path, clock: Clock, busy: int, others: float
 ) -> None:
     own_threads(queue, tmp_path, clock, busy)
-    assert queue.worst(believed=True) == pytest.approx(0.2 * others)
+    assert queue.worst(unseen_too=True) == pytest.approx(0.2 * others)

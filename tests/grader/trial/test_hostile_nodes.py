@@ -5,7 +5,7 @@ import os
 import pytest
 from conftest import RunNode, short
 
-from grader.trial import recorder, virtual_time
+from grader.trial import recorder, staging, virtual_time
 from grader.trial.virtual_time import Limits
 from sim.messages import TWIST
 
@@ -57,8 +57,8 @@ def test_a_thousand_messages_at_once_are_no_flood(run_node: RunNode) -> None:
 def test_a_full_folder_ends_the_trial(
     run_node: RunNode, monkeypatch: pytest.MonkeyPatch, size: int
 ) -> None:
-    monkeypatch.setattr(recorder, "MAX_FILES", 50)
-    monkeypatch.setattr(recorder, "MAX_FOLDER", 20_000)
+    monkeypatch.setattr(staging, "MAX_FILES", 50)
+    monkeypatch.setattr(staging, "MAX_FOLDER", 20_000)
     monkeypatch.setattr(virtual_time, "LOOK_EVERY", 1)
     recording = run_node(f"""
         class Hoarder(Echo):

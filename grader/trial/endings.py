@@ -1,0 +1,78 @@
+"""How a trial ends: before its node ran, by itself, or with its node; and in which words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from grader.course.submission import Submission
+from grader.link.link import HostForged
+from grader.link.log import LogLine
+from grader.recording import Outcome, Recording
+from grader.trial.recorder import Command, Flood, Recorder
+from grader.trial.staging import missing_file
+from sim.scenario import Scenario
+from sim.simulation import Simulation
+
+AFTERMATH_NS = 10**9  # the robot rolls on for this long when its node is gone
+GRACE = 1.0  # [s] for the end of a process that has hung up
+STUCK = (
+    "the node stopped for good: every thread waits for something that can't come any more "
+    "(a blocking call() or wait in a callback waits for an answer that only the executor "
+    "it blocks could deliver)"
+)
+NEVER_SPUN = "the program runs, but its node never spins"
+
+
+def not_runnable(submission: Submission, scenario: Scenario) -> Outcome | None:
+    """Return why a submission can't be run in a scenario; None if it can."""
+    if submission.problem:
+        return Outcome("unreadable", submission.problem)
+    if missing := missing_file(scenario, submission):
+        return Outcome("missing", missing)
+    return None
+
+
+def not_run(simulation: Simulation, outcome: Outcome) -> Recording:
+    """Return the recording of a scenario in which no node ran."""
+    return Recorder().freeze(simulation, outcome)
+
+
+def roll_on(simulation: Simulation, reached: int, commands: Sequence[Command]) -> None:
+    """Let the robot roll on for a while after its node ended at `reached` [ns]."""
+    until = max(simulation.now, min(reached + AFTERMATH_NS, simulation.end))
+    simulation.advance(until, commands)
+
+
+def misbehaviour(error: HostForged | Flood) -> tuple[str, str]:
+    """Return the kind and the text of an outcome."""
+    kind = "flooded" if isinstance(error, Flood) else "forged"
+    return kind, f"the node sent more or other than a node can say: {error}"
+
+
+def died_text(status: str) -> str:
+    """Say how a process ended that said nothing, by its exit status."""
+    return f"the node's process ended by itself ({status_text(status)})"
+
+
+def status_text(status: str) -> str:
+    """Put an exit status into words ("-9": killed by signal 9)."""
+    if status.startswith("-"):
+        return f"signal {status[1:]}"
+    return f"exit code {status or 'unknown'}"
+
+
+def without_folder(outcome: Outcome, folder: Path) -> Outcome:
+    """Show paths as the student knows them: the copy's folder changes from run to run."""
+    prefix = f"{folder}/"
+    return Outcome(
+        outcome.kind,
+        outcome.text.replace(prefix, ""),
+        outcome.at,
+        outcome.detail.replace(prefix, ""),
+    )
+
+
+def line_without_folder(line: LogLine, folder: Path) -> LogLine:
+    """Show paths as the student knows them."""
+    return LogLine(line.time, line.level, line.text.replace(f"{folder}/", ""))
