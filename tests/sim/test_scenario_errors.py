@@ -35,11 +35,11 @@ MISTAKES = {
     ),
     "name in the file": (
         HEAD + 'name = "a"',
-        "unknown key 'name': a scenario is called as its file is",
+        "unknown key 'name': the name of a scenario is that of its file",
     ),
     "text for a number": (
         HEAD + 'duration = "long"',
-        'duration = "long": expected a number, got a text',
+        'duration = "long": expected a number, got a string',
     ),
     "number for a truth value": (
         HEAD + "mirror = 1",
@@ -65,7 +65,7 @@ MISTAKES = {
     ),
     "text in a list": (
         HEAD + '[robot]\nstart = [1, 2, "a"]',
-        'robot.start[2] = "a": expected a number, got a text',
+        'robot.start[2] = "a": expected a number, got a string',
     ),
     "number for a table": (HEAD + "robot = 5", "robot = 5: expected a table, got a whole number"),
     "number for a list": (HEAD + "bench = 3", "bench = 3: expected a list, got a whole number"),
@@ -87,11 +87,11 @@ MISTAKES = {
     ),
     "event without content": (
         HEAD + "[[script]]\nat = 1",
-        "script[0]: expected exactly one of goal, odom, teleport and e_stop beside at",
+        "script[0]: expected at and exactly one of goal, odom, teleport and e_stop",
     ),
     "event with two contents": (
         HEAD + "[[script]]\nat = 1\ngoal = [1, 2, 3]\nodom = [1, 2, 3]",
-        "script[0]: expected exactly one of goal, odom, teleport and e_stop beside at",
+        "script[0]: expected at and exactly one of goal, odom, teleport and e_stop",
     ),
     "event before the start": (
         HEAD + "[[script]]\nat = 0\ngoal = [1, 2, 3]",
@@ -153,7 +153,7 @@ MISTAKES = {
     ),
     "sizes upside down": (
         CLUTTER + "count = 1\nsize = [0.6, 0.2]",
-        "world.clutter[0].size = [0.6, 0.2]: expected [least, greatest]",
+        "world.clutter[0].size = [0.6, 0.2]: expected [shortest, longest]",
     ),
     "too much clutter": (
         CLUTTER + "count = 2001",
@@ -165,7 +165,8 @@ MISTAKES = {
     ),
     "cart back in time": (
         INLINE + "[[world.carts]]\nsize = [1, 1]\npath = [[0, 0, 0], [0, 1, 1]]",
-        "world.carts[0].path = [[0, 0, 0], [0, 1, 1]]: expected times that grow, got 0.0 after 0.0",
+        "world.carts[0].path = [[0, 0, 0], [0, 1, 1]]: "
+        "expected increasing times, got 0.0 after 0.0",
     ),
     "cart too fast": (
         INLINE + "[[world.carts]]\nsize = [1, 1]\npath = [[0, 0, 0], [1, 9, 0]]",
@@ -178,11 +179,11 @@ MISTAKES = {
     ),
     "nobody's program": (
         HEAD + "[[program]]\nsupplied = true",
-        "program[0]: expected a file beside supplied = true",
+        "program[0]: expected a file with supplied = true",
     ),
     "a library that is no name": (
         HEAD + "[node]\nhides = ['torch.nn']",
-        "node.hides[0] = \"torch.nn\": expected a text matching regex '^\\\\w+$'",
+        "node.hides[0] = \"torch.nn\": expected a string matching regex '^\\\\w+$'",
     ),
     "a number too large": (
         HEAD + "duration = 1" + 400 * "0",
