@@ -1,4 +1,8 @@
-"""The robot as a node among others: processes that talk over DDS."""
+"""The robot as a node among others: processes that talk over DDS.
+
+Tests `sim.live.node`, and through it `sending`, `hearing`, `parameters`, `diagnostics`, `extras`,
+`recorder`, `memory` and `run`.
+"""
 
 import math
 import signal
