@@ -1,6 +1,6 @@
-"""Scans that a scenario writes down beam by beam instead of casting them: the test bench.
+"""Scans that a scenario spells out instead of casting them: the test bench.
 
-An open-loop test of perception wants exact readings at exact angles, whatever the robot does.
+An open-loop test of perception needs exact readings at exact angles, whatever the robot does.
 """
 
 import math
@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 Angle = Annotated[float, Meta(ge=-180, le=180)]
 Offset = Annotated[float, Meta(ge=-3600, le=3600)]  # [s]
-_TOLERANCE = 1e-6  # [°]; the ends of an interval belong to it in spite of rounding
+_TOLERANCE = 1e-6  # [°]; keeps the ends of an interval inside it despite rounding
 
 
 class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One range over an interval of angles; from > to wraps through ±180°."""
+    """One range over an interval of angles; from > to wraps around at ±180°."""
 
     from_deg: Angle  # in the robot's frame, 0 ahead, positive to the left
     to_deg: Angle
@@ -29,11 +29,11 @@ class BenchScan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     label: str = ""
     tags: tuple[str, ...] = ()
-    fill: float = math.inf  # range of the beams without a patch [m], or inf, -inf, nan
+    fill: float = math.inf  # range of beams without a patch [m], or inf, -inf, nan
     patches: Annotated[tuple[Patch, ...], Meta(max_length=1000)] = ()
-    repeat: Annotated[int, Meta(ge=1, le=10_000)] = 1  # this scan so often in a row
+    repeat: Annotated[int, Meta(ge=1, le=10_000)] = 1  # times in a row
     empty: bool = False  # a scan without beams
-    stamp_offset: Offset = 0.0  # added to the header's stamp: a driver whose clock was set [s]
+    stamp_offset: Offset = 0.0  # added to the header's stamp, as by a driver with a wrong clock [s]
 
 
 def bench_ranges(scan: BenchScan, angles: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,12 +1,12 @@
 """Casting a lidar's beams against line segments: an angular sweep in numpy.
 
-Instead of asking for every beam which segments it meets, every segment is tested only against the
-beams inside the angle that it covers. Over such a segment the inverse range is linear in the beam's
-direction (cos θ, sin θ), so a scan is a few array operations and one `np.maximum.at`.
+Instead of testing each beam against every segment, each segment is tested only against the beams
+within the angle that it covers. Along a segment the inverse range is linear in the beam's direction
+(cos θ, sin θ), so a scan is a few array operations and one `np.maximum.at`.
 
-Only faces that look at the sensor are cast: a solid's outline is wound so that its outside counts,
+Only faces toward the sensor are cast: a solid's outline is wound so that its outside is visible,
 and a wall is listed in both directions. A sensor inside a solid therefore sees out of it. A coarse
-grid remembers, cell by cell as the robot gets there, which faces can be seen from a cell at all.
+grid, filled as the robot reaches its cells, holds the faces that are visible from each cell.
 """
 
 import math
@@ -20,9 +20,9 @@ Indices = NDArray[np.intp]
 Complexes = NDArray[np.complex128]  # points and directions of the plane as x + iy
 Ends = Complexes  # (2, n): first and second ends of n faces
 
-CELL = 0.25  # of the grid of visible faces [m]
-_EDGE_ON = 1e-7  # faces seen under less than this (length x distance [m²]) are lines: invisible
-_CORNER = 1e-11  # beams that a face reaches beyond its ends, so that no beam slips through a corner
+CELL = 0.25  # side of a cell of that grid [m]
+_EDGE_ON = 1e-7  # a face is invisible, seen edge-on, below this length x distance [m²]
+_CORNER = 1e-11  # [beams] added to both ends of a face: no beam slips through a corner
 _FAR = 1e-9  # inverse range of a beam that meets nothing [1/m]
 
 
@@ -53,7 +53,7 @@ class Caster:
     angle_min
         Angle of the first beam in the sensor's frame [rad]; the others follow to the left.
     range_max
-        [m]; whatever is farther is not seen.
+        [m]; anything farther is not seen.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Caster:
         angles = np.arange(per_turn) * (math.tau / per_turn)
         self._mirrored = np.cos(angles) - 1j * np.sin(angles)  # conjugate directions of the beams
         self._per_radian = per_turn / math.tau
-        # A turn is added to all beam numbers, which makes them positive: truncating is flooring.
+        # One turn is added to all beam numbers: they are positive, so truncating is flooring.
         self._reach = np.array([[per_turn - _CORNER], [per_turn + _CORNER]])
         self._lap = np.tile(np.arange(per_turn), 4)  # beam numbers, modulo a turn
         self._count = np.arange(4 * per_turn)
@@ -74,7 +74,7 @@ class Caster:
     def cast(self, x: float, y: float, yaw: float, moving: Floats | None = None) -> Floats:
         """Return the (beams,) exact ranges [m] from a pose [m, m, rad]; inf: nothing in range.
 
-        `moving` are (m, 2, 2) further faces of this scan only.
+        `moving` holds (m, 2, 2) more faces, for this scan only.
         """
         ends = self._visible(x, y)
         if moving is not None:
@@ -132,7 +132,7 @@ class Caster:
         return self._count[:count]
 
     def _visible(self, x: float, y: float) -> Ends:
-        """Return the (2, n) ends of the faces that can be seen from around (x, y)."""
+        """Return the (2, n) ends of the faces that are visible from the cell of (x, y)."""
         cell = (math.floor(x / CELL), math.floor(y / CELL))
         ends = self._cells.get(cell)
         if ends is None:

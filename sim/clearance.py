@@ -1,4 +1,4 @@
-"""How far the robot's edge is from the nearest thing: for many poses at once."""
+"""The distance from the robot's edge to the nearest obstacle, for many poses at once."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,13 +6,13 @@ from numpy.typing import NDArray
 from sim.layout import Floats, Layout
 
 FARTHEST = 10.0  # clearance is capped here [m]
-_AT_ONCE = 32_768  # pairs of point and segment in one go: they stay in the cache
+_AT_ONCE = 32_768  # pairs of point and segment in one chunk, so that it stays in the cache
 
 
 def clearance(layout: Layout, seconds: Floats, points: Floats, radius: float) -> Floats:
     """Return the (n,) clearances [m], 0 – `FARTHEST`, of a robot at (n, 2) points.
 
-    `seconds` are the (n,) scenario times [s] at which it is there: carts move.
+    `seconds` holds the (n,) scenario times [s] at which it is there, because carts move.
     """
     nearest = np.full(len(points), FARTHEST + radius)
     segments = layout.segments()

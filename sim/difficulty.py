@@ -2,12 +2,12 @@
 
 | number       | unit  | harder when | what it is                                             |
 |--------------|-------|-------------|--------------------------------------------------------|
-| `free_way`   | m     | smaller     | straight ahead of the start, until something stands    |
-| `width`      | m     | smaller     | the narrowest place on that way                        |
-| `clutter`    | 0 – 1 | greater     | part of the surroundings where the robot hardly fits   |
+| `free_way`   | m     | smaller     | free distance straight ahead of the start              |
+| `width`      | m     | smaller     | the narrowest place along it                           |
+| `clutter`    | 0 – 1 | greater     | share of the surroundings where the robot hardly fits  |
 | `tortuosity` | rad/m | greater     | turning per metre on straight lines through the goals  |
 
-They look at what stands still; carts are part of the scenario and the same for everybody.
+They take only static obstacles into account: carts are the same with every seed.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from sim.layout import Layout
 from sim.placement import scenario_layout
 from sim.scenario import Scenario
 
-WAY = 6.0  # [m] looked ahead
+WAY = 6.0  # [m] to look ahead
 SURROUNDINGS = 4.0  # [m] around the start
 STEP = 0.1  # [m]
 ELBOW_ROOM = 0.15  # [m]
 CANDIDATES = 6  # seeds to choose from
-SCALE = (2.0, 0.5, 0.1, 0.5)  # differences of the four that weigh the same
+SCALE = (2.0, 0.5, 0.1, 0.5)  # differences of the four numbers that weigh the same
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Difficulty:
     tortuosity: float  # [rad/m]
 
     def distance(self, other: Difficulty) -> float:
-        """Return how different two runs are; 1 is a lot in one of the numbers."""
+        """Return how different two runs are; 1 is a large difference in one of the numbers."""
         mine = (self.free_way, self.width, self.clutter, self.tortuosity)
         theirs = (other.free_way, other.width, other.clutter, other.tortuosity)
         return sum(abs(a - b) / s for a, b, s in zip(mine, theirs, SCALE, strict=True))
@@ -54,9 +54,9 @@ def difficulty(scenario: Scenario, seed: int) -> Difficulty:
 
 
 def comparable_seed(scenario: Scenario, seed: int) -> int:
-    """Return a seed made from `seed` with which the scenario is about as hard as with its own.
+    """Return a seed, derived from `seed`, that makes the scenario about as hard as its own does.
 
-    Of a few candidates the one that comes nearest; a scenario without random geometry keeps `seed`.
+    It is the closest of a few candidates; a scenario without random geometry keeps `seed`.
     """
     if not scenario.world.clutter and scenario.robot.start_jitter == (0.0, 0.0, 0.0):
         return seed

@@ -1,4 +1,4 @@
-"""What goes wrong on the way: noise on readings, and messages that are late or lost.
+"""Faults of sensors and links: noise on readings, and messages that are late or lost.
 
 Everything here is a pure function of the scenario's `[faults]` and a sensor's own generator.
 """
@@ -16,7 +16,7 @@ Times = NDArray[np.int64]  # [ns] since the scenario's start
 
 
 def sensor_rng(seed: int, sensor: str) -> np.random.Generator:
-    """Return a generator of its own for each sensor, so that one does not shift another's noise."""
+    """Return the sensor's own generator, so that no sensor shifts another's noise."""
     return np.random.default_rng((seed, zlib.crc32(sensor.encode())))
 
 
@@ -37,11 +37,11 @@ def measured(ranges: Floats, faults: Faults, rng: np.random.Generator) -> Floats
 def speckle(
     readings: NDArray[np.float32], faults: Faults, rng: np.random.Generator
 ) -> NDArray[np.float32]:
-    """Return the (n,) readings with NaN where the sensor had an error."""
+    """Return the (n,) readings, some of them NaN as after an error of the sensor."""
     if not faults.nan_speckle:
         return readings
-    spoilt = rng.random(len(readings)) < faults.nan_speckle
-    return np.where(spoilt, np.float32(math.nan), readings)
+    erroneous = rng.random(len(readings)) < faults.nan_speckle
+    return np.where(erroneous, np.float32(math.nan), readings)
 
 
 def survivors(

@@ -1,7 +1,7 @@
 """The geometry of one run: where walls, solids and carts are, and where the robot starts.
 
-A `Layout` is what is left of a world file once the seed has thrown the clutter and the scenario has
-mirrored and rotated everything. The physics, the lidar, the checks and the replay all read it.
+A `Layout` is a world file whose clutter the seed has placed and which the scenario has mirrored and
+rotated. Physics, lidar, checks and replay all read it.
 """
 
 import bisect
@@ -20,11 +20,11 @@ Pose = tuple[float, float, float]  # x [m], y [m], yaw [rad]
 
 @dataclass(frozen=True, eq=False)
 class Cart:
-    """A solid box that moves along way points; before the first and after the last it stands."""
+    """A solid box that moves along waypoints; it rests before the first and after the last."""
 
     polygon: Floats  # (4, 2) counter-clockwise corners around the cart's own centre, x ahead [m]
-    path: Floats  # (k, 3) rows of time [s], x [m], y [m]; times grow
-    loop: bool = False  # start over at the last way point, which is where the first one is
+    path: Floats  # (k, 3) rows of time [s], x [m], y [m]; times increase
+    loop: bool = False  # start over at the last waypoint, which is where the first one is
 
     def poses(self, seconds: Floats) -> Floats:
         """Return the (n, 3) poses x [m], y [m], yaw [rad] at these (n,) scenario times [s]."""
@@ -56,13 +56,13 @@ class Cart:
 
     @cached_property
     def _lists(self) -> tuple[list[float], ...]:
-        """Times, x, y and yaws, for one pose at a time: ten times faster than arrays of one."""
+        """Times, x, y and yaws as lists: for a single pose ten times faster than arrays."""
         t, x, y = self.path.T.tolist()
         return t, x, y, self.yaws.tolist()
 
     @cached_property
     def yaws(self) -> Floats:
-        """(max(k - 1, 1),) direction of each leg [rad]; a halt keeps the direction before it."""
+        """(max(k - 1, 1),) direction of each leg [rad]; a halt keeps the previous direction."""
         steps = np.diff(self.path[:, 1:], axis=0)
         yaws = np.zeros(max(len(steps), 1))
         moving = np.flatnonzero(np.any(steps != 0, axis=1))
@@ -99,7 +99,7 @@ class Layout:
 
 
 def layout_to_json(layout: Layout) -> str:
-    """Return the layout as JSON; `layout_from_json` gives it back to the last bit."""
+    """Return the layout as JSON; `layout_from_json` restores it to the last bit."""
     carts = [
         {"polygon": c.polygon.tolist(), "path": c.path.tolist(), "loop": c.loop}
         for c in layout.carts

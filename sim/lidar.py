@@ -1,8 +1,8 @@
-"""Lidar profiles, and what a lidar makes of exact ranges: noise, limits, quantisation.
+"""Lidar profiles, and how a lidar reports measured ranges: limits and quantisation.
 
-Readings follow REP-117 on the profiles that do (`default`, `wide`): +inf = nothing within range,
--inf = something closer than the sensor can measure, NaN = erroneous. The LDS sensors of the
-TurtleBot 3 are older than the rule and send 0.0 for both.
+The profiles `default` and `wide` follow REP-117: +inf = nothing within range, -inf = something
+closer than the sensor can measure, NaN = erroneous. The drivers of the TurtleBot 3's LDS sensors do
+not: they send 0.0 for both.
 
 ========  =====  ==============  ======  ============  =========  ========
 profile   beams  angles [°]      [Hz]    range [m]     no return  too near
@@ -15,8 +15,8 @@ wide      1080   -135 … 134.75   40      0.06 – 10     +inf       -inf
 
 Sources: `default` has the limits of an RPLIDAR A1M8 (Slamtec's datasheet), the lidar of the
 TurtleBot 4; `lds01` and `lds02` follow ROBOTIS' e-manual on the TurtleBot 3's LDS-01 and LDS-02;
-`wide` has the field of view, rate and limits of a Hokuyo UST-10LX (Hokuyo's datasheet), whose
-1081st beam is left out: four thirds of its 1080 beams make a turn.
+`wide` has the field of view, rate and limits of a Hokuyo UST-10LX (Hokuyo's datasheet), without
+its 1081st beam: 1080 beams are three quarters of a turn.
 """
 
 import math
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from sim.layout import Floats
 
-QUANTUM_PER_METRE = 1000.0  # real lidars send millimetres; it also hides last-bit differences
+QUANTUM_PER_METRE = 1000.0  # as real lidars; this also hides differences in the last bit
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class LidarProfile:
     """What a lidar measures."""
 
     beams: int  # of a scan
-    per_turn: int  # beams that a full turn has
+    per_turn: int  # beams that a full turn would have
     angle_min: float  # of the first beam [rad], 0 ahead, positive to the left
     rate: float  # scans per second [Hz]
     range_min: float  # [m]
@@ -66,7 +66,8 @@ PROFILES: dict[str, LidarProfile] = {
 def readings(ranges: Floats, profile: LidarProfile) -> NDArray[np.float32]:
     """Return the (n,) float32 readings [m] for measured (n,) ranges [m] (inf: no return).
 
-    Rounds to 1 mm, then replaces what is beyond the limits as the profile says. NaN stays NaN.
+    Ranges are rounded to 1 mm; one beyond the limits becomes what the profile sends for it. NaN
+    stays NaN.
     """
     measured = np.rint(ranges * QUANTUM_PER_METRE)
     measured /= QUANTUM_PER_METRE

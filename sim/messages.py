@@ -1,9 +1,9 @@
-"""ROS 2 messages as CDR bytes, without ROS: what travels between the robot and a node.
+"""ROS 2 messages as CDR bytes, without ROS: all that the robot and a node exchange.
 
 Every message is little-endian CDR with its 4-byte encapsulation header, serialised by rosbags from
 the definitions of ROS 2 Jazzy. The two messages that are sent many times a second, LaserScan and
 Odometry, are serialised once as a template; after that only the bytes that change are written.
-A test holds both ways to the same bytes.
+A test checks that both ways give the same bytes.
 
 Units and frames follow REP-103 and REP-105: metres, radians, x ahead, y to the left.
 """
@@ -37,14 +37,14 @@ STRING = "std_msgs/msg/String"
 UINT32 = "std_msgs/msg/UInt32"
 EMPTY = "std_msgs/msg/Empty"
 
-OFFERED = {  # what a scenario may have the robot send: topic, type
+OFFERED = {  # what a scenario can have the robot send: topic → type
     SCAN_TOPIC: LASER_SCAN,
     ODOM_TOPIC: ODOMETRY,
     GOAL_TOPIC: POSE_STAMPED,
     CMD_VEL_RAW_TOPIC: TWIST,
     E_STOP_TOPIC: BOOL,
 }
-SENSORS = frozenset({SCAN_TOPIC, ODOM_TOPIC})  # the topics that a scenario's QoS is about
+SENSORS = frozenset({SCAN_TOPIC, ODOM_TOPIC})  # the topics to which `[qos] sensors` applies
 
 LASER_FRAME = "laser"
 ODOM_FRAME = "odom"
@@ -97,7 +97,7 @@ def decode(data: bytes, type: str) -> Any:
         raise ValueError(f"unknown message type {type!r}")
     try:
         return typestore().deserialize_cdr(data, type)
-    except Exception as error:  # rosbags raises whatever the broken bytes lead to
+    except Exception as error:  # rosbags raises all kinds for broken bytes
         raise ValueError(f"{len(data)} bytes are not a {type}: {error}") from error
 
 
@@ -107,7 +107,7 @@ def empty() -> bytes:
 
 
 def with_epoch(message: Message, epoch: int) -> Message:
-    """Return the message as of a scenario that starts at `epoch` [ns since 1970], not at EPOCH_NS.
+    """Return the message of a scenario that starts at `epoch` [ns since 1970], not at EPOCH_NS.
 
     Only the stamp of a header at the beginning of the message is changed.
     """

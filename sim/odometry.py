@@ -1,8 +1,8 @@
-"""Wheel odometry: the pose that a robot believes, from how far its wheels turned.
+"""Wheel odometry: a pose that is estimated from how far the wheels turned.
 
-The frame `odom` is the world's frame at the start and drifts away from it as the scales and the
-slip of the scenario say. A scripted teleport is the exception to dead reckoning: it puts the
-estimate right, because checks move the robot to see what a node makes of its new pose.
+Frame `odom` coincides with the world's frame at the start, then drifts with the scales and the slip
+of the scenario. A scripted teleport sets the estimate to the true pose, unlike dead reckoning:
+checks teleport the robot to see how a node reacts to a new pose.
 """
 
 import math
@@ -25,7 +25,7 @@ class Odometry:
     rng
         This sensor's own generator.
     wheel_slip
-        Part of the wheels' motion that the robot did not make, but the wheels measured.
+        Fraction of the wheels' motion that is measured although the robot did not move.
     """
 
     def __init__(
@@ -44,11 +44,11 @@ class Odometry:
         self._true = self._estimate = start
 
     def jump(self, pose: Pose) -> None:
-        """Take over the true pose after a teleport [m, m, rad]."""
+        """Set the estimate to the true pose [m, m, rad] after a teleport."""
         self._true = self._estimate = pose
 
     def measure(self, true: Pose) -> Pose:
-        """Return the reported pose now that the true one is this [m, m, rad], yaw in ±π."""
+        """Return the reported pose for this true one [m, m, rad], yaw in ±π."""
         self._reckon(true)
         x, y, yaw = self._estimate
         if self._noisy:
@@ -63,7 +63,7 @@ class Odometry:
         return v * self._linear_scale, w * self._angular_scale
 
     def _reckon(self, true: Pose) -> None:
-        """Add the motion since the last call, scaled, along the mean heading of both."""
+        """Add the motion since the last call, scaled, along the mean estimated heading."""
         x0, y0, yaw0 = self._true
         dx, dy, turn = true[0] - x0, true[1] - y0, true[2] - yaw0
         x, y, yaw = self._estimate

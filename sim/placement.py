@@ -1,4 +1,4 @@
-"""From a scenario to a layout: throw the clutter, then mirror and rotate everything."""
+"""From a scenario to a layout: place the clutter, then mirror and rotate everything."""
 
 import math
 
@@ -13,7 +13,7 @@ from sim.world import Clutter, MovingCart, Pillar, Point, World
 
 PILLAR_SIDES = 16
 START_ROOM = 0.5  # free space between the robot's edge and clutter at the start [m]
-_TRIES = 1000  # for a place of one clutter box
+_TRIES = 1000  # at a free place for one clutter box
 
 
 def scenario_layout(scenario: Scenario, seed: int) -> Layout:
@@ -54,16 +54,16 @@ def build_layout(
     mirror: bool = False,
     rotate_deg: float = 0.0,
 ) -> Layout:
-    """Place a world: throw its clutter, then mirror (y → -y) and rotate it about the origin.
+    """Return a world with its clutter placed, mirrored (y → -y), and rotated about the origin.
 
     Parameters
     ----------
     start
         The robot's pose before mirroring and rotating [m, m, rad].
     radius
-        The robot's radius [m]; clutter stays `START_ROOM` off its edge.
+        The robot's radius [m]; clutter stays `START_ROOM` away from its edge.
     rng
-        Throws the clutter.
+        Draws the clutter.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def build_layout(
     solids += [_pillar(p) for p in world.pillars]
     room = (start[0], start[1], radius + START_ROOM)
     for index, clutter in enumerate(world.clutter):
-        solids += _throw(clutter, room, rng, index)
+        solids += _scatter(clutter, room, rng, index)
     x, y, yaw = place(start, mirror=mirror, rotate_deg=rotate_deg)
     matrix = _matrix(mirror, rotate_deg)
     return Layout(
@@ -106,7 +106,7 @@ def _matrix(mirror: bool, rotate_deg: float) -> Floats:
 
 
 def _cos_sin(degrees: float) -> tuple[float, float]:
-    """Return cos and sin; exact for quarter turns, so that such a world stays on its grid."""
+    """Return cos and sin; exact for quarter turns, which keep a world on its grid."""
     quarters, rest = divmod(degrees, 90.0)
     if rest == 0.0:
         return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarters) % 4]
@@ -114,7 +114,7 @@ def _cos_sin(degrees: float) -> tuple[float, float]:
 
 
 def _turned(polygon: Floats, matrix: Floats, mirror: bool) -> Floats:
-    """Return the polygon placed; mirroring turns its winding, which the reversal turns back."""
+    """Return the polygon placed, counter-clockwise again although mirroring reverses it."""
     placed: Floats = polygon @ matrix.T
     return placed[::-1].copy() if mirror else placed
 
@@ -140,7 +140,7 @@ def _pillar(pillar: Pillar) -> Floats:
     return placed
 
 
-def _throw(
+def _scatter(
     clutter: Clutter, room: tuple[float, float, float], rng: np.random.Generator, index: int
 ) -> list[Floats]:
     circles = np.array([room, *clutter.keep_clear])
@@ -166,7 +166,7 @@ def _random_box(clutter: Clutter, rng: np.random.Generator) -> Floats:
 
 
 def _keeps_clear(box: Floats, circles: Floats) -> bool:
-    """Say whether a box stays outside all circles (x, y, radius), judged by its own circle."""
+    """Say whether the circle around a box stays outside all circles (x, y, radius)."""
     center = box.mean(axis=0)
     reach = math.dist(box[0], center)
     gaps = np.hypot(*(circles[:, :2] - center).T) - circles[:, 2] - reach

@@ -1,12 +1,12 @@
 """The robot and what it can run into: a differential drive in pymunk.
 
 The drive is a kinematic companion body that moves as the wheels would; a pivot and a gear joint
-pull the robot along with limited force. So contacts win: the robot stops at a wall instead of being
-pushed through it, as it would be if its velocity were assigned. Nothing corrects the companion's
-lead (`max_bias` 0), so a robot that was held does not jump when it comes free.
+pull the robot along with limited force. So contacts win: the robot stops at a wall; if its velocity
+were assigned, it would be pushed through. Nothing corrects the companion's lead (`max_bias` 0), so
+a robot that was held does not jump when it comes free.
 
-The wheels' speed ramps from the robot's *actual* speed, never faster than the acceleration limit: a
-robot that is held at a wall can back away at once.
+The wheels' speed ramps from the robot's *actual* speed within the acceleration limit: a robot that
+is held at a wall can back away at once.
 """
 
 import math
@@ -21,25 +21,25 @@ from sim.scenario import RobotSpec
 
 STEP_NS = 10_000_000  # [ns]
 STEP = STEP_NS / 1e9  # [s]
-COLLISION_SLOP = 0.001  # overlap that contacts leave [m]; pymunk's 0.1 is the size of a robot
+COLLISION_SLOP = 0.001  # overlap that contacts keep [m]; pymunk's 0.1 is over half our radius
 MASS = 4.0  # [kg], about a TurtleBot 4
-_GRIP = 60.0  # force of the joints at most [N]: ample for 0.9 m/s², far below what a wall resists
-_TWIST_GRIP = 20.0  # and torque [Nm]
+_GRIP = 60.0  # limit of the pivot's force [N]: ample for 0.9 m/s², too weak to push through a wall
+_TWIST_GRIP = 20.0  # limit of the gear's torque [Nm]
 _FRICTION = 0.4
 _ROBOT = 1  # collision type
 
 
 class Robot:
-    """The robot among walls, solids and carts; `step` moves everything on by 10 ms.
+    """The robot among walls, solids and carts; `step` advances everything by 10 ms.
 
     Parameters
     ----------
     spec
         Radius and limits.
     layout
-        Where things stand, and where the robot starts.
+        Obstacles, and where the robot starts.
     wheel_slip
-        Part of the wheels' motion that is lost, 0 – 0.9.
+        Fraction of the wheels' motion that is lost, 0 – 0.9.
     """
 
     def __init__(self, spec: RobotSpec, layout: Layout, *, wheel_slip: float = 0.0) -> None:
@@ -57,13 +57,13 @@ class Robot:
         self._space.on_collision(_ROBOT, None, pre_solve=self._touch)
 
     def step(self, start: float, linear: float, angular: float) -> None:
-        """Move on from scenario time `start` [s] by `STEP`, wheels told to do [m/s, rad/s]."""
+        """Advance by `STEP` from scenario time `start` [s] with these wheel speeds [m/s, rad/s]."""
         spec, grip = self._spec, self._grip
         v = _toward(linear, spec.max_linear, self.v / grip, spec.max_acceleration * STEP) * grip
         change = spec.max_angular_acceleration * STEP
         w = _toward(angular, spec.max_angular, self.w / grip, change) * grip
-        # The step moves by the old speeds first; the new ones are those of the step after it,
-        # whose mean heading is this.
+        # pymunk moves the bodies by their old velocities and then sets the new ones, which move
+        # them in the next step: this is the mean heading of that step.
         heading = self.pose[2] + STEP * (self.w + 0.5 * w)
         cos, sin = math.cos(heading), math.sin(heading)
         self._wheels.velocity = v * cos, v * sin
@@ -139,7 +139,7 @@ def _toward(target: float, limit: float, now: float, change: float) -> float:
 
 
 def _drive(cart: Cart, body: pymunk.Body, start: float) -> None:
-    """Put a cart where it is at `start` [s] with the velocity that takes it to the next step."""
+    """Put a cart where it is at `start` [s], moving to where it is one step later."""
     (x, y, yaw), (next_x, next_y, _) = cart.pose(start), cart.pose(start + STEP)
     body.position = x, y
     body.angle = yaw

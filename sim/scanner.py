@@ -1,4 +1,4 @@
-"""The lidar on the robot: casts a scan from a pose, spoils it as the scenario says, packs it."""
+"""The lidar on the robot: casts a scan from a pose, adds the faults, packs the message."""
 
 import numpy as np
 from numpy.typing import NDArray

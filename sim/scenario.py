@@ -1,7 +1,7 @@
 """Scenario files: a world, a robot in it, its sensors and faults, a script, a seed and a duration.
 
-The keys are the fields of the structs below. A scenario says everything about a run but the node:
-the same scenario and seed give the same run, byte for byte.
+The keys are the fields of the structs below. A scenario determines everything about a run except
+the node: the same scenario and seed give the same run, byte for byte.
 
 A file may begin with `extends = "slow_leader"`: it then starts from the tables of that scenario,
 which must not extend another, and its own keys override them. Tables are merged key by key; any
@@ -54,14 +54,14 @@ class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class RobotSpec(_Table, frozen=True):
-    """[robot] The defaults are those of a TurtleBot 4 (create 3 base), as in EXERCISES.md."""
+    """[robot] The defaults are those of a TurtleBot 4 (Create 3 base)."""
 
     start: tuple[Metres, Metres, Degrees] = (0.0, 0.0, 0.0)  # x [m], y [m], yaw [°]
     start_jitter: tuple[
         Annotated[float, Meta(ge=0, le=100)],
         Annotated[float, Meta(ge=0, le=100)],
         Annotated[float, Meta(ge=0, le=180)],
-    ] = (0.0, 0.0, 0.0)  # uniform ±, by the seed
+    ] = (0.0, 0.0, 0.0)  # uniform ±, drawn by the seed
     radius: Annotated[float, Meta(ge=0.05, le=1)] = 0.17  # [m]
     max_linear: Annotated[float, Meta(gt=0, le=2)] = 0.5  # [m/s]
     max_angular: Annotated[float, Meta(gt=0, le=10)] = 1.9  # [rad/s]
@@ -71,7 +71,7 @@ class RobotSpec(_Table, frozen=True):
 
 
 class LidarSpec(_Table, frozen=True):
-    """[lidar]"""
+    """[lidar] The sensor behind /scan."""
 
     profile: str = "default"  # a key of sim.lidar.PROFILES
     enabled: bool = True
@@ -79,14 +79,14 @@ class LidarSpec(_Table, frozen=True):
     phase: Time = 0.013  # time of the first scan [s]
 
     def __post_init__(self) -> None:
-        """Refuse a profile that is not there."""
+        """Refuse an unknown profile."""
         if self.profile not in PROFILES:
             hint = nearest(self.profile, PROFILES)
             raise ValueError(f"profile: no lidar profile is called that{hint}")
 
 
 class OdometrySpec(_Table, frozen=True):
-    """[odometry]"""
+    """[odometry] The sensor behind /odom."""
 
     enabled: bool = True
     rate: Rate = 20.0  # [Hz]
@@ -98,20 +98,20 @@ class OdometrySpec(_Table, frozen=True):
 
 
 class Faults(_Table, frozen=True):
-    """[faults] What sensors and the link do wrong; all zero by default."""
+    """[faults] What goes wrong in sensors and links; nothing by default."""
 
     range_noise: Noise = 0.0  # of every reading [m]
     range_bias: Annotated[float, Meta(ge=-10, le=10)] = 0.0  # added to every reading [m]
-    beam_dropout: Probability = 0.0  # of a beam to see nothing
-    nan_speckle: Probability = 0.0  # of a beam to read NaN
+    beam_dropout: Probability = 0.0  # that a beam sees nothing
+    nan_speckle: Probability = 0.0  # that a beam reads NaN
     scan_latency: Delay = 0.0  # from measurement to delivery [s]
-    scan_jitter: Delay = 0.0  # up to this much more [s]
-    scan_loss: Probability = 0.0  # of a scan never to arrive
-    odom_loss: Probability = 0.0
+    scan_jitter: Delay = 0.0  # up to this much more, at random [s]
+    scan_loss: Probability = 0.0  # that a scan never arrives
+    odom_loss: Probability = 0.0  # that an odometry message never arrives
     odom_latency: Delay = 0.0  # [s]
     freeze: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # readings repeat [s]
     blackout: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # no scans [s]
-    wheel_slip: Annotated[float, Meta(ge=0, le=0.9)] = 0.0  # part of the wheels' motion lost
+    wheel_slip: Annotated[float, Meta(ge=0, le=0.9)] = 0.0  # fraction of the wheels' motion lost
 
     def __post_init__(self) -> None:
         """Refuse intervals that end before they begin."""
@@ -122,13 +122,13 @@ class Faults(_Table, frozen=True):
 
 
 class Qos(_Table, frozen=True):
-    """[qos]"""
+    """[qos] Quality of service of what the robot publishes."""
 
-    sensors: Literal["reliable", "sensor_data"] = "reliable"
+    sensors: Literal["reliable", "sensor_data"] = "reliable"  # of /scan and /odom
 
 
 class ScriptEvent(_Table, frozen=True):
-    """[[script]] Something that happens at a time."""
+    """[[script]] One thing that happens at a given time."""
 
     at: Time  # [s]
     goal: PoseDeg | None = None  # sent as a PoseStamped; may be nan or inf
@@ -137,10 +137,10 @@ class ScriptEvent(_Table, frozen=True):
     e_stop: bool | None = None  # sent as a Bool on /e_stop
 
     def __post_init__(self) -> None:
-        """Refuse an event that is nothing or two things."""
+        """Refuse an event that does nothing, or several things at once."""
         choices = (self.goal, self.odom, self.teleport, self.e_stop)
         if sum(x is not None for x in choices) != 1:
-            raise ValueError("expected exactly one of goal, odom, teleport and e_stop beside at")
+            raise ValueError("expected at and exactly one of goal, odom, teleport and e_stop")
 
 
 class RawCommands(_Table, frozen=True, rename={"begin": "from", "end": "to"}):
@@ -159,10 +159,10 @@ class RawCommands(_Table, frozen=True, rename={"begin": "from", "end": "to"}):
 
 
 class Model(_Table, frozen=True):
-    """A file that the node will find in its working folder: a model made for the scenario.
+    """A model that is made for the scenario: a file in the node's working folder.
 
-    `probe` names a kind of model that the grader knows; the other keys are its settings. The
-    file's suffix says in which format it is written.
+    `probe` names a kind of model that the grader can make, `settings` are its parameters, and the
+    file's suffix is its format.
     """
 
     probe: str
@@ -173,8 +173,8 @@ class NodeSpec(_Table, frozen=True):
     """[node] What the node is started with."""
 
     parameters: dict[str, str | bool | int | float] = {}  # ROS parameters
-    models: dict[str, Model] = {}  # file name: what is in it
-    hides: tuple[Annotated[str, Meta(pattern=r"^\w+$")], ...] = ()  # as if not installed
+    models: dict[str, Model] = {}  # file name: the model in it
+    hides: tuple[Annotated[str, Meta(pattern=r"^\w+$")], ...] = ()  # modules, as if not installed
 
 
 class ProgramSpec(_Table, frozen=True):
@@ -184,27 +184,27 @@ class ProgramSpec(_Table, frozen=True):
     supplied: bool = False  # the grader's, not the student's
     arguments: tuple[str, ...] = ()
     start: Annotated[float, Meta(ge=0, le=3600)] = 0.0  # [s]
-    stop: Time | None = None  # it is killed then [s]
+    stop: Time | None = None  # when it is killed [s]; None: never
 
     def __post_init__(self) -> None:
-        """Refuse a program that is none of ours, or that ends before it begins."""
+        """Refuse a supplied program without a file, and one that stops before it starts."""
         if self.supplied and not self.file:
-            raise ValueError("expected a file beside supplied = true")
+            raise ValueError("expected a file with supplied = true")
         if self.stop is not None and self.stop <= self.start:
             raise ValueError("expected start < stop")
 
 
 class TrainingSpec(_Table, frozen=True):
-    """[training] Instead of driving: a script that learns a model from recorded scans."""
+    """[training] Instead of a drive: a script that trains a model on recorded scans."""
 
     script: Annotated[str, Meta(pattern=r"^\w+\.py$")]
-    rows: Annotated[int, Meta(ge=100, le=100_000)] = 2000  # scans to learn from
-    hidden_rows: Annotated[int, Meta(ge=100, le=100_000)] = 600  # scans to be judged on
+    rows: Annotated[int, Meta(ge=100, le=100_000)] = 2000  # scans to train on
+    hidden_rows: Annotated[int, Meta(ge=100, le=100_000)] = 600  # scans to judge the model on
     time_limit: Annotated[float, Meta(gt=0, le=600)] = 60.0  # of one run [s]
 
 
 class Scenario(_Table, frozen=True, dict=True):
-    """Everything about a run but the node."""
+    """Everything about a run except the node."""
 
     title: str
     world: World
@@ -227,7 +227,7 @@ class Scenario(_Table, frozen=True, dict=True):
     bench: Annotated[tuple[BenchScan, ...], Meta(max_length=MAX_BENCH_SCANS)] = ()
 
     def __post_init__(self) -> None:
-        """Refuse a bench that would take for ever."""
+        """Refuse a bench that would take forever."""
         if (count := sum(b.repeat for b in self.bench)) > MAX_BENCH_SCANS:
             raise ValueError(f"expected at most {MAX_BENCH_SCANS} bench scans, got {count}")
 
@@ -323,7 +323,7 @@ def _named(name: str) -> Path | None:
 def _parse(text: str, where: str) -> dict[str, Any]:
     doc = parse_toml(text, where)
     if "name" in doc:
-        raise InputError(f"{where}: unknown key 'name': a scenario is called as its file is")
+        raise InputError(f"{where}: unknown key 'name': the name of a scenario is that of its file")
     return doc
 
 
@@ -336,7 +336,7 @@ def _extended(doc: dict[str, Any], where: str) -> dict[str, Any]:
 
 
 def _base(name: Any, where: str) -> dict[str, Any]:
-    """Return the tables of the scenario of that name, a right one that extends none."""
+    """Return the tables of a scenario, by its name; it must be valid and extend none."""
     if not isinstance(name, str):
         raise InputError(f"{where}: {EXTENDS} = {shown(name)}: expected a scenario's name")
     at = f'{where}: {EXTENDS} = "{name}"'
@@ -347,7 +347,7 @@ def _base(name: Any, where: str) -> dict[str, Any]:
     if EXTENDS in base:
         what = "itself" if base[EXTENDS] == name else f"'{base[EXTENDS]}'"
         raise InputError(f"{at}: '{name}' extends {what}; expected a scenario that extends none")
-    _scenario(base, str(path))  # so that its own mistakes are not blamed on `where`
+    _scenario(base, str(path))  # its own mistakes are not those of `where`
     return base
 
 

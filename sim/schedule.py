@@ -1,7 +1,7 @@
 """When everything happens in a run: known from scenario and seed before it begins.
 
-So the next event can be named without simulating up to it, and how a run is cut into pieces cannot
-change it.
+So the time of the next event is known without simulating up to it, and a run stays the same however
+it is cut into pieces.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from sim.faults import Times, deliveries, sensor_rng, survivors
 from sim.lidar import PROFILES
 from sim.scenario import RawCommands, Scenario
 
-RAW_STREAM = 1_000_000  # messages of one stream, at most: 3600 s at 200 Hz are 720,000
+RAW_STREAM = 1_000_000  # messages of a stream at most: 3600 s at 200 Hz are 720,000
 
 
 class Kind(IntEnum):
@@ -72,7 +72,7 @@ def _scripted(scenario: Scenario) -> list[Event]:
 
 
 def _raw(stream: RawCommands, index: int) -> list[Event]:
-    """Return a stream's events; their index counts the stream in the millions."""
+    """Return a stream's events; their index is that of the stream times `RAW_STREAM`, plus i."""
     times = _times(stream.begin, stream.rate, stream.end)
     times = times[times < round(stream.end * 1e9)]
     return [
@@ -100,7 +100,7 @@ def _scans(scenario: Scenario, seed: int) -> list[Event]:
 
 
 def _times(phase: float, rate: float, duration: float) -> Times:
-    """Return the times of a periodic sensor [ns]; each from its own number, so none drifts."""
+    """Return the times of a periodic sensor [ns], each from its number, so that none drifts."""
     count = max(int((duration - phase) * rate) + 2, 0)
     return np.rint((phase + np.arange(count) / rate) * 1e9).astype(np.int64)
 

@@ -1,4 +1,4 @@
-"""The mock robot: one scenario, moved on from event to event.
+"""The mock robot: one scenario, advanced from event to event.
 
 Observations (messages that `advance` returns)
 
@@ -20,10 +20,11 @@ Actions (`commands` of `advance`)
 Ranges and limits are the defaults; `[lidar]` and `[robot]` of the scenario change them.
 
 Dynamics
-    A differential drive in steps of 10 ms. A command counts from the first step that begins at or
-    after its time; the wheels ramp toward it by at most 0.9 m/s² and 7 rad/s². 0.5 s after the last
-    command they ramp to zero. A command that is not finite counts as zero. Contacts are inelastic:
-    the robot stops at what it hits. Sensors measure between steps by linear interpolation.
+    A differential drive in steps of 10 ms. A command takes effect in the first step that begins at
+    or after its time; the wheels ramp toward it by at most 0.9 m/s² and 7 rad/s². They ramp to zero
+    0.5 s after the last command. A command that is not finite counts as zero. Contacts are
+    inelastic: the robot stops at what it hits. Sensors measure between steps by linear
+    interpolation.
 
 Start
     `[robot] start`, plus a uniform jitter that the seed draws. The robot is at rest.
@@ -69,7 +70,7 @@ TRUTH_NS = 20_000_000  # between two samples of the truth [ns]
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """What the robot really did: (n,) samples every 20 ms from time 0 on."""
+    """The ground truth: (n,) samples, one every 20 ms from time 0."""
 
     t: NDArray[np.int64]  # since the scenario's start [ns]
     x: Floats  # [m]
@@ -77,8 +78,8 @@ class Truth:
     yaw: Floats  # -π … π [rad]
     v: Floats  # forward speed [m/s]
     w: Floats  # turning speed [rad/s]
-    clearance: Floats  # from the robot's edge to the nearest thing, 0 in contact, at most 10 [m]
-    contact: NDArray[np.bool_]  # touched anything since the sample before
+    clearance: Floats  # from the robot's edge to the nearest obstacle, 0 in contact, at most 10 [m]
+    contact: NDArray[np.bool_]  # touched anything since the previous sample
 
 
 class Simulation:
@@ -117,15 +118,15 @@ class Simulation:
         )
         self._scanner = Scanner(scenario, self.layout, sensor_rng(self.seed, "lidar"))
         self._plan(schedule(scenario, self.seed))
-        self._stepped = 0  # the physics has come to here [ns]
-        self._commands: list[tuple[int, float, float]] = []  # not yet in force, by time
+        self._stepped = 0  # time that the physics has reached [ns]
+        self._commands: list[tuple[int, float, float]] = []  # not yet in effect, by time
         self._command = (-(10**18), 0.0, 0.0)
         self._samples = [self._sample(contact=False)]
         self._touched = False
 
     @property
     def pose(self) -> Pose:
-        """Where the robot really is after the last step [m, m, rad], its yaw not wrapped."""
+        """The true pose after the last step [m, m, rad]; its yaw is not wrapped."""
         return self._robot.pose
 
     @property
@@ -134,7 +135,7 @@ class Simulation:
         return self.scenario.duration_ns
 
     def next_event(self) -> int | None:
-        """Return when the next message or scripted event comes after `now` [ns], if one does."""
+        """Return when the next message or scripted event comes after `now` [ns], if any."""
         if self._arrived == len(self._arrivals):
             return None
         return self._arrivals[self._arrived].delivery
@@ -142,15 +143,15 @@ class Simulation:
     def advance(
         self, until: int, commands: Sequence[tuple[int, float, float]] = ()
     ) -> list[Message]:
-        """Move on to `until` [ns] and return the messages that arrive after `now` and by then.
+        """Advance to `until` [ns] and return the messages that arrive after `now` and by then.
 
         Parameters
         ----------
         until
             Since the scenario's start [ns], not before `now`.
         commands
-            Time [ns], linear.x [m/s] and angular.z [rad/s] of each; one before `now` counts from
-            the next step on, one after `until` is kept until its time has come.
+            Time [ns], linear.x [m/s] and angular.z [rad/s] of each; one before `now` takes effect
+            in the next step, one after `until` is kept until its time has come.
 
         Raises
         ------
@@ -167,7 +168,7 @@ class Simulation:
         return self._arrive()
 
     def truth(self) -> Truth:
-        """Return what the robot really did up to `now`."""
+        """Return the ground truth up to `now`."""
         rows = np.array(self._samples[: self.now // TRUTH_NS + 1], float)
         x, y, yaw, v, w, contact = rows.T
         t = np.arange(len(rows), dtype=np.int64) * TRUTH_NS
@@ -183,11 +184,11 @@ class Simulation:
         self._teleports = teleports[::-1]  # the next one last
         self._measurements = measurements[::-1]
         self._arrivals = sorted(events, key=lambda e: (e.delivery, e.kind, e.index))
-        self._arrived = 0  # so many of them
-        self._messages: dict[tuple[Kind, int], Message] = {}  # measured, under way
+        self._arrived = 0  # number of arrivals that are over
+        self._messages: dict[tuple[Kind, int], Message] = {}  # measured, not yet delivered
 
     def _step(self) -> None:
-        """Do one step of physics, and measure whatever is measured during it."""
+        """Do one step of physics, and make the measurements that fall into it."""
         start = self._stepped
         while self._teleports and self._teleports[-1].time <= start:
             self._teleport(self._script(self._teleports.pop()))
@@ -207,7 +208,7 @@ class Simulation:
             self._messages[event.kind, event.index] = self._measure(event, pose, speeds)
 
     def _wheel_speeds(self, start: int) -> tuple[float, float]:
-        """Return the command in force at this time [ns], zero once it is too old."""
+        """Return the command in effect at this time [ns], zero once it is too old."""
         while self._commands and self._commands[0][0] <= start:
             self._command = self._commands.pop(0)
         time, linear, angular = self._command

@@ -1,7 +1,7 @@
 """Reading a TOML file into frozen structs, with errors for the person who wrote the file.
 
-Every mistake becomes an `InputError` of one line: the file, the key, the value that came, what was
-expected, and for an unknown key or name the nearest one that exists.
+Every mistake becomes an `InputError` of one line: the file, the key, the value, what was expected,
+and for an unknown key or name the nearest one that exists.
 """
 
 import difflib
@@ -23,7 +23,7 @@ Key = tuple[str | int, ...]
 _WORDS = {
     "float": "a number",
     "int": "a whole number",
-    "str": "a text",
+    "str": "a string",
     "bool": "true or false",
     "array": "a list",
     "object": "a table",
@@ -94,9 +94,9 @@ def convert(
     Parameters
     ----------
     doc
-        What tomllib or json made of the file, or of a part of it.
+        The file, or a part of it, as tomllib or json parsed it.
     where, at
-        The file and, for a part of it, the keys that lead there; both for errors only.
+        The file and, for a part of it, the keys that lead there; only for errors.
     may_be_infinite
         Keys like `script.goal` under which nan and inf are allowed.
 
@@ -119,7 +119,7 @@ def convert(
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return a hint such as "; did you mean 'hall'?", or what there is when nothing is near."""
+    """Return a hint such as "; did you mean 'hall'?", or all names when none is near."""
     names = sorted(known)
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     if close:
@@ -128,7 +128,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def shown(value: Any) -> str:
-    """Return a value as an error shows it: as it would be written in the file, cut if long."""
+    """Return a value as an error shows it: as in the file, shortened if it is long."""
     text = repr(value) if isinstance(value, float) else json.dumps(value, default=str)
     return text if len(text) <= _MAX_SHOWN else text[: _MAX_SHOWN - 1] + "…"
 

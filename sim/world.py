@@ -13,10 +13,10 @@ A world file is TOML, in metres and radians (keys that end in `_deg` are degrees
     [[pillars]]                     # solid, a regular 16-gon
     center = [0, 2]
     radius = 0.15
-    [[clutter]]                     # boxes thrown by the seed, never onto the robot's start
+    [[clutter]]                     # boxes placed by the seed, never at the robot's start
     area = [[1, -3], [5, 3]]
     count = 12
-    size = [0.2, 0.6]               # least and greatest side
+    size = [0.2, 0.6]               # shortest and longest side
     keep_clear = [[0, 0, 1.0]]      # x, y, radius
     [[carts]]                       # a moving solid box
     size = [0.6, 0.4]
@@ -34,11 +34,7 @@ import msgspec
 from msgspec import Meta
 
 from sim.errors import InputError
-from sim.layout import Cart, Layout, layout_from_json, layout_to_json
 from sim.toml_input import Key, convert, nearest, parse_toml, read_toml
-
-__all__ = ["Cart", "Layout", "World", "layout_from_json", "layout_to_json", "load_world"]
-__all__ += ["world_from_doc", "world_names"]
 
 WORLDS = Path(__file__).parent / "worlds"
 
@@ -49,9 +45,9 @@ Seconds = Annotated[float, Meta(ge=0, le=3600)]
 Count = Annotated[int, Meta(ge=0, le=2000)]
 Point = tuple[Metres, Metres]
 
-LEAST = 0.001  # length of a segment [m]: what the lidar resolves
+LEAST = 0.001  # length of a segment [m]: the lidar's resolution
 MAX_OBSTACLES = 2000  # walls' segments, boxes, pillars, clutter and carts together
-MAX_CART_SPEED = 2.0  # [m/s]; faster ones could jump through a robot within a physics step
+MAX_CART_SPEED = 2.0  # [m/s]; a faster one could jump through a robot in one physics step
 
 
 class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -65,7 +61,7 @@ class Wall(_Table, frozen=True):
     closed: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse a wall that is a point somewhere."""
+        """Refuse a wall with a segment of no length."""
         if any(math.dist(a, b) < LEAST for a, b in pairwise(self.outline())):
             raise ValueError(f"points: expected each at least {LEAST} m from the one before")
 
@@ -90,24 +86,24 @@ class Pillar(_Table, frozen=True):
 
 
 class Clutter(_Table, frozen=True):
-    """Boxes that the seed throws into an area."""
+    """Boxes that the seed scatters over an area."""
 
     area: tuple[Point, Point]  # two opposite corners; the boxes' centres lie in it [m]
     count: Count
-    size: tuple[Size, Size] = (0.2, 0.6)  # least and greatest side [m]
+    size: tuple[Size, Size] = (0.2, 0.6)  # shortest and longest side [m]
     keep_clear: tuple[tuple[Metres, Metres, Size], ...] = ()  # circles: x, y, radius [m]
 
     def __post_init__(self) -> None:
-        """Refuse areas and sizes that are upside down."""
+        """Refuse an area or a size whose limits are swapped."""
         (x0, y0), (x1, y1) = self.area
         if not (x0 < x1 and y0 < y1):
             raise ValueError("area: expected [[x0, y0], [x1, y1]] with x0 < x1 and y0 < y1")
         if self.size[0] > self.size[1]:
-            raise ValueError("size: expected [least, greatest]")
+            raise ValueError("size: expected [shortest, longest]")
 
 
 class MovingCart(_Table, frozen=True):
-    """A solid box that moves along way points."""
+    """A solid box that moves along waypoints."""
 
     size: tuple[Size, Size]  # along and across its motion [m]
     path: Annotated[tuple[tuple[Seconds, Metres, Metres], ...], Meta(min_length=1, max_length=1000)]
@@ -117,7 +113,7 @@ class MovingCart(_Table, frozen=True):
         """Refuse paths that no cart could drive."""
         for (t0, x0, y0), (t1, x1, y1) in pairwise(self.path):
             if t1 <= t0:
-                raise ValueError(f"path: expected times that grow, got {t1} after {t0}")
+                raise ValueError(f"path: expected increasing times, got {t1} after {t0}")
             speed = math.hypot(x1 - x0, y1 - y0) / (t1 - t0)
             if speed > MAX_CART_SPEED:
                 raise ValueError(
@@ -128,7 +124,7 @@ class MovingCart(_Table, frozen=True):
 
 
 class World(_Table, frozen=True):
-    """What stands in a world, as the world file says it."""
+    """What stands in a world, as its file describes it."""
 
     description: str = ""
     walls: tuple[Wall, ...] = ()
@@ -138,7 +134,7 @@ class World(_Table, frozen=True):
     carts: tuple[MovingCart, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse worlds that would take for ever."""
+        """Refuse a world that would take forever."""
         count = sum(len(w.outline()) - 1 for w in self.walls) + sum(c.count for c in self.clutter)
         count += len(self.boxes) + len(self.pillars) + len(self.carts)
         if count > MAX_OBSTACLES:

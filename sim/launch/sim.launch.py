@@ -1,7 +1,7 @@
 """Start the mock robot: `ros2 launch course_sim sim.launch.py scenario:=avoid_cart lidar:=lds01`.
 
-Each argument is the option of that name of `ros2 run course_sim mock_robot`; one that is left empty
-is left to the robot.
+Each argument is the option of that name of `ros2 run course_sim mock_robot`; one that is empty is
+not passed on.
 """
 
 from launch import LaunchContext, LaunchDescription
@@ -15,7 +15,7 @@ VALUES = {  # argument: its default, and what it means
     "rate": ("", "scenario seconds in a second; other than 1.0 only with clock:=true"),
     "seed": ("", "of start, clutter and noise; empty: the scenario's"),
     "duration": ("", "the robot ends after this scenario time [s]; empty: at Ctrl-C"),
-    "record": ("", "folder of a rosbag2 recording to be made; empty: none"),
+    "record": ("", "folder of a new rosbag2 recording; empty: none"),
 }
 SWITCHES = {
     "clock": "send /clock, for nodes with use_sim_time",
@@ -26,7 +26,7 @@ FOXGLOVE = "a server for Foxglove: false, true (its usual port), or a port"
 
 
 def robot(context: LaunchContext, *_: object) -> list[Node]:
-    """Return the robot with its options; when it ends, so does everything else."""
+    """Return the robot with its options; when it ends, the launch ends."""
     given = {
         name: LaunchConfiguration(name).perform(context)
         for name in (*VALUES, *SWITCHES, "foxglove")
@@ -48,7 +48,7 @@ def robot(context: LaunchContext, *_: object) -> list[Node]:
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the arguments, and the robot made of them."""
+    """Return the arguments, and the robot that they describe."""
     arguments = [
         DeclareLaunchArgument(name, default_value=default, description=meaning)
         for name, (default, meaning) in VALUES.items()

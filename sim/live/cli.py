@@ -28,18 +28,18 @@ examples:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Be the robot until it ends; return the exit code: 0, or 2 for wrong usage.
+    """Run the robot until it ends; return the exit code: 0, or 2 for wrong usage.
 
     Parameters
     ----------
     args
-        Without the program's name; the command line by default.
+        Without the program's name; by default those of the command line.
     """
     own, ros_args = split_ros_args(sys.argv[1:] if args is None else args)
     options = _options(own)
     with _signals() as stop:
         try:
-            from rclpy import init  # noqa: F401, PLC0415  (a system Python's may be an empty shell)
+            from rclpy import init  # noqa: F401, PLC0415  (a system's rclpy may be an empty shell)
         except ImportError as error:
             return _wrong(f"{NO_RCLPY} ({error})")
         from sim.live.run import run  # noqa: PLC0415
@@ -95,7 +95,7 @@ def _options(args: list[str]) -> Options:
     )
     add("--ros-args", metavar="…", help="arguments of ROS: -p rate:=2.0, -r __ns:=/robot_1, …")
     values = vars(parser.parse_args(args))
-    del values["ros_args"]  # only there for --help: split_ros_args has taken it
+    del values["ros_args"]  # only for --help: split_ros_args has taken them
     return Options(**values)
 
 
@@ -106,7 +106,7 @@ def _port(text: str) -> int:
 
 
 class _Stop:
-    """Whether a signal asked the robot to end."""
+    """Remembers whether a signal asked the robot to end."""
 
     def __init__(self) -> None:
         self._signal: int | None = None
@@ -120,7 +120,7 @@ class _Stop:
 
 @contextmanager
 def _signals() -> Iterator[_Stop]:
-    """Turn Ctrl+C and SIGTERM (launch, systemd, docker) into a tidy end."""
+    """Turn Ctrl+C and SIGTERM (launch, systemd, docker) into a clean shutdown."""
     stop = _Stop()
     before = {number: signal.signal(number, stop.ask) for number in (signal.SIGINT, signal.SIGTERM)}
     try:

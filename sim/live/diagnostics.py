@@ -14,13 +14,13 @@ def diagnostics(health: Health, *, stamp: int, name: str, hardware: str, paused:
     Parameters
     ----------
     health
-        What was measured since the last one.
+        What was measured since the last message.
     stamp
         ROS time [ns].
     name, hardware
-        The node's name, and which robot it is.
+        The name of the node; which robot it is.
     paused
-        It stands still, so nothing is expected of it.
+        Time stands still, so nothing is sent.
     """
     message = DiagnosticArray()
     seconds, nanoseconds = divmod(stamp, 10**9)
@@ -35,7 +35,7 @@ def diagnostics(health: Health, *, stamp: int, name: str, hardware: str, paused:
 
 
 def _pace(health: Health, name: str, hardware: str, paused: bool) -> Any:
-    text = "stands still" if paused else "keeps its time"
+    text = "paused" if paused else "keeps up"
     status = _status(f"{name}: pace", hardware, text)
     if not health.keeps_up:
         status.level = DiagnosticStatus.WARN

@@ -1,4 +1,4 @@
-"""What goes beside the robot if somebody asks for it: a bag, a viewer."""
+"""What runs beside the robot on request: a bag, a viewer."""
 
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ from sim.live.viewer import Viewer
 
 @dataclass(frozen=True)
 class Extras:
-    """What was asked for."""
+    """The bag and the viewer, where they were asked for."""
 
     recorder: Recorder | None = None
     viewer: Viewer | None = None
 
     def record(self, topic: str, type: str, time: int, data: bytes) -> None:
-        """Note a message that was sent or heard: CDR bytes, of this ROS time [ns]."""
+        """Record a message that was sent or heard: CDR bytes, at this ROS time [ns]."""
         if self.recorder:
             self.recorder.write(topic, type, time, data)
 
@@ -27,7 +27,7 @@ def open_extras(options: Options, name: str, life: ExitStack) -> Extras:
     Raises
     ------
     InputError
-        The bag can't be made, or the viewer can't serve.
+        The bag cannot be made, or the viewer cannot serve.
     """
     recorder = viewer = None
     if options.record is not None:

@@ -1,4 +1,4 @@
-"""How well the robot keeps its time: rates, lateness, overruns, counted over a window."""
+"""How well the robot keeps up with time: rates, lateness and overruns in a window."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -10,19 +10,19 @@ class Health:
     """What was measured in a window of real time."""
 
     seconds: float  # its length [s]
-    rates: Mapping[str, tuple[float, float]]  # topic → target (0: now and then), actual [Hz]
+    rates: Mapping[str, tuple[float, float]]  # topic → target (0: sporadic) and actual [Hz]
     worst_lateness: float  # of a message that was sent [s]
-    overruns: int  # times that the robot was too late and let its time slip
-    slipped: float  # by so much together [s]
+    overruns: int  # number of times that the robot was too late and let its time slip
+    slipped: float  # by this much in all [s]
 
     @property
     def keeps_up(self) -> bool:
-        """Say whether every message left in time."""
+        """Say whether the robot kept up all the time."""
         return self.overruns == 0
 
 
 class HealthMeter:
-    """Counts, and starts over with each `take`.
+    """Counts what `take` returns, and then starts over.
 
     Parameters
     ----------

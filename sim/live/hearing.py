@@ -1,6 +1,6 @@
-"""What the robot hears on /cmd_vel: Twist, and TwistStamped to say what is wrong with it.
+"""What the robot hears on /cmd_vel: Twist, and TwistStamped, for which it gives a warning.
 
-A DDS participant takes one type per topic, so the second type has a participant of its own.
+A DDS participant has one type per topic, so the second type needs a participant of its own.
 """
 
 import math
@@ -30,11 +30,11 @@ class Hearing:
     Parameters
     ----------
     node, stamped_node
-        The second one is in another participant.
+        The robot's node, and one in another participant.
     robot
-        What it hears, it does.
+        Follows the commands that are heard.
     extras
-        What is heard is recorded, and shown.
+        Record and show them.
     """
 
     def __init__(self, node: Any, stamped_node: Any, robot: LiveRobot, extras: Extras) -> None:
@@ -51,8 +51,8 @@ class Hearing:
 
     def _on_twist_stamped(self, data: bytes) -> None:
         self._log.warning(
-            f"{TWIST_STAMPED} on {self.topic}: this robot takes it, but a robot takes one type "
-            f"only, and in this course that is {TWIST}: publish that",
+            f"{TWIST_STAMPED} on {self.topic}: this robot takes it, but a real one takes one "
+            f"type only, and in this course that is {TWIST}: publish that",
             throttle_duration_sec=WARN_EVERY,
         )
         self._command(TWIST_STAMPED, data, twist_stamped_from_cdr)
@@ -69,7 +69,7 @@ class Hearing:
         if not (math.isfinite(linear) and math.isfinite(angular)):
             self._log.warning(
                 f"{self.topic}: linear.x = {linear}, angular.z = {angular}: expected finite "
-                "numbers; the robot takes it for a stop",
+                "numbers; the robot takes it as a stop",
                 throttle_duration_sec=WARN_EVERY,
             )
         self._robot.command(linear, angular)

@@ -1,7 +1,7 @@
-"""Keep Python's garbage collection out of the robot's time.
+"""Keep Python's garbage collector from delaying the robot.
 
-The plan of an hour is some hundred thousand objects. A full collection looks at each of them and
-stops the process for 0.1 s, which is two scans; so what there is before the robot starts is exempt.
+The schedule of an hour is some hundred thousand objects. A full collection visits each of them and
+stops the process for 0.1 s, a scan or more; so all that exists before the robot starts is exempt.
 """
 
 import gc
@@ -11,8 +11,8 @@ from contextlib import contextmanager
 
 @contextmanager
 def settling() -> Iterator[None]:
-    """Let a robot be made in this block: one collection at its end, and none of it later."""
-    gc.unfreeze()  # an earlier robot's remains are found
+    """Make a robot in this block: collect once at its end, and never visit its objects again."""
+    gc.unfreeze()  # so that what an earlier robot left is collected
     gc.disable()
     try:
         yield

@@ -1,7 +1,7 @@
-"""The robot's life at its ROS node: it keeps time, obeys services and parameters, ends or goes on.
+"""The robot's ROS node: runs the robot in real time, with its services and parameters.
 
-One executor waits for both of its participants; between two moments of the robot it does whatever
-callbacks are due.
+One executor spins the nodes of both participants; between two steps of the robot it runs the
+callbacks that are due.
 """
 
 import math
@@ -20,27 +20,27 @@ from sim.live.parameters import Settings, problem_with_rate
 from sim.live.robot import LiveRobot, clock_tick
 from sim.live.sending import Sender
 
-LOOK = 0.1  # between looks at everything that nobody wakes the robot for [s]
-REPORT = 1.0  # between two diagnostics [s]
+LOOK = 0.1  # between two polls of what does not wake the executor [s]
+REPORT = 1.0  # between two /diagnostics [s]
 WARN_EVERY = 10.0  # [s]
-INTRODUCTIONS = 0.3  # from the first subscription until DDS has brought the other ends together [s]
+INTRODUCTIONS = 0.3  # after the first subscription, until DDS has matched the other endpoints [s]
 
 
 class MockRobot:
-    """A robot at its node.
+    """A robot and its node.
 
     Parameters
     ----------
     node
-        Its parameters are declared.
+        With its parameters declared.
     stamped_node
         In another participant, for TwistStamped.
     robot
-        What lives at the node.
+        What the node runs.
     settings
-        What the parameters say.
+        The values of the parameters.
     extras
-        Bag and viewer; whoever made them closes them.
+        Bag and viewer; the caller closes them.
     """
 
     def __init__(
@@ -57,11 +57,11 @@ class MockRobot:
         node.add_post_set_parameters_callback(self._obey)
         self._waiting = settings.wait and bool(self._sender.awaited)
         self._paused = False
-        self._introduced = math.inf  # when all ends know each other, monotonic [s]
+        self._introduced = math.inf  # when all endpoints are matched, monotonic [s]
         self._reported = time.monotonic()  # when the diagnostics were sent last [s]
 
     def spin(self, executor: Any, stopped: Callable[[], bool]) -> None:
-        """Live until `stopped` says so, or until the scenario is over if the robot ends with it."""
+        """Run until `stopped` says so, or until the scenario is over if the robot ends with it."""
         robot = self._robot
         self._introduce_itself()
         self._go_or_stand()
@@ -92,20 +92,20 @@ class MockRobot:
         if self._viewer:
             self._log.info(f"Foxglove: open {self._viewer.url}")
         if self._waiting:
-            self._log.info(f"waits for a subscription to {' or '.join(self._sender.awaited)}")
+            self._log.info(f"waiting for a subscription to {' or '.join(self._sender.awaited)}")
 
     def _step(self) -> None:
         messages, slip = self._robot.step()
         if slip:
             self._log.warning(
-                f"cannot keep up: {slip * 1e3:.0f} ms late; what was missed is not made up for, "
-                "the scenario's time slips (see /diagnostics)",
+                f"cannot keep up: {slip * 1e3:.0f} ms late; the scenario's time slips by that much "
+                "(see /diagnostics)",
                 throttle_duration_sec=WARN_EVERY,
             )
         self._sender.send(messages)
 
     def _look_around(self) -> None:
-        """Do what is due by real time: begin, tell the time to newcomers, send diagnostics."""
+        """Do what is due in real time: begin, send /clock while paused, send diagnostics."""
         now = time.monotonic()
         if self._waiting:
             self._watch_for_subscribers(now)
@@ -125,7 +125,7 @@ class MockRobot:
             self._introduced = now + INTRODUCTIONS
         elif now >= self._introduced:
             self._waiting = False
-            self._log.info("somebody listens: the scenario begins")
+            self._log.info("subscribed: the scenario begins")
             self._go_or_stand()
 
     def _go_or_stand(self) -> None:
@@ -147,12 +147,12 @@ class MockRobot:
             simulation = self._robot.planned(seed)
         self._robot.begin(simulation)
         if self._viewer:
-            self._viewer.anew()
+            self._viewer.clear()
         text = f"{self._robot.simulation.scenario.name} from its start, seed {seed}"
         self._log.info(text)
         return text
 
-    # --- what others ask of it -------------------------------------------------------------------
+    # --- services and parameters -----------------------------------------------------------------
 
     def _on_reset(self, request: Any, response: Any) -> Any:
         try:
@@ -166,7 +166,7 @@ class MockRobot:
         self._paused = bool(request.data)
         self._go_or_stand()
         at = f"at {self._robot.timeline.now() / 1e9:.2f} s"
-        response.message = f"stands still {at}" if self._paused else f"goes on {at}"
+        response.message = f"paused {at}" if self._paused else f"running {at}"
         response.success = True
         return response
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Options:
-    """Defaults of the node's parameters, and what is no parameter."""
+    """Defaults of the node's parameters, and the options that are no parameters."""
 
     scenario: str = "demo_wall"  # a name, or a file
     lidar: str | None = None  # a profile; None: the scenario's
@@ -14,7 +14,7 @@ class Options:
     seed: int | None = None  # None: the scenario's
     clock: bool = False  # send /clock; stamps are in simulated time
     wait: bool = False  # until somebody subscribes
-    duration: float | None = None  # [s] of the scenario's time; None: on and on
+    duration: float | None = None  # [s] in scenario time; None: until it is stopped
     once: bool = False  # for the scenario's own duration
-    foxglove: int | None = None  # port on loopback; 0: any; None: not at all
-    record: Path | None = None  # a new bag
+    foxglove: int | None = None  # port on loopback; 0: any; None: no viewer
+    record: Path | None = None  # folder of a new bag

@@ -1,4 +1,4 @@
-"""The node's parameters, and the scenario that they make."""
+"""The node's parameters, and the scenario that they lead to."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +12,7 @@ from sim.lidar import PROFILES
 from sim.live.options import Options
 from sim.scenario import Scenario, load_scenario
 
-LIFE = 3600.0  # of a robot that nobody stops, until it starts over [s]: a scenario's most
+LIFE = 3600.0  # after this a robot that nobody stops starts over [s]: a scenario's maximum
 RATES = 0.1, 10.0
 SEEDS = 0, 2**53
 DURATIONS = 0.0, LIFE
@@ -21,9 +21,9 @@ TIMEOUTS = 0.05, LIFE
 
 @dataclass(frozen=True)
 class Settings:
-    """What the parameters say."""
+    """The values of the parameters."""
 
-    scenario: Scenario  # with their lidar, seed, duration and command timeout
+    scenario: Scenario  # with the lidar, seed, duration and command timeout they ask for
     rate: float  # scenario seconds in a second
     clock: bool  # send /clock
     wait: bool  # until somebody subscribes
@@ -31,7 +31,7 @@ class Settings:
 
 
 def declare(node: Any, options: Options) -> Settings:
-    """Declare the node's parameters with these defaults; return what they are.
+    """Declare the node's parameters with these defaults; return their values.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def _declare(node: Any, options: Options) -> Settings:
         node,
         "command_timeout",
         scenario.robot.command_timeout,
-        "how long a command counts [s]; then the wheels ramp to zero",
+        "how long a command stays in effect [s]; then the wheels ramp to zero",
         TIMEOUTS,
     )
     clock = _fixed(node, "clock", options.clock, "send /clock: all stamps are in simulated time")
@@ -85,7 +85,7 @@ def _declare(node: Any, options: Options) -> Settings:
     seed = node.declare_parameter(
         "seed",
         scenario.seed if options.seed is None else options.seed,
-        _describe("draws start, clutter and noise; a new one counts from the next /reset", SEEDS),
+        _describe("draws start, clutter and noise; a new one takes effect at /reset", SEEDS),
     ).value
     rate = node.declare_parameter(
         "rate",
@@ -110,7 +110,7 @@ def _declare(node: Any, options: Options) -> Settings:
 def _fixed(
     node: Any, name: str, value: Any, text: str, limits: tuple[float, float] | None = None
 ) -> Any:
-    """Declare a parameter that stays as it is from the start on."""
+    """Declare a parameter that cannot be changed while the robot runs."""
     descriptor = _describe(text, limits)
     descriptor.read_only = True
     return node.declare_parameter(name, value, descriptor).value

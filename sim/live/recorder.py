@@ -13,12 +13,12 @@ class Recorder:
     Parameters
     ----------
     folder
-        The bag's folder, which must not be there yet.
+        The bag's folder, which must not exist yet.
 
     Raises
     ------
     InputError
-        There is something at `folder`, or it can't be made.
+        `folder` exists, or cannot be made.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -45,7 +45,7 @@ class Recorder:
             self._connections[key] = self._writer.add_connection(topic, type, typestore=typestore())
 
     def write(self, topic: str, type: str, time: int, data: bytes) -> None:
-        """Note a message: CDR bytes, of this ROS time [ns]."""
+        """Write a message: CDR bytes, at this ROS time [ns]."""
         self.expect(topic, type)
         self._writer.write(self._connections[topic, type], time, data)
         self.count += 1

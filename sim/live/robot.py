@@ -1,6 +1,6 @@
-"""The mock robot in real time: a simulation, and a timeline that says when what is due.
+"""The mock robot in real time: a simulation, and a timeline that says when it is due.
 
-It knows nothing of ROS: `node` publishes what `step` returns, and passes on what was heard.
+It knows nothing of ROS: `node` publishes what `step` returns, and passes on what it hears.
 """
 
 import msgspec
@@ -17,16 +17,14 @@ CLOCK_TICK_NS = 10_000_000  # the same with /clock: a step of the physics
 
 
 class LiveRobot:
-    """A robot that lives through a scenario in real time.
-
-    It stands still until the timeline runs.
+    """A robot that runs a scenario in real time, once its timeline runs.
 
     Parameters
     ----------
     scenario
-        Its duration is how long the robot lives.
+        Its duration is how long the robot runs.
     timeline
-        Its time.
+        The robot's time.
     tick
         Between two steps at most [ns].
 
@@ -56,14 +54,14 @@ class LiveRobot:
         return self.timeline.ros_time(self.simulation.now)
 
     def due(self) -> float:
-        """Return in how many real seconds `step` has something to do: inf if it stands still."""
+        """Return in how many real seconds the next `step` is due; inf while paused."""
         return self.timeline.seconds_until(self._moment())
 
     def step(self) -> tuple[list[Message], float]:
-        """Move on to the next moment, which is due, and return its messages and the slip.
+        """Advance to the next moment, which is due, and return its messages and the slip [s].
 
-        A robot that is later than two periods of its fastest sensor does not send in a burst what
-        it missed: its time slips, by as much as is returned [s], and it goes on from here.
+        A robot that is later than two periods of its fastest sensor does not catch up in a burst
+        of messages: its time slips by as much as it is late, and it goes on from there.
         """
         moment = self._moment()
         late = max(0.0, -self.timeline.seconds_until(moment))
@@ -78,13 +76,13 @@ class LiveRobot:
         return [with_epoch(message, self.timeline.epoch) for message in messages], slip
 
     def command(self, linear: float, angular: float) -> None:
-        """Take a command [m/s, rad/s] that counts from now; none counts while time stands still."""
+        """Take a command [m/s, rad/s] that takes effect now; while paused it is ignored."""
         if self.timeline.running:
             now = max(self.timeline.now(), self.simulation.now)
             self._commands.append((now, linear, angular))
 
     def planned(self, seed: int) -> Simulation:
-        """Return the scenario from its start, with this seed.
+        """Return a simulation of the scenario with this seed, at its start.
 
         Raises
         ------
@@ -94,7 +92,7 @@ class LiveRobot:
         return Simulation(self.simulation.scenario, seed)
 
     def begin(self, simulation: Simulation) -> None:
-        """Live in this one from now on."""
+        """Run this simulation from now on."""
         self.simulation = simulation
         self._commands = []
         self.timeline.restart()
@@ -109,12 +107,12 @@ class LiveRobot:
 
 
 def clock_tick(rate: float) -> int:
-    """Return the scenario time between two /clock [ns]: 10 ms, and of real time at least that."""
+    """Return the scenario time between two /clock [ns]: 10 ms, and at least 10 ms of real time."""
     return round(CLOCK_TICK_NS * max(1.0, rate))
 
 
 def rehearse(scenario: Scenario) -> None:
-    """Make a message of each sensor: what is only made on first use takes 0.1 s.
+    """Make a message of each sensor: what is set up on first use takes 0.1 s.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""One life of the mock robot: from the command line's options to a tidy end."""
+"""One run of the mock robot: from the command line's options to a clean shutdown."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -23,7 +23,7 @@ NAME = "mock_robot"
 
 
 def run(options: Options, ros_args: list[str], stopped: Callable[[], bool]) -> None:
-    """Be a robot until `stopped` says so, or until the scenario is over if it ends with it.
+    """Run a robot until `stopped` says so, or until the scenario is over if it ends with it.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def run(options: Options, ros_args: list[str], stopped: Callable[[], bool]) -> N
 
 @contextmanager
 def _participant(ros_args: list[str]) -> Iterator[Any]:
-    """Take part in ROS; signals stay ours, so that a bag is closed before the process ends."""
+    """Join ROS; signals are not rclpy's, so that a bag is closed before the process ends."""
     context = Context()
     try:
         rclpy.init(args=ros_args, context=context, signal_handler_options=SignalHandlerOptions.NO)

@@ -29,9 +29,9 @@ class Sender:
     Parameters
     ----------
     node, robot
-        The node, and what lives at it.
+        The node, and the robot that it runs.
     extras
-        What is sent is recorded, and shown.
+        Record and show what is sent.
     clock
         Send /clock.
     """
@@ -48,7 +48,7 @@ class Sender:
 
     @property
     def awaited(self) -> list[str]:
-        """The topics for whose first subscriber a robot may wait: sensors, or else all."""
+        """The topics for whose first subscriber a robot can wait: its sensors', or else all."""
         return [topic for topic in self._publishers if topic in SENSORS] or list(self._publishers)
 
     def is_heard(self) -> bool:
@@ -56,7 +56,7 @@ class Sender:
         return any(self._publishers[topic].get_subscription_count() for topic in self.awaited)
 
     def send(self, messages: Sequence[Message]) -> None:
-        """Send what the robot has to say now; the time goes first."""
+        """Send the robot's messages of now, after /clock."""
         self.tell_time()
         now = self._robot.ros_now
         for message in messages:
@@ -102,7 +102,7 @@ class Sender:
         return self._node.create_publisher(kind, topic.removeprefix("/"), qos)
 
     def _transforms(self) -> tuple[Transforms, Any] | None:
-        """Send the static transform; return what makes and sends the others, where tf2_msgs is."""
+        """Send the static transform; return what sends the others, None without tf2_msgs."""
         tf_message = tf_message_class()
         if tf_message is None or ODOM_TOPIC not in self._robot.rates:
             return None

@@ -1,8 +1,8 @@
-"""Which scenario time it is, and which ROS time: in step with the clock, at rest, or slipped.
+"""Scenario time and ROS time of a live robot: running, paused or slipped.
 
-Scenario time follows the machine's monotonic clock at a rate. Where it stood still or was put back
-(a pause, a machine that stalled), ROS time on real clocks goes on, so the stamps of what comes next
-are of then; simulated ROS time stands still with it.
+Scenario time follows the machine's monotonic clock at a rate. Where it paused or slipped (the
+machine stalled), ROS time on real clocks ran on, and later messages have later stamps; simulated
+ROS time pauses and slips with it.
 """
 
 import math
@@ -15,14 +15,14 @@ Clock = Callable[[], int]  # [ns]
 
 
 class Timeline:
-    """The time of one robot; it stands at 0 until `run`.
+    """The time of one robot; it stays at 0 until `run`.
 
     Parameters
     ----------
     rate
         Scenario seconds in a second.
     simulated
-        ROS time begins at `EPOCH_NS` and is the scenario's; otherwise it is today's.
+        ROS time is scenario time since `EPOCH_NS`; otherwise it is that of the wall clock.
     monotonic, wall
         The clocks of the machine [ns].
     """
@@ -48,20 +48,20 @@ class Timeline:
         return self._scenario + round((self._monotonic() - self._real) * self.rate)
 
     def ros_time(self, time: int) -> int:
-        """Return the ROS time [ns since 1970] now that the robot has come to `time` [ns].
+        """Return the ROS time [ns since 1970] when the robot has reached `time` [ns].
 
-        On real clocks that is today's; simulated time is not ahead of the robot.
+        On real clocks that is the wall clock's; simulated time is never ahead of the robot.
         """
         return self.epoch + time if self._simulated else self._wall()
 
     def seconds_until(self, time: int) -> float:
-        """Return in how many real seconds it is `time` [ns]: less than 0 if late, inf if never."""
+        """Return in how many real seconds it is `time` [ns]: below 0 if late, inf while paused."""
         if not self.running:
             return math.inf
         return (time - self.now()) / self.rate / 1e9
 
     def run(self, running: bool) -> None:
-        """Go on, or stand still."""
+        """Run, or pause."""
         now = self.now()
         self.running = running
         self._anchor(now)
@@ -73,11 +73,11 @@ class Timeline:
         self._anchor(now)
 
     def slip_to(self, time: int) -> None:
-        """Let it be `time` [ns] now: what was missed is not made up for."""
+        """Set scenario time back to `time` [ns]: what was missed is not caught up on."""
         self._anchor(time)
 
     def restart(self) -> None:
-        """Let a scenario begin at 0; ROS time never goes back."""
+        """Set scenario time to 0; ROS time never goes back."""
         if self._simulated:
             self.epoch += self.now()
         self._anchor(0)

@@ -10,13 +10,13 @@ from sim.messages import (
 from sim.scenario import Scenario
 from sim.schedule import scan_rate
 
-NOW_AND_THEN = 0.0  # the rate of what the script sends [Hz]
+NOW_AND_THEN = 0.0  # the nominal rate of what the script sends [Hz]
 
 
 def sent_topics(scenario: Scenario) -> dict[str, float]:
     """Return the topics that this scenario's robot sends: topic → nominal rate [Hz].
 
-    A topic that it never sends is not there at all, as on a robot that lacks the sensor.
+    A topic that it never sends does not exist, as on a robot that lacks the sensor.
     """
     rates: dict[str, float] = {}
     if scenario.lidar.enabled:
@@ -37,8 +37,8 @@ def sent_topics(scenario: Scenario) -> dict[str, float]:
 def patience(rates: dict[str, float]) -> float:
     """Return how late the robot may be before its time slips [s]: 2 periods of its fastest sensor.
 
-    So what is made up for is never more than two messages of a sensor. 50 ms at least, which a busy
-    operating system takes; 0.1 s if there is no sensor.
+    So it never catches up on more than two messages of a sensor. At least 50 ms, by which a busy
+    operating system delays a process; 0.1 s if there is no sensor.
     """
     fastest = max(rates.values(), default=NOW_AND_THEN)
     return 0.1 if fastest == NOW_AND_THEN else max(0.05, 2.0 / fastest)

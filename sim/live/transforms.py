@@ -1,7 +1,7 @@
-"""/tf and /tf_static: where the robot believes to be, by the names of REP-105.
+"""/tf and /tf_static: where the robot estimates it is, in the frames of REP-105.
 
-`odom` → `base_link` with every odometry, `base_link` → `laser` once (the mock lidar sits in the
-middle). tf2_msgs is part of every ROS installation, but there is no wheel of it: without it the
+`odom` → `base_link` with every odometry message, `base_link` → `laser` once (the mock lidar sits in
+the middle). tf2_msgs is part of every ROS installation, but there is no wheel of it: without it the
 robot sends no transforms.
 """
 
@@ -43,7 +43,7 @@ class Transforms:
     def of_odometry(self, odometry: Any) -> Any:
         """Return `odom` → `base_link` for a nav_msgs/Odometry, for /tf.
 
-        None for a pose that is not finite, which a scenario may send and tf2 would complain of.
+        None for a pose that is not finite, which a scenario may send and tf2 rejects.
         """
         position, rotation = odometry.pose.pose.position, odometry.pose.pose.orientation
         if not all(map(math.isfinite, (position.x, position.y, rotation.z, rotation.w))):

@@ -1,7 +1,7 @@
 """The scene for Foxglove: a web socket on loopback with walls, robot, scans and commands.
 
-Frames: `map` is the true world. `base_link` hangs in it where the robot really is; `odom`, in which
-the odometry is shown, lies on `map`. So a robot that drifts is seen beside its odometry.
+Frame `map` is the true world, with `base_link` at the robot's true pose. `odom`, in which the
+odometry is shown, coincides with `map`: so a robot that drifts is seen beside its odometry.
 """
 
 import math
@@ -25,8 +25,8 @@ HOST = "127.0.0.1"
 PORT = 8765  # Foxglove's own default
 MAP_FRAME = "map"
 HOW_TO_INSTALL = "--foxglove needs the Foxglove SDK: pip install '.[foxglove]'"
-SCENE_EVERY = 10**9  # [ns]; a viewer that comes later waits for the walls so long
-HEIGHT = 0.3  # of everything that stands [m]
+SCENE_EVERY = 10**9  # [ns]; how long a viewer that connects later waits for the walls
+HEIGHT = 0.3  # of every obstacle [m]
 WALL = 0.03  # thickness of a wall's line [m]
 NUMBER = {"type": ["number", "null"]}  # null: not finite
 COMMAND = {  # JSON schema of what was heard on /cmd_vel [m/s, rad/s]
@@ -48,9 +48,9 @@ class Viewer:
     Parameters
     ----------
     name
-        Of the server.
+        The server's.
     port
-        0: any that is free.
+        The server's; 0: any that is free.
 
     Raises
     ------
@@ -64,10 +64,10 @@ class Viewer:
             from foxglove import channels, messages  # noqa: PLC0415
         except ImportError:
             raise InputError(HOW_TO_INSTALL) from None
-        self._context = context = foxglove.Context()  # its channels close when it is gone
+        self._context = context = foxglove.Context()  # its channels close when it is collected
         try:
             self._server = foxglove.start_server(name=name, host=HOST, port=port, context=context)
-        except Exception as error:  # of the SDK's own kinds
+        except Exception as error:  # the SDK's own exceptions
             raise InputError(f"--foxglove {port}: cannot serve on {HOST}: {error}") from None
         self._kinds = messages
         self._scene = channels.SceneUpdateChannel("/scene", context=context)
@@ -97,11 +97,11 @@ class Viewer:
         Parameters
         ----------
         messages
-            With stamps of ROS time.
+            Stamped in ROS time.
         layout, radius
             The world; the robot's radius [m].
         pose
-            Where the robot really is [m, m, rad].
+            The robot's true pose [m, m, rad].
         seconds
             Scenario time [s].
         time
@@ -125,8 +125,8 @@ class Viewer:
         values = {"linear_x": _finite(linear), "angular_z": _finite(angular)}
         self._cmd_vel.log(values, log_time=time)
 
-    def anew(self) -> None:
-        """Let viewers forget what they have: the scenario starts over."""
+    def clear(self) -> None:
+        """Clear what viewers show: the scenario starts over."""
         self._scene_due = 0
         self._server.clear_session()
 
@@ -260,5 +260,5 @@ class Viewer:
 
 
 def _finite(value: float) -> float | None:
-    """Return what JSON can say."""
+    """Return a number that JSON can express, None for any other."""
     return value if math.isfinite(value) else None

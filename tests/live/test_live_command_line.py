@@ -1,4 +1,7 @@
-"""What the command line takes, and what it says to those who err."""
+"""What the command line takes, and what it says to those who err.
+
+Tests `sim.__main__`, `sim.live.cli` and, in a process, `options`, `parameters` and `run`.
+"""
 
 import ast
 import json

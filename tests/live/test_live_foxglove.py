@@ -1,4 +1,7 @@
-"""The scene as a web socket client gets it."""
+"""The scene as a web socket client gets it.
+
+Tests `sim.live.viewer`.
+"""
 
 import json
 import signal

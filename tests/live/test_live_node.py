@@ -1,4 +1,8 @@
-"""The robot as a node among others: processes that talk over DDS."""
+"""The robot as a node among others: processes that talk over DDS.
+
+Tests `sim.live.node`, and through it `sending`, `hearing`, `parameters`, `diagnostics`, `extras`,
+`recorder`, `memory` and `run`.
+"""
 
 import math
 import signal
@@ -89,12 +93,12 @@ def test_reset_puts_it_back_to_its_start(square: Square) -> None:
     square.listener.next_json("/odom", at_start)
 
 
-def test_it_stands_still_in_a_pause(square: Square) -> None:
+def test_it_can_be_paused(square: Square) -> None:
     listener = square.listener
-    assert listener.ask("pause true")["message"].startswith("stands still at ")
-    listener.next_json("/diagnostics", lambda status: status["message"] == "stands still")
+    assert listener.ask("pause true")["message"].startswith("paused at ")
+    listener.next_json("/diagnostics", lambda status: status["message"] == "paused")
     listener.next_json("/diagnostics", lambda status: status["message"] == "0.0 of 10.0 Hz")
-    assert listener.ask("pause false")["message"].startswith("goes on at ")
+    assert listener.ask("pause false")["message"].startswith("running at ")
     listener.next_json("/scan")
 
 

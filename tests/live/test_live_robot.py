@@ -1,4 +1,7 @@
-"""The robot's time, on clocks that the test moves."""
+"""The robot's time, on clocks that the test moves.
+
+Tests `sim.live.robot`, `timeline`, `health` and `topics`.
+"""
 
 from itertools import pairwise
 

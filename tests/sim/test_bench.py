@@ -1,3 +1,5 @@
+"""Which beams the patches of a bench scan cover."""
+
 import math
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""The caster against the dense computation, and where one goes wrong: corners, edges, range."""
+
 import math
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Noise, dropout, loss, delay and freezing, each on its own."""
+
 import math
 
 import numpy as np
@@ -6,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.faults import deliveries, is_frozen, measured, sensor_rng, speckle, survivors
-from sim.scenario import Faults, scenario_from_toml
-from sim.schedule import Kind, schedule
+from sim.scenario import Faults
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
 RANGES = np.full(20_000, 2.0)
@@ -16,11 +17,6 @@ TIMES = np.arange(1, 10_001) * 100_000_000
 
 def rng(sensor="lidar"):
     return sensor_rng(1, sensor)
-
-
-def events(text, kind, seed=1):
-    scenario = scenario_from_toml('title = "x"\nworld = "open"\n' + text, "x")
-    return [event for event in schedule(scenario, seed) if event.kind is kind]
 
 
 def test_without_faults_nothing_changes_and_nothing_is_drawn():
@@ -77,36 +73,3 @@ def test_every_sensor_has_a_generator_of_its_own():
     assert rng("lidar").random() == rng("lidar").random()
     assert rng("lidar").random() != rng("odometry").random()
     assert sensor_rng(1, "lidar").random() != sensor_rng(2, "lidar").random()
-
-
-def test_periodic_messages_do_not_drift():
-    found = events("duration = 1000\n[odometry]\nrate = 30\nphase = 0.5", Kind.ODOM)
-    assert len(found) == 30 * 999 + 15 + 1
-    assert found[-1].time == 1000 * 10**9
-    assert all(e.time == round((0.5 + e.index / 30) * 1e9) for e in found)
-
-
-def test_latency_keeps_the_stamp_and_late_messages_miss_the_end():
-    found = events("duration = 2\n[faults]\nscan_latency = 0.3", Kind.SCAN)
-    assert {e.delivery - e.time for e in found} == {300_000_000}
-    assert max(e.delivery for e in found) <= 2 * 10**9
-    assert len(found) == 17
-
-
-def test_lost_scans_are_lost_by_the_seed():
-    text = "duration = 100\n[faults]\nscan_loss = 0.2"
-    assert len(events(text, Kind.SCAN)) == pytest.approx(800, abs=40)
-    assert events(text, Kind.SCAN) == events(text, Kind.SCAN)
-    assert events(text, Kind.SCAN) != events(text, Kind.SCAN, seed=2)
-    assert events(text, Kind.ODOM) == events("duration = 100", Kind.ODOM)
-
-
-def test_lost_scans_use_up_no_bench_entry():
-    text = 'duration = 9\n[faults]\nscan_loss = 0.5\n[[bench]]\nlabel = "a"\nrepeat = 7'
-    assert [e.index for e in events(text, Kind.SCAN)] == list(range(7))
-
-
-def test_sensors_can_be_switched_off():
-    off = "[lidar]\nenabled = false\n[odometry]\nenabled = false"
-    assert not events(off, Kind.SCAN)
-    assert not events(off, Kind.ODOM)

@@ -1,11 +1,79 @@
-"""Where a cart is: one pose at a time, or many at once."""
+"""Segments and carts of a layout, and a layout as JSON."""
+
+import math
 
 import numpy as np
 import pytest
 
-from sim.layout import Cart
+from sim.layout import Cart, layout_from_json, layout_to_json
+from sim.placement import build_layout
+from sim.world import Box, Clutter, MovingCart, Pillar, Wall, World
 
+CROWD = World(
+    walls=(Wall(((-3, -3), (6, -3), (6, 3))),),
+    boxes=(Box((2, 1), (0.5, 1.0), 30.0),),
+    pillars=(Pillar((0, 2), 0.2),),
+    clutter=(Clutter(((1, -2), (5, 2)), 15, keep_clear=((3, 0, 0.5),)),),
+    carts=(MovingCart((0.6, 0.4), ((0, 3, -3), (6, 3, 3))),),
+)
+SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 BOX = np.array([[0.5, 0.3], [-0.5, 0.3], [-0.5, -0.3], [0.5, -0.3]])
+
+
+def crowd(seed=1, **options):
+    return build_layout(CROWD, rng=np.random.default_rng(seed), **options)
+
+
+def test_a_layout_survives_json_to_the_last_bit():
+    text = layout_to_json(crowd(3, rotate_deg=12.3))
+    again = layout_from_json(text)
+    assert layout_to_json(again) == text
+    assert np.array_equal(again.segments(), crowd(3, rotate_deg=12.3).segments())
+    assert again.carts[0].loop is False
+
+
+def test_segments_are_those_of_walls_then_solids():
+    world = World(
+        walls=(Wall(((0, 0), (1, 0), (1, 1)), closed=True),), boxes=(Box((3, 3), (1, 1)),)
+    )
+    segments = build_layout(world).segments()
+    assert segments.shape == (7, 2, 2)
+    assert segments[2].tolist() == [[1, 1], [0, 0]]
+    assert build_layout(World()).segments().shape == (0, 2, 2)
+
+
+def test_a_cart_stands_moves_and_stands():
+    cart = build_layout(CROWD).carts[0]
+    poses = cart.poses(np.array([-1.0, 0.0, 3.0, 6.0, 60.0]))
+    assert poses[:, 0].tolist() == [3.0] * 5
+    assert poses[:, 1].tolist() == [-3.0, -3.0, 0.0, 3.0, 3.0]
+    assert poses[:, 2] == pytest.approx([math.pi / 2] * 5)
+    assert cart.corners(np.array([3.0]))[0].mean(axis=0) == pytest.approx([3.0, 0.0])
+    assert np.ptp(cart.corners(np.array([3.0]))[0], axis=0) == pytest.approx([0.4, 0.6])
+
+
+@pytest.mark.parametrize("loop", [False, True])
+def test_one_pose_of_a_cart_is_the_same_as_one_of_many(loop):
+    path = np.array([[0.3, 0.1, 0.7], [1.7, 1.3, 0.2], [2.2, 1.3, 0.2], [4.1, 0.1, 0.7]])
+    cart = Cart(SQUARE, path, loop=loop)
+    times = np.concatenate((np.arange(0.0, 12.0, 0.01), path[:, 0]))
+    assert [cart.pose(t) for t in times.tolist()] == [tuple(p) for p in cart.poses(times).tolist()]
+
+
+def test_a_cart_in_a_loop_goes_on_and_keeps_its_heading_while_it_halts():
+    path = np.array([[1, 0, 0], [2, 1, 0], [3, 1, 0], [4, 0, 0]], float)
+    cart = Cart(SQUARE, path, loop=True)
+    assert cart.pose(0.0) == (0.0, 0.0, 0.0)
+    assert cart.pose(1.5) == (0.5, 0.0, 0.0)
+    assert cart.pose(2.5) == (1.0, 0.0, 0.0)
+    assert cart.pose(3.5) == (0.5, 0.0, math.pi)
+    assert cart.pose(4.5) == cart.pose(1.5)
+    assert cart.pose(31.5) == cart.pose(1.5)
+
+
+def test_a_cart_with_one_waypoint_is_a_box():
+    cart = Cart(SQUARE, np.array([[0, 2, 1]], float))
+    assert cart.pose(5.0) == (2.0, 1.0, 0.0)
 
 
 @pytest.mark.parametrize("loop", [False, True])

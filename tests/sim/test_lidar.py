@@ -1,3 +1,5 @@
+"""Lidar profiles, and the readings that they make of ranges."""
+
 import math
 import re
 

@@ -1,3 +1,5 @@
+"""The CDR of our messages, against rosbags and byte by byte."""
+
 import math
 import struct
 import subprocess

@@ -1,3 +1,5 @@
+"""Dead reckoning: without errors it is the truth, with them it drifts as told."""
+
 import math
 
 import numpy as np

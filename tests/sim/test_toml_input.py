@@ -1,0 +1,64 @@
+"""Reading and merging TOML; the errors of `convert` are in test_scenario_errors.py."""
+
+import copy
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim.errors import InputError
+from sim.toml_input import merged, nearest, parse_toml, shown
+
+SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
+keys = st.sampled_from("abc")
+values = st.integers() | st.lists(st.integers(), max_size=2)
+tables = st.recursive(
+    st.dictionaries(keys, values, max_size=3),
+    lambda inner: st.dictionaries(keys, values | inner, max_size=3),
+    max_leaves=6,
+)
+
+
+@SETTINGS
+@given(tables, tables)
+def test_merging_changes_neither_table_and_is_idempotent(base, own):
+    before = copy.deepcopy((base, own))
+    result = merged(base, own)
+    assert (base, own) == before
+    assert merged(result, own) == result
+    assert result.keys() == base.keys() | own.keys()
+
+
+@SETTINGS
+@given(tables)
+def test_an_empty_table_is_neutral(table):
+    assert merged(table, {}) == merged({}, table) == table
+
+
+def test_tables_are_merged_and_anything_else_is_replaced():
+    base = {"a": {"x": 1, "y": {"z": 2}}, "b": [1, 2], "c": {"x": 1}, "d": 4}
+    own = {"a": {"y": {"w": 3}}, "b": [], "c": 5, "d": {"x": 6}}
+    assert merged(base, own) == {
+        "a": {"x": 1, "y": {"z": 2, "w": 3}},
+        "b": [],
+        "c": 5,
+        "d": {"x": 6},
+    }
+
+
+def test_the_nearest_name_is_suggested_or_all_are_listed():
+    assert nearest("hal", ["hall", "store"]) == "; did you mean 'hall'?"
+    assert nearest("x", ["store", "hall"]) == "; there is: hall, store"
+    assert nearest("x", []) == ""
+
+
+def test_what_is_not_toml_is_said_in_one_line():
+    with pytest.raises(InputError) as caught:
+        parse_toml("a = \n", "my\nfile.toml")
+    assert str(caught.value).startswith("my file.toml: not valid TOML: ")
+
+
+def test_a_long_value_is_shortened():
+    assert shown([1, "a", True]) == '[1, "a", true]'
+    assert shown(float("nan")) == "nan"
+    assert shown("x" * 100) == '"' + "x" * 58 + "…"
