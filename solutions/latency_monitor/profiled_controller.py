@@ -185,11 +185,11 @@ class ProfiledController(Node):
         """Publish one status about the calls in the window, every second."""
         ### BEGIN SOLUTION
         count = len(self.latencies)
-        numbers = latency_statistics(list(self.latencies), self.deadline)
-        missed = int(numbers.pop("missed"))
-        level = level_of(count, missed, numbers["p95_ms"], self.deadline)
+        summary = latency_statistics(list(self.latencies), self.deadline)
+        missed = int(summary.pop("missed"))
+        level = level_of(count, missed, summary["p95_ms"], self.deadline)
         texts = {"count": str(count), "deadline_ms": f"{self.deadline:.3f}", "missed": str(missed)}
-        texts |= {key: f"{number:.3f}" for key, number in numbers.items()}
+        texts |= {key: f"{number:.3f}" for key, number in summary.items()}
 
         status = DiagnosticStatus(name=STATUS_NAME, level=level)
         status.message = f"{missed} of {count} calls missed {self.deadline:.0f} ms"
