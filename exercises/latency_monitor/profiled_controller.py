@@ -26,21 +26,22 @@ from sensor_msgs.msg import LaserScan
 WINDOW = 100  # calls
 REPORT_PERIOD = 1.0  # [s]
 STATUS_NAME = "profiled_controller: inference"
-FRONT_HALF_ANGLE = math.radians(60.0)  # [rad]
+FRONT_HALF_ANGLE = math.radians(60.0)  # [rad] the front sector is |θ| ≤ 60°
 
 
 def extract_features(scan: LaserScan) -> np.ndarray | None:
-    """Return the (1, 5) features of a scan [m]: front min, mean and std, left min, right min.
+    """Return what the model sees of a scan: one row of five features, (1, 5) float32 [m].
 
-    Front is within ±60° of ahead. ``+inf`` and what is beyond ``range_max`` count as ``range_max``,
-    ``-inf`` as ``range_min``; NaN and what is below ``range_min`` are dropped. ``None``: a sector
-    has no usable reading.
+    Minimum, mean and population standard deviation of the front sector (|θ| ≤ 60°), minimum of
+    the left sector (60° < θ ≤ 180°), minimum of the right sector (-180° ≤ θ < -60°). ``+inf`` and
+    readings above ``range_max`` count as ``range_max``, ``-inf`` counts as ``range_min``; NaN and
+    readings below ``range_min`` are dropped. ``None``: a sector has no usable reading.
     """
-    # TODO(task 1): your features of exercise 2.
+    # TODO(task 1): paste extract_features from your exercise 2; it fits as it is.
     return None
 
 
-def statistics(latencies: list[float], deadline: float) -> dict[str, float]:
+def latency_statistics(latencies: list[float], deadline: float) -> dict[str, float]:
     """Return mean, percentiles, maximum [ms] and the number of missed deadlines of latencies [ms].
 
     Percentiles lie between two measurements (linear interpolation). Without any measurement
@@ -77,10 +78,15 @@ class ProfiledController(Node):
 
     def scan_callback(self, scan: LaserScan) -> None:
         """Publish exactly one Twist: the clipped prediction, or 0.0 if there is none."""
-        # TODO(task 1): as in exercise 2, with self.predict.
+        # TODO(task 1): as in exercise 2.
+
+    def choose_speed(self, scan: LaserScan) -> float:
+        """Return the model's speed within 0 … max_speed [m/s]; 0.0 when it cannot be had."""
+        # TODO(task 1): as in exercise 2, but ask self.predict.
+        return 0.0
 
     def predict(self, features: np.ndarray) -> float:
-        """Return a finite prediction [m/s], and keep how long the model took. Raises otherwise."""
+        """Return what the model says [m/s], and keep how long it took. Raises what it raises."""
         # TODO(task 2): measure model.predict (time.perf_counter), append to self.latencies.
         return 0.0
 

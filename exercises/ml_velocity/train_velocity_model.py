@@ -10,39 +10,53 @@ import argparse
 import math
 import pickle
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from skl2onnx import to_onnx
 from sklearn.ensemble import RandomForestRegressor
 
-FRONT_HALF_ANGLE = math.radians(60)  # [rad] the front sector is |θ| ≤ 60°
+FRONT_HALF_ANGLE = math.radians(60.0)  # [rad] the front sector is |θ| ≤ 60°
 TREES = 40
 SEED = 0  # the same data give the same model
 
 
-def scan_features(
-    ranges: NDArray[np.float64],
-    angles: NDArray[np.float64],
-    range_min: float,
-    range_max: float,
-) -> NDArray[np.float64] | None:
-    """Return the (5,) features of one scan: exactly those that the controller computes.
+class LaserScan(NamedTuple):
+    """The part of sensor_msgs/msg/LaserScan that features are made of: training needs no ROS."""
 
-    A model that is trained on other features than it meets on the robot is wrong without a warning.
-    ``None`` if a sector has no usable reading.
+    ranges: list[float]  # [m]
+    angle_min: float  # [rad]
+    angle_increment: float  # [rad]
+    range_min: float  # [m]
+    range_max: float  # [m]
+
+    @property
+    def angle_max(self) -> float:
+        """Angle of the last beam [rad]."""
+        return self.angle_min + self.angle_increment * (len(self.ranges) - 1)
+
+
+def extract_features(scan: LaserScan) -> np.ndarray | None:
+    """Return what the model sees of a scan: one row of five features, (1, 5) float32 [m].
+
+    Minimum, mean and population standard deviation of the front sector (|θ| ≤ 60°), minimum of
+    the left sector (60° < θ ≤ 180°), minimum of the right sector (-180° ≤ θ < -60°). ``+inf`` and
+    readings above ``range_max`` count as ``range_max``, ``-inf`` counts as ``range_min``; NaN and
+    readings below ``range_min`` are dropped. ``None``: a sector has no usable reading.
     """
-    # TODO(task 6): the function of your controller.
+    # TODO(task 6): paste extract_features from your controller; it fits as it is.
     return None
 
 
-def load_examples(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def load_examples(path: Path) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     """Return features (m, 5) and speeds (m,) [m/s] of the scans that have all features."""
-    # TODO(task 6): np.load(path), features of each row, skip the rows that have none.
-    return np.empty((0, 5)), np.empty(0)
+    # TODO(task 6): np.load(path), a LaserScan and its features for each row of ranges; skip
+    # the rows that have none.
+    return np.empty((0, 5), dtype=np.float32), np.empty(0)
 
 
-def train(features: NDArray[np.float64], speed: NDArray[np.float64]) -> RandomForestRegressor:
+def train(features: NDArray[np.float32], speed: NDArray[np.float64]) -> RandomForestRegressor:
     """Return a model fitted to the examples."""
     # TODO(task 7): fit a RandomForestRegressor. Give it a random_state.
     return RandomForestRegressor()

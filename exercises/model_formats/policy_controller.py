@@ -22,35 +22,20 @@ from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
-FRONT_HALF_ANGLE = math.radians(60)  # [rad] the front sector is |θ| ≤ 60°
+FRONT_HALF_ANGLE = math.radians(60.0)  # [rad] the front sector is |θ| ≤ 60°
 
 Policy = Callable[[NDArray[np.float32]], ArrayLike]  # features (1, 5) -> speed (1,) or (1, 1) [m/s]
 
 
-def scan_features(
-    ranges: NDArray[np.float64],
-    angles: NDArray[np.float64],
-    range_min: float,
-    range_max: float,
-) -> NDArray[np.float32] | None:
-    """Return what the model sees of one scan: the function of exercise 2.
+def extract_features(scan: LaserScan) -> np.ndarray | None:
+    """Return what the model sees of a scan: one row of five features, (1, 5) float32 [m].
 
-    Parameters
-    ----------
-    ranges
-        (beams,) readings [m].
-    angles
-        (beams,) their angles [rad], 0 ahead, positive to the left, of any turn.
-    range_min, range_max
-        Limits of the lidar [m].
-
-    Returns
-    -------
-    NDArray | None
-        (1, 5) minimum, mean and standard deviation of the front sector, minimum of the left
-        sector, minimum of the right sector [m]. ``None`` if a sector has no usable reading.
+    Minimum, mean and population standard deviation of the front sector (|θ| ≤ 60°), minimum of
+    the left sector (60° < θ ≤ 180°), minimum of the right sector (-180° ≤ θ < -60°). ``+inf`` and
+    readings above ``range_max`` count as ``range_max``, ``-inf`` counts as ``range_min``; NaN and
+    readings below ``range_min`` are dropped. ``None``: a sector has no usable reading.
     """
-    # TODO(task 2): bring your function of exercise 2 along; return a row of float32.
+    # TODO(task 2): paste extract_features from your exercise 2; it fits as it is.
     return None
 
 

@@ -22,7 +22,7 @@ from sensor_msgs.msg import LaserScan
 
 CONTROL_PERIOD = 0.05  # [s] 20 Hz
 MAX_AGE = 0.6  # [s] a prediction whose scan is older than this is worth nothing
-FRONT_HALF_ANGLE = math.radians(60.0)  # [rad]
+FRONT_HALF_ANGLE = math.radians(60.0)  # [rad] the front sector is |θ| ≤ 60°
 NEWEST_ONLY = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # no queue of scans
 
 
@@ -34,13 +34,14 @@ class Prediction(NamedTuple):
 
 
 def extract_features(scan: LaserScan) -> np.ndarray | None:
-    """Return the (1, 5) features of a scan [m]: front min, mean and std, left min, right min.
+    """Return what the model sees of a scan: one row of five features, (1, 5) float32 [m].
 
-    Front is within ±60° of ahead. ``+inf`` and what is beyond ``range_max`` count as ``range_max``,
-    ``-inf`` as ``range_min``; NaN and what is below ``range_min`` are dropped. ``None``: a sector
-    has no usable reading.
+    Minimum, mean and population standard deviation of the front sector (|θ| ≤ 60°), minimum of
+    the left sector (60° < θ ≤ 180°), minimum of the right sector (-180° ≤ θ < -60°). ``+inf`` and
+    readings above ``range_max`` count as ``range_max``, ``-inf`` counts as ``range_min``; NaN and
+    readings below ``range_min`` are dropped. ``None``: a sector has no usable reading.
     """
-    # TODO(task 1): your features of exercise 2.
+    # TODO(task 1): paste extract_features from your exercise 2; it fits as it is.
     return None
 
 
@@ -70,8 +71,13 @@ class DecoupledController(Node):
 
         No model, a blind sector, a model that raises or says NaN: ``self.prediction = None``.
         """
-        # TODO(task 3): extract the features, ask the model, clip what it says, and keep it
-        # in self.prediction, together with the stamp of the *scan*. Nothing may kill the node.
+        # TODO(task 3): keep what self.choose_speed says in self.prediction, together with the
+        # stamp of the *scan*.
+
+    def choose_speed(self, scan: LaserScan) -> float | None:
+        """Return the model's speed within 0 … max_speed [m/s]; ``None`` when it cannot be had."""
+        # TODO(task 3): as in exercise 2. Nothing that the model does may kill the node.
+        return None
 
     def control_callback(self) -> None:
         """Control, every 50 ms: publish the newest prediction, 0.0 if there is none or it is old.

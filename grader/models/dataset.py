@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.models.features import FRONT_EDGE
+from grader.models.features import BACK_EDGE, FRONT_EDGE
 from sim.caster import Caster, static_faces
 from sim.clearance import is_inside
 from sim.faults import measured, speckle
@@ -46,7 +46,7 @@ NEAR = (0.18, 0.7)  # [m] from a surface, for the poses near something
 FAULTS = Faults(range_noise=0.005, beam_dropout=0.01, nan_speckle=0.02)
 TOUCHING = 0.2  # [m]; nearer than this, half of the scans read -inf
 BLIND_PART = 0.03  # of the rows have a sector without any reading
-SECTORS = ((-60.0, 60.0), (60.0, 180.0), (-180.0, -60.0))  # [°]
+SECTORS = ((-FRONT_EDGE, FRONT_EDGE), (FRONT_EDGE, BACK_EDGE), (-BACK_EDGE, -FRONT_EDGE))  # [°]
 MARGIN = 2.0  # [°] by which a blind sector's ends are blind too
 
 

@@ -13,48 +13,35 @@ from typing import Any
 import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
-from numpy.typing import NDArray
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
-FRONT_HALF_ANGLE = math.radians(60)  # [rad] the front sector is |θ| ≤ 60°
+FRONT_HALF_ANGLE = math.radians(60.0)  # [rad] the front sector is |θ| ≤ 60°
 
 
-def scan_features(
-    ranges: NDArray[np.float64],
-    angles: NDArray[np.float64],
-    range_min: float,
-    range_max: float,
-) -> NDArray[np.float64] | None:
-    """Return what the model sees of one scan.
+def extract_features(scan: LaserScan) -> np.ndarray | None:
+    """Return what the model sees of a scan: one row of five features, (1, 5) float32 [m].
 
-    Parameters
-    ----------
-    ranges
-        (beams,) readings [m].
-    angles
-        (beams,) their angles [rad], 0 ahead, positive to the left, of any turn.
-    range_min, range_max
-        Limits of the lidar [m].
-
-    Returns
-    -------
-    NDArray | None
-        (5,) minimum, mean and standard deviation of the front sector, minimum of the left sector,
-        minimum of the right sector [m]. ``None`` if a sector has no usable reading.
+    Minimum, mean and population standard deviation of the front sector (|θ| ≤ 60°), minimum of
+    the left sector (60° < θ ≤ 180°), minimum of the right sector (-180° ≤ θ < -60°). ``+inf`` and
+    readings above ``range_max`` count as ``range_max``, ``-inf`` counts as ``range_min``; NaN and
+    readings below ``range_min`` are dropped. ``None``: a sector has no usable reading.
     """
     ### BEGIN SOLUTION
-    angles = np.remainder(angles + np.pi, 2 * np.pi) - np.pi
-    ranges = np.where(ranges == -np.inf, range_min, np.minimum(ranges, range_max))
-    usable = ranges >= range_min  # false for NaN
+    ranges = np.array(scan.ranges, dtype=float)
+    ranges = np.where(ranges == -np.inf, scan.range_min, np.minimum(ranges, scan.range_max))
+    usable = ranges >= scan.range_min  # False for NaN
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
+    angles = (angles + np.pi) % (2 * np.pi) - np.pi  # for lidars that count from 0 to 2π
     front = ranges[usable & (np.abs(angles) <= FRONT_HALF_ANGLE)]
     left = ranges[usable & (angles > FRONT_HALF_ANGLE)]
     right = ranges[usable & (angles < -FRONT_HALF_ANGLE)]
     if not (front.size and left.size and right.size):
         return None
-    return np.array([front.min(), front.mean(), front.std(), left.min(), right.min()])
+    row = [front.min(), front.mean(), front.std(), left.min(), right.min()]
+    return np.array([row], dtype=np.float32)
     ### SKELETON
     # # TODO(task 3): replace infinite readings, drop those that say nothing, find three sectors.
     # return None
@@ -116,14 +103,12 @@ class MlVelocityController(Node):
         ### BEGIN SOLUTION
         if self.model is None:
             return 0.0
-        ranges = np.array(scan.ranges, dtype=float)
-        angles = scan.angle_min + np.arange(len(ranges)) * scan.angle_increment
-        features = scan_features(ranges, angles, scan.range_min, scan.range_max)
+        features = extract_features(scan)
         if features is None:
             self.get_logger().warning("A sector without a usable reading: standing still")
             return 0.0
         try:
-            speed = float(self.model.predict(features.reshape(1, -1))[0])
+            speed = float(self.model.predict(features)[0])
         except Exception as error:  # a model can raise anything; the node goes on
             self.get_logger().error(f"The model failed: {error!r}")
             return 0.0

@@ -15,7 +15,7 @@ from sensor_msgs.msg import LaserScan
 SIDE = np.radians(60)  # a side begins here
 
 
-def scan_features(scan: LaserScan) -> NDArray[np.float64] | None:
+def extract_features(scan: LaserScan) -> NDArray[np.float32] | None:
     """Return left min, right min [m]; None: blind."""
     ranges = np.array(scan.ranges)
     angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
@@ -26,7 +26,7 @@ def scan_features(scan: LaserScan) -> NDArray[np.float64] | None:
     right = ranges[usable & (angles < -SIDE)]
     if not (left.size and right.size):
         return None
-    return np.array([left.min(), right.min()])
+    return np.array([[left.min(), right.min()]], dtype=np.float32)
 
 
 class ModelDriver(Node):
@@ -51,12 +51,12 @@ class ModelDriver(Node):
 
     def choose_speed(self, scan: LaserScan) -> float:
         """Return the model's speed [m/s], within 0 … max_speed."""
-        features = scan_features(scan)
+        features = extract_features(scan)
         if features is None:
             self.get_logger().warning("A side without a usable reading: standing still")
             return 0.0
         try:
-            speed = float(self.model.predict(features.reshape(1, -1))[0])
+            speed = float(self.model.predict(features)[0])
         except Exception as error:
             self.get_logger().error(f"The model failed: {error!r}")
             return 0.0

@@ -14,7 +14,7 @@ from sensor_msgs.msg import LaserScan
 FRONT = np.radians(60)  # ahead is |angle| <= 60°
 
 
-def scan_features(scan: LaserScan) -> NDArray[np.float64] | None:
+def extract_features(scan: LaserScan) -> NDArray[np.float32] | None:
     """Return front min, mean, std [m]; None: blind."""
     ranges = np.array(scan.ranges)
     angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
@@ -24,7 +24,7 @@ def scan_features(scan: LaserScan) -> NDArray[np.float64] | None:
     front = ranges[usable & (np.abs(angles) <= FRONT)]
     if not front.size:
         return None
-    return np.array([front.min(), front.mean(), front.std()])
+    return np.array([[front.min(), front.mean(), front.std()]], dtype=np.float32)
 
 
 class ModelDriver(Node):
@@ -49,12 +49,12 @@ class ModelDriver(Node):
 
     def choose_speed(self, scan: LaserScan) -> float:
         """Return the model's speed [m/s], within 0 … max_speed."""
-        features = scan_features(scan)
+        features = extract_features(scan)
         if features is None:
             self.get_logger().warning("Nothing usable ahead: standing still")
             return 0.0
         try:
-            speed = float(self.model.predict(features.reshape(1, -1))[0])
+            speed = float(self.model.predict(features)[0])
         except Exception as error:
             self.get_logger().error(f"The model failed: {error!r}")
             return 0.0
