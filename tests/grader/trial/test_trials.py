@@ -6,7 +6,7 @@ import pytest
 
 from grader.course.exercises import SOLUTIONS
 from grader.course.submission import Submission
-from grader.link.hosts import Nursery
+from grader.link.hosts import ForkServer
 from grader.trial.trials import NodeTrials, trial_seed
 from sim import simulation
 from sim.robot import Robot
@@ -32,9 +32,9 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> Counter[tuple[float, float, float
 
 @pytest.mark.parametrize("seed", [None, 7])
 def test_a_graded_trial_builds_one_simulation(
-    nursery: Nursery, builds: Counter[tuple[float, float, float]], seed: int | None
+    forkserver: ForkServer, builds: Counter[tuple[float, float, float]], seed: int | None
 ) -> None:
-    with NodeTrials(Submission(REFERENCE), nursery, seed=seed) as trials:
+    with NodeTrials(Submission(REFERENCE), forkserver, seed=seed) as trials:
         recording = trials.get(CLUTTERED)
 
     assert recording.outcome.completed
