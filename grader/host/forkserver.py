@@ -9,6 +9,7 @@ rclpy nor virtual time.
 from __future__ import annotations
 
 import array
+import atexit
 import contextlib
 import faulthandler
 import functools
@@ -163,6 +164,7 @@ def _become_host(request: Request, descriptors: list[int], body: Body) -> None:
         for source, target in ((null, 0), (out, 1), (err, 2)):
             os.dup2(source, target)
             os.close(source)
+        atexit._clear()  # what is registered from now on is the student's
         faulthandler.register(signal.SIGUSR1, file=2, all_threads=True)
         os.chdir(request.folder)
         os.environ["HOME"] = os.environ["TMPDIR"] = request.folder

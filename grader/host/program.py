@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import atexit
+import contextlib
 import linecache
 import os
-import random
 import sys
 import threading
 import traceback
 import types
+from collections.abc import Iterator
 from pathlib import Path
 
-from . import libraries
+from . import libraries, randomness
 from .frames import ProgramStart, Start
 from .virtual.session import Session
 
@@ -20,7 +22,7 @@ OURS = Path(__file__).parent
 
 def run(session: Session, start: Start) -> None:
     """Run the programs to their end and report it; a node that spins for ever never returns."""
-    random.seed(start.seed)
+    randomness.seed(start.seed)
     sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
     if len(start.programs) == 1 and start.programs[0].start == 0:
         session.begin(start.lead)
@@ -54,31 +56,45 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
     main.__file__ = program.file
     sys.modules["__main__"] = main
     try:
-        exec(code, main.__dict__)
-        _join_threads()
+        with _ending():
+            exec(code, main.__dict__)
     except SystemExit as error:
         return "exited", f"sys.exit({'' if error.code is None else repr(error.code)})", ""
     except BaseException as error:  # students may raise anything
+        atexit._run_exitfuncs()
         return "exception", _exception_text(error, program.file), _own_traceback(error)
     return "returned", "the program ran to its end", ""
 
 
-def join_threads() -> None:
-    """Wait for the threads of the file that are not daemons, in real time, as Python does."""
-    for thread in threading.enumerate():
-        if thread is not threading.current_thread() and not thread.daemon:
-            thread.join()
+@contextlib.contextmanager
+def _ending() -> Iterator[None]:
+    """Do at the end what Python does: let pools go, wait for threads, call exit handlers.
+
+    (After an exception Python waits for threads, too. Here the exception is told at once.)
+    """
+    ended: SystemExit | None = None
+    try:
+        yield
+    except SystemExit as error:
+        ended = error
+    for let_go in reversed(threading._threading_atexits):  # type: ignore[attr-defined]
+        let_go()
+    _join_threads()
+    atexit._run_exitfuncs()
+    if ended is not None:
+        raise ended
 
 
 def _join_threads() -> None:
-    """Python itself waits at exit for the threads of a program that are not daemons."""
+    """Wait for the threads of this program that are not daemons."""
     own = getattr(threading.current_thread(), "_virtual", None)
     program = own.program if own else None
     for thread in threading.enumerate():
         other = getattr(thread, "_virtual", None)
-        if other is None or other is own or other.program is not program or thread.daemon:
+        if thread is threading.current_thread() or thread.daemon:
             continue
-        thread.join()
+        if own is None or (other is not None and other.program is program):
+            thread.join()
 
 
 def _syntax_error_text(error: SyntaxError | ValueError) -> str:

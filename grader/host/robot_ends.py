@@ -23,7 +23,7 @@ from .frames import Offer
 
 DEPTH = 5_000  # messages a subscription holds: more than MAX_PUBLISHED, and Fast DDS's most
 ROBOT_DEPTH = 10
-ROBOT_NODE = "_mock_robot"
+ROBOT_NODE = "mock_robot"
 
 
 class Heard(NamedTuple):
@@ -59,6 +59,10 @@ class RobotEnds:
         qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         listener = self._node.create_subscription(msg_type, topic, lambda _: None, qos, raw=True)
         self._listeners[topic] = (type_name(msg_type), msg_type, listener)
+
+    def hears(self, topic: str) -> bool:
+        """Tell whether it listens to a topic."""
+        return topic in self._listeners
 
     def speak(self, topic: str, msg_type: Any, theirs: QoSProfile) -> str:
         """Serve a subscription; return why the robot can't reach it, if so."""
@@ -98,6 +102,12 @@ class RobotEnds:
         """Publish a message of the robot; nobody hears it where the student has no end."""
         if topic in self._speakers:
             self._speakers[topic].publish(data)
+
+    def close(self) -> None:
+        """Take all ends out of the graph."""
+        self._node.destroy_node()
+        self._listeners.clear()
+        self._speakers.clear()
 
     def connections(self) -> dict[str, int]:
         """Return how many ends of others each end has found: by "kind topic" of theirs."""

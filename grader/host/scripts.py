@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import importlib
 import pickle
-import random
 import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import program
+from . import program, randomness
 from .frames import (
     Ended,
     FromScript,
@@ -51,11 +50,9 @@ def serve(read_fd: int, write_fd: int) -> None:
 
 
 def _run(order: Script) -> Ended:
-    random.seed(order.seed)  # a fork inherits the fork server's generators
-    np.random.seed(order.seed)
+    randomness.seed(order.seed)  # a fork inherits the fork server's generators
     sys.path.insert(0, str(Path(order.file).parent))
     kind, text, detail = program.run_file(ProgramStart(order.file, order.arguments))
-    program.join_threads()
     return ended(kind, text, detail)
 
 

@@ -7,7 +7,6 @@ what rclpy 7.1 does wrong; the process only says, several times a second, how th
 from __future__ import annotations
 
 import os
-import random
 import sys
 import threading
 import time
@@ -20,7 +19,7 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 from rclpy.task import Task
 
-from .. import program
+from .. import program, randomness
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report, type_name
 from ..frames import MAX_UNHEARD, MAX_UNHEARD_BYTES, EndpointReport, Published, Pulse, Start, TuneIn
 from ..wire import Wire, ended
@@ -139,10 +138,9 @@ def _run_program(wire: Wire, start: Start) -> None:
     _watch_publishers(vitals)
     lock = threading.Lock()
     threading.Thread(target=_beat, args=(wire, vitals, lock), daemon=True).start()
-    random.seed(start.seed)
+    randomness.seed(start.seed)
     sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
     end = program.run_file(start.programs[0])
-    program.join_threads()
     with lock:
         wire.send(vitals.pulse())
         wire.send(ended(*end))

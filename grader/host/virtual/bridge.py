@@ -8,9 +8,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import rclpy.context
+
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
 from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, Published
-from ..robot_ends import RobotEnds
+from ..robot_ends import Heard, RobotEnds
+from . import graph
 
 
 class Bridge:
@@ -18,7 +21,8 @@ class Bridge:
 
     def __init__(self, offers: tuple[Offer, ...]) -> None:
         self._offers = {offer.topic: offer for offer in offers}
-        self._ends: dict[int, RobotEnds] = {}  # by context
+        self._ends: dict[Any, RobotEnds] = {}  # by context
+        self._last_words: list[Heard] = []  # from contexts that have been shut down
         self._endpoints: list[EndpointReport] = []
         self.published: list[Published] = []
         self.changes = 0  # goes up when endpoints appear
@@ -29,12 +33,21 @@ class Bridge:
     def install(self) -> None:
         """Watch the student's nodes create their endpoints."""
         EndpointWatch(self._on_endpoint).install()
+        graph.install(self._hears)
+        cls: Any = rclpy.context.Context
+        for name in ("shutdown", "try_shutdown"):
+            setattr(cls, name, self._leaving_first(getattr(cls, name)))
 
     def collect(self, now: int) -> None:
         """Take what the student's nodes published; it gets the time `now` [ns]."""
+        self._keep(now, self._last_words)
+        self._last_words = []
         taken = [heard for ends in self._ends.values() for heard in ends.take()]
         if len(self._ends) > 1:
             taken.sort(key=lambda heard: heard.sent)
+        self._keep(now, taken)
+
+    def _keep(self, now: int, taken: list[Heard]) -> None:
         for heard in taken:
             self._bytes += len(heard.data) + len(heard.topic) + len(heard.type)
             if len(self.published) == MAX_PUBLISHED or self._bytes > MAX_PUBLISHED_BYTES:
@@ -65,6 +78,7 @@ class Bridge:
                 return
             case "publisher":
                 self._ends_in(node.context).listen(endpoint.topic_name, endpoint.msg_type)
+                graph.hide_match(endpoint)
             case "subscription":
                 mismatch = self._ends_in(node.context).speak(
                     endpoint.topic_name, endpoint.msg_type, endpoint.qos_profile
@@ -78,7 +92,21 @@ class Bridge:
         self._endpoints.append(report(kind, node, endpoint, mismatch))
 
     def _ends_in(self, context: Any) -> RobotEnds:
-        key = id(context)
-        if key not in self._ends:
-            self._ends[key] = RobotEnds(context, self._offers)
-        return self._ends[key]
+        if context not in self._ends:
+            self._ends[context] = RobotEnds(context, self._offers)
+        return self._ends[context]
+
+    def _hears(self, context: Any, topic: str) -> bool:
+        return context in self._ends and self._ends[context].hears(topic)
+
+    def _leaving_first(self, shutdown: Any) -> Any:
+        """A context that is shut down takes the robot's ends with it; another may follow."""
+
+        def leave_and_shutdown(context: Any) -> None:
+            ends = self._ends.pop(context, None)
+            if ends is not None:
+                self._last_words += ends.take()
+                ends.close()
+            shutdown(context)
+
+        return leave_and_shutdown

@@ -6,9 +6,12 @@ replaced. Written against rclpy 7.1 (Jazzy).
 
 from __future__ import annotations
 
+import bisect
+import collections
 import functools
 import inspect
 import os
+import weakref
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 from typing import Any
@@ -18,16 +21,17 @@ import rclpy.executors
 import rclpy.impl.rcutils_logger
 import rclpy.node
 import rclpy.task
-import rclpy.time_source
+import rclpy.utilities
 import rclpy.wait_for_message
 from rclpy.clock_type import ClockType
 from rclpy.event_handler import EventHandler
+from rclpy.exceptions import InvalidHandle, NotInitializedException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.time import Time
 
 from .bridge import Bridge
-from .kernel import Kernel
-from .threads import STEADY_START
+from .clock import PATIENCE, PATIENCE_STEP, STEADY_START, real_time_ns
+from .kernel import Kernel, Waiters
 
 
 class RosClocks:
@@ -40,7 +44,8 @@ class RosClocks:
     def __init__(self, kernel: Kernel, epoch: int) -> None:
         self._kernel = kernel
         self._epoch = epoch
-        self._clocks: list[Any] = []
+        self._clocks: list[weakref.ref[Any]] = []
+        self._moments = [(0, 0)]  # (time of the machine, virtual time) [ns] of each move
 
     def now(self) -> Any:
         """Return the ROS time."""
@@ -48,15 +53,31 @@ class RosClocks:
 
     def add(self, clock: Any) -> None:
         """Take charge of a clock."""
-        self._clocks.append(clock)
-        clock.set_ros_time_override(self.now())
-        clock._set_ros_time_is_active(True)
+        self._clocks.append(weakref.ref(clock))
+        _set(clock, self.now())
+        with clock.handle:
+            clock.handle.set_ros_time_override_is_enabled(True)
 
     def follow(self) -> None:
         """Set every clock to the present: timers that are due become ready."""
         now = self.now()
-        for clock in self._clocks:
-            clock.set_ros_time_override(now)
+        self._moments.append((real_time_ns(), self._epoch + self._kernel.now))
+        clocks = [reference() for reference in self._clocks]
+        if None in clocks:
+            self._clocks = [reference for reference in self._clocks if reference() is not None]
+        for clock in clocks:
+            if clock is not None:
+                _set(clock, now)
+
+    def moment_of(self, stamp: int) -> int:
+        """Return the virtual time [ns] of something that DDS has given a time of the machine."""
+        index = bisect.bisect_right(self._moments, stamp, key=lambda moment: moment[0]) - 1
+        return self._moments[index][1]
+
+
+def _set(clock: Any, now: Any) -> None:
+    with clock.handle:
+        clock.handle.set_ros_time_override(now._time_handle)
 
 
 def install(kernel: Kernel, epoch: int, bridge: Bridge) -> RosClocks:
@@ -65,6 +86,7 @@ def install(kernel: Kernel, epoch: int, bridge: Bridge) -> RosClocks:
     clocks = RosClocks(kernel, epoch)
     _install_wait(kernel, bridge)
     _install_wait_for_message(kernel)
+    _install_message_info(clocks)
     _install_tasks(kernel)
     _install_clocks(kernel, clocks)
     _quicken_log()
@@ -86,6 +108,8 @@ def _install_wait(kernel: Kernel, bridge: Bridge) -> None:
 
     def look(self: Any, nodes: Any, condition: Any) -> Any:
         while True:
+            if not self.context.ok() and not self._is_shutdown:
+                raise rclpy.executors.ExternalShutdownException  # a wait set can't be made any more
             try:
                 found = wait(self, 0, nodes, condition)
             except rclpy.executors.TimeoutException:
@@ -143,6 +167,33 @@ def _install_wait_for_message(kernel: Kernel) -> None:
     module.wait_for_message = virtual_wait_for_message
 
 
+def _install_message_info(clocks: RosClocks) -> None:
+    """Callbacks that take a MessageInfo read virtual times in it, not those of the machine."""
+    cls: Any = rclpy.executors.Executor
+    take = cls._take_subscription
+
+    def virtual_take(self: Any, subscription: Any) -> Any:
+        if subscription._callback_type is subscription.CallbackType.MessageOnly:
+            return take(self, subscription)
+        try:
+            with subscription.handle:
+                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+        except InvalidHandle:  # the subscription has been destroyed
+            return None
+        if taken is None:
+            return None
+        message, info = taken
+        for name in ("source_timestamp", "received_timestamp"):
+            info[name] = clocks.moment_of(info[name])
+
+        async def execute() -> None:
+            await rclpy.executors.await_or_execute(subscription.callback, message, info)
+
+        return execute
+
+    cls._take_subscription = virtual_take
+
+
 def _is_new(kernel: Kernel, task: Any) -> bool:
     """Tell whether a task that an executor offers deserves to be handed out.
 
@@ -151,13 +202,28 @@ def _is_new(kernel: Kernel, task: Any) -> bool:
     """
     if getattr(task, "_course_queued", False):
         return False
-    if getattr(task, "_course_tried", None) == kernel.epoch:
+    if getattr(task, "_course_tried", None) == kernel.epoch and not _has_yielded(task):
         return False
     if not hasattr(task, "_course_queued"):
         kernel.epoch += 1
     task._course_queued = True
     task._course_tried = kernel.epoch
     return True
+
+
+def _has_yielded(task: Any) -> bool:
+    """Tell whether a coroutine has given way of its own accord, as with `asyncio.sleep(0)`.
+
+    The other reason why it is not done is that it waits for a future.
+    """
+    waiting: Any = getattr(task, "_handler", None)
+    while True:
+        deeper = getattr(waiting, "cr_await", None) or getattr(waiting, "gi_yieldfrom", None)
+        if deeper is None:
+            break
+        waiting = deeper
+    code = getattr(waiting, "gi_code", None)
+    return code is not None and code is not rclpy.task.Future.__await__.__code__
 
 
 def _next_timer(kernel: Kernel, nodes: Any) -> int | None:
@@ -200,7 +266,13 @@ def _install_tasks(kernel: Kernel) -> None:
 
     def virtual_call(self: Any) -> Any:
         self._course_queued = False
-        return call(self)
+        result = call(self)
+        if not self.done() and _has_yielded(self):
+            moment, count = getattr(self, "_course_yields", (kernel.now, 0))
+            self._course_yields = (kernel.now, count + 1 if moment == kernel.now else 1)
+            if count >= PATIENCE:  # `while not done: await asyncio.sleep(0)` must end
+                kernel.sleep(PATIENCE_STEP)
+        return result
 
     future: Any = rclpy.task.Future
     notify = future._schedule_or_invoke_done_callbacks
@@ -214,17 +286,14 @@ def _install_tasks(kernel: Kernel) -> None:
 
 
 def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
-    source: Any = rclpy.time_source.TimeSource
-    attach = source.attach_clock
-
-    def virtual_attach(self: Any, clock: Any) -> None:
-        attach(self, clock)
-        clocks.add(clock)
-
-    source.attach_clock = virtual_attach
-
     clock_cls: Any = rclpy.clock.Clock
-    real_now = clock_cls.now
+    make, real_now = clock_cls.__new__, clock_cls.now
+
+    def virtual_new(cls: Any, **kwargs: Any) -> Any:
+        clock = make(cls, **kwargs)
+        if clock.clock_type == ClockType.ROS_TIME:
+            clocks.add(clock)
+        return clock
 
     def virtual_now(self: Any) -> Any:
         if self.clock_type == ClockType.ROS_TIME:
@@ -233,11 +302,28 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
         return Time(nanoseconds=start + kernel.now, clock_type=self.clock_type)
 
     def virtual_sleep_until(self: Any, until: Any, context: Any = None) -> bool:
+        context = context or rclpy.utilities.get_default_context()
+        if not context.ok():
+            raise NotInitializedException
+        if until.clock_type != self.clock_type:
+            raise ValueError("until's clock type does not match this clock's type")
         remaining = until.nanoseconds - self.now().nanoseconds
-        kernel.park(kernel.now + max(0, remaining))
-        return True
+        waiters: Waiters = collections.deque()
+        context.on_shutdown(lambda: wake_all(waiters))
+        return not kernel.park(kernel.now + max(0, remaining), waiters)
 
-    clock_cls.now = virtual_now
+    def wake_all(waiters: Waiters) -> None:
+        while waiters:
+            kernel.wake(waiters.popleft())
+
+    def virtual_activation(self: Any, enabled: bool) -> None:
+        self._course_sim_time = enabled  # a node asks for use_sim_time; its time is ours anyway
+
+    ros: Any = rclpy.clock.ROSClock
+    ros._set_ros_time_is_active = virtual_activation
+    ros.set_ros_time_override = lambda self, time: None  # a TimeSource would set it to 0, or /clock
+    ros.ros_time_is_active = property(lambda self: getattr(self, "_course_sim_time", False))
+    clock_cls.__new__, clock_cls.now = staticmethod(virtual_new), virtual_now
     clock_cls.sleep_until = virtual_sleep_until
 
     node_cls: Any = rclpy.node.Node
@@ -251,9 +337,12 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
         clock: Any = None,
         **kwargs: Any,
     ) -> Any:
+        theirs = clock
         if clock is not None and clock.clock_type != ClockType.ROS_TIME:
             clock = None  # system and steady time are the same virtual time as the node's clock
-        return create_timer(self, timer_period_sec, callback, callback_group, clock, **kwargs)
+        timer = create_timer(self, timer_period_sec, callback, callback_group, clock, **kwargs)
+        timer._clock = theirs or timer._clock
+        return timer
 
     node_cls.create_timer = virtual_create_timer
 

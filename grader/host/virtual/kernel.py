@@ -39,6 +39,18 @@ class VirtualThread:
         self.done = False
         self.program: object = None  # the emulated process it belongs to
         self.joiners: Waiters = collections.deque()
+        self.interrupts: list[Callable[[], None]] = []  # to run before it goes on (see interrupt)
+        self.parked = False  # nobody has woken it yet
+        self.goes_on_waiting = False  # it was woken for its interrupts only
+
+
+class _Call:
+    """What is to happen at a time, in the place of a thread that wakes up."""
+
+    ticket = 0
+
+    def __init__(self, action: Callable[[], None]) -> None:
+        self.action = action
 
 
 Waiter = tuple[VirtualThread, int]
@@ -74,7 +86,7 @@ class Kernel:
         self.pollers: list[Waiter] = []  # executors and selectors: they look for themselves
         self.looks = 0  # how often they looked
         self._ready: collections.deque[VirtualThread] = collections.deque()
-        self._timed: list[tuple[int, int, VirtualThread, int]] = []
+        self._timed: list[tuple[int, int, VirtualThread | _Call, int]] = []
         self._sequence = itertools.count()
         self.threads = {real_get_ident(): VirtualThread()}
         self.program: object = None  # whose thread holds the baton
@@ -90,16 +102,52 @@ class Kernel:
         return self.now + (max(1, round(seconds * 1e9)) if seconds > 0 else 0)
 
     def park(self, deadline: int | None = None, waiters: Waiters | None = None) -> bool:
-        """Give the baton away until woken (True) or until the deadline [ns] (False)."""
+        """Give the baton away until woken (True) or until the deadline [ns] (False).
+
+        Raises
+        ------
+        BaseException
+            What an interrupt raised (see `interrupt`).
+        """
         thread = self.me()
-        thread.woken = False
+        while True:
+            woken = self.park_once(deadline, waiters)
+            if not thread.goes_on_waiting:
+                return woken
+            if deadline is not None and deadline <= self.now:
+                return False
+
+    def park_once(self, deadline: int | None = None, waiters: Waiters | None = None) -> bool:
+        """Do as `park`, but come back after an interrupt, too."""
+        thread = self.me()
+        thread.woken = thread.goes_on_waiting = False
+        thread.parked = True
         if waiters is not None:
             waiters.append((thread, thread.ticket))
         if deadline is not None:
             entry = (deadline, next(self._sequence), thread, thread.ticket)
             heapq.heappush(self._timed, entry)
         self._switch(thread)
+        while thread.interrupts:
+            thread.interrupts.pop(0)()
         return thread.woken
+
+    def interrupt(self, thread: VirtualThread, action: Callable[[], None]) -> None:
+        """Run `action` in a thread before it does anything else, as a signal's handler.
+
+        A thread that waits goes on waiting afterwards, unless `action` raises.
+        """
+        if thread is self.me() and not thread.parked:
+            action()
+            return
+        thread.interrupts.append(action)
+        if thread.parked:
+            self.wake((thread, thread.ticket))
+            thread.goes_on_waiting = True
+
+    def call_at(self, time: int, action: Callable[[], None]) -> None:
+        """Let `action` happen at a time [ns]; it must not block."""
+        heapq.heappush(self._timed, (time, next(self._sequence), _Call(action), _Call.ticket))
 
     def wake(self, waiter: Waiter, woken: bool = True) -> bool:
         """Make a parked thread runnable; False if something else was faster."""
@@ -107,7 +155,7 @@ class Kernel:
         if thread.ticket != ticket:
             return False
         thread.ticket += 1
-        thread.woken = woken
+        thread.woken, thread.parked = woken, False
         self._ready.append(thread)
         return True
 
@@ -142,7 +190,7 @@ class Kernel:
                 deadline = self.now + IDLE_STEP
             self.pollers.append((thread, thread.ticket))
             times = [time for time in (deadline, next_due()) if time is not None]
-            self.park(min(times, default=None))
+            self.park_once(min(times, default=None))
 
     # --- for those who start threads -------------------------------------------------------------
 
@@ -152,6 +200,11 @@ class Kernel:
         thread.program = self.program
         self._ready.append(thread)
         return thread
+
+    def forget(self, thread: VirtualThread) -> None:
+        """Take back an announced thread that could not be started."""
+        thread.done = True
+        self._ready.remove(thread)
 
     def enter(self, thread: VirtualThread) -> None:
         """Wait, in the new thread, for its first turn."""
@@ -235,6 +288,7 @@ class Kernel:
             if thread.seen != self.epoch:
                 del self.pollers[index]
                 thread.ticket += 1
+                thread.parked = False
                 return thread
         return None
 
@@ -249,7 +303,10 @@ class Kernel:
         if due < until:
             self._move_to(due)
             _, _, thread, ticket = heapq.heappop(self._timed)
-            self.wake((thread, ticket), woken=False)
+            if isinstance(thread, _Call):
+                thread.action()
+            else:
+                self.wake((thread, ticket), woken=False)
         else:
             self._move_to(until)
             self.world.exchange()

@@ -18,10 +18,13 @@ from typing import Any
 import rclpy
 import rclpy.context
 import rclpy.node
+import rclpy.utilities
 
 from ..frames import ProgramStart
 from ..robot_ends import ROBOT_NODE
+from . import signals
 from .kernel import Kernel
+from .signals import Signals
 
 GLOBAL_EXECUTOR = "__executor"  # of the module rclpy
 
@@ -29,8 +32,9 @@ GLOBAL_EXECUTOR = "__executor"  # of the module rclpy
 class Program:
     """One emulated process."""
 
-    def __init__(self, start: ProgramStart | None = None) -> None:
+    def __init__(self, kernel: Kernel, start: ProgramStart | None = None) -> None:
         self.start = start or ProgramStart("")  # without one: the host itself
+        self.signals = Signals(kernel) if start else None
         self.initialised = False  # rclpy.init was called
         self.shut = False  # rclpy.shutdown was called
         self.nodes: list[Any] = []
@@ -46,9 +50,9 @@ class Programs:
         self, kernel: Kernel, starts: tuple[ProgramStart, ...], run: Callable[[ProgramStart], None]
     ) -> None:
         self._kernel = kernel
-        self._programs = [Program(start) for start in starts]
+        self._programs = [Program(kernel, start) for start in starts]
         self._run = run
-        self._host = Program()
+        self._host = Program(kernel)
 
     def supervise(self) -> None:
         """Do what is to be done, each at its time; never returns."""
@@ -75,7 +79,12 @@ class Programs:
 
     def _start(self, program: Program) -> None:
         with self._kernel.acting_as(program):
-            threading.Thread(target=self._run, args=(program.start,), daemon=True).start()
+            main = threading.Thread(
+                target=self._run, args=(program.start,), daemon=True, name="MainThread"
+            )
+            if program.signals:
+                program.signals.main = main
+            main.start()
 
     def _kill(self, program: Program) -> None:
         self._kernel.kill(program)
@@ -90,11 +99,12 @@ class Programs:
         real_init, real_ok = cls.init, cls.ok
 
         def init(self: Any, args: Any = None, **kwargs: Any) -> None:
-            if kernel.program.initialised:  # type: ignore[attr-defined]
+            program: Any = kernel.program
+            if program.initialised and not program.shut:
                 raise RuntimeError("Context.init() must only be called once")
             if self.handle is None:
                 real_init(self, ["host"], **kwargs)
-            kernel.program.initialised = True  # type: ignore[attr-defined]
+            program.initialised, program.shut = True, False
 
         def ok(self: Any) -> bool:
             program: Any = kernel.program
@@ -104,6 +114,7 @@ class Programs:
             if not kernel.program.initialised:  # type: ignore[attr-defined]
                 raise RuntimeError("Context must be initialized before it can be shutdown")
             kernel.program.shut = True  # type: ignore[attr-defined]
+            rclpy.utilities.g_default_context = self  # it is the other programs', too
             kernel.epoch += 1
 
         def try_shutdown(self: Any) -> None:
@@ -111,6 +122,7 @@ class Programs:
                 shutdown(self)
 
         cls.init, cls.ok, cls.shutdown, cls.try_shutdown = init, ok, shutdown, try_shutdown
+        signals.install(lambda: kernel.program.signals)  # type: ignore[attr-defined]
         self._install_nodes()
 
     def _install_nodes(self) -> None:

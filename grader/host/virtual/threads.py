@@ -10,51 +10,21 @@ from __future__ import annotations
 
 import _thread
 import collections
+import functools
 import multiprocessing.connection
 import os
 import queue
 import selectors
 import threading
-import time
 from collections.abc import Callable
 from typing import Any
 
+from . import clock
 from .kernel import Kernel, VirtualThread, Waiters
 
-STEADY_START = 1_000 * 10**9  # [ns] monotonic clocks start here, as on a machine up for a while
-PATIENCE = 1_000  # readings of the clock at one moment, after which a busy wait costs time ...
-PATIENCE_STEP = 0.001  # [s] ... namely this much
 CPUS = {0, 1, 2, 3}  # MultiThreadedExecutor() takes a thread per CPU; with one it would serialise
 
 _real_start_new_thread = _thread.start_new_thread
-
-
-class Clock:
-    """The virtual readings of `time`, `monotonic` and `perf_counter`."""
-
-    def __init__(self, kernel: Kernel, epoch: int) -> None:
-        self._kernel = kernel
-        self._epoch = epoch
-        self._moment = -1
-        self._readings = 0
-
-    def wall(self) -> int:
-        """Return the time since 1970 [ns]."""
-        return self._epoch + self._read()
-
-    def steady(self) -> int:
-        """Return the time since some moment in the past [ns]."""
-        return STEADY_START + self._read()
-
-    def _read(self) -> int:
-        kernel = self._kernel
-        if kernel.now != self._moment:
-            self._moment, self._readings = kernel.now, 0
-        self._readings += 1
-        if self._readings > PATIENCE:  # `while time.monotonic() < end: pass` must end
-            self._readings = 0
-            kernel.sleep(PATIENCE_STEP)
-        return kernel.now
 
 
 class Lock:
@@ -68,6 +38,12 @@ class Lock:
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """Take the lock; False if it could not be had."""
+        if not blocking and timeout != -1:
+            raise ValueError("can't specify a timeout for a non-blocking call")
+        if timeout < 0 and timeout != -1:
+            raise ValueError("timeout value must be a non-negative number")
+        if timeout > threading.TIMEOUT_MAX:
+            raise OverflowError("timeout value is too large")
         if not self._held:
             self._held = True
             return True
@@ -75,6 +51,8 @@ class Lock:
             return False
         kernel = self.kernel
         return kernel.park(None if timeout < 0 else kernel.after(timeout), self._waiters)
+
+    acquire_lock = acquire
 
     def release(self) -> None:
         """Hand the lock on, or leave it free."""
@@ -88,6 +66,12 @@ class Lock:
     def locked(self) -> bool:
         """Tell whether somebody holds the lock."""
         return self._held
+
+    release_lock, locked_lock = release, locked
+
+    def __repr__(self) -> str:
+        state = "locked" if self._held else "unlocked"
+        return f"<{state} _thread.lock object at {id(self):#x}>"
 
     def _at_fork_reinit(self) -> None:
         self._held = False
@@ -103,7 +87,7 @@ def install(kernel: Kernel, epoch: int) -> None:
     """Replace the blocking primitives of this process by those of `kernel`."""
     _install_threads(kernel)
     _install_locks(kernel)
-    _install_time(kernel, Clock(kernel, epoch))
+    clock.install(kernel, epoch)
     _install_select(kernel)
     os.sched_getaffinity = lambda _pid: CPUS
 
@@ -121,8 +105,15 @@ def _install_threads(kernel: Kernel) -> None:
     start, bootstrap, join = cls.start, cls._bootstrap, cls.join
 
     def virtual_start(self: Any) -> None:
-        self._virtual = kernel.add()
-        start(self)
+        if not self._initialized or self._started.is_set():
+            start(self)  # raises RuntimeError
+        self._virtual = thread = kernel.add()
+        try:
+            start(self)
+        except BaseException:
+            if not self._started.is_set():
+                kernel.forget(thread)
+            raise
 
     def virtual_bootstrap(self: Any) -> None:
         _run(kernel, self._virtual, lambda: bootstrap(self))
@@ -146,7 +137,13 @@ def _install_threads(kernel: Kernel) -> None:
     ) -> int:
         thread = kernel.add()
         keywords = kwargs or {}
-        return _real_start_new_thread(_run, (kernel, thread, lambda: function(*args, **keywords)))
+        try:
+            return _real_start_new_thread(
+                _run, (kernel, thread, lambda: function(*args, **keywords))
+            )
+        except BaseException:
+            kernel.forget(thread)
+            raise
 
     cls.start, cls.join, cls.is_alive = virtual_start, virtual_join, virtual_is_alive
     cls._bootstrap = virtual_bootstrap
@@ -159,23 +156,9 @@ def _install_locks(kernel: Kernel) -> None:
     module._allocate_lock = module.Lock = Lock
     _thread.allocate_lock = Lock  # type: ignore[assignment]
     module._CRLock = None  # RLock() is then the Python one, made of a Lock
+    if hasattr(functools, "RLock"):  # until Python 3.11: the lock of cached_property
+        functools.RLock = threading.RLock
     queue.SimpleQueue = queue._PySimpleQueue  # type: ignore[attr-defined,misc]
-
-
-def _install_time(kernel: Kernel, clock: Clock) -> None:
-    module: Any = time
-    module.sleep = lambda seconds: _sleep(kernel, seconds)
-    module.time_ns, module.time = clock.wall, lambda: clock.wall() / 1e9
-    for name in ("monotonic", "perf_counter"):
-        setattr(module, f"{name}_ns", clock.steady)
-        setattr(module, name, lambda: clock.steady() / 1e9)
-    threading._time = queue.time = module.monotonic  # type: ignore[attr-defined]
-
-
-def _sleep(kernel: Kernel, seconds: float) -> None:
-    if seconds < 0:
-        raise ValueError("sleep length must be non-negative")
-    kernel.sleep(seconds)
 
 
 def _install_select(kernel: Kernel) -> None:

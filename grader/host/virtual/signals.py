@@ -1,0 +1,87 @@
+"""Signals of several programs in one process: each has a main thread and handlers of its own.
+
+Python runs handlers in the main thread of the process, and lets nobody else set one. On a robot
+every program is a process, so `signal.signal`, `asyncio`'s loops and who else asks for the main
+thread must find the program's own.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from .kernel import Kernel
+
+
+class Signals:
+    """The handlers of one program, and the thread in which they run."""
+
+    def __init__(self, kernel: Kernel) -> None:
+        self._kernel = kernel
+        self._handlers: dict[int, Any] = {signal.SIGINT: signal.default_int_handler}
+        self.main: threading.Thread | None = None  # once it has started
+
+    def handler(self, number: int) -> Any:
+        """Return what is done about a signal."""
+        return self._handlers.get(number, signal.SIG_DFL)
+
+    def handle(self, number: int, handler: Any) -> Any:
+        """Do something else about a signal; return what was done before."""
+        if threading.current_thread() is not self.main:
+            raise ValueError("signal only works in main thread of the main interpreter")
+        before = self.handler(number)
+        self._handlers[number] = handler
+        return before
+
+    def deliver(self, number: int) -> None:
+        """Run the handler in the main thread, which goes on with what it did unless it raises."""
+        handler = self.handler(number)
+        main: Any = self.main
+        if callable(handler):
+            self._kernel.interrupt(main._virtual, lambda: handler(number, sys._getframe()))
+        elif handler == signal.SIG_DFL and number not in (signal.SIGCHLD, signal.SIGURG):
+            os._exit(128 + number)  # as the shell tells of a process that a signal has ended
+
+
+def install(current: Callable[[], Signals | None]) -> None:
+    """Ask the program that runs, where Python would ask the process; None: the host itself."""
+    module: Any = signal
+    set_handler, get_handler, wakeup = module.signal, module.getsignal, module.set_wakeup_fd
+    real_main, real_kill, real_raise = threading.main_thread, os.kill, module.raise_signal
+
+    def main_thread() -> threading.Thread:
+        program = current()
+        return real_main() if program is None or program.main is None else program.main
+
+    def virtual_signal(number: int, handler: Any) -> Any:
+        program = current()
+        return set_handler(number, handler) if program is None else program.handle(number, handler)
+
+    def getsignal(number: int) -> Any:
+        program = current()
+        return get_handler(number) if program is None else program.handler(number)
+
+    def set_wakeup_fd(fd: int, **options: Any) -> int:
+        return int(wakeup(fd, **options)) if current() is None else -1
+
+    def kill(pid: int, number: int) -> None:
+        program = current()
+        if program is None or pid != os.getpid():
+            real_kill(pid, number)
+        elif number:
+            program.deliver(number)
+
+    def raise_signal(number: int) -> None:
+        program = current()
+        if program is None:
+            real_raise(number)
+        else:
+            program.deliver(number)
+
+    module.signal, module.getsignal, module.set_wakeup_fd = virtual_signal, getsignal, set_wakeup_fd
+    module.raise_signal, os.kill = raise_signal, kill
+    threading.main_thread = main_thread
