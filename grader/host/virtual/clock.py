@@ -12,8 +12,10 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
+import _time_machine
 import time_machine
 
 from .kernel import Kernel, VirtualThread
@@ -22,7 +24,7 @@ STEADY_START = 1_000 * 10**9  # [ns] monotonic clocks start here, as on a machin
 PATIENCE = 1_000  # readings of the clock at one moment, after which a busy wait costs time ...
 PATIENCE_STEP = 0.001  # [s] ... namely this much
 
-real_time_ns = time.time_ns
+real_time_ns: Callable[[], int] = _time_machine.original_time_ns  # when DDS stamps messages
 
 
 class Clock:

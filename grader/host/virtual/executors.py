@@ -30,8 +30,10 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.time import Time
 
 from .bridge import Bridge
-from .clock import PATIENCE, PATIENCE_STEP, STEADY_START, real_time_ns
-from .kernel import Kernel, Waiters
+from .clock import STEADY_START, real_time_ns
+from .kernel import IDLE_STEP, Kernel, Waiters
+
+YIELDS = 10  # of a coroutine at one moment, after which it costs time to give way
 
 
 class RosClocks:
@@ -270,8 +272,9 @@ def _install_tasks(kernel: Kernel) -> None:
         if not self.done() and _has_yielded(self):
             moment, count = getattr(self, "_course_yields", (kernel.now, 0))
             self._course_yields = (kernel.now, count + 1 if moment == kernel.now else 1)
-            if count >= PATIENCE:  # `while not done: await asyncio.sleep(0)` must end
-                kernel.sleep(PATIENCE_STEP)
+            if count >= YIELDS:  # `while not done: await asyncio.sleep(0)` must end
+                self._course_yields = (kernel.now, 0)
+                kernel.sleep(IDLE_STEP / 1e9)
         return result
 
     future: Any = rclpy.task.Future

@@ -7,6 +7,7 @@ subscriptions are left out of all that rclpy tells of the graph.
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import rclpy.node
@@ -43,20 +44,22 @@ def hide_match(publisher: Any) -> None:
 
 
 def _less_one(callback: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    seen = 0
+    told = 0  # subscriptions that the node knows of, the judge's left out
 
     def without_the_judge(info: Any) -> Any:
-        nonlocal seen
-        change = info.total_count_change - (0 if seen else 1)
-        seen += 1
-        if change == info.current_count_change == 0 or (seen == 1 and info.total_count == 1):
-            return None
-        info.total_count -= 1
-        info.current_count -= 1
-        info.total_count_change = change
-        if seen == 1:
-            info.current_count_change -= 1
-        return callback(info)
+        nonlocal told
+        total, current = info.total_count - 1, info.current_count - 1
+        change, told = total - told, total
+        if not change and info.current_count_change in (0, 1):
+            return None  # it was only the judge's that matched
+        return callback(
+            SimpleNamespace(
+                total_count=total,
+                total_count_change=change,
+                current_count=current,
+                current_count_change=change or info.current_count_change,
+            )
+        )
 
     return without_the_judge
 

@@ -1,38 +1,7 @@
-"""The kernel alone, in a process of its own: it replaces Python's locks for good."""
-
-import json
-import subprocess
-import sys
-import textwrap
+"""The kernel alone: threads, locks and waits in virtual time."""
 
 import pytest
-
-PREAMBLE = """
-import json, queue, sys, threading, time
-from grader.host.virtual import kernel as k, threads
-
-class Alone(k.World):
-    '''A world with an event every 10 ms and nothing in it.'''
-    def exchange(self):
-        self.until += 10_000_000
-        if self.until > 10**10:
-            raise SystemExit('time ran away')
-
-kernel = k.Kernel(Alone())
-threads.install(kernel, 1_700_000_000 * 10**9)
-said = []
-def say(*words): said.append([kernel.now / 1e9, *words])
-"""
-
-
-def run(source: str) -> list[list[object]]:
-    """Run some lines; return what they said, with the time rounded to a microsecond."""
-    program = PREAMBLE + textwrap.dedent(source) + "\nprint(json.dumps(said))"
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
-    )
-    assert done.returncode == 0, done.stderr
-    return [[round(now, 6), *words] for now, *words in json.loads(done.stdout)]
+from alone import run
 
 
 def test_sleep_takes_virtual_time() -> None:
@@ -155,3 +124,54 @@ def test_rlock_condition_barrier_semaphore() -> None:
         semaphore = threading.Semaphore(1)
         semaphore.acquire(); say(semaphore.acquire(timeout=0.1))
     """) == [[0.0, "in twice"], [0.1, "met"], [0.2, False]]
+
+
+def test_a_thread_starts_once() -> None:
+    assert run("""
+        thread = threading.Thread(target=time.sleep, args=(0.01,)); thread.start()
+        for again in range(2):
+            try: thread.start()
+            except RuntimeError as error: say(str(error))
+            thread.join()
+        class Unborn(threading.Thread):
+            def __init__(self): pass
+        try: Unborn().start()
+        except RuntimeError as error: say(str(error))
+        time.sleep(0.1); say('alive')
+    """) == [
+        [0.0, "threads can only be started once"],
+        [0.01, "threads can only be started once"],
+        [0.01, "thread.__init__() not called"],
+        [0.11, "alive"],
+    ]
+
+
+def test_locks_refuse_what_pythons_refuse() -> None:
+    assert run("""
+        lock = threading.Lock()
+        for options in ((False, 1), (True, -5), (True, threading.TIMEOUT_MAX * 2)):
+            try: lock.acquire(*options)
+            except (ValueError, OverflowError) as error: say(type(error).__name__, str(error))
+        say(lock.acquire(True, -1), 'locked' in repr(lock), lock.locked())
+    """) == [
+        [0.0, "ValueError", "can't specify a timeout for a non-blocking call"],
+        [0.0, "ValueError", "timeout value must be a non-negative number"],
+        [0.0, "OverflowError", "timeout value is too large"],
+        [0.0, True, True, True],
+    ]
+
+
+def test_a_cached_property_that_sleeps_is_computed_once() -> None:
+    assert run("""
+        import functools
+        class Agent:
+            @functools.cached_property
+            def model(self):
+                say('loading'); time.sleep(0.5)
+                return object()
+        agent, seen = Agent(), []
+        threads = [threading.Thread(target=lambda: seen.append(agent.model)) for _ in range(2)]
+        for thread in threads: thread.start()
+        for thread in threads: thread.join()
+        say('loaded')
+    """)[0] == [0.0, "loading"]

@@ -1,0 +1,253 @@
+"""What nodes do with rclpy ends in a host as it ends without one.
+
+Each program here was also run on plain rclpy, where it says and does the same.
+"""
+
+import pytest
+from conftest import RunNode
+
+from grader.recording import Recording
+
+
+def said(recording: Recording) -> list[str]:
+    return [line.text for line in recording.log if line.level == "stdout"]
+
+
+def scans_until(count: int, then: str, spin: str) -> str:
+    """Return a program whose node does something at a scan, and says when its spinning is over."""
+    return f"""
+        class Counting(Echo):
+            seen = 0
+            def on_scan(self, scan):
+                self.seen += 1
+                super().on_scan(scan)
+                if self.seen == {count}:
+                    {then}
+        rclpy.init(); node = Counting()
+        {spin}
+        print('over', rclpy.ok())
+    """
+
+
+SPINS = {
+    "spin": "rclpy.spin(node)",
+    "own executor": "e = SingleThreadedExecutor(); e.add_node(node); e.spin()",
+    "MultiThreadedExecutor": "e = MultiThreadedExecutor(); e.add_node(node); e.spin()",
+    "MultiThreadedExecutor(2)": "e = MultiThreadedExecutor(2); e.add_node(node); e.spin()",
+    "spin_once": "\n        while rclpy.ok(): rclpy.spin_once(node, timeout_sec=0.3)",
+}
+
+
+@pytest.mark.parametrize("spin", SPINS.values(), ids=SPINS)
+def test_shutdown_in_a_callback_ends_the_spinning(run_node: RunNode, spin: str) -> None:
+    recording = run_node(scans_until(3, "rclpy.shutdown()", spin))
+    assert recording.outcome.kind == "returned", recording.outcome
+    assert said(recording) == ["over False"]
+    assert len(recording.twists().t) == 3  # the last one was published before the end
+
+
+def test_shutdown_in_a_thread_ends_the_spinning(run_node: RunNode) -> None:
+    recording = run_node("""
+        rclpy.init(); node = Echo()
+        threading.Timer(0.55, rclpy.shutdown).start()
+        try: rclpy.spin(node)
+        except rclpy.executors.ExternalShutdownException: pass
+        print('over', rclpy.ok())
+    """)
+    assert (recording.outcome.kind, said(recording)) == ("returned", ["over False"])
+    assert recording.outcome.at == pytest.approx(0.55, abs=1e-6)
+
+
+def test_init_after_shutdown(run_node: RunNode) -> None:
+    recording = run_node("""
+        for name in 'abc':
+            rclpy.init(); node = Echo(name)
+            for _ in range(2): rclpy.spin_once(node)
+            node.destroy_node(); rclpy.shutdown()
+            print(name)
+        rclpy.init(); rclpy.spin(Echo('d'))
+    """)
+    assert recording.outcome.completed, recording.outcome
+    assert said(recording) == ["a", "b", "c"]
+    assert len(recording.twists().t) == len(recording.scans())
+
+
+def test_a_twist_said_right_before_shutdown_is_heard(run_node: RunNode) -> None:
+    recording = run_node("""
+        rclpy.init(); node = Echo(); rclpy.spin_once(node)
+        twist = Twist(); twist.linear.x = 0.25
+        node.publisher.publish(twist); rclpy.shutdown()
+    """)
+    assert recording.twists().linear_x.tolist() == [0.0, 0.25]
+
+
+def test_publishing_after_shutdown_is_an_error(run_node: RunNode) -> None:
+    recording = run_node("""
+        rclpy.init(); node = Echo(); rclpy.shutdown()
+        node.publisher.publish(Twist())
+    """)
+    assert recording.outcome.kind == "exception"
+    assert "context is invalid" in recording.outcome.text
+
+
+CLOCKS = {
+    "the node's": "node.get_clock()",
+    "ROSClock()": "rclpy.clock.ROSClock()",
+    "Clock()": "rclpy.clock.Clock()",
+    "steady": "rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)",
+    "ROS": "rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.ROS_TIME)",
+}
+
+
+@pytest.mark.parametrize("clock", CLOCKS.values(), ids=CLOCKS)
+def test_every_clock_of_rclpy_is_virtual(run_node: RunNode, clock: str) -> None:
+    recording = run_node(f"""
+        import rclpy.clock
+        from rclpy.duration import Duration
+        rclpy.init(); node = Echo(); clock = {clock}
+        start, ticks = clock.now(), []
+        def tick():
+            ticks.append((clock.now() - start).nanoseconds / 1e9)
+            if len(ticks) == 3: print(*ticks)
+        timer = node.create_timer(0.25, tick, clock=clock)
+        def nap():
+            before = time.monotonic()
+            print(clock.sleep_for(Duration(seconds=0.1)), round(time.monotonic() - before, 9),
+                  timer.clock is clock)
+        threading.Thread(target=nap).start()
+        rclpy.spin(node)
+    """)
+    assert recording.outcome.completed, recording.outcome
+    assert said(recording) == ["True 0.1 True", "0.25 0.5 0.75"]
+
+
+def test_sleeping_on_a_clock_is_refused_as_usual(run_node: RunNode) -> None:
+    recording = run_node("""
+        from rclpy.clock import Clock
+        from rclpy.duration import Duration
+        from rclpy.time import Time
+        rclpy.init(); node = Echo(); clock = node.get_clock()
+        try: clock.sleep_until(Time())
+        except ValueError as error: print(error)
+        threading.Timer(0.2, rclpy.shutdown).start()
+        before = time.monotonic()
+        print(clock.sleep_for(Duration(seconds=1.0)), round(time.monotonic() - before, 6))
+        try: clock.sleep_for(Duration(seconds=1.0))
+        except Exception as error: print(type(error).__name__)
+    """)
+    assert said(recording) == [
+        "until's clock type does not match this clock's type",
+        "False 0.2",
+        "NotInitializedException",
+    ]
+
+
+def test_message_info_tells_virtual_times(run_node: RunNode) -> None:
+    recording = run_node("""
+        class Late(Node):
+            def __init__(self):
+                super().__init__('late')
+                self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
+            def on_scan(self, scan, info):
+                now = self.get_clock().now().nanoseconds
+                stamps = info['source_timestamp'], info['received_timestamp']
+                print(*((now - stamp) / 1e9 for stamp in stamps))
+                time.sleep(0.15)
+        rclpy.init(); rclpy.spin(Late())
+    """)
+    ages = [[float(word) for word in line.split()] for line in said(recording)]
+    # each scan waits for the callback before it: 0.05 s longer than the one before it did
+    assert ages[:4] == [pytest.approx([0.05 * i, 0.05 * i], abs=1e-6) for i in range(4)]
+
+
+def test_a_coroutine_that_gives_way_goes_on_at_once(run_node: RunNode) -> None:
+    recording = run_node("""
+        import asyncio
+        class Polite(Node):
+            def __init__(self):
+                super().__init__('polite')
+                self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
+            async def on_scan(self, scan):
+                before = self.get_clock().now()
+                for _ in range(3): await asyncio.sleep(0)
+                print((self.get_clock().now() - before).nanoseconds)
+        rclpy.init(); rclpy.spin(Polite())
+    """)
+    assert set(said(recording)) == {"0"}
+    assert len(said(recording)) == len(recording.scans())
+
+
+def test_a_coroutine_that_only_gives_way_costs_time(run_node: RunNode) -> None:
+    recording = run_node("""
+        import asyncio
+        class Waiting(Node):
+            def __init__(self):
+                super().__init__('waiting')
+                self.create_timer(0.05, self.on_timer)
+            async def on_timer(self):
+                end = self.get_clock().now() + rclpy.duration.Duration(seconds=0.02)
+                while self.get_clock().now() < end: await asyncio.sleep(0)
+                print('done')
+        rclpy.init(); rclpy.spin(Waiting())
+    """)
+    assert recording.outcome.completed, recording.outcome
+    assert len(said(recording)) > 10
+
+
+def test_a_pool_that_nobody_shuts_down_does_not_keep_the_program(run_node: RunNode) -> None:
+    recording = run_node("""
+        import atexit
+        from concurrent.futures import ThreadPoolExecutor
+        atexit.register(print, 'exit handler')
+        pool = ThreadPoolExecutor(2)
+        print(pool.submit(pow, 2, 3).result())
+        pool.submit(lambda: (time.sleep(0.3), print('last task')))
+    """)
+    assert recording.outcome.kind == "returned", recording.outcome
+    assert said(recording) == ["8", "last task", "exit handler"]
+
+
+@pytest.mark.parametrize("end", ["sys.exit(3)", "raise ValueError('no')"])
+def test_exit_handlers_run_however_the_program_ends(run_node: RunNode, end: str) -> None:
+    recording = run_node(f"""
+        import atexit
+        atexit.register(print, 'exit handler')
+        {end}
+    """)
+    assert said(recording) == ["exit handler"]
+    assert recording.outcome.kind in ("exited", "exception")
+
+
+def test_the_graph_shows_a_robot_and_not_the_judge(run_node: RunNode) -> None:
+    recording = run_node("""
+        rclpy.init(); node = Echo()
+        mine = node.create_publisher(String, 'my_topic', 10)
+        rclpy.spin_once(node)
+        print(*sorted(node.get_node_names()))
+        print(mine.get_subscription_count(), node.count_subscribers('my_topic'),
+              len(node.get_subscriptions_info_by_topic('my_topic')))
+        print(node.publisher.get_subscription_count(), node.count_subscribers('cmd_vel'),
+              *[info.node_name for info in node.get_subscriptions_info_by_topic('/cmd_vel')])
+        heard = node.get_subscriber_names_and_types_by_node('mock_robot', '/')
+        print(*[topic for topic, _ in heard])
+        node.create_subscription(String, 'my_topic', print, 10)
+        print(mine.get_subscription_count(), node.count_subscribers('my_topic'))
+    """)
+    assert said(recording) == ["echo mock_robot", "0 0 0", "1 1 mock_robot", "/cmd_vel", "1 1"]
+
+
+def test_matched_events_tell_of_others_only(run_node: RunNode) -> None:
+    recording = run_node("""
+        from rclpy.event_handler import PublisherEventCallbacks
+        def on_match(topic):
+            def tell(info):
+                print(topic, info.total_count, info.current_count, info.current_count_change)
+            return PublisherEventCallbacks(matched=tell)
+        rclpy.init(); node = rclpy.create_node('n')
+        node.create_publisher(String, 'mine', 10, event_callbacks=on_match('mine'))
+        node.create_publisher(Twist, 'cmd_vel', 10, event_callbacks=on_match('cmd_vel'))
+        rclpy.spin_once(node, timeout_sec=0.2); rclpy.spin_once(node, timeout_sec=0.2)
+        node.create_subscription(String, 'mine', print, 10)
+        for _ in range(4): rclpy.spin_once(node, timeout_sec=0.1)
+    """)
+    assert said(recording) == ["cmd_vel 1 1 1", "mine 1 1 1"]

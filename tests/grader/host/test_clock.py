@@ -1,0 +1,150 @@
+"""Whatever Python asks about time, or of chance, inside a host."""
+
+import pytest
+from alone import run
+
+SECONDS = 1_700_000_000  # of the epoch in these tests
+
+
+def test_every_clock_tells_the_same_time() -> None:
+    """Each has moved on by what was slept, and each shows the time of day that ROS shows."""
+    (shown,) = run("""
+        import calendar, datetime, logging, os, uuid
+        from datetime import date, datetime as Datetime, timezone
+        MONOTONIC = {"CLOCK_MONOTONIC", "CLOCK_MONOTONIC_RAW", "CLOCK_BOOTTIME"}
+        WALL = {"CLOCK_REALTIME", "CLOCK_TAI"}
+        def wall():
+            yield "time", time.time()
+            yield "time_ns", time.time_ns() / 1e9
+            yield "datetime.now", Datetime.now().timestamp()
+            yield "datetime.now(utc)", Datetime.now(timezone.utc).timestamp()
+            yield "utcnow", Datetime.utcnow().replace(tzinfo=timezone.utc).timestamp()
+            yield "today", Datetime.today().timestamp()
+            yield "module datetime", datetime.datetime.now().timestamp()
+            yield "localtime", time.mktime(time.localtime())
+            yield "localtime(None)", time.mktime(time.localtime(None))
+            yield "gmtime", calendar.timegm(time.gmtime())
+            yield "ctime", time.mktime(time.strptime(time.ctime()))
+            yield "asctime", time.mktime(time.strptime(time.asctime()))
+            yield "strftime", int(time.strftime("%s"))
+            yield "uuid1", (uuid.uuid1().time - 0x01b21dd213814000) / 1e7
+            yield "a log record", logging.makeLogRecord({}).created
+            for name in sorted(WALL & set(dir(time))):
+                yield name, time.clock_gettime(getattr(time, name))
+                yield name + "_ns", time.clock_gettime_ns(getattr(time, name)) / 1e9
+        def steady():
+            for name in ("monotonic", "perf_counter"):
+                yield name, getattr(time, name)()
+                yield name + "_ns", getattr(time, name + "_ns")() / 1e9
+            for name in sorted(MONOTONIC & set(dir(time))):
+                yield name, time.clock_gettime(getattr(time, name))
+        days = [str(date.today()), time.strftime("%Y-%m-%d"), str(Datetime.now().date())]
+        kernel.world.until = 10**18  # nothing happens for days
+        time.sleep(86_400.0 + 2.5)
+        days += [str(date.today()), time.strftime("%Y-%m-%d"), str(Datetime.now().date())]
+        say(dict(wall()), dict(steady()), days)
+    """)
+    _, wall, steady, days = shown
+    now = SECONDS + 86_402.5
+    coarse = {"localtime", "localtime(None)", "gmtime", "ctime", "asctime", "strftime"}
+    assert {name: now - int(name in coarse) / 2 for name in wall} == pytest.approx(wall, abs=1e-5)
+    assert steady == pytest.approx(dict.fromkeys(steady, 1_000 + 86_402.5), abs=1e-5)
+    assert days == ["2023-11-14"] * 3 + ["2023-11-15"] * 3
+
+
+def test_clocks_of_the_processor_do_not_count_sleep() -> None:
+    ((_, process, thread, by_id),) = run("""
+        def cpu():
+            return (time.process_time(), time.thread_time(),
+                    time.clock_gettime(time.CLOCK_PROCESS_CPUTIME_ID))
+        kernel.world.until = 10**18
+        before = cpu(); time.sleep(1000.0); after = cpu()
+        say(*(b - a for a, b in zip(before, after)))
+    """)
+    assert max(process, thread, by_id) < 100.0
+
+
+def test_waiting_for_a_date_ends() -> None:
+    ((now,),) = run("""
+        from datetime import datetime, timedelta
+        end = datetime.now() + timedelta(seconds=0.02)
+        while datetime.now() < end: pass
+        say()
+    """)
+    assert now == pytest.approx(0.02, abs=0.001)
+
+
+def test_an_alarm_interrupts_whatever_the_main_thread_waits_for() -> None:
+    assert run("""
+        import signal
+        def ring(number, frame): say('ring', number == signal.SIGALRM)
+        signal.signal(signal.SIGALRM, ring)
+        signal.alarm(1)
+        time.sleep(3.0); say('slept')
+        signal.setitimer(signal.ITIMER_REAL, 0.5, 1.0)
+        say(*signal.getitimer(signal.ITIMER_REAL))
+        threading.Event().wait(2.0); say('waited')
+        say(*signal.setitimer(signal.ITIMER_REAL, 0))
+        time.sleep(4.0); say('quiet')
+    """) == [
+        [1.0, "ring", True],
+        [3.0, "slept"],
+        [3.0, 0.5, 1.0],
+        [3.5, "ring", True],
+        [4.5, "ring", True],
+        [5.0, "waited"],
+        [5.0, 0.5, 1.0],
+        [9.0, "quiet"],
+    ]
+
+
+def test_an_alarm_that_raises_ends_the_wait() -> None:
+    assert run("""
+        import signal
+        class Late(Exception): pass
+        def ring(number, frame): raise Late
+        signal.signal(signal.SIGALRM, ring)
+        lock = threading.Lock(); lock.acquire()
+        for wait in (lambda: time.sleep(9), lock.acquire, threading.Event().wait,
+                     queue.Queue().get, threading.Barrier(2).wait):
+            signal.setitimer(signal.ITIMER_REAL, 0.25)
+            try: wait()
+            except Late: say('late')
+    """) == [[0.25 * (i + 1), "late"] for i in range(5)]
+
+
+def test_an_alarm_while_another_thread_runs_waits_for_the_main_thread() -> None:
+    assert run("""
+        import signal
+        signal.signal(signal.SIGALRM, lambda *_: say('ring', threading.current_thread().name))
+        def other():
+            for _ in range(3):
+                time.sleep(0.1); say('other')
+        thread = threading.Thread(target=other); thread.start()
+        signal.setitimer(signal.ITIMER_REAL, 0.15)
+        thread.join(); say('joined')
+    """) == [
+        [0.1, "other"],
+        [0.15, "ring", "MainThread"],
+        [0.2, "other"],
+        [0.3, "other"],
+        [0.3, "joined"],
+    ]
+
+
+CHANCE = """
+    import os, random, secrets, uuid
+    import numpy as np
+    from grader.host import randomness
+    randomness.seed({seed})
+    say(random.random(), random.Random().random(), random.SystemRandom().random(),
+        np.random.rand(), np.random.default_rng().random(), np.random.RandomState(3).rand(),
+        str(uuid.uuid4()), secrets.token_hex(8), os.urandom(4).hex())
+"""
+
+
+def test_chance_is_the_same_in_each_run_and_another_with_another_seed() -> None:
+    first, again, other = (run(CHANCE.format(seed=seed)) for seed in (7, 7, 8))
+    assert first == again
+    same = [a == b for a, b in zip(first[0][1:], other[0][1:], strict=True)]
+    assert same == [False] * 5 + [True] + [False] * 3  # RandomState(3) has its own seed
