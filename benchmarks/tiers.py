@@ -93,7 +93,12 @@ def _grade(claim: Claim, nursery: Nursery, tier: int, run: int, *, field: bool) 
     begin = time.perf_counter()
     with complete(claim) as submission:
         grading = grade_submission(
-            claim.exercise, submission, nursery, file=claim.path.name, field=field, tier=tier
+            claim.exercise,
+            submission,
+            nursery,
+            file=claim.exercise.files[0],
+            field=field,
+            tier=tier,
         )
     judged = [check for check in grading.checks if check.outcome != UNAVAILABLE]
     failed = [check for check in judged if check.outcome == FAIL]

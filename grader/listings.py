@@ -20,7 +20,7 @@ from grader.exercises import ROOT, find_exercise
 from grader.grading import Grading
 from grader.launch import Nursery
 from grader.plugin import FAIL, CheckResult
-from grader.proof import Claim, grade_claim
+from grader.proof import claim_of, grade_claim
 from grader.report import render_terminal
 from sim.messages import EPOCH_NS
 
@@ -126,7 +126,7 @@ def page() -> str:
 def grade_listing(listing: Listing) -> Grading:
     """Grade a listing, core and (if the core is full) field, with the reference's other files."""
     exercise = find_exercise(listing.exercise)
-    claim = Claim(exercise, "mutant", NODES / listing.file)
+    claim = claim_of(exercise, "mutant", NODES / listing.file)
     with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
         return grade_claim(claim, nursery)
 

@@ -5,7 +5,7 @@ right. Their jobs are other and smaller ones than the exercises': they are publi
 should pass with one of them. `python -m grader.pitfalls OUT` drives them and writes a replay of
 each into OUT, which opens where it goes wrong. `--made` writes lessons/pitfalls/made: the
 differences, the frames of the replays, and what the grader says of wrong solutions
-(solutions/*/mutants) that make the same mistakes; `--check` tells whether that is up to date.
+(solutions/*/mutants.toml) that make the same mistakes; `--check` tells whether that is up to date.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import io
 import re
 import shutil
 import sys
+import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +33,7 @@ from grader.features import possible_features
 from grader.grading import Grading, grade_submission
 from grader.launch import Nursery
 from grader.models import probe
+from grader.mutants import find_mutant
 from grader.recording import Recording
 from grader.report import GENERATED_BY, page_html, render_terminal, replay_payload
 from grader.submission import find_submission
@@ -358,13 +360,14 @@ def grade_mutant(mutant: str, nursery: Nursery, *, only: Iterable[str] = ()) -> 
     """
     slug, _, name = mutant.partition("/")
     exercise = find_exercise(slug)
-    file = exercise.solutions / "mutants" / f"{name}.py"
-    return grade(slug, file, nursery, as_file=exercise.files[0], only=only)
+    wrong = find_mutant(exercise, name)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, wrong.file)
+        file.write_text(wrong.text, "utf-8")
+        return grade(slug, file, nursery, only=only)
 
 
-def grade(
-    slug: str, path: Path, nursery: Nursery, *, as_file: str = "", only: Iterable[str] = ()
-) -> Grading:
+def grade(slug: str, path: Path, nursery: Nursery, *, only: Iterable[str] = ()) -> Grading:
     """Grade a node, by some checks or by all of the core.
 
     Raises
@@ -377,7 +380,7 @@ def grade(
         find_exercise(slug),
         find_submission(path),
         nursery,
-        file=as_file or path.name,
+        file=path.name,
         field=any(check.startswith("field_") for check in only),
         only=only,
     )

@@ -21,7 +21,8 @@ from grader.leaks import Leak, leaks
 # The grader's rooms for instructors and contributors; students' `course` does without.
 INSTRUCTORS = (
     "batch", "gradebook_plugin", "results", "release.py", "leaks.py", "handouts.py", "build.py",
-    "catalogue.py", "fairness.py", "listings.py", "pitfalls.py", "proof.py", "skeletons.py",
+    "catalogue.py", "edits.py", "fairness.py", "listings.py", "mutants.py", "pitfalls.py",
+    "proof.py", "skeletons.py",
 )  # fmt: skip
 PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # of what makes a folder a ROS package
 MARKER = "resource"  # its folder of files without a suffix, by which ROS finds a package

@@ -12,7 +12,7 @@ from typing import Any
 from grader.batch.store import Key
 from grader.batch.work import Unit
 from grader.exercises import Exercise
-from grader.proof import Claim, claims, complete
+from grader.proof import Claim, claims
 
 REFERENCE, MUTANT = ".reference", ".mutant"  # no student's id begins with a dot
 STRIKES = 2  # bad rounds in a row, after which an exercise is left to a person
@@ -93,13 +93,9 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
     for name, claim in ((REFERENCE, right), (MUTANT, wrong)):
         if claim is None:
             continue
-        with complete(claim) as submission:
-            paths = (submission.path, *submission.others)
-            texts = [path.read_bytes() for path in paths]
-        names = [path.name for path in paths]
-        names[0] = exercise.files[0]  # a mutant's file is called after its mistake
+        texts = {file: text.encode() for file, text in claim.files.items()}
         unit = Unit(
-            name, exercise.slug, dict(zip(names, texts, strict=True)), field=sample.field,
+            name, exercise.slug, texts, field=sample.field,
             tier=sample.tier, bags=False, trust=sample.trust, canary=True,
         )  # fmt: skip
         found.append(Canary(unit, claim.fails))
@@ -109,4 +105,4 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
 def _is_plain_mutant(claim: Claim) -> bool:
     """One that fails core checks and needs no library of its own."""
     core = not any(check.startswith("field_") for check in claim.fails)
-    return claim.kind == "mutant" and core and not claim.requires and not claim.path.is_dir()
+    return claim.kind == "mutant" and core and not claim.requires
