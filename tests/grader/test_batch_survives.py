@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from grader.batch.store import Store, stable
+from grader.exercises import find_exercise
+from grader.mutants import find_mutant
 
 SLUG, FILE = "trend_memory", "trend_agent.py"
 COURSE = [sys.executable, "-m", "grader.cli", "autograde"]
@@ -28,10 +30,10 @@ Results = dict[str, str]
 @pytest.fixture(scope="module")
 def handed_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("handed in")
-    mutant = sorted((SOLUTIONS / "mutants").glob("*.py"))[0]
+    mutant = find_mutant(find_exercise(SLUG), "afraid_of_leaving")
     texts = {
         "Ünal, Zoë": (SOLUTIONS / FILE).read_text(),
-        "bob": mutant.read_text(),
+        "bob": mutant.text,
         "cut off": "def main(:\n",
         "evil": EVIL,
     }

@@ -9,9 +9,10 @@ from conftest import PREAMBLE, RunNode, short
 
 from grader.checks.moments import came_to_rest, first_asked, first_contact
 from grader.checks.obstacle_avoidance.contract import right_speeds
-from grader.exercises import CHECKS, SOLUTIONS, find_exercise
+from grader.exercises import CHECKS, find_exercise
 from grader.grading import Grading, grade_submission
 from grader.launch import Nursery
+from grader.mutants import find_mutant
 from grader.plugin import CheckResult
 from grader.submission import Submission
 
@@ -75,12 +76,13 @@ def test_a_node_that_always_stands_is_shown_where_it_should_drive(
     assert check.time == next(s.t for s in recording.scans() if 0.0 not in right_speeds(s))
 
 
-def test_a_blind_creeper_is_shown_where_it_should_stand(nursery: Nursery) -> None:
+def test_a_blind_creeper_is_shown_where_it_should_stand(nursery: Nursery, tmp_path: Path) -> None:
     """The mutant touches nothing, but not because of what it sees."""
     exercise = find_exercise("obstacle_avoidance")
-    file = SOLUTIONS / exercise.slug / "mutants" / "stutters_blindly.py"
+    file = tmp_path / exercise.files[0]
+    file.write_text(find_mutant(exercise, "stutters_blindly").text, "utf-8")
     grading = grade_submission(
-        exercise, Submission(file), nursery, file=exercise.files[0], only=["no_contact"]
+        exercise, Submission(file), nursery, file=file.name, only=["no_contact"]
     )
 
     check = failure(grading, "no_contact")
