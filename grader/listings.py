@@ -8,7 +8,9 @@ what the grader says now.
 from __future__ import annotations
 
 import io
+import shutil
 import sys
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,11 +19,11 @@ from rich.console import Console
 
 from grader.errors import GraderError
 from grader.exercises import ROOT, find_exercise
-from grader.grading import Grading
+from grader.grading import Grading, grade_submission
 from grader.launch import Nursery
 from grader.plugin import FAIL, CheckResult
-from grader.proof import claim_of, grade_claim
 from grader.report import render_terminal
+from grader.submission import find_submission
 from sim.messages import EPOCH_NS
 
 PAGE = ROOT / "docs" / "listing-style.md"
@@ -126,9 +128,16 @@ def page() -> str:
 def grade_listing(listing: Listing) -> Grading:
     """Grade a listing, core and (if the core is full) field, with the reference's other files."""
     exercise = find_exercise(listing.exercise)
-    claim = claim_of(exercise, "mutant", NODES / listing.file)
-    with Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery:
-        return grade_claim(claim, nursery)
+    others = exercise.files[1:]
+    with (
+        tempfile.TemporaryDirectory(prefix="course-listing-") as name,
+        Nursery(EPOCH_NS, libraries=exercise.libraries) as nursery,
+    ):
+        folder = Path(name)
+        for path in (NODES / listing.file, *(exercise.solutions / file for file in others)):
+            shutil.copyfile(path, folder / path.name)
+        submission = find_submission(folder / listing.file, others=others)
+        return grade_submission(exercise, submission, nursery, file=listing.file, field=True)
 
 
 def main(arguments: list[str]) -> int:

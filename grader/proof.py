@@ -102,7 +102,7 @@ def claim_of(exercise: Exercise, kind: str, path: Path) -> Claim:
 def grade_claim(claim: Claim, nursery: Nursery) -> Grading:
     """Grade a solution with the core and the field checks."""
     with complete(claim) as submission:
-        file = claim.exercise.files[0]
+        file = f"{claim.stem}.py"
         return grade_submission(claim.exercise, submission, nursery, file=file, field=True)
 
 
