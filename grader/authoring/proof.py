@@ -3,8 +3,9 @@
 The wrong ones, *mutants*, are edits of right ones, listed in `mutants.toml` with the checks that
 they fail (see `grader.authoring.mutants`). Checks skipped through `needs` are not named. Field
 checks are only judged when all of the core passed, so a mutant names either kind. A variant that
-claims the badge says so in its docstring: `field: all`. `python -m grader.authoring.proof [EXERCISE …]` prints
-which mutant is killed by which check.
+claims the badge says so in its docstring: `field: all`.
+
+`python -m grader.authoring.proof [EXERCISE …]` prints which mutant is killed by which check.
 
 Of an exercise with several files, a variant is a folder with some of them, or one file that says
 which it stands for (`file: detection_client.py`; the first by default). Those that it lacks are the
