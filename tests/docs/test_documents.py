@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import importlib.util
 import re
 import shlex
@@ -117,21 +118,26 @@ def test_every_picture_is_shown() -> None:
 
 @each
 def test_paths_exist(document: Document) -> None:
+    """A path is there; a bare file name is in the top folder or in one that the document names."""
     files = [PurePosixPath(path) for path in tracked()]
     there = {str(path) for path in files} | {str(p) for path in files for p in path.parents}
-    there |= _made_by_the_walk() if document.path == WALK else set()
     tops = {path.parts[0] for path in files if len(path.parts) > 1}
-    names = {path.name for path in files} | THEIRS
+    if document.path == WALK:
+        there |= _made_by_the_walk()
+    spans = [span for span in document.spans if re.fullmatch(r"[\w./*-]+", span)]
+    folders = {str(PurePosixPath(document.path).parent), "."}
+    for span in spans:
+        if span.endswith("/"):
+            pattern = PLACEHOLDER.sub("*", span.strip("/"))
+            folders |= {path for path in there if fnmatch.fnmatch(path, pattern)}
     lost = []
-    for span in document.spans:
-        if not re.fullmatch(r"[\w./*-]+", span):
-            continue
-        path = span.strip("/")
-        if PurePosixPath(path).parts[:1] and PurePosixPath(path).parts[0] in tops and "/" in span:
-            pattern = PLACEHOLDER.sub("*", path)
-            found = path in there or any(PurePosixPath(one).match(pattern) for one in there)
-        elif span.endswith((".py", ".toml", ".js", ".xml")) and not PLACEHOLDER.search(span):
-            found = path in names if "/" not in path else any(x.endswith(f"/{path}") for x in there)
+    for span in spans:
+        path = PLACEHOLDER.sub("*", span.strip("/"))
+        if "/" in span and PurePosixPath(span).parts[0] in tops:
+            found = path in there or any(PurePosixPath(one).match(path) for one in there)
+        elif path.endswith((".py", ".toml", ".js", ".xml")) and "*" not in path:
+            beside = {str(PurePosixPath(folder) / path) for folder in folders}
+            found = path in THEIRS or not beside.isdisjoint(there)
         else:
             continue
         lost += [] if found else [span]
