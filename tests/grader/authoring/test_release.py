@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -48,6 +49,21 @@ def test_students_get_what_they_need(released: Path) -> None:
         assert any(path.startswith(f"grader/checks/{exercise.slug}/") for path in there)
     assert {"README.md", "LICENSE", "pyproject.toml", "constraints.txt", "lessons/quiz.md"} <= there
     assert "sim/scenarios/demo/demo_wall.toml" in there
+
+
+def test_students_get_their_documents_and_no_other(released: Path) -> None:
+    there = {path for path in files(released) if path.startswith("docs/") and path.endswith(".md")}
+    assert there == {"docs/students.md", "docs/live-robot.md"}
+
+
+@pytest.mark.parametrize("exercises", [(), ("goal_seeking",)])
+def test_links_of_students_documents_stay_inside(exercises: tuple[str, ...]) -> None:
+    given = contents(exercises)
+    for page in ("README.md", "docs/students.md", "docs/live-robot.md"):
+        text = given[page].decode("utf-8")
+        for link in re.findall(r'\]\((?!https?:)([^)#]+)|(?:src|srcset)="([^"]+)"', text):
+            target = os.path.normpath(Path(page).parent / "".join(link))
+            assert target in given, f"{page}: {target}"
 
 
 def test_students_get_the_ros_packages(tmp_path: Path) -> None:
