@@ -53,9 +53,11 @@ def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
     """Return where a release gives an answer away.
 
     Searched for: the markers of solutions and hidden tests, and any run of SHINGLE lines of a
-    solution, variant or mutant that the skeletons don't have.
+    solution, variant or mutant that the skeletons don't have. How a node begins and ends is no
+    answer: every skeleton's `main` is finished, so what it says is not searched for, even if that
+    skeleton is not in the release.
     """
-    given = set[Shingle]()
+    given = set(_mains())
     for file in (folder / "exercises").rglob("*.py"):
         given.update(_shingles(_lines(_read(file))))
     secrets: dict[Shingle, str] = {}
@@ -122,6 +124,15 @@ def _lines(text: str) -> list[str]:
 
 
 # --- what is searched for ------------------------------------------------------------------
+
+
+def _mains() -> Iterator[Shingle]:
+    """Yield the runs of lines from `def main` on, of all skeletons."""
+    for exercise in all_exercises():
+        for file in exercise.files:
+            lines = _lines(_read(exercise.folder / file))
+            start = next((n for n, line in enumerate(lines) if line.startswith("def main(")), None)
+            yield from _shingles([] if start is None else lines[start:])
 
 
 def _shingles(lines: list[str], size: int = SHINGLE) -> Iterator[Shingle]:
