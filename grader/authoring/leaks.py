@@ -54,9 +54,11 @@ def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
     """Return where a release gives an answer away.
 
     Searched for: the markers of solutions and hidden tests, and any run of SHINGLE lines of a
-    solution, variant or mutant that the skeletons don't have.
+    solution, variant or mutant that the skeletons don't have. How a node begins and ends is no
+    answer: every skeleton's `main` is finished, so what it says is not searched for, even if that
+    skeleton is not in the release.
     """
-    given = set[Shingle]()
+    given = set(_mains())
     for file in (folder / "exercises").rglob("*.py"):
         given.update(_shingles(_lines(_read(file))))
     secrets: dict[Shingle, str] = {}
@@ -135,6 +137,15 @@ def _solutions(folder: Path) -> Iterator[tuple[str, str]]:
         catalogue = f"{folder.name}/{exercise.slug}/{CATALOGUE}"
         for mutant in mutants(exercise, folder / exercise.slug):
             yield f"{catalogue}: {mutant.name}", mutant.text
+
+
+def _mains() -> Iterator[Shingle]:
+    """Yield the runs of lines from `def main` on, of all skeletons."""
+    for exercise in all_exercises():
+        for file in exercise.files:
+            lines = _lines(_read(exercise.folder / file))
+            start = next((n for n, line in enumerate(lines) if line.startswith("def main(")), None)
+            yield from _shingles([] if start is None else lines[start:])
 
 
 def _shingles(lines: list[str], size: int = SHINGLE) -> Iterator[Shingle]:
