@@ -41,7 +41,7 @@ def main() -> None:
     options = parser.parse_args()
     scenario = msgspec.structs.replace(load_scenario(SCENARIO), duration=options.seconds)
     exercise = find_exercise(EXERCISE)
-    found = {claim.path.stem: claim for claim in claims(exercise) if claim.kind != "skeleton"}
+    found = {claim.stem: claim for claim in claims(exercise) if claim.kind != "skeleton"}
     print(f"{'':46}   virtual time       live\n{'':46}   Hz   longest    Hz   longest")
     with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
         for stem, about in SHOWN.items():

@@ -93,7 +93,12 @@ def _grade(claim: Claim, forkserver: ForkServer, tier: int, run: int, *, field: 
     begin = time.perf_counter()
     with complete(claim) as submission:
         grading = grade_submission(
-            claim.exercise, submission, forkserver, file=claim.path.name, field=field, tier=tier
+            claim.exercise,
+            submission,
+            forkserver,
+            file=claim.exercise.files[0],
+            field=field,
+            tier=tier,
         )
     judged = [check for check in grading.checks if check.outcome != UNAVAILABLE]
     failed = [check for check in judged if check.outcome == FAIL]

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import rclpy
 from geometry_msgs.msg import PoseStamped, Quaternion, Twist
 from nav_msgs.msg import Odometry
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.signals import SignalHandlerOptions
 
 CONTROL_PERIOD = 0.1  # [s] 10 Hz
 GOAL_TOLERANCE = 0.5  # [m] within this distance the goal is reached
@@ -90,17 +90,25 @@ class GoalSeekingAgent(Node):
         # TODO(task 4): fill in a Twist that drives and turns toward the goal, and publish it.
         # TODO(task 5): arrived? One zero Twist, the log line, and then silence.
 
+    def stop(self) -> None:
+        """Stop the robot; `main` calls this at the end."""
+        self.cmd_vel_publisher.publish(Twist())
+
 
 def main(args: list[str] | None = None) -> None:
-    """Run the agent until Ctrl-C."""
-    rclpy.init(args=args)
-    node = GoalSeekingAgent()
+    """Run the agent until Ctrl-C, then stop the robot."""
     try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = GoalSeekingAgent()
+        try:
+            while rclpy.ok():
+                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
+        finally:
+            node.stop()
+    except KeyboardInterrupt:
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

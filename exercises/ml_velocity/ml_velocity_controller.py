@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import LaserScan
 
 FRONT_HALF_ANGLE = math.radians(60.0)  # [rad] the front sector is |θ| ≤ 60°
@@ -45,7 +45,7 @@ class MlVelocityController(Node):
         self.max_speed = 0.5
         self.get_logger().info("ML velocity controller started")
 
-    def load_model(self, path: str) -> Any:
+    def load_model(self, path: str) -> Any | None:
         """Return the unpickled model, or ``None`` (and an error in the log) if there is none.
 
         Unpickling runs whatever code the file asks for: load only models that you made yourself.
@@ -62,17 +62,25 @@ class MlVelocityController(Node):
         # TODO(task 5): ask the model, and be ready for any answer.
         return 0.0
 
+    def stop(self) -> None:
+        """Stop the robot; `main` calls this at the end."""
+        # TODO(task 4): publish a Twist whose fields are all 0.
+
 
 def main(args: list[str] | None = None) -> None:
-    """Run the controller until Ctrl-C."""
-    rclpy.init(args=args)
-    node = MlVelocityController()
+    """Run the controller until Ctrl-C, then stop the robot."""
     try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = MlVelocityController()
+        try:
+            while rclpy.ok():
+                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
+        finally:
+            node.stop()
+    except KeyboardInterrupt:
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -17,9 +17,9 @@ import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
 from numpy.typing import ArrayLike, NDArray
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import LaserScan
 
 FRONT_HALF_ANGLE = math.radians(60.0)  # [rad] the front sector is |θ| ≤ 60°
@@ -95,17 +95,25 @@ class PolicyController(Node):
         # TODO(task 8): ask the policy, and be ready for any answer.
         return 0.0
 
+    def stop(self) -> None:
+        """Stop the robot; `main` calls this at the end."""
+        # TODO(task 8): publish a Twist whose fields are all 0.
+
 
 def main(args: list[str] | None = None) -> None:
-    """Run the controller until Ctrl-C."""
-    rclpy.init(args=args)
-    node = PolicyController()
+    """Run the controller until Ctrl-C, then stop the robot."""
     try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = PolicyController()
+        try:
+            while rclpy.ok():
+                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
+        finally:
+            node.stop()
+    except KeyboardInterrupt:
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -3,7 +3,7 @@
 Calls       /detect          std_srvs/srv/Trigger  every 0.5 s
 Publishes   /ROLE/detection  std_msgs/msg/String   what the server said, when it had something
             /ROLE/heartbeat  std_msgs/msg/UInt32   1, 2, 3 … every 0.1 s, whatever the server does
-Parameter   role             navigation, manipulation or logging: one node is started for each
+Parameter   role             string: navigation, manipulation or logging; one node for each
 
     python3 detection_client.py --ros-args -r __node:=logging_client -p role:=logging
 """
@@ -25,7 +25,7 @@ class DetectionClient(Node):
 
     def __init__(self) -> None:
         super().__init__("detection_client")
-        role = self.declare_parameter("role", "navigation").value
+        role: str = self.declare_parameter("role", "navigation").value
         self.beats = 0
         self.request: Future | None = None  # the answer to come; None: nothing is asked
         self.asked_at = self.get_clock().now()
@@ -50,14 +50,13 @@ class DetectionClient(Node):
 
 def main(args: list[str] | None = None) -> None:
     """Run the client until Ctrl-C."""
-    rclpy.init(args=args)
-    node = DetectionClient()
     try:
+        rclpy.init(args=args)
+        node = DetectionClient()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -2,7 +2,7 @@
 
 Subscribes  /scan    sensor_msgs/msg/LaserScan  distances all around the robot [m]
 Serves      /detect  std_srvs/srv/Trigger       what the model makes of the newest scan, as JSON
-Parameter   model_path  a pickled classifier with `predict` and `predict_proba`
+Parameter   model_path  string  a pickled classifier with predict and predict_proba
 """
 
 import json
@@ -48,7 +48,7 @@ class DetectionServer(Node):
     def __init__(self) -> None:
         super().__init__("detection_server")
         self.scan: LaserScan | None = None  # the newest; None: there has been none
-        model_path = self.declare_parameter("model_path", "detection_model.pkl").value
+        model_path: str = self.declare_parameter("model_path", "detection_model.pkl").value
         self.model = self.load_model(model_path)
         self.scan_subscription = self.create_subscription(
             LaserScan, "/scan", self.scan_callback, NEWEST_SCAN
@@ -56,8 +56,11 @@ class DetectionServer(Node):
         # TODO(task 1): offer the service /detect, of type Trigger, with self.detect_callback.
         self.get_logger().info("Detection server started")
 
-    def load_model(self, path: str) -> Any:
-        """Return the unpickled model; None, and an error in the log, if there is none."""
+    def load_model(self, path: str) -> Any | None:
+        """Return the unpickled model, or ``None`` (and an error in the log) if there is none.
+
+        Unpickling runs whatever code the file asks for: load only models that you made yourself.
+        """
         # TODO(task 2): unpickle the file; if that fails, log an error and return None.
         return None
 
@@ -86,14 +89,13 @@ class DetectionServer(Node):
 
 def main(args: list[str] | None = None) -> None:
     """Run the server until Ctrl-C."""
-    rclpy.init(args=args)
-    node = DetectionServer()
     try:
+        rclpy.init(args=args)
+        node = DetectionServer()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

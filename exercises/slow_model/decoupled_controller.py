@@ -2,8 +2,8 @@
 
 Subscribes  /scan     sensor_msgs/msg/LaserScan  distances all around the robot [m]
 Publishes   /cmd_vel  geometry_msgs/msg/Twist    forward speed [m/s], 20 times a second
-Parameters  model_path  pickled model, ``predict(X: (n, 5)) -> (n,)`` [m/s]; a call takes 200 ms
-            max_speed   predictions are clipped to 0 … max_speed [m/s]
+Parameters  model_path  string  a pickled model with predict(X: (n, 5)) -> (n,) [m/s]; takes 200 ms
+            max_speed   double  no command is faster [m/s]
 """
 
 import math
@@ -14,9 +14,10 @@ import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 
@@ -50,8 +51,8 @@ class DecoupledController(Node):
 
     def __init__(self) -> None:
         super().__init__("decoupled_controller")
-        model_path = self.declare_parameter("model_path", "velocity_model.pkl").value
-        self.max_speed: float = self.declare_parameter("max_speed", 0.5).value
+        model_path: str = self.declare_parameter("model_path", "velocity_model.pkl").value
+        self.max_speed: float = self.declare_parameter("max_speed", 0.5).value  # [m/s]
         self.model = self.load_model(model_path)
         # The only thing that both threads touch. It is replaced as a whole, so it needs no lock.
         self.prediction: Prediction | None = None
@@ -62,7 +63,10 @@ class DecoupledController(Node):
         self.get_logger().info("Decoupled controller started")
 
     def load_model(self, path: str) -> Any | None:
-        """Return the model in a pickle file; ``None``, and an error in the log: there is none."""
+        """Return the unpickled model, or ``None`` (and an error in the log) if there is none.
+
+        Unpickling runs whatever code the file asks for: load only models that you made yourself.
+        """
         # TODO(task 1): load it as in exercise 2.
         return None
 
@@ -86,18 +90,29 @@ class DecoupledController(Node):
         """
         # TODO(task 4): publish a Twist, always: the prediction's speed, or 0.0.
 
+    def stop(self) -> None:
+        """Stop the robot; `main` calls this at the end."""
+        self.cmd_vel_publisher.publish(Twist())
+
 
 def main(args: list[str] | None = None) -> None:
-    """Run the controller until Ctrl-C."""
-    rclpy.init(args=args)
-    node = DecoupledController()
-    # TODO(task 2): rclpy.spin runs one callback at a time. Which executor runs two?
+    """Run the controller until Ctrl-C, then stop the robot."""
     try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = DecoupledController()
+        # TODO(task 2): this executor runs one callback at a time. Which one runs two?
+        executor = rclpy.get_global_executor()
+        executor.add_node(node)
+        try:
+            while rclpy.ok():
+                executor.spin_once(timeout_sec=1.0)  # Ctrl-C takes effect between two waits
+        finally:
+            executor.shutdown()  # starts no further callback
+            node.stop()
+    except KeyboardInterrupt:
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -1,6 +1,6 @@
 """Write docs/mutants.md: which mistake is caught by which check.
 
-What stands there comes from the mutants' docstrings; that it is true is what the proof proves.
+What stands there comes from `solutions/*/mutants.toml`; that it is true is what the proof proves.
 `python -m grader.authoring.catalogue` writes the page, `--check` tells whether it is up to date.
 """
 
@@ -17,10 +17,12 @@ HEAD = """\
 # Which check catches which mistake
 
 Every check of the course is proven by wrong solutions, *mutants*: nodes with one realistic mistake
-each, in `solutions/<exercise>/mutants/`. `make prove` grades them all; each has to fail exactly the
-checks named here. (Checks that are skipped because one that they need failed are not listed.)
+each, written as an edit of a right one in `solutions/<exercise>/mutants.toml`. `make prove` grades
+them all; each has to fail exactly the checks named here. (Checks that are skipped because one that
+they need failed are not listed.) `python -m grader.authoring.mutants <exercise> <mutant>` prints a
+whole one.
 
-This page is made from the mutants' docstrings by `python -m grader.authoring.catalogue`.
+This page is made from those files by `python -m grader.authoring.catalogue`.
 """
 
 
@@ -67,7 +69,7 @@ def _section(exercise: Exercise) -> str:
 def _row(claim: Claim) -> str:
     caught = ", ".join(f"`{check}`" for check in sorted(claim.fails))
     mistake = claim.about.replace("|", "\\|")
-    return f"| `{claim.path.stem}` | {mistake} | {caught} |"
+    return f"| `{claim.stem}` | {mistake} | {caught} |"
 
 
 if __name__ == "__main__":

@@ -89,7 +89,7 @@ def _examine(
     while True:
         trials = ThriftyTrials(submission, forkserver, seed=seed, shared=shared)
         with trials:
-            grading = grade(claim.exercise, trials, file=claim.path.name, field=judged)
+            grading = grade(claim.exercise, trials, file=claim.exercise.files[0], field=judged)
         stalled = any(check.outcome == INCONCLUSIVE for check in grading.checks)
         if not stalled or stalls == ATTEMPTS - 1:
             break

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+from grader.authoring.mutants import CATALOGUE, mutants
 from grader.course.exercises import SOLUTIONS, all_exercises
 from grader.nbgrader.cells import definition
 
@@ -53,15 +54,16 @@ def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
     """Return where a release gives an answer away.
 
     Searched for: the markers of solutions and hidden tests, and any run of SHINGLE lines of a
-    solution, variant or mutant that the skeletons don't have.
+    solution, variant or mutant that the skeletons don't have. How a node begins and ends is no
+    answer: every skeleton's `main` is finished, so what it says is not searched for, even if that
+    skeleton is not in the release.
     """
-    given = set[Shingle]()
+    given = set(_mains())
     for file in (folder / "exercises").rglob("*.py"):
         given.update(_shingles(_lines(_read(file))))
     secrets: dict[Shingle, str] = {}
-    for file in sorted(solutions.rglob("*.py")):
-        place = file.relative_to(solutions.parent).as_posix()
-        lines = _lines(_read(file))
+    for place, program in _solutions(solutions):
+        lines = _lines(program)
         for shingle in _secret_shingles(lines):
             if shingle not in given or _is_marked(lines):
                 secrets.setdefault(shingle, place)
@@ -122,6 +124,28 @@ def _lines(text: str) -> list[str]:
 
 
 # --- what is searched for ------------------------------------------------------------------
+
+
+def _solutions(folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield the path and the text of each solution, variant and mutant.
+
+    A mutant is an edit of another program; it is searched for as a whole.
+    """
+    for file in sorted(folder.rglob("*.py")):
+        yield file.relative_to(folder.parent).as_posix(), _read(file)
+    for exercise in all_exercises():
+        catalogue = f"{folder.name}/{exercise.slug}/{CATALOGUE}"
+        for mutant in mutants(exercise, folder / exercise.slug):
+            yield f"{catalogue}: {mutant.name}", mutant.text
+
+
+def _mains() -> Iterator[Shingle]:
+    """Yield the runs of lines from `def main` on, of all skeletons."""
+    for exercise in all_exercises():
+        for file in exercise.files:
+            lines = _lines(_read(exercise.folder / file))
+            start = next((n for n, line in enumerate(lines) if line.startswith("def main(")), None)
+            yield from _shingles([] if start is None else lines[start:])
 
 
 def _shingles(lines: list[str], size: int = SHINGLE) -> Iterator[Shingle]:

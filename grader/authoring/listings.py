@@ -8,17 +8,19 @@ whether it is what the grader says now.
 from __future__ import annotations
 
 import io
+import shutil
 import sys
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 
-from grader.authoring.proof import Claim, grade_claim
 from grader.course.exercises import ROOT, find_exercise
+from grader.course.submission import find_submission
 from grader.errors import GraderError
-from grader.grading.grading import Grading
+from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import FAIL, CheckResult
 from grader.link.hosts import ForkServer
 from grader.report.page import render_terminal
@@ -126,9 +128,16 @@ def page() -> str:
 def grade_listing(listing: Listing) -> Grading:
     """Grade a listing, core and (if the core is full) field, with the reference's other files."""
     exercise = find_exercise(listing.exercise)
-    claim = Claim(exercise, "mutant", NODES / listing.file)
-    with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
-        return grade_claim(claim, forkserver)
+    others = exercise.files[1:]
+    with (
+        tempfile.TemporaryDirectory(prefix="course-listing-") as name,
+        ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver,
+    ):
+        folder = Path(name)
+        for path in (NODES / listing.file, *(exercise.solutions / file for file in others)):
+            shutil.copyfile(path, folder / path.name)
+        submission = find_submission(folder / listing.file, others=others)
+        return grade_submission(exercise, submission, forkserver, file=listing.file, field=True)
 
 
 def main(arguments: list[str]) -> int:

@@ -5,7 +5,7 @@ right. Their jobs are other and smaller ones than the exercises': they are publi
 should pass with one of them. `python -m grader.authoring.pitfalls OUT` drives them and writes a
 replay of each into OUT, which opens where it goes wrong. `--made` writes lessons/pitfalls/made:
 the differences, the frames of the replays, and what the grader says of wrong solutions
-(solutions/*/mutants) that make the same mistakes; `--check` tells whether that is up to date.
+(solutions/*/mutants.toml) that make the same mistakes; `--check` tells whether that is up to date.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import io
 import re
 import shutil
 import sys
+import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +25,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from grader.authoring.mutants import find_mutant
 from grader.checks.obstacle_avoidance.contract import front_distance
 from grader.checks.obstacle_avoidance.evidence import answers, spell
 from grader.course.exercises import ROOT, find_exercise
@@ -361,13 +363,14 @@ def grade_mutant(mutant: str, forkserver: ForkServer, *, only: Iterable[str] = (
     """
     slug, _, name = mutant.partition("/")
     exercise = find_exercise(slug)
-    file = exercise.solutions / "mutants" / f"{name}.py"
-    return grade(slug, file, forkserver, as_file=exercise.files[0], only=only)
+    wrong = find_mutant(exercise, name)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, wrong.file)
+        file.write_text(wrong.text, "utf-8")
+        return grade(slug, file, forkserver, only=only)
 
 
-def grade(
-    slug: str, path: Path, forkserver: ForkServer, *, as_file: str = "", only: Iterable[str] = ()
-) -> Grading:
+def grade(slug: str, path: Path, forkserver: ForkServer, *, only: Iterable[str] = ()) -> Grading:
     """Grade a node, by some checks or by all of the core.
 
     Raises
@@ -380,7 +383,7 @@ def grade(
         find_exercise(slug),
         find_submission(path),
         forkserver,
-        file=as_file or path.name,
+        file=path.name,
         field=any(check.startswith("field_") for check in only),
         only=only,
     )

@@ -1,19 +1,15 @@
 """Prove the graders: right solutions get full marks, wrong ones fail exactly the checks they name.
 
-Every mutant says in its docstring which checks it fails::
+The wrong ones, *mutants*, are edits of right ones, listed in `mutants.toml` with the checks that
+they fail (see `grader.authoring.mutants`). Checks skipped through `needs` are not named. Field
+checks are only judged when all of the core passed, so a mutant names either kind. A variant that
+claims the badge says so in its docstring: `field: all`.
 
-    fails: stop_zone, no_contact        (core checks; those skipped through `needs` are not listed)
-    field: field_speckle                (field checks, when they are run)
+`python -m grader.authoring.proof [EXERCISE …]` prints which mutant is killed by which check.
 
-    requires: torch                     (modules without which the node would fail otherwise)
-
-Field checks are only judged when all of the core passed, so a mutant names either kind. A variant
-that claims the badge says `field: all`. `python -m grader.authoring.proof [EXERCISE …]` prints
-which mutant is killed by which check.
-
-Of an exercise with several files, a variant or mutant is a folder with some of them, or one file
-that says which it stands for (`file: detection_client.py`; the first by default). Those that it
-lacks are the reference's.
+Of an exercise with several files, a variant is a folder with some of them, or one file that says
+which it stands for (`file: detection_client.py`; the first by default). Those that it lacks are the
+reference's.
 """
 
 from __future__ import annotations
@@ -21,17 +17,16 @@ from __future__ import annotations
 import ast
 import contextlib
 import re
-import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from grader.authoring.mutants import mutants, stands_for, submission_of
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.installed import why_not
 from grader.course.submission import Submission, find_submission
-from grader.errors import GraderError
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import FAIL, UNAVAILABLE
 from grader.link.hosts import ForkServer
@@ -46,7 +41,9 @@ class Claim:
 
     exercise: Exercise
     kind: str  # reference, variant, mutant or skeleton
-    path: Path
+    stem: str  # its name: of a file or folder, or in the catalogue of mutants
+    files: Mapping[str, str]  # the texts of all files of the exercise
+    about: str = ""  # what is special about it, or its mistake
     fails: frozenset[str] = frozenset()  # checks, core and field
     field_ready: bool = False
     requires: frozenset[str] = frozenset()  # modules without which it can't be graded
@@ -59,49 +56,65 @@ class Claim:
     @property
     def name(self) -> str:
         """A short name for tables and tests."""
-        return f"{self.exercise.slug}/{self.kind}/{self.path.stem}"
-
-    @property
-    def about(self) -> str:
-        """The first paragraph of the docstring: what is special about it, or its mistake."""
-        return " ".join(_docstring(self.path).split("\n\n")[0].split())
+        return f"{self.exercise.slug}/{self.kind}/{self.stem}"
 
 
 def claims(exercise: Exercise) -> Iterator[Claim]:
-    """Return all solutions of an exercise with their claims."""
-    file = exercise.files[0]
-    yield Claim(exercise, "reference", exercise.solutions / file, field_ready=True)
-    yield Claim(exercise, "skeleton", exercise.folder / file)
-    for path in _solutions(exercise, "variants"):
-        ready = "all" in _listed("field", _docstring(path))
-        yield Claim(exercise, "variant", path, field_ready=ready)
-    for path in _solutions(exercise, "mutants"):
-        doc = _docstring(path)
-        fails = _listed("fails", doc) | _listed("field", doc)
-        yield Claim(exercise, "mutant", path, fails, requires=_listed("requires", doc))
+    """Return all solutions of an exercise with their claims.
+
+    Raises
+    ------
+    InputError
+        The catalogue of mutants is broken.
+    GraderError
+        A variant stands for a file that the exercise does not have.
+    """
+    stem = Path(exercise.files[0]).stem
+    reference = _texts(exercise, exercise.solutions)
+    yield Claim(exercise, "reference", stem, reference, field_ready=True)
+    yield Claim(exercise, "skeleton", stem, _texts(exercise, exercise.folder))
+    for path in sorted((exercise.solutions / "variants").glob("*")):
+        if path.suffix == ".py" or _texts(exercise, path):
+            yield claim_of(exercise, "variant", path)
+    for mutant in sorted(mutants(exercise), key=lambda mutant: mutant.name):
+        yield Claim(
+            exercise,
+            "mutant",
+            mutant.name,
+            submission_of(exercise, mutant),
+            mutant.mistake,
+            mutant.fails,
+            requires=mutant.requires,
+        )
+
+
+def claim_of(exercise: Exercise, kind: str, path: Path) -> Claim:
+    """Return the claim of a file, or of a folder with files of the exercise."""
+    own = _texts(exercise, path)
+    if path.is_file():
+        own = {stands_for(exercise, path): path.read_text("utf-8")}
+    doc = "\n".join(ast.get_docstring(ast.parse(text)) or "" for text in own.values())
+    ready = re.search(r"^field:.*\ball\b", doc, re.MULTILINE) is not None
+    about = " ".join(doc.split("\n\n")[0].split())
+    files = {**_texts(exercise, exercise.solutions), **own}
+    return Claim(exercise, kind, path.stem, files, about, field_ready=ready)
 
 
 def grade_claim(claim: Claim, forkserver: ForkServer) -> Grading:
     """Grade a solution with the core and the field checks."""
     with complete(claim) as submission:
-        return grade_submission(
-            claim.exercise, submission, forkserver, file=claim.path.name, field=True
-        )
+        file = f"{claim.stem}.py"
+        return grade_submission(claim.exercise, submission, forkserver, file=file, field=True)
 
 
 @contextlib.contextmanager
 def complete(claim: Claim) -> Iterator[Submission]:
-    """Yield the claim's submission, with the reference's files for those that it lacks."""
+    """Yield the claim's submission, in a folder of its own."""
     first, *others = claim.exercise.files
-    if not others or claim.kind in ("reference", "skeleton"):
-        yield find_submission(claim.path, first, others)
-        return
     with tempfile.TemporaryDirectory(prefix="course-claim-") as name:
         folder = Path(name)
-        for file in claim.exercise.files:
-            shutil.copyfile(claim.exercise.solutions / file, folder / file)
-        for file, path in _own_files(claim).items():
-            shutil.copyfile(path, folder / file)
+        for file, text in claim.files.items():
+            (folder / file).write_text(text, "utf-8")
         yield find_submission(folder, first, others)
 
 
@@ -229,37 +242,9 @@ def _prove(exercise: Exercise, forkserver: ForkServer) -> Tally:
     return tally
 
 
-def _solutions(exercise: Exercise, kind: str) -> list[Path]:
-    """Return the variants or mutants: files, and folders with files of the exercise."""
-    entries = (exercise.solutions / kind).glob("*")
-    return sorted(path for path in entries if path.suffix == ".py" or _has(path, exercise.files))
-
-
-def _has(folder: Path, files: tuple[str, ...]) -> bool:
-    return any((folder / file).is_file() for file in files)
-
-
-def _own_files(claim: Claim) -> dict[str, Path]:
-    """Return which files of the exercise the claim brings along."""
-    files = claim.exercise.files
-    if claim.path.is_dir():
-        return {file: claim.path / file for file in files if (claim.path / file).is_file()}
-    said = re.search(r"^file:\s*(\S+)$", _docstring(claim.path), re.MULTILINE)
-    file = said[1] if said else files[0]
-    if file not in files:
-        raise GraderError(f"{claim.path}: stands for {file}; expected one of {', '.join(files)}")
-    return {file: claim.path}
-
-
-def _docstring(path: Path) -> str:
-    """Return a file's docstring, or those of all files in a folder."""
-    files = sorted(path.glob("*.py")) if path.is_dir() else [path]
-    return "\n".join(ast.get_docstring(ast.parse(file.read_bytes())) or "" for file in files)
-
-
-def _listed(key: str, doc: str) -> frozenset[str]:
-    match = re.search(rf"^{key}:(.*)$", doc, re.MULTILINE)
-    return frozenset(re.findall(r"\w+", match[1])) - {"none"} if match else frozenset()
+def _texts(exercise: Exercise, folder: Path) -> dict[str, str]:
+    there = [file for file in exercise.files if (folder / file).is_file()]
+    return {file: (folder / file).read_text("utf-8") for file in there}
 
 
 if __name__ == "__main__":

@@ -30,9 +30,13 @@ KEPT = {
     "grader": (".py", ".xml", ".js", ".css", ".html"),
     "exercises": (".py", ".md", ".toml", *PACKAGE),
     LESSONS: (".md", ".png", ".svg"),
-    "docs/students": (".md", ".png", ".svg"),
 }
-SINGLE = ("LICENSE", "LICENSE-lessons.md", "constraints.txt")
+SINGLE = (
+    "LICENSE", "LICENSE-lessons.md", "constraints.txt",
+    "docs/students.md", "docs/live-robot.md",
+    "docs/images/notebook-dark.png", "docs/images/notebook-light.png",
+    "docs/images/notebook-wrong.png",
+)  # fmt: skip
 PRIVATE = re.compile(
     r"(?i)(^|[_\-.])(secrets?|hidden|solutions?|mutants?|variants?|private)([_\-.]|$)"
 )
@@ -51,14 +55,9 @@ Write ROS 2 nodes in Python and let them drive a mock robot. You need Linux on x
     pip install --constraint constraints.txt --editable '.[ros,ml]'
     course list
 
-Take a copy of a skeleton, work on it, and ask the grader as often as you like:
-
-    cp exercises/obstacle_avoidance/obstacle_avoidance_agent.py my_agent.py
-    course grade obstacle_avoidance my_agent.py --report report.html
-    course drive my_agent.py --scenario avoid_cart --report drive.html
-
-Each folder in `exercises/` has a README with the contract and the points, and hints. Where ROS 2 is
-installed, `exercises/` and `sim/` are also packages for `colcon build`.
+[docs/students.md](docs/students.md) takes you from here: copy a skeleton, ask the grader as often
+as you like, read what it says. Where ROS 2 is installed, `exercises/` and `sim/` are also packages
+for `colcon build`.
 
 {lesson}
 
@@ -66,8 +65,7 @@ installed, `exercises/` and `sim/` are also packages for `colcon build`.
 |---|---|---|
 {rows}
 
-The worlds in which you are graded in the end may be others than those in `sim/scenarios/`, and as
-hard. Code: Apache-2.0 (`LICENSE`). Lesson text: CC BY 4.0 (`LICENSE-lessons.md`).
+Code: Apache-2.0 (`LICENSE`). Lesson text: CC BY 4.0 (`LICENSE-lessons.md`).
 """
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from grader.authoring.proof import Claim, claims, complete
+from grader.authoring.proof import Claim, claims
 from grader.classroom.store import Key
 from grader.classroom.work import Unit
 from grader.course.exercises import Exercise
@@ -93,13 +93,9 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
     for name, claim in ((REFERENCE, right), (MUTANT, wrong)):
         if claim is None:
             continue
-        with complete(claim) as submission:
-            paths = (submission.path, *submission.others)
-            texts = [path.read_bytes() for path in paths]
-        names = [path.name for path in paths]
-        names[0] = exercise.files[0]  # a mutant's file is called after its mistake
+        texts = {file: text.encode() for file, text in claim.files.items()}
         unit = Unit(
-            name, exercise.slug, dict(zip(names, texts, strict=True)), field=sample.field,
+            name, exercise.slug, texts, field=sample.field,
             tier=sample.tier, bags=False, trust=sample.trust, canary=True,
         )  # fmt: skip
         found.append(Canary(unit, claim.fails))
@@ -109,4 +105,4 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
 def _is_plain_mutant(claim: Claim) -> bool:
     """One that fails core checks and needs no library of its own."""
     core = not any(check.startswith("field_") for check in claim.fails)
-    return claim.kind == "mutant" and core and not claim.requires and not claim.path.is_dir()
+    return claim.kind == "mutant" and core and not claim.requires

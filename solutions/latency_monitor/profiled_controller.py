@@ -3,9 +3,9 @@
 Subscribes  /scan         sensor_msgs/msg/LaserScan            distances all around the robot [m]
 Publishes   /cmd_vel      geometry_msgs/msg/Twist              forward speed [m/s], one per scan
             /diagnostics  diagnostic_msgs/msg/DiagnosticArray  latency of the last 100 calls, 1 Hz
-Parameters  model_path    pickled model, ``predict(X: (n, 5)) -> (n,)`` [m/s]
-            max_speed     predictions are clipped to 0 … max_speed [m/s]
-            deadline_ms   a call that takes longer has missed its deadline [ms]
+Parameters  model_path   string  a pickled model with predict(X: (n, 5)) -> (n,) [m/s]
+            max_speed    double  no command is faster [m/s]
+            deadline_ms  double  a call that takes longer has missed its deadline [ms]
 """
 
 import math
@@ -18,9 +18,9 @@ import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Twist
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import LaserScan
 
 WINDOW = 100  # calls
@@ -99,8 +99,8 @@ class ProfiledController(Node):
 
     def __init__(self) -> None:
         super().__init__("profiled_controller")
-        model_path = self.declare_parameter("model_path", "velocity_model.pkl").value
-        self.max_speed: float = self.declare_parameter("max_speed", 0.5).value
+        model_path: str = self.declare_parameter("model_path", "velocity_model.pkl").value
+        self.max_speed: float = self.declare_parameter("max_speed", 0.5).value  # [m/s]
         self.deadline: float = self.declare_parameter("deadline_ms", 100.0).value  # [ms]
         self.model = self.load_model(model_path)
         self.latencies: deque[float] = deque(maxlen=WINDOW)  # [ms] of the last calls
@@ -118,13 +118,16 @@ class ProfiledController(Node):
         self.get_logger().info("Profiled controller started")
 
     def load_model(self, path: str) -> Any | None:
-        """Return the model in a pickle file; ``None``, and an error in the log: there is none."""
+        """Return the unpickled model, or ``None`` (and an error in the log) if there is none.
+
+        Unpickling runs whatever code the file asks for: load only models that you made yourself.
+        """
         ### BEGIN SOLUTION
         try:
             with open(path, "rb") as file:
                 return pickle.load(file)
-        except Exception as error:  # a pickle can raise anything
-            self.get_logger().error(f"No model in {path}: {error!r}")
+        except Exception as error:  # a broken pickle can raise anything
+            self.get_logger().error(f"No model, so no motion: {path}: {error!r}")
             return None
         ### SKELETON
         # # TODO(task 1): load it as in exercise 2.
@@ -201,17 +204,29 @@ class ProfiledController(Node):
         # # TODO(task 5): one DiagnosticStatus with eight KeyValue, in a DiagnosticArray.
         ### END SOLUTION
 
+    def stop(self) -> None:
+        """Stop the robot; `main` calls this at the end."""
+        ### BEGIN SOLUTION
+        self.cmd_vel_publisher.publish(Twist())
+        ### SKELETON
+        # # TODO(task 1): publish a Twist whose fields are all 0.
+        ### END SOLUTION
+
 
 def main(args: list[str] | None = None) -> None:
-    """Run the controller until Ctrl-C."""
-    rclpy.init(args=args)
-    node = ProfiledController()
+    """Run the controller until Ctrl-C, then stop the robot."""
     try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = ProfiledController()
+        try:
+            while rclpy.ok():
+                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
+        finally:
+            node.stop()
+    except KeyboardInterrupt:
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

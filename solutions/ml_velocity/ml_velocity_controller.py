@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import LaserScan
 
 FRONT_HALF_ANGLE = math.radians(60.0)  # [rad] the front sector is |θ| ≤ 60°
@@ -54,10 +54,9 @@ class MlVelocityController(Node):
     def __init__(self) -> None:
         super().__init__("ml_velocity_controller")
         ### BEGIN SOLUTION
-        self.declare_parameter("model_path", "velocity_model.pkl")
-        self.declare_parameter("max_speed", 0.5)  # [m/s]
-        self.max_speed: float = self.get_parameter("max_speed").value
-        self.model = self.load_model(self.get_parameter("model_path").value)
+        model_path: str = self.declare_parameter("model_path", "velocity_model.pkl").value
+        self.max_speed: float = self.declare_parameter("max_speed", 0.5).value  # [m/s]
+        self.model = self.load_model(model_path)
         self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         self.scan_subscription = self.create_subscription(
             LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data
@@ -71,7 +70,7 @@ class MlVelocityController(Node):
         ### END SOLUTION
         self.get_logger().info("ML velocity controller started")
 
-    def load_model(self, path: str) -> Any:
+    def load_model(self, path: str) -> Any | None:
         """Return the unpickled model, or ``None`` (and an error in the log) if there is none.
 
         Unpickling runs whatever code the file asks for: load only models that you made yourself.
@@ -105,15 +104,19 @@ class MlVelocityController(Node):
             return 0.0
         features = extract_features(scan)
         if features is None:
-            self.get_logger().warning("A sector without a usable reading: standing still")
+            self.get_logger().warning(
+                "A sector without a usable reading: standing still", throttle_duration_sec=1.0
+            )
             return 0.0
         try:
             speed = float(self.model.predict(features)[0])
         except Exception as error:  # a model can raise anything; the node goes on
-            self.get_logger().error(f"The model failed: {error!r}")
+            self.get_logger().error(f"The model failed: {error!r}", throttle_duration_sec=1.0)
             return 0.0
         if not math.isfinite(speed):
-            self.get_logger().warning(f"The model says {speed}: standing still")
+            self.get_logger().warning(
+                f"The model says {speed}: standing still", throttle_duration_sec=1.0
+            )
             return 0.0
         return min(max(speed, 0.0), self.max_speed)
         ### SKELETON
@@ -121,17 +124,29 @@ class MlVelocityController(Node):
         # return 0.0
         ### END SOLUTION
 
+    def stop(self) -> None:
+        """Stop the robot; `main` calls this at the end."""
+        ### BEGIN SOLUTION
+        self.cmd_vel_publisher.publish(Twist())
+        ### SKELETON
+        # # TODO(task 4): publish a Twist whose fields are all 0.
+        ### END SOLUTION
+
 
 def main(args: list[str] | None = None) -> None:
-    """Run the controller until Ctrl-C."""
-    rclpy.init(args=args)
-    node = MlVelocityController()
+    """Run the controller until Ctrl-C, then stop the robot."""
     try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = MlVelocityController()
+        try:
+            while rclpy.ok():
+                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
+        finally:
+            node.stop()
+    except KeyboardInterrupt:
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

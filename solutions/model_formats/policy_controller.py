@@ -17,9 +17,9 @@ import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
 from numpy.typing import ArrayLike, NDArray
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import LaserScan
 
 FRONT_HALF_ANGLE = math.radians(60.0)  # [rad] the front sector is |θ| ≤ 60°
@@ -118,10 +118,10 @@ class PolicyController(Node):
     def __init__(self) -> None:
         super().__init__("policy_controller")
         ### BEGIN SOLUTION
-        path: str = self.declare_parameter("model_path", "velocity_model.pkl").value
+        model_path: str = self.declare_parameter("model_path", "velocity_model.pkl").value
         self.max_speed: float = self.declare_parameter("max_speed", 0.5).value  # [m/s]
         self.device: str = self.declare_parameter("device", "cpu").value
-        self.policy = self.load_policy(path)
+        self.policy = self.load_policy(model_path)
         self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         self.scan_subscription = self.create_subscription(
             LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data
@@ -191,15 +191,19 @@ class PolicyController(Node):
             return 0.0
         features = extract_features(scan)
         if features is None:
-            self.get_logger().warning("A sector without a usable reading: standing still")
+            self.get_logger().warning(
+                "A sector without a usable reading: standing still", throttle_duration_sec=1.0
+            )
             return 0.0
         try:
             speed = float(np.ravel(self.policy(features))[0])  # of (1,) and of (1, 1)
         except Exception as error:  # a model can raise anything; the node goes on
-            self.get_logger().error(f"The model failed: {error!r}")
+            self.get_logger().error(f"The model failed: {error!r}", throttle_duration_sec=1.0)
             return 0.0
         if not math.isfinite(speed):
-            self.get_logger().warning(f"The model says {speed}: standing still")
+            self.get_logger().warning(
+                f"The model says {speed}: standing still", throttle_duration_sec=1.0
+            )
             return 0.0
         return min(max(speed, 0.0), self.max_speed)
         ### SKELETON
@@ -207,17 +211,29 @@ class PolicyController(Node):
         # return 0.0
         ### END SOLUTION
 
+    def stop(self) -> None:
+        """Stop the robot; `main` calls this at the end."""
+        ### BEGIN SOLUTION
+        self.cmd_vel_publisher.publish(Twist())
+        ### SKELETON
+        # # TODO(task 8): publish a Twist whose fields are all 0.
+        ### END SOLUTION
+
 
 def main(args: list[str] | None = None) -> None:
-    """Run the controller until Ctrl-C."""
-    rclpy.init(args=args)
-    node = PolicyController()
+    """Run the controller until Ctrl-C, then stop the robot."""
     try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = PolicyController()
+        try:
+            while rclpy.ok():
+                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
+        finally:
+            node.stop()
+    except KeyboardInterrupt:
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -2,7 +2,7 @@
 
 Subscribes  /scan    sensor_msgs/msg/LaserScan  distances all around the robot [m]
 Serves      /detect  std_srvs/srv/Trigger       what the model makes of the newest scan, as JSON
-Parameter   model_path  a pickled classifier with `predict` and `predict_proba`
+Parameter   model_path  string  a pickled classifier with predict and predict_proba
 """
 
 import json
@@ -63,7 +63,7 @@ class DetectionServer(Node):
     def __init__(self) -> None:
         super().__init__("detection_server")
         self.scan: LaserScan | None = None  # the newest; None: there has been none
-        model_path = self.declare_parameter("model_path", "detection_model.pkl").value
+        model_path: str = self.declare_parameter("model_path", "detection_model.pkl").value
         self.model = self.load_model(model_path)
         self.scan_subscription = self.create_subscription(
             LaserScan, "/scan", self.scan_callback, NEWEST_SCAN
@@ -75,14 +75,17 @@ class DetectionServer(Node):
         ### END SOLUTION
         self.get_logger().info("Detection server started")
 
-    def load_model(self, path: str) -> Any:
-        """Return the unpickled model; None, and an error in the log, if there is none."""
+    def load_model(self, path: str) -> Any | None:
+        """Return the unpickled model, or ``None`` (and an error in the log) if there is none.
+
+        Unpickling runs whatever code the file asks for: load only models that you made yourself.
+        """
         ### BEGIN SOLUTION
         try:
             with open(path, "rb") as file:
                 return pickle.load(file)
-        except Exception as error:  # a pickle can raise anything
-            self.get_logger().error(f"No model: {path} can't be loaded: {error!r}")
+        except Exception as error:  # a broken pickle can raise anything
+            self.get_logger().error(f"No model, so no detection: {path}: {error!r}")
             return None
         ### SKELETON
         # # TODO(task 2): unpickle the file; if that fails, log an error and return None.
@@ -104,7 +107,7 @@ class DetectionServer(Node):
         except NoDetectionError as error:
             response.message = str(error)
             response.success = False
-            self.get_logger().warning(f"No detection: {error}")
+            self.get_logger().warning(f"No detection: {error}", throttle_duration_sec=1.0)
         ### SKELETON
         # # TODO(task 4): self.detect() as JSON, or success False and the reason.
         ### END SOLUTION
@@ -146,14 +149,13 @@ class DetectionServer(Node):
 
 def main(args: list[str] | None = None) -> None:
     """Run the server until Ctrl-C."""
-    rclpy.init(args=args)
-    node = DetectionServer()
     try:
+        rclpy.init(args=args)
+        node = DetectionServer()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

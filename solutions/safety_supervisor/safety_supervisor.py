@@ -14,9 +14,9 @@ from enum import StrEnum
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
@@ -243,17 +243,25 @@ class SafetySupervisor(Node):
         # # keep self.reported and self.report_time.
         ### END SOLUTION
 
+    def stop(self) -> None:
+        """Stop the robot; `main` calls this at the end."""
+        self.cmd_vel_publisher.publish(Twist())
+
 
 def main(args: list[str] | None = None) -> None:
-    """Run the supervisor until Ctrl-C."""
-    rclpy.init(args=args)
-    node = SafetySupervisor()
+    """Run the supervisor until Ctrl-C, then stop the robot."""
     try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = SafetySupervisor()
+        try:
+            while rclpy.ok():
+                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
+        finally:
+            node.stop()
+    except KeyboardInterrupt:
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import rclpy
 from geometry_msgs.msg import Twist
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float64
 
@@ -116,7 +116,9 @@ class TrendAgent(Node):
         speed = choose_speed(distance, closing)
         self.drive(speed)
         if distance is None:
-            self.get_logger().warning("No usable reading ahead, velocity: 0.00 m/s")
+            self.get_logger().warning(
+                "No usable reading ahead, velocity: 0.00 m/s", throttle_duration_sec=1.0
+            )
         else:
             self.get_logger().info(f"Distance: {distance:.2f} m, velocity: {speed:.2f} m/s")
 
@@ -165,17 +167,25 @@ class TrendAgent(Node):
         # # TODO(task 4): fill in a Twist and publish it.
         ### END SOLUTION
 
+    def stop(self) -> None:
+        """Stop the robot; `main` calls this at the end."""
+        self.drive(0.0)
+
 
 def main(args: list[str] | None = None) -> None:
-    """Run the agent until Ctrl-C."""
-    rclpy.init(args=args)
-    node = TrendAgent()
+    """Run the agent until Ctrl-C, then stop the robot."""
     try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = TrendAgent()
+        try:
+            while rclpy.ok():
+                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
+        finally:
+            node.stop()
+    except KeyboardInterrupt:
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -28,7 +28,8 @@ from nbgrader_kit import (
     total,
 )
 
-from grader.course.exercises import ROOT
+from grader.authoring.mutants import find_mutant
+from grader.course.exercises import find_exercise
 from grader.notebook.build import ASSIGNMENT
 
 pytestmark = slow
@@ -43,8 +44,8 @@ WIDE = {"viewport": {"width": 1280, "height": 1000}}
 def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Ada's notebook has a mistake and is graded; Ben's is right and not graded yet."""
     folder = make_course(tmp_path_factory.mktemp("course"), [NAME])
-    mutant = ROOT / "solutions" / SLUG / "mutants" / f"{MISTAKE}.py"
-    texts = {"ada": mutant.read_text("utf-8"), "ben": solution(SLUG, FILE)}
+    mutant = find_mutant(find_exercise(SLUG), MISTAKE)
+    texts = {"ada": mutant.text, "ben": solution(SLUG, FILE)}
     for student, text in texts.items():
         hand_in(folder, student, NAME, fill(released(folder, NAME), {FILE: text}))
     nbgrader(folder, "autograde", ASSIGNMENT, "--student", "ada")

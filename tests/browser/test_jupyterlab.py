@@ -21,7 +21,8 @@ pytest.importorskip("matplotlib", reason="matplotlib is not installed (the extra
 from lab_server import Server, Tab, picture, serving, tab, wait_until
 from nbgrader_kit import cell_named, fill, make_course, released, slow, solution, source_of
 
-from grader.course.exercises import ROOT
+from grader.authoring.mutants import find_mutant
+from grader.course.exercises import find_exercise
 from grader.nbgrader.cells import wanted
 
 pytestmark = slow
@@ -84,8 +85,8 @@ def work(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A student's folder: the released notebook, solved well and badly, each in its own."""
     course = make_course(tmp_path_factory.mktemp("course"), [NAME])
     folder = tmp_path_factory.mktemp("student")
-    mutant = ROOT / "solutions" / SLUG / "mutants" / f"{MISTAKE}.py"
-    texts = {"right": solution(SLUG, FILE), "wrong": mutant.read_text("utf-8")}
+    mutant = find_mutant(find_exercise(SLUG), MISTAKE)
+    texts = {"right": solution(SLUG, FILE), "wrong": mutant.text}
     for name, text in texts.items():
         notebook = fill(released(course, NAME), {FILE: text})
         (folder / name).mkdir()

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.exercises import SOLUTIONS
+from grader.authoring.mutants import find_mutant
+from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.recording import bag
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
-MUTANT = SOLUTIONS / "obstacle_avoidance" / "mutants" / "narrow_cone.py"
 NODES = ROOT / "tests" / "nodes"
 SHORT = ("--scenario", "demo_wall", "--duration", "0.5")
 
@@ -244,8 +244,10 @@ def test_a_bag_alone_leaves_other_checks_open(graded: tuple[Done, Path]) -> None
     assert verdicts(done.json)["no_contact"] == "skip"
 
 
-def test_a_mutant_does_not() -> None:
-    done = course("grade", "obstacle_avoidance", MUTANT, "--only", "sees_sides", "--json", "-")
+def test_a_mutant_does_not(tmp_path: Path) -> None:
+    mutant = tmp_path / "narrow_cone.py"
+    mutant.write_text(find_mutant(find_exercise("obstacle_avoidance"), mutant.stem).text, "utf-8")
+    done = course("grade", "obstacle_avoidance", mutant, "--only", "sees_sides", "--json", "-")
 
     assert (done.code, done.err) == (1, "")
     assert verdicts(done.json)["sees_sides"] == "fail"

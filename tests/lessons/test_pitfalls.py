@@ -257,7 +257,7 @@ def test_what_the_pages_say_of_all_checks(mutant: str, also: set[str]) -> None:
     (claim,) = (
         claim
         for claim in claims(find_exercise(slug))
-        if claim.kind == "mutant" and claim.path.stem == name
+        if claim.kind == "mutant" and claim.stem == name
     )
     (quoted,) = (p.caught[mutant] for p in PITFALLS if mutant in p.caught)
     assert claim.fails == set(quoted) | also

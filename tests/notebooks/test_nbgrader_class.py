@@ -33,7 +33,7 @@ from nbgrader_kit import (
     total,
 )
 
-from grader.authoring.proof import Claim, claims, complete
+from grader.authoring.proof import Claim, claims
 from grader.course.exercises import Exercise, find_exercise
 from grader.course.skeletons import strip_solution
 from grader.course.submission import find_submission
@@ -73,10 +73,10 @@ def nodes(exercise: Exercise, student: str) -> Files:
         case ("right" | "odd", _, _):
             return right
         case ("variant", _, _):
-            return next((texts_of(c) for c in found(exercise, "variant")), right)
+            return next((dict(c.files) for c in found(exercise, "variant")), right)
         case ("wrong", _, number):
             mutants = found(exercise, "mutant")
-            return texts_of(mutants[int(number) * len(mutants) // 5])
+            return dict(mutants[int(number) * len(mutants) // 5].files)
         case ("half" | "tampering", _, _):
             return {**right, exercise.files[0]: half_finished(exercise)}
         case ("untouched", _, _):
@@ -90,14 +90,6 @@ def nodes(exercise: Exercise, student: str) -> Files:
 
 def found(exercise: Exercise, kind: str) -> list[Claim]:
     return [claim for claim in claims(exercise) if claim.kind == kind and not claim.lacks]
-
-
-def texts_of(claim: Claim) -> Files:
-    with complete(claim) as submission:
-        paths = (submission.path, *submission.others)
-        if len(claim.exercise.files) == 1:
-            return {claim.exercise.files[0]: paths[0].read_text("utf-8")}
-        return {path.name: path.read_text("utf-8") for path in paths}
 
 
 def half_finished(exercise: Exercise) -> str:

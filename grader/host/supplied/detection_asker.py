@@ -54,14 +54,13 @@ class DetectionAsker(Node):  # type: ignore[misc]
 
 def main(args: list[str] | None = None) -> None:
     """Ask until the trial ends."""
-    rclpy.init(args=args)
-    node = DetectionAsker()
     try:
+        rclpy.init(args=args)
+        node = DetectionAsker()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -92,14 +92,13 @@ class DetectionDouble(Node):  # type: ignore[misc]
 
 def main(args: list[str] | None = None) -> None:
     """Serve until the trial ends."""
-    rclpy.init(args=args)
-    node = DetectionDouble()
     try:
+        rclpy.init(args=args)
+        node = DetectionDouble()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -5,7 +5,6 @@ import math
 import rclpy
 from geometry_msgs.msg import Pose, Twist
 from nav_msgs.msg import Odometry
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 
@@ -42,14 +41,7 @@ class PointSeeker(Node):
 
 def main(args: list[str] | None = None) -> None:
     rclpy.init(args=args)
-    node = PointSeeker()
-    try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
+    rclpy.spin(PointSeeker())
 
 
 if __name__ == "__main__":

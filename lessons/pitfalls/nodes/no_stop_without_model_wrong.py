@@ -7,7 +7,6 @@ import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
 from numpy.typing import NDArray
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
@@ -68,14 +67,7 @@ class ModelDriver(Node):
 
 def main(args: list[str] | None = None) -> None:
     rclpy.init(args=args)
-    node = ModelDriver()
-    try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
+    rclpy.spin(ModelDriver())
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ import math
 
 import rclpy
 from geometry_msgs.msg import Twist
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from sensor_msgs.msg import LaserScan
 
@@ -43,14 +42,7 @@ class WallStop(Node):
 
 def main(args: list[str] | None = None) -> None:
     rclpy.init(args=args)
-    node = WallStop()
-    try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
+    rclpy.spin(WallStop())
 
 
 if __name__ == "__main__":

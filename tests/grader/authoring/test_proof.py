@@ -10,7 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from grader.authoring.proof import Claim, claims, complete, grade_claim, objections, unproven
+from grader.authoring.proof import (
+    Claim,
+    claim_of,
+    claims,
+    complete,
+    grade_claim,
+    objections,
+    unproven,
+)
 from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
 from grader.grading.grading import Grading
@@ -32,7 +40,7 @@ def enough(exercise: Exercise) -> list[Claim]:
     chosen = [claim for claim in every if claim.kind not in ("variant", "mutant")]
     chosen += variants[:VARIANTS]
     killed: set[str] = set()
-    for claim in sorted(every, key=lambda claim: (len(claim.fails), claim.path.name)):
+    for claim in sorted(every, key=lambda claim: (len(claim.fails), claim.stem)):
         if claim.kind == "mutant" and not claim.fails <= killed:
             chosen.append(claim)
             killed |= claim.fails
@@ -73,25 +81,55 @@ def test_there_are_solutions_of_every_kind(exercise: object) -> None:
     assert kinds == {"reference", "skeleton", "variant", "mutant"}
 
 
+CATALOGUE = """
+base = "server.py"
+
+[mutant.answers_wrong]
+mistake = "Answers wrong."
+fails = ["answers"]
+requires = ["torch"]
+edit = '''
+-ANSWER = 1
++ANSWER = 2
+'''
+
+[mutant.asks_wrong]
+mistake = "Asks wrong."
+fails = ["asks"]
+base = "variants/shy.py"
+edit = '''
+-ASK = "please"
++ASK = "now"
+'''
+"""
+TEXTS = {
+    "server.py": '"""The server."""\n\nANSWER = 1\n',
+    "client.py": '"""The client."""\n\nASK = 1\n',
+    "variants/both/server.py": '"""A folder.\n\nfield: all\n"""',
+    "variants/both/client.py": "variant",
+    "variants/shy.py": '"""Shy.\n\nfile: client.py\n"""\n\nASK = "please"\n',
+    "mutants.toml": CATALOGUE,
+}
+
+
 @pytest.fixture
 def pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Exercise:
     """An exercise of two files, with solutions in a folder of its own."""
-    monkeypatch.setattr("grader.course.exercises.SOLUTIONS", tmp_path)
+    monkeypatch.setattr("grader.course.exercises.SOLUTIONS", tmp_path / "solutions")
+    monkeypatch.setattr("grader.course.exercises.CHECKS", tmp_path / "checks")
     exercise = Exercise(99, "pair", "Pair", "", ("server.py", "client.py"), "server", 100)
-    texts = {
-        "server.py": "reference",
-        "client.py": "reference",
-        "variants/both/server.py": '"""A folder.\n\nfield: all\n"""',
-        "variants/both/client.py": "variant",
-        "mutants/a.py": '"""Wrong.\n\nfails: answers\n"""',
-        "mutants/b.py": '"""Wrong.\n\nfile: client.py\nfails: asks\n"""',
-        "mutants/c.py": '"""Wrong.\n\nfile: clients.py\nfails: asks\n"""',
-    }
-    for name, text in texts.items():
-        path = exercise.solutions / name
+    checks = "def test_answers():\n    pass\n\n\ndef test_asks():\n    pass\n"
+    files = {exercise.solutions / name: text for name, text in TEXTS.items()}
+    for path, text in {**files, exercise.checks / "test_core.py": checks}.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
     return exercise
+
+
+def named(exercise: Exercise, stem: str) -> Claim:
+    """Return the one claim of that name."""
+    (claim,) = (claim for claim in claims(exercise) if claim.stem == stem)
+    return claim
 
 
 def graded(claim: Claim, **outcomes: str) -> Grading:
@@ -104,7 +142,7 @@ def graded(claim: Claim, **outcomes: str) -> Grading:
 
 
 def test_what_a_missing_library_leaves_unproven_is_said(pair: Exercise) -> None:
-    reference = Claim(pair, "reference", pair.solutions / "server.py", field_ready=True)
+    reference = Claim(pair, "reference", "server", {}, field_ready=True)
     for outcome, against, lacking in (
         ("pass", [], ""),
         ("unavailable", [], "50 points"),
@@ -116,7 +154,7 @@ def test_what_a_missing_library_leaves_unproven_is_said(pair: Exercise) -> None:
 
 
 def test_a_mutant_need_not_fail_what_can_not_be_judged(pair: Exercise) -> None:
-    mutant = Claim(pair, "mutant", pair.solutions / "mutants/a.py", frozenset({"answers", "asks"}))
+    mutant = Claim(pair, "mutant", "a", {}, fails=frozenset({"answers", "asks"}))
     grading = graded(mutant, answers="fail", asks="unavailable")
     assert objections(mutant, grading) == []
     assert unproven(mutant, grading) == "asks"
@@ -125,33 +163,41 @@ def test_a_mutant_need_not_fail_what_can_not_be_judged(pair: Exercise) -> None:
 
 
 def test_a_mutant_may_need_a_library(pair: Exercise, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = pair.solutions / "mutants/a.py"
-    path.write_text('"""Wrong.\n\nfails: answers\nrequires: torch\n"""')
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    (mutant, *_) = (claim for claim in claims(pair) if claim.path == path)
+    mutant = named(pair, "answers_wrong")
     assert mutant.fails == {"answers"}
     assert "PyTorch is not installed" in mutant.lacks
 
 
 def test_one_file_of_two_is_graded_with_the_reference_of_the_other(pair: Exercise) -> None:
-    found = {claim.path.stem: claim for claim in claims(pair) if claim.kind == "mutant"}
-    assert found["b"].fails == {"asks"}
-    for name, file in (("a", "server.py"), ("b", "client.py")):
-        with complete(found[name]) as submission:
+    for stem, file, wrong in (
+        ("answers_wrong", "server.py", "ANSWER = 2"),
+        ("asks_wrong", "client.py", 'ASK = "now"'),
+    ):
+        with complete(named(pair, stem)) as submission:
             texts = {path.name: path.read_text() for path in (submission.path, *submission.others)}
-        assert texts.pop(file).startswith('"""Wrong')
-        assert list(texts.values()) == ["reference"]
+        assert wrong in texts.pop(file)
+        (other,) = texts
+        assert texts[other] == TEXTS[other]
 
 
 def test_a_variant_may_be_a_folder(pair: Exercise) -> None:
-    (variant,) = (claim for claim in claims(pair) if claim.kind == "variant")
+    variant = named(pair, "both")
     assert variant.field_ready
+    assert variant.about == "A folder."
     with complete(variant) as submission:
         assert "A folder" in submission.path.read_text()
         assert [path.read_text() for path in submission.others] == ["variant"]
 
 
+def test_a_variant_may_be_one_file_of_several(pair: Exercise) -> None:
+    variant = named(pair, "shy")
+    assert not variant.field_ready
+    assert variant.files == {"server.py": TEXTS["server.py"], "client.py": TEXTS["variants/shy.py"]}
+
+
 def test_a_file_that_stands_for_none(pair: Exercise) -> None:
-    (wrong,) = (claim for claim in claims(pair) if claim.path.stem == "c")
+    path = pair.solutions / "variants" / "wrong.py"
+    path.write_text('"""Wrong.\n\nfile: clients.py\n"""')
     with pytest.raises(GraderError, match=r"stands for clients\.py; expected one of server\.py"):
-        complete(wrong).__enter__()
+        claim_of(pair, "variant", path)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,8 +17,9 @@ import pytest
 
 from grader.authoring import handouts
 from grader.authoring.leaks import leaks
+from grader.authoring.mutants import find_mutant
 from grader.authoring.release import contents, questions, release
-from grader.course.exercises import ROOT, all_exercises
+from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.course.skeletons import strip_solution
 from grader.errors import GraderError, InputError
 
@@ -47,6 +49,21 @@ def test_students_get_what_they_need(released: Path) -> None:
         assert any(path.startswith(f"grader/checks/{exercise.slug}/") for path in there)
     assert {"README.md", "LICENSE", "pyproject.toml", "constraints.txt", "lessons/quiz.md"} <= there
     assert "sim/scenarios/demo/demo_wall.toml" in there
+
+
+def test_students_get_their_documents_and_no_other(released: Path) -> None:
+    there = {path for path in files(released) if path.startswith("docs/") and path.endswith(".md")}
+    assert there == {"docs/students.md", "docs/live-robot.md"}
+
+
+@pytest.mark.parametrize("exercises", [(), ("goal_seeking",)])
+def test_links_of_students_documents_stay_inside(exercises: tuple[str, ...]) -> None:
+    given = contents(exercises)
+    for page in ("README.md", "docs/students.md", "docs/live-robot.md"):
+        text = given[page].decode("utf-8")
+        for link in re.findall(r'\]\((?!https?:)([^)#]+)|(?:src|srcset)="([^"]+)"', text):
+            target = os.path.normpath(Path(page).parent / "".join(link))
+            assert target in given, f"{page}: {target}"
 
 
 def test_students_get_the_ros_packages(tmp_path: Path) -> None:
@@ -149,7 +166,7 @@ def test_students_get_no_answers(released: Path) -> None:
         parts = path.split("/")
         assert parts[0] not in ("solutions", "tests", "benchmarks", ".git", ".venv"), path
         assert not {"mutants", "variants", "batch", "results", "__pycache__"} & set(parts), path
-        assert Path(path).name not in ("design.md", "mutants.md", "proof.py"), path
+        assert Path(path).name not in ("design.md", "mutants.md", "mutants.py", "proof.py"), path
 
 
 def test_no_piece_of_a_solution_is_handed_out(released: Path) -> None:
@@ -170,11 +187,14 @@ def test_one_exercise_alone_gives_nothing_away(tmp_path: Path) -> None:
 @pytest.mark.parametrize("where", ["grader/helper.py", "lessons/lesson.md", "sim/new.py"])
 @pytest.mark.parametrize(
     "source",
-    ["obstacle_avoidance_agent.py", "variants/beginner_loops.py", "mutants/whole_circle.py"],
+    [
+        "obstacle_avoidance_agent.py",
+        "variants/beginner_loops.py",
+        "mutants.toml: whole_circle",
+    ],
 )
 def test_the_search_finds_what_is_put_in(tmp_path: Path, where: str, source: str) -> None:
-    solution = (ROOT / "solutions" / "obstacle_avoidance" / source).read_text("utf-8")
-    lines = [line for line in solution.splitlines() if "###" not in line]
+    lines = lines_of(f"obstacle_avoidance/{source}")
     start = next(i for i, line in enumerate(lines) if ".ranges" in line)
     target = tmp_path / where
     target.parent.mkdir(parents=True)
@@ -186,12 +206,17 @@ def test_the_search_finds_what_is_put_in(tmp_path: Path, where: str, source: str
 
 
 def lines_of(source: str) -> list[str]:
-    text = (ROOT / "solutions" / source).read_text("utf-8")
+    """Return the lines of a solution, or of a mutant (`NAME/mutants.toml: MUTANT`)."""
+    file, _, mutant = source.partition(": ")
+    if mutant:
+        text = find_mutant(find_exercise(file.partition("/")[0]), mutant).text
+    else:
+        text = (ROOT / "solutions" / file).read_text("utf-8")
     return [line for line in text.splitlines() if "###" not in line]
 
 
 PAGE = '<td class="linenos"></td><div class="highlight"><pre>{}</pre></div>'
-MUTANT = "goal_seeking/mutants/heading_without_yaw.py"
+MUTANT = "goal_seeking/mutants.toml: heading_without_yaw"
 
 
 @pytest.mark.parametrize("source", ["goal_seeking/goal_seeking_agent.py", MUTANT])

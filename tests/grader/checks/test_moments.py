@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from conftest import PREAMBLE, RunNode, short
 
+from grader.authoring.mutants import find_mutant
 from grader.checks.moments import came_to_rest, first_asked, first_contact
 from grader.checks.obstacle_avoidance.contract import right_speeds
-from grader.course.exercises import CHECKS, SOLUTIONS, find_exercise
+from grader.course.exercises import CHECKS, find_exercise
 from grader.course.submission import Submission
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import CheckResult
@@ -75,12 +76,15 @@ def test_a_node_that_always_stands_is_shown_where_it_should_drive(
     assert check.time == next(s.t for s in recording.scans() if 0.0 not in right_speeds(s))
 
 
-def test_a_blind_creeper_is_shown_where_it_should_stand(forkserver: ForkServer) -> None:
+def test_a_blind_creeper_is_shown_where_it_should_stand(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
     """The mutant touches nothing, but not because of what it sees."""
     exercise = find_exercise("obstacle_avoidance")
-    file = SOLUTIONS / exercise.slug / "mutants" / "stutters_blindly.py"
+    file = tmp_path / exercise.files[0]
+    file.write_text(find_mutant(exercise, "stutters_blindly").text, "utf-8")
     grading = grade_submission(
-        exercise, Submission(file), forkserver, file=exercise.files[0], only=["no_contact"]
+        exercise, Submission(file), forkserver, file=file.name, only=["no_contact"]
     )
 
     check = failure(grading, "no_contact")

@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from grader.authoring.mutants import find_mutant
 from grader.classroom.store import Store, stable
+from grader.course.exercises import find_exercise
 
 SLUG, FILE = "trend_memory", "trend_agent.py"
 COURSE = [sys.executable, "-m", "grader.cli", "autograde"]
@@ -28,10 +30,10 @@ Results = dict[str, str]
 @pytest.fixture(scope="module")
 def handed_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("handed in")
-    mutant = sorted((SOLUTIONS / "mutants").glob("*.py"))[0]
+    mutant = find_mutant(find_exercise(SLUG), "afraid_of_leaving")
     texts = {
         "Ünal, Zoë": (SOLUTIONS / FILE).read_text(),
-        "bob": mutant.read_text(),
+        "bob": mutant.text,
         "cut off": "def main(:\n",
         "evil": EVIL,
     }

@@ -1,0 +1,239 @@
+"""Wrong programs as edits of right ones: read an exercise's `mutants.toml`, render its mutants.
+
+A mutant is one mistake, written as a small diff of a program in `solutions/EXERCISE/`::
+
+    base = "variants/compact.py"  # what is edited, where a mutant names no other base
+
+    [mutant.narrow_cone]
+    mistake = "Looks only ±45° ahead."
+    fails = ["sees_sides"]        # the checks that must catch it
+    edit = '''
+    -            if abs(angle) > math.pi / 2:
+    +            if abs(angle) > math.pi / 4:
+    '''
+
+`grader.authoring.edits` tells how an edit is read. A mutant may name a `base` of its own, and in
+`requires` the modules without which it would fail otherwise. It stands for the same file of the
+exercise as its base.
+
+`python -m grader.authoring.mutants EXERCISE` lists the mutants, `… EXERCISE NAME` prints one, and
+with `--into FOLDER` writes it there with the exercise's other files: to read, to drive or to grade.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+
+from grader.authoring.edits import EditError, edited
+from grader.course.exercises import Exercise, find_exercise
+from grader.errors import GraderError, InputError
+from sim.toml_input import convert, nearest, parse_toml, read_toml
+
+CATALOGUE = "mutants.toml"
+FIELD = "field_"  # begins the names of field checks
+
+Text = Annotated[str, msgspec.Meta(min_length=1)]
+
+
+class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A mutant as it stands in the catalogue."""
+
+    mistake: Text
+    fails: Annotated[tuple[str, ...], msgspec.Meta(min_length=1)]
+    edit: Text
+    base: str = ""
+    requires: tuple[str, ...] = ()
+
+
+class _Catalogue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    base: str
+    mutant: dict[str, dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A wrong program."""
+
+    name: str
+    mistake: str  # one sentence
+    fails: frozenset[str]  # checks, core and field
+    requires: frozenset[str]  # modules without which it can't be graded
+    file: str  # of the exercise, that it stands for
+    text: str
+
+
+@dataclass(frozen=True)
+class _Base:
+    name: str  # "variants/compact.py"
+    file: str  # of the exercise, that it stands for
+    lines: list[str]  # without the docstring
+
+
+def mutants(exercise: Exercise, folder: Path | None = None) -> list[Mutant]:
+    """Return the mutants of an exercise in the order of its catalogue; none without one.
+
+    Parameters
+    ----------
+    exercise
+        Whose mutants.
+    folder
+        Its solutions, where they are not the course's own.
+
+    Raises
+    ------
+    InputError
+        The catalogue is broken: the file, the mutant and what is wrong with it.
+    """
+    folder = folder or exercise.solutions
+    path = folder / CATALOGUE
+    if not path.is_file():
+        return []
+    doc = convert(parse_toml(read_toml(path), str(path)), _Catalogue, str(path))
+    known = check_names(exercise)
+    bases: dict[str, _Base] = {}
+    found = []
+    for name, table in doc.mutant.items():
+        entry = convert(table, _Entry, str(path), at=("mutant", name))
+        where = f"{path}: mutant.{name}"
+        for check in entry.fails:
+            if check not in known:
+                raise InputError(f"{where}: no check {check!r}{nearest(check, known)}")
+        base = entry.base or doc.base
+        if base not in bases:
+            bases[base] = _read_base(exercise, folder, base, where)
+        found.append(_render(name, entry, bases[base], exercise.files[0], where))
+    return found
+
+
+def find_mutant(exercise: Exercise, name: str) -> Mutant:
+    """Return the mutant of that name.
+
+    Raises
+    ------
+    InputError
+        There is none, or the catalogue is broken.
+    """
+    found = {mutant.name: mutant for mutant in mutants(exercise)}
+    if name not in found:
+        hint = nearest(name, found)
+        raise InputError(f"{exercise.slug} has no mutant {name!r}{hint}")
+    return found[name]
+
+
+def submission_of(exercise: Exercise, mutant: Mutant) -> dict[str, str]:
+    """Return all files of the exercise: the mutant's, and the reference's others."""
+    reference = {file: (exercise.solutions / file).read_text("utf-8") for file in exercise.files}
+    return {**reference, mutant.file: mutant.text}
+
+
+def stands_for(exercise: Exercise, path: Path) -> str:
+    """Return the file of the exercise that a program stands for.
+
+    It has that file's name, or names it in its docstring (`file: client.py`); else it is the first.
+
+    Raises
+    ------
+    GraderError
+        The exercise has no such file.
+    """
+    if path.name in exercise.files:
+        return path.name
+    doc = ast.get_docstring(ast.parse(path.read_bytes())) or ""
+    said = re.search(r"^file:\s*(\S+)$", doc, re.MULTILINE)
+    file = said[1] if said else exercise.files[0]
+    if file not in exercise.files:
+        expected = ", ".join(exercise.files)
+        raise GraderError(f"{path}: stands for {file}; expected one of {expected}")
+    return file
+
+
+def check_names(exercise: Exercise) -> frozenset[str]:
+    """Return the names of an exercise's checks, core and field."""
+    texts = (file.read_text("utf-8") for file in exercise.checks.glob("test_*.py"))
+    return frozenset(name for text in texts for name in re.findall(r"(?m)^def test_(\w+)", text))
+
+
+# --- rendering ------------------------------------------------------------------------------------
+
+
+def _read_base(exercise: Exercise, folder: Path, base: str, where: str) -> _Base:
+    path = folder / base
+    if not path.is_file():
+        there = (file.relative_to(folder).as_posix() for file in folder.rglob("*.py"))
+        raise InputError(f"{where}: no base {base!r} in {folder}{nearest(base, there)}")
+    text = path.read_text("utf-8")
+    first = ast.parse(text).body[0]
+    is_doc = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)
+    start = first.end_lineno or 0 if is_doc else 0
+    return _Base(base, stands_for(exercise, path), text.splitlines()[start:])
+
+
+def _render(name: str, entry: _Entry, base: _Base, first: str, where: str) -> Mutant:
+    """Return the mutant: its docstring, and the base with the edit."""
+    try:
+        lines = edited(base.lines, entry.edit, base.name)
+    except EditError as error:
+        raise InputError(f"{where}: {error}") from None
+    mistake = " ".join(entry.mistake.split())
+    notes = {
+        "file": [base.file] if base.file != first else [],
+        "fails": [check for check in entry.fails if not check.startswith(FIELD)],
+        "field": [check for check in entry.fails if check.startswith(FIELD)],
+        "requires": entry.requires,
+    }
+    said = "\n".join(f"{key}: {', '.join(values)}" for key, values in notes.items() if values)
+    text = f'"""{mistake}\n\n{said}\n"""\n' + "".join(f"{line}\n" for line in lines)
+    try:
+        ast.parse(text)
+    except SyntaxError as error:
+        shown = (error.text or "").strip()
+        raise InputError(f"{where}: renders to no Python: {error.msg}: {shown!r}") from None
+    checks, modules = frozenset(entry.fails), frozenset(entry.requires)
+    return Mutant(name, mistake, checks, modules, base.file, text)
+
+
+# --- the command ----------------------------------------------------------------------------------
+
+
+def main(arguments: list[str]) -> int:
+    """List the mutants of an exercise, print one, or write one's submission."""
+    parser = argparse.ArgumentParser(
+        prog="grader.authoring.mutants", description="Wrong programs to read."
+    )
+    parser.add_argument("exercise", help="name or number")
+    parser.add_argument("name", nargs="?", help="of a mutant; all are listed without")
+    parser.add_argument("--into", type=Path, metavar="FOLDER", help="write all files there")
+    options = parser.parse_args(arguments)
+    if options.into and not options.name:
+        parser.error("--into needs the name of a mutant")
+    try:
+        exercise = find_exercise(options.exercise)
+        if not options.name:
+            for mutant in mutants(exercise):
+                print(f"{mutant.name}: {mutant.mistake} [{', '.join(sorted(mutant.fails))}]")
+            return 0
+        mutant = find_mutant(exercise, options.name)
+    except InputError as error:
+        parser.error(str(error))
+    if options.into is None:
+        print(mutant.text, end="")
+        return 0
+    options.into.mkdir(parents=True, exist_ok=True)
+    for file, text in submission_of(exercise, mutant).items():
+        if (options.into / file).exists():
+            parser.error(f"{options.into / file} is there already")
+        (options.into / file).write_text(text, "utf-8")
+        print(options.into / file)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,204 @@
+"""The catalogues of mutants: what they render to, and what is wrong with a wrong one."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from grader.authoring.mutants import check_names, find_mutant, main, mutants, submission_of
+from grader.course.exercises import Exercise, all_exercises, find_exercise
+from grader.errors import InputError
+
+HEAD = 'base = "variants/compact.py"\n'
+ENTRY = """
+[mutant.narrow]
+mistake = "Looks only ±45° ahead."
+fails = ["sees_sides", "field_lds01"]
+edit = '''
+-AHEAD = 90
++AHEAD = 45
+'''
+"""
+COMPACT = '"""Right.\n\nfield: all\n"""  # noqa: E501\n\nAHEAD = 90\nif AHEAD:\n    print(AHEAD)\n'
+RENDERED = '''"""Looks only ±45° ahead.
+
+fails: sees_sides
+field: field_lds01
+"""
+
+AHEAD = 45
+if AHEAD:
+    print(AHEAD)
+'''
+EXERCISES = pytest.mark.parametrize("exercise", all_exercises(), ids=lambda one: one.slug)
+
+
+@pytest.fixture
+def exercise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Exercise:
+    """Exercise 1 with one variant, and one mutant of it."""
+    monkeypatch.setattr("grader.course.exercises.SOLUTIONS", tmp_path)
+    folder = tmp_path / "obstacle_avoidance"
+    (folder / "variants").mkdir(parents=True)
+    (folder / "variants" / "compact.py").write_text(COMPACT, "utf-8")
+    (folder / "mutants.toml").write_text(HEAD + ENTRY, "utf-8")
+    return find_exercise("obstacle_avoidance")
+
+
+# --- those of the course --------------------------------------------------------------------------
+
+
+@EXERCISES
+def test_every_catalogue_renders_to_programs_that_say_what_they_are(exercise: Exercise) -> None:
+    found = mutants(exercise)
+    assert len(found) > 30
+    for mutant in found:
+        doc = ast.get_docstring(ast.parse(mutant.text))
+        assert doc is not None
+        assert doc.startswith(f"{mutant.mistake}\n\n"), mutant.name
+        listed = {
+            key: set(values.split(", "))
+            for key, values in (line.split(": ") for line in doc.splitlines()[2:])
+        }
+        assert listed.get("fails", set()) | listed.get("field", set()) == mutant.fails
+        assert listed.get("requires", set()) == mutant.requires
+        assert listed.get("file", {exercise.files[0]}) == {mutant.file}
+        assert mutant.fails <= check_names(exercise)
+
+
+@EXERCISES
+def test_no_two_mutants_are_one_program(exercise: Exercise) -> None:
+    found = mutants(exercise)
+    programs = {mutant.text.split('"""', 2)[2] for mutant in found}
+    assert len(programs) == len(found)
+
+
+@EXERCISES
+def test_every_file_of_an_exercise_has_mutants(exercise: Exercise) -> None:
+    assert {mutant.file for mutant in mutants(exercise)} == set(exercise.files)
+
+
+# --- rendering ------------------------------------------------------------------------------------
+
+
+def test_a_mutant_is_the_base_with_the_edit_and_a_docstring_of_its_own(exercise: Exercise) -> None:
+    (mutant,) = mutants(exercise)
+    assert mutant.text == RENDERED
+    assert mutant.mistake == "Looks only ±45° ahead."
+    assert mutant.fails == {"sees_sides", "field_lds01"}
+    assert mutant.file == exercise.files[0]
+
+
+def test_a_base_of_its_own_and_a_library(exercise: Exercise) -> None:
+    (exercise.solutions / exercise.files[0]).write_text("AHEAD = 90\n", "utf-8")
+    keys = f'base = "{exercise.files[0]}"\nrequires = ["torch"]\nedit'
+    text = HEAD + ENTRY.replace("edit", keys)
+    (exercise.solutions / "mutants.toml").write_text(text, "utf-8")
+    (mutant,) = mutants(exercise)
+    assert mutant.text.endswith('field: field_lds01\nrequires: torch\n"""\nAHEAD = 45\n')
+    assert mutant.requires == {"torch"}
+
+
+def test_a_mutant_of_the_second_file_says_so() -> None:
+    exercise = find_exercise("model_server")
+    mutant = find_mutant(exercise, "asks_once_a_second")
+    assert mutant.file == "detection_client.py"
+    assert "\nfile: detection_client.py\n" in mutant.text
+    files = submission_of(exercise, mutant)
+    assert files["detection_client.py"] == mutant.text
+    server = exercise.solutions / "detection_server.py"
+    assert files == {**files, "detection_server.py": server.read_text("utf-8")}
+
+
+def test_without_a_catalogue_there_is_none(exercise: Exercise) -> None:
+    (exercise.solutions / "mutants.toml").unlink()
+    assert mutants(exercise) == []
+
+
+def test_a_catalogue_in_another_folder(exercise: Exercise, tmp_path: Path) -> None:
+    copy = exercise.solutions.rename(tmp_path / "elsewhere")
+    assert [mutant.name for mutant in mutants(exercise, copy)] == ["narrow"]
+
+
+# --- mistakes in a catalogue ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"variants/compact.py"', '"variants/compct.py"', "mutant.narrow: no base 'variants/com"),
+        ('"variants/compact.py"', "1", "base = 1: expected a string"),
+        (HEAD, "", "missing key 'base'"),
+        (HEAD, f'{HEAD}bas = "x"\n', "unknown key 'bas'; did you mean 'base'?"),
+        (ENTRY, "", "missing key 'mutant'"),
+        (ENTRY, f"{ENTRY}{ENTRY}", "not valid TOML: Cannot declare ('mutant', 'narrow') twice"),
+        ("[mutant.narrow]", "[[mutant]]", "mutant = "),
+        ("fails", "fials", "unknown key 'mutant.narrow.fials'; did you mean 'fails'?"),
+        ("mistake = ", "# ", "missing key 'mutant.narrow.mistake'"),
+        ('"Looks only ±45° ahead."', '""', "mutant.narrow.mistake"),
+        ('["sees_sides", "field_lds01"]', "[]", "mutant.narrow.fails"),
+        ('"sees_sides"', '"sees_side"', "no check 'sees_side'; did you mean 'sees_sides'?"),
+        ("\n-AHEAD = 90\n+AHEAD = 45\n", "", "mutant.narrow.edit"),
+        ("-AHEAD = 90", "-AHEAD = 80", "mutant.narrow: hunk '-AHEAD = 80' fits 0 times in var"),
+        ("-AHEAD = 90", "-AHEAD = 80", "the line nearest to 'AHEAD = 80' is 'AHEAD = 90'"),
+        ("+AHEAD = 45", "+AHEAD = 90", "mutant.narrow: hunk '-AHEAD = 90' changes nothing"),
+        ("+AHEAD = 45", "+AHEAD = = 45", "renders to no Python: invalid syntax: 'AHEAD = = 45'"),
+    ],
+)
+def test_a_mistake_is_named(exercise: Exercise, old: str, new: str, message: str) -> None:
+    path = exercise.solutions / "mutants.toml"
+    text = HEAD + ENTRY
+    assert old in text
+    path.write_text(text.replace(old, new, 1), "utf-8")
+    with pytest.raises(InputError) as caught:
+        mutants(exercise)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert message in str(caught.value)
+
+
+def test_an_unknown_mutant_is_answered_with_the_nearest(exercise: Exercise) -> None:
+    with pytest.raises(InputError, match=r"no mutant 'narow'; did you mean 'narrow'\?"):
+        find_mutant(exercise, "narow")
+
+
+# --- the command ----------------------------------------------------------------------------------
+
+
+def test_the_command_lists(exercise: Exercise, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["1"]) == 0
+    listed = "narrow: Looks only ±45° ahead. [field_lds01, sees_sides]\n"
+    assert capsys.readouterr().out == listed
+
+
+def test_the_command_prints(exercise: Exercise, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["obstacle_avoidance", "narrow"]) == 0
+    assert capsys.readouterr().out == RENDERED
+
+
+def test_the_command_writes_a_submission_and_overwrites_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    exercise = find_exercise("ml_velocity")
+    command = ["ml_velocity", "train_no_random_state", "--into", str(tmp_path / "wrong")]
+    assert main(command) == 0
+    written = {path.name: path.read_text("utf-8") for path in (tmp_path / "wrong").iterdir()}
+    assert written == submission_of(exercise, find_mutant(exercise, "train_no_random_state"))
+    with pytest.raises(SystemExit):
+        main(command)
+    assert "is there already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["obstacle_avoidanc"], "did you mean obstacle_avoidance?"),
+        (["1", "narow"], "did you mean 'narrow'?"),
+        (["1", "--into", "x"], "--into needs the name of a mutant"),
+    ],
+)
+def test_the_command_says_what_is_wrong(
+    exercise: Exercise, capsys: pytest.CaptureFixture[str], arguments: list[str], message: str
+) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(arguments)
+    assert stopped.value.code == 2
+    assert message in capsys.readouterr().err
