@@ -101,6 +101,18 @@ def decode(data: bytes, type: str) -> Any:
         raise ValueError(f"{len(data)} bytes are not a {type}: {error}") from error
 
 
+def canonical(data: bytes, type: str) -> bytes:
+    """Return the bytes of the same message with zeros for padding.
+
+    rclpy publishes whatever was in memory there. Bytes that are no message of a known type stay as
+    they are.
+    """
+    try:
+        return encode(decode(data, type), type)
+    except ValueError:
+        return data
+
+
 def empty() -> bytes:
     """Return the CDR bytes of an Empty, which is one byte of padding."""
     return encode(typestore().types[EMPTY](), EMPTY)

@@ -29,6 +29,7 @@ from sim.messages import (
     OFFERED,
     SCAN_TOPIC,
     Message,
+    canonical,
 )
 from sim.scenario import Scenario
 from sim.simulation import Truth
@@ -194,7 +195,7 @@ class Recording:
         result = hashlib.sha256(layout_to_json(self.layout).encode())
         for message in (*self.delivered, *self.published):
             result.update(f"{message.time} {message.topic} {message.type}".encode())
-            result.update(message.data)
+            result.update(canonical(message.data, message.type))
         truth = self.truth
         for array in (truth.t, truth.x, truth.y, truth.yaw, truth.v, truth.w, truth.clearance):
             result.update(array.tobytes())

@@ -202,3 +202,19 @@ def test_a_message_can_be_of_another_epoch() -> None:
 def test_a_message_without_a_header_has_no_epoch() -> None:
     message = messages.twist(time=5, linear_x=0.1)
     assert messages.with_epoch(message, 0) is message
+
+
+def test_padding_is_no_part_of_a_message():
+    kind = "diagnostic_msgs/msg/DiagnosticStatus"
+    status = messages.typestore().types[kind](
+        level=1, name="n", message="m", hardware_id="", values=[]
+    )
+    data = encode(status, kind)
+    noisy = bytearray(data)
+    noisy[5:8] = b"\xde\xad\xbe"  # between the level, a byte, and the length of the name
+    assert messages.canonical(bytes(noisy), kind) == data != noisy
+
+
+@pytest.mark.parametrize(("data", "type"), [(b"", "std_msgs/msg/String"), (b"x", "my/msg/Own")])
+def test_what_is_no_message_stays_as_it_is(data, type):
+    assert messages.canonical(data, type) == data
