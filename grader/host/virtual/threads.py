@@ -2,7 +2,7 @@
 
 All blocking comes down to five things: thread locks (Condition, Event, Semaphore, Queue, Future
 and Barrier are built on them) and `join`, `time.sleep`, SimpleQueue (written in C, used by
-ThreadPoolExecutor), the wait of an rclpy executor (see executors.py), and the `select` under asyncio.
+ThreadPoolExecutor), the wait of an rclpy executor (executors.py), and the `select` under asyncio.
 `install` must run before rclpy and the student's file are imported.
 """
 
