@@ -161,10 +161,12 @@ def _secret_shingles(lines: list[str]) -> Iterator[Shingle]:
     """Yield the runs of lines that nobody may hand out.
 
     Of a reference, what stands in its solution blocks (four lines or more); of variants and
-    mutants, everything.
+    mutants, everything but a list of imports.
     """
     if not _is_marked(lines):
-        yield from _shingles(lines)
+        for shingle in _shingles(lines):
+            if not all(line.startswith(("import ", "from ")) for line in shingle):
+                yield shingle
         return
     block: list[str] | None = None
     for line in lines:

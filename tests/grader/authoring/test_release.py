@@ -266,6 +266,15 @@ def test_a_skeleton_is_no_leak_and_its_solution_is(tmp_path: Path) -> None:
     }
 
 
+def test_how_a_node_begins_and_ends_is_no_answer(tmp_path: Path) -> None:
+    imports = [line for line in lines_of(MUTANT) if line.startswith(("import ", "from "))]
+    skeleton = (ROOT / "exercises/model_server/detection_client.py").read_text("utf-8")
+    main = skeleton[skeleton.index("def main(") :]
+    (tmp_path / "lesson.md").write_text("\n".join([*imports, "", main]), "utf-8")
+    assert len(imports) >= 6
+    assert leaks(tmp_path) == []
+
+
 def test_a_leak_stops_the_release(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     solution = (ROOT / "solutions/goal_seeking/goal_seeking_agent.py").read_bytes()
     spoilt = contents() | {"sim/notes.py": solution}  # as if somebody had put it there
