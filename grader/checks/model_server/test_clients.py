@@ -1,4 +1,4 @@
-"""The core checks of exercise 6's clients, 45 points: what they ask the grader's own server."""
+"""The core checks of exercise 6's clients, 45 points: how they ask the grader's own server."""
 
 from __future__ import annotations
 
@@ -190,7 +190,7 @@ def test_finds_server(recordings: Recordings) -> None:
             end = life.stop or recording.duration_s
             first = min((time for time in times if life.start <= time <= end), default=None)
             latest = NEXT_REQUEST + HAIR + recording.slack
-            if recording.live is not None:  # there a server takes time to start
+            if recording.live is not None:  # in real time a server takes time to start
                 latest += START_UP
                 if first is None and end - life.start < latest:
                     continue
@@ -244,7 +244,7 @@ def test_malformed(recordings: Recordings) -> None:
 
 
 def _require_own_topics(recording: Recording) -> None:
-    """Fail if one role speaks on another's topics: it does not look at its parameter."""
+    """Fail if one role publishes on another's topics: it ignores its parameter."""
     for end in recording.endpoints:
         role = end.node.strip("/").removesuffix("_client")
         other = end.topic.strip("/").partition("/")[0]
@@ -259,10 +259,10 @@ def _require_own_topics(recording: Recording) -> None:
 
 
 def _require_patience(recording: Recording, request: Request, after: Request | None) -> None:
-    """Fail unless the next request comes when this one's answer has come, or is given up."""
+    """Fail unless the next request waits until this one is answered or, in time, given up."""
     hair = HAIR + recording.slack
     wait = (after.at if after else recording.duration_s) - request.at
-    owed = request.answered - request.at > wait  # still, when the next request goes out
+    owed = request.answered - request.at > wait  # when the next request goes out
     if after and owed and wait < PATIENCE - hair:
         fail(
             f"{wait:.2f} s after a request the next went out, though no answer had come",
@@ -296,7 +296,7 @@ def _require_patience(recording: Recording, request: Request, after: Request | N
 
 
 def _kind(recording: Recording, number: int) -> str:
-    """Return which kind of answer the grader's server gives to a request."""
+    """Return the kind of the grader's server's answer to a request."""
     words = [word for program in recording.scenario.program for word in program.arguments]
     plan = next(word for word in words if word.startswith("answers:="))
     kinds = [word.partition("@")[0] for word in plan.removeprefix("answers:=").split()]

@@ -1,4 +1,4 @@
-"""The core checks of exercise 6's server, 55 points: what it tells the grader's own client."""
+"""The core checks of exercise 6's server, 55 points: how it answers the grader's own client."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def test_one_load(recordings: Recordings) -> None:
 
 
 def _require_refusals(recording: Recording, help: str) -> None:
-    """Fail unless the server refuses where it has to, and only there."""
+    """Fail unless the server refuses where it has to, and nowhere else."""
     require_alive(recording)
     judged = [(ask, allowed(ask.scan, ask.at)) for ask in asks(recording)]
     for ask, right in judged:
