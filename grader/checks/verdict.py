@@ -5,6 +5,8 @@ fail(
     expected="0.00 m/s", actual="0.50 m/s", at=scan.t, recording=recording,
     help="Compare the distance with 0.5 m before you publish.",
 )
+
+Tested with the plug-in that reads it (tests/grader/grading/test_plugin.py).
 """
 
 from __future__ import annotations
