@@ -31,7 +31,7 @@ class FieldSuite:
     exercise: str  # its slug
     contract: Callable[[Recording, str], None]  # fails, with this help, unless it holds
     needs: tuple[str, ...] = ("wiring",)
-    nodes: tuple[str, ...] = ()  # of several nodes those that run in the scenarios
+    nodes: tuple[str, ...] = ()  # those that take part, where an exercise has several
 
     def check(
         self, title: str, *scenarios: str, help: str = "", requires: tuple[str, ...] = ()
@@ -53,7 +53,7 @@ class FieldSuite:
         return self.check(title, *scenarios, help=BY_ANGLE, requires=requires)
 
     def wide_lidar(self, *scenarios: str, requires: tuple[str, ...] = ()) -> Check:
-        """Return a check with a lidar that sees no full circle, often and finely."""
+        """Return a check with a fast and fine lidar that does not see behind the robot."""
         title = "Works with a lidar of 1080 beams over ±135° at 40 Hz."
         return self.check(title, *scenarios, help=BY_ANGLE, requires=requires)
 
@@ -73,7 +73,7 @@ class FieldSuite:
         help: str = "",
         requires: tuple[str, ...] = (),
     ) -> Check:
-        """Return a check with beams that come back as NaN here and there."""
+        """Return a check with a lidar of which some beams read NaN."""
         return self.check(title, *scenarios, help=help, requires=requires)
 
     def lost_scans(

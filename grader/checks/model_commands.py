@@ -57,7 +57,7 @@ def require_speed(
 
 
 def require_prompt(recording: Recording, scan: float) -> None:
-    """Fail unless a command came within PROMPT of the scan's time [s], delays of ours left out."""
+    """Fail unless a command came within PROMPT of the scan's time [s] and the machine's delays."""
     times = recording.twists().t
     after = times[times >= scan]
     if len(after) and after[0] - scan <= PROMPT + recording.delay(scan, float(after[0])):

@@ -46,7 +46,7 @@ class Quest:
         return math.hypot(self.x - pose.x, self.y - pose.y)
 
     def heading_error(self, pose: Pose) -> float:
-        """Return by how much to turn to face the goal [rad], in [-π, π], left positive."""
+        """Return the angle to turn by to face the goal [rad], in [-π, π], left positive."""
         bearing = math.atan2(self.y - pose.y, self.x - pose.x)
         return math.remainder(bearing - pose.yaw, math.tau)
 
@@ -86,5 +86,5 @@ def arrival(recording: Recording, quest: Quest) -> float | None:
 
 
 def speed_law(distance: float) -> float:
-    """Return the forward speed [m/s] that belongs to a distance to go [m]."""
+    """Return the forward speed [m/s] for a distance to go [m]."""
     return min(MAX_SPEED, SPEED_GAIN * distance)

@@ -237,7 +237,7 @@ def test_bad_input(recordings: Recordings) -> None:
         before = last_command(recording, begin, first)
         if before is None:
             _fail_mute(recording, begin)
-        _, v, w = before  # the robot looks straight at its goal: nothing may change now
+        _, v, w = before  # the robot faces its goal: nothing may change now
         for start, stop in pairwise([time for time in bad if time >= first] + [end]):
             during = np.flatnonzero((twists.t >= start) & (twists.t < stop))
             if not len(during):

@@ -101,7 +101,7 @@ def require_form(recording: Recording) -> None:
         if len(statuses) != 1 or statuses[0].name != STATUS_NAME:
             names = ", ".join(f"“{status.name}”" for status in statuses) or "no status"
             fail(
-                f"a message on {TOPIC} does not have exactly the one status",
+                f"a message on {TOPIC} does not have exactly one status, of this name",
                 expected=f"one status named “{STATUS_NAME}”",
                 actual=names,
                 at=at,
@@ -138,7 +138,7 @@ def require_period(recording: Recording) -> None:
     gaps = np.diff([*times, recording.duration_s])
     tolerance = PERIOD_TOLERANCE + recording.slack
     wrong = np.flatnonzero(np.abs(gaps[:-1] - PERIOD) > tolerance)
-    if recording.live is not None:  # its timer may have begun before time did
+    if recording.live is not None:  # its timer may have started before the recording
         wrong = wrong[(wrong > 0) | (gaps[wrong] > PERIOD)]
     if not len(wrong) and gaps[-1] > PERIOD + tolerance:
         wrong = np.array([len(gaps) - 1])

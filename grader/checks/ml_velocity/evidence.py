@@ -48,6 +48,6 @@ def require_going_on(recording: Recording, after: float) -> None:
 def _advice(answer: Answer, help: str) -> str:
     """Return what to look at after a wrong speed."""
     speed = answer.speed or 0.0
-    if math.isnan(speed) and help:  # the model itself may predict NaN: the field is none the worse
+    if math.isnan(speed) and help:  # the model itself may predict NaN, in a field of the right type
         return help
     return garbage(speed) or help

@@ -41,7 +41,7 @@ def test_suffix_in_capitals(recordings: Recordings) -> None:
 def test_unknown_suffix(recordings: Recordings) -> None:
     """Any other suffix, or none: an error in the log, and 0.0 for every scan."""
     for recording in recordings:
-        _require_standing(recording, f"{model_file(recording.scenario)} has no suffix that counts")
+        _require_standing(recording, f"{model_file(recording.scenario)} has no known suffix")
 
 
 @pytest.mark.check(points=4, scenarios=FILES, needs=("wiring",))

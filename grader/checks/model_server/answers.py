@@ -32,7 +32,7 @@ from grader.models.features import possible_features, scan_features, spell_featu
 from grader.recording import Recording, Scan
 from sim.messages import UINT32
 
-UNDER_WAY = 0.06  # [s] a scan may take to the server, in real time
+UNDER_WAY = 0.06  # [s] a scan may take to reach the server, in real time
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ def require_success(recording: Recording, ask: Ask) -> None:
             actual=f"success = false, “{ask.message}”",
             at=ask.at,
             recording=recording,
-            help="Set response.success, and only refuse for a reason of the task's list.",
+            help="Set response.success, and refuse only for the reasons on the task's list.",
         )
 
 

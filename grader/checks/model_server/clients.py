@@ -137,7 +137,7 @@ def require_heartbeat(recording: Recording) -> None:
         if gaps[1:-1].min() < LONGEST_GAP / 3 - recording.slack:
             at = float(times[int(np.argmin(gaps[1:-1]))])
             fail(
-                f"two heartbeats of {role}_client come {gaps[1:-1].min():.3f} s after one another",
+                f"two heartbeats of {role}_client are only {gaps[1:-1].min():.3f} s apart",
                 expected=f"one message on {topic} every 0.1 s",
                 actual=f"{len(times)} in {recording.duration_s:.1f} s",
                 at=at,

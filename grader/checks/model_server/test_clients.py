@@ -173,7 +173,7 @@ def test_gives_up(recordings: Recordings) -> None:
         require_alive(recording)
         found = requests(recording)
         if not any(request.answered == float("inf") for request in found):
-            fail("the client asked too seldom to be left without an answer", recording=recording)
+            fail("the client asked too rarely to be left without an answer", recording=recording)
         followed = [*found[1:], None]
         for request, after in zip(found, followed, strict=True):
             _require_patience(recording, request, after)
@@ -224,7 +224,7 @@ def test_malformed(recordings: Recordings) -> None:
             before = _kind(recording, request.number - 1) if request.number > 0 else "none"
             if kind == "fine" and request.answered < last and request.message not in said:
                 fail(
-                    f"after an answer of the kind “{before}” a good one is not published",
+                    f"a good answer after one of the kind “{before}” is not published",
                     expected=request.message,
                     actual="nothing of the kind on /navigation/detection",
                     at=request.answered,
@@ -234,7 +234,7 @@ def test_malformed(recordings: Recordings) -> None:
         end, before = (found[-1].at, kinds[-1]) if found else (0.0, "none")
         if recording.duration_s - end > NEXT_REQUEST + HAIR:
             fail(
-                f"after an answer of the kind “{before}” the client asks no more",
+                f"after an answer of the kind “{before}” the client stops asking",
                 expected="requests until the end of the scenario",
                 actual=f"the last at {end:.2f} s",
                 at=end,

@@ -149,8 +149,8 @@ def test_one_load(recordings: Recordings) -> None:
                     actual=ask.message,
                     at=ask.at,
                     recording=recording,
-                    help="pickle.load belongs into the constructor of the server, and of nobody "
-                    "else: that one process has the model is what the service is for.",
+                    help="pickle.load belongs in the constructor of the server and nowhere else: "
+                    "the service is there so that one process has the model for all.",
                 )
 
 
@@ -165,4 +165,4 @@ def _require_refusals(recording: Recording, help: str) -> None:
             require_success(recording, ask)
     kinds = {right.detection for _, right in judged}
     if kinds != {True, False}:
-        fail("the scenario ended before its end", recording=recording)
+        fail("the scenario ended before all of its requests were sent", recording=recording)

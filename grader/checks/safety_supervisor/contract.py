@@ -50,7 +50,7 @@ class Decision:
 
 @dataclass(frozen=True)
 class Situation:
-    """What the node had been sent by some time; the age of what it had not been sent is inf."""
+    """What the node had been sent by some time; the age of what had not come is inf."""
 
     e_stop: bool
     asked: tuple[float, ...] | None  # six fields of the last raw command

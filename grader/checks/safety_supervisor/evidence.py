@@ -198,7 +198,9 @@ def require_text(recording: Recording) -> None:
         if report.count == 1 and report.reason:
             continue
         fail(
-            "a report without a reason" if report.count == 1 else f"a report of {report.count}",
+            f"a report with {report.count} statuses"
+            if report.count != 1
+            else "a report without a reason",
             expected="one status, whose message begins with one of: " + ", ".join(LEVELS),
             actual=f"{report.count} statuses" if report.count != 1 else f"“{report.text[:60]}”",
             at=report.t,

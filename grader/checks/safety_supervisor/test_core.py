@@ -215,8 +215,8 @@ def test_reasons(recordings: Recordings) -> None:
     for recording in recordings:
         require_reasons(
             recording,
-            "Report when the reason is another than in the last report; the same rules that make "
-            "the command name the reason.",
+            "Report when the reason differs from that of the last report. The rule that gives the "
+            "command also gives the reason.",
         )
 
 

@@ -114,7 +114,7 @@ def require_period(recording: Recording) -> None:
 
 
 def _a_rare_delay(recording: Recording, gaps: np.ndarray, wrong: int) -> bool:
-    """Tell whether gaps may be the scheduler's fault, in real time: if few are wrong, by little."""
+    """Tell whether, in real time, the gaps may be the scheduler's: few are wrong, and by little."""
     few = wrong <= max(1, len(gaps) // 100)
     return recording.live is not None and few and gaps.max() <= 2 * LONGEST_GAP
 

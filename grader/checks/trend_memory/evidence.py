@@ -25,7 +25,7 @@ from sim.messages import FLOAT64
 TOPIC = "/closing_speed"
 SPEED_TOLERANCE = 1e-3  # [m/s]
 CLEARANCE = 0.2  # [m] between the robot's edge and anything else
-LEAST_WAY = 0.5  # [m] driven: less shows nothing
+LEAST_WAY = 0.5  # [m] driven in each drive
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ def require_distance(recording: Recording) -> None:
 
 
 def require_way(recording: Recording) -> None:
-    """Fail if the robot hardly moved: then it shows nothing that it keeps its distance."""
+    """Fail if the robot hardly moved: that it kept its distance shows nothing then."""
     driven = path_length(recording)
     if driven < LEAST_WAY:
         fail(
