@@ -26,8 +26,8 @@ import numpy as np
 from rich.console import Console
 
 from grader.authoring.mutants import find_mutant
-from grader.checks.obstacle_avoidance.contract import front_distance
-from grader.checks.obstacle_avoidance.evidence import answers, spell
+from grader.checks.ahead import front_distance
+from grader.checks.commands import answers, spell
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError

@@ -200,7 +200,7 @@ def _is_public(path: str, left_out: set[str]) -> bool:
     parts = PurePosixPath(path).parts
     names = {*parts, PurePosixPath(path).stem}
     if parts[0] != "grader" and not left_out.isdisjoint(names):
-        return False  # checks stay: those of one exercise use another's
+        return False  # in grader/ all checks stay, those of exercises left out too
     if parts[0] == "grader" and not {*INSTRUCTORS}.isdisjoint(parts):
         return False
     return not any(PRIVATE.search(part) for part in parts)
