@@ -20,6 +20,7 @@ from traitlets import Bool, Unicode
 from grader.course.exercises import find_exercise
 from grader.course.students import read_secret, student_seed
 from grader.errors import GraderError, InputError
+from grader.grading.handed_in import isolation_problem
 from grader.nbgrader.cells import Wanted, last_definitions, made_files, wanted
 from grader.nbgrader.gradebook import (
     Place,
@@ -29,7 +30,7 @@ from grader.nbgrader.gradebook import (
     write_mark,
 )
 from grader.nbgrader.intake import Unreadable, read_cells
-from grader.nbgrader.judge import Verdict, judge, refusal
+from grader.nbgrader.judge import Verdict, judge
 from grader.nbgrader.marks import Mark, mark_of
 from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
 from grader.nbgrader.table import output_of
@@ -47,7 +48,7 @@ class CourseExporter(NotebookExporter):  # type: ignore[misc]
         super().__init__(**traits)
         settings = JudgeNodes(parent=self)
         try:
-            problem = "" if settings.trust else refusal()
+            problem = "" if settings.trust else isolation_problem()
             if settings.secret:
                 read_secret(Path(settings.secret))
         except (GraderError, InputError) as error:

@@ -41,14 +41,15 @@ SWITCHES = """
 import os, sys
 from grader.errors import GraderError
 from grader.course.exercises import find_exercise
-from grader.nbgrader import judge
+from grader.grading import handed_in
 
 if os.environ.get("TEST_OPEN"):
-    judge.foreign_code_problem = lambda layers: "nothing is kept apart here; say so with --trust"
+    said = "nothing is kept apart here; say so with --trust"
+    handed_in.foreign_code_problem = lambda layers: said
 if os.environ.get("TEST_FAULT"):
     def fault(*arguments, **more):
         raise GraderError("no host for the node")
-    judge.grade_submission = fault
+    handed_in.grade_submission = fault
 c.JudgeNodes.trust = bool(os.environ.get("TEST_TRUST"))
 """
 
