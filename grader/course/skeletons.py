@@ -20,11 +20,8 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
-import click
-
-from sim.errors import InputError
-
-ROOT = Path(__file__).resolve().parents[2]
+from grader.course.generated import ROOT, write_or_check
+from grader.errors import InputError
 
 _MARKER = re.compile(r"^\s*### (BEGIN SOLUTION|SKELETON|END SOLUTION)\s*$")
 _MISSPELT = re.compile(r"^\s*#+\s*(BEGIN[ _]SOLUTION|SKELETON|END[ _]SOLUTION)\b", re.IGNORECASE)
@@ -125,29 +122,11 @@ def skeletons(root: Path = ROOT) -> Iterator[tuple[Path, str]]:
             yield description.parent / name, text
 
 
-@click.command()
-@click.option("--check", is_flag=True, help="Write nothing; exit 1 if a skeleton is out of step.")
-def main(check: bool) -> None:
-    """Write exercises/*/FILE from solutions/*/FILE."""
-    stale = 0
-    try:
-        for path, text in skeletons():
-            if path.is_file() and path.read_text(encoding="utf-8") == text:
-                continue
-            stale += 1
-            name = path.relative_to(ROOT).as_posix()
-            if check:
-                click.echo(
-                    f"{name} is out of step: run python -m grader.course.skeletons", err=True
-                )
-            else:
-                path.write_text(text, encoding="utf-8")
-                click.echo(f"wrote {name}")
-    except InputError as error:
-        click.echo(str(error), err=True)
-        sys.exit(2)
-    sys.exit(1 if check and stale else 0)
+def main(arguments: list[str]) -> int:
+    """Write exercises/*/FILE from solutions/*/FILE, or with `--check` compare them."""
+    command = "python -m grader.course.skeletons"
+    return write_or_check(skeletons(), command, arguments)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(sys.argv[1:]))

@@ -26,6 +26,7 @@ import nbformat
 from nbformat import NotebookNode, v4
 
 from grader.course.exercises import ROOT, all_exercises, find_exercise
+from grader.course.generated import write_or_check
 from grader.errors import GraderError
 from grader.nbgrader.cells import Wanted, definition, wanted
 from grader.nbgrader.points import points_of
@@ -66,19 +67,8 @@ Three to six sentences are expected.
 
 def main(arguments: list[str]) -> int:
     """Write the notebooks, or with `--check` compare them; 1 if one is out of step."""
-    stale = 0
-    for path, text in files():
-        if path.is_file() and path.read_text("utf-8") == text:
-            continue
-        stale += 1
-        name = path.relative_to(ROOT).as_posix()
-        if "--check" in arguments:
-            print(f"{name} is out of step: run python -m grader.notebook.build")
-            continue
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, "utf-8")
-        print(f"wrote {name}")
-    return 1 if "--check" in arguments and stale else 0
+    command = "python -m grader.notebook.build"
+    return write_or_check(files(), command, arguments)
 
 
 def files() -> Iterator[tuple[Path, str]]:

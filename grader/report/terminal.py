@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -61,6 +62,15 @@ def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
             Padding(Text(printable(note, console), style="yellow"), (0, 0, 0, 8)), width=width
         )
     console.print()
+
+
+def printed(grading: Mapping[str, Any], width: int) -> str:
+    """Return what `render_terminal` prints on a terminal of this width, without colour."""
+    text = io.StringIO()
+    console = Console(file=text, width=width, color_system=None, force_terminal=False)
+    render_terminal(grading, console)
+    lines = [line.rstrip() for line in text.getvalue().strip("\n").splitlines()]
+    return "\n".join(lines).replace("\n\n\n", "\n\n") + "\n"
 
 
 def render_diagnosis(found: Diagnosis, console: Console) -> None:
