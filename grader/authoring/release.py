@@ -215,7 +215,7 @@ def _readme(left_out: Collection[str], lesson: str) -> str:
 
 def _check_free(folder: Path, packed: Path | None) -> None:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(f"{folder}: expected a new or an empty folder; choose another")
+        raise InputError(f"{folder}: expected a new or empty folder; choose another")
     if packed is not None and packed.exists():
         raise InputError(f"{packed}: exists already; remove it or choose another folder")
 

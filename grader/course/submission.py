@@ -1,4 +1,4 @@
-"""A student's submission: find the file, check what can be checked without running it."""
+"""A student's submission: find the files, and check what can be checked without running them."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
 
 @dataclass(frozen=True)
 class Submission:
-    """One runnable file and why it can't be run, if so."""
+    """A node's file, and the reason why it can't be run, if there is one."""
 
     path: Path
-    problem: str = ""  # the student's mistake, found before running; "" if none
+    problem: str = ""  # the student's mistake, found before the run; "" if none
     others: tuple[Path, ...] = ()  # the exercise's other files, beside it
 
     @contextlib.contextmanager
     def folder(self) -> Iterator[Path]:
-        """Copy the files into a fresh folder that may be given away."""
+        """Copy the files into a fresh folder, whose owner may be changed."""
         with fresh_folder() as folder:
             for path in (self.path, *self.others):
                 shutil.copyfile(path, folder / path.name)
@@ -36,8 +36,8 @@ def find_submission(
 ) -> Submission:
     """Return the submission at `path`: a file, or a folder that holds the file `expected`.
 
-    The exercise's other files that lie beside it belong to the submission. Of an exercise with
-    several files (`expected` and `others`) any may be given.
+    The exercise's other files beside it belong to the submission. If an exercise has several files
+    (`expected` and `others`), `path` may be any of them.
 
     Raises
     ------

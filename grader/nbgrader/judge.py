@@ -1,4 +1,4 @@
-"""Have the files of a notebook judged."""
+"""Have the files that a notebook writes judged."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Verdict:
 def judge(exercise: Exercise, files: Mapping[str, str], *, seed: int | None = None) -> Verdict:
     """Drive the nodes of `files` (texts by name) and judge them, as `course grade` does.
 
-    Whether other people's code may run on this machine has been asked before.
+    `CourseExporter` has made sure that other people's code may run on this machine.
     """
     contents = {
         name: files[name].encode("utf-8", "replace") for name in exercise.files if name in files

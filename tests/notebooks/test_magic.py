@@ -59,7 +59,7 @@ def test_a_syntax_error_keeps_the_file_and_says_where(kernel: Kernel, folder: Pa
     lines = said.stdout.splitlines()
     assert lines[0] == "Not saved: agent.py, line 2 (line 3 of the cell): invalid syntax"
     assert lines[1:3] == ["    def f(:", "          ^"]
-    assert lines[3] == "Correct the cell and run it again. agent.py on disk is as it was before."
+    assert lines[3] == "Correct the cell and run it again. agent.py on disk is unchanged."
     assert said.stderr == ""
 
 

@@ -123,7 +123,7 @@ def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Pat
         marks = {mark for (who, nb, _), mark in found.items() if (who, nb) == (student, "01_loop")}
         assert marks == {(None, True)}, student
         notebook = autograded(course, student, "01_loop")
-        assert notebook.cells[0].source.startswith("The notebook handed in could not be read: ")
+        assert notebook.cells[0].source.startswith("The submitted notebook could not be read: ")
         assert "front_distance" not in json.dumps(notebook)
     for student in ("d_bare", "g_huge"):
         assert total(found, student, SLUG) == 100
