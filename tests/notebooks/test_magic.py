@@ -80,7 +80,7 @@ def test_nothing_is_judged_by_an_older_file_than_the_cell(kernel: Kernel) -> Non
 @pytest.mark.parametrize(
     ("words", "advice"),
     [
-        ("", "nothing came"),
+        ("", "got nothing"),
         ("../agent.py", "leave out the folder"),
         ("agent", "write “%%node agent.py”"),
         ("my agent.py", "“%%node my.py”"),
@@ -103,7 +103,7 @@ def test_other_names_are_refused(kernel: Kernel, folder: Path, words: str, advic
 def test_notebook_commands_in_a_file_are_explained(kernel: Kernel) -> None:
     said = kernel.run("%%node agent.py\n%matplotlib inline\n")
 
-    assert "commands of the notebook (% and !) don't belong in a file" in said.stdout
+    assert "notebook commands (% and !) don't belong in a file" in said.stdout
 
 
 def test_students_text_is_text_in_the_page(kernel: Kernel) -> None:

@@ -28,7 +28,7 @@ def results_json(
 ) -> dict[str, Any] | None:
     """Return one student's results; None while any of them is held or unfinished.
 
-    Gradescope takes a missing score for zero, so a score that is not final is not handed in.
+    Gradescope takes a missing score for zero, so it gets only final scores.
     """
     by_slug = {result.exercise: result for result in results}
     mine = [(task, by_slug[task.slug]) for task in tasks if task.slug in by_slug]

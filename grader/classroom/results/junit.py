@@ -1,7 +1,7 @@
-"""All gradings as JUnit XML, for whatever draws test results.
+"""All gradings as JUnit XML, for any tool that shows test results.
 
-Source: the schema of the Apache Ant JUnit task ("JUnit.xsd"), with `testsuites` around it: a suite
-is a student's exercise, a case a check. Characters that XML 1.0 forbids are left out.
+Source: the schema of the Apache Ant JUnit task ("JUnit.xsd"), inside `testsuites`. A suite is one
+student's exercise, a case is a check. Characters that XML 1.0 forbids are left out.
 """
 
 from __future__ import annotations
