@@ -217,7 +217,7 @@ def _check_free(folder: Path, packed: Path | None) -> None:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: expected a new or empty folder; choose another")
     if packed is not None and packed.exists():
-        raise InputError(f"{packed}: exists already; remove it or choose another folder")
+        raise InputError(f"{packed}: already exists; remove it or choose another folder")
 
 
 def _pack(files: dict[str, bytes], target: Path, top: str) -> None:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.classroom.conditions import HASHED, fingerprint, submission_hash
-from grader.classroom.intake import Found, find_files, find_students, read_file
+from grader.classroom.intake import Found, find_files, find_students
 from grader.classroom.options import Options
 from grader.classroom.store import Key, Store
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.students import student_seed
+from grader.course.submission import read_regular_file
 from grader.errors import InputError
 
 
@@ -33,7 +34,7 @@ class Candidate:
         OSError
             One can't be read.
         """
-        return {name: read_file(path) for name, path in self.found.files.items()}
+        return {name: read_regular_file(path) for name, path in self.found.files.items()}
 
     def read_if_possible(self) -> dict[str, bytes]:
         """Return the files' contents by name; none if one can't be read."""

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
-from grader.course.submission import MAX_SIZE
+from grader.course.submission import read_regular_file
 from grader.errors import InputError
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
@@ -123,21 +123,6 @@ def find_files(student: Student, names: Sequence[str]) -> Found:
     return Found(found, remark=remark)
 
 
-def read_file(path: Path) -> bytes:
-    """Return the first MAX_SIZE + 1 bytes of a submitted file; no link is followed.
-
-    Raises
-    ------
-    OSError
-        It can't be read, or is not an ordinary file.
-    """
-    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    with open(fd, "rb") as file:
-        if not stat.S_ISREG(os.fstat(fd).st_mode):
-            raise OSError(0, "not an ordinary file", str(path))
-        return file.read(MAX_SIZE + 1)
-
-
 def _is_student(path: Path) -> bool:
     if path.name.startswith(".") or path.name in NOT_THEIRS:
         return False
@@ -228,7 +213,7 @@ def _inventory(folder: Path, there: Sequence[Path]) -> str:
 
 def _content(path: Path) -> bytes:
     try:
-        return hashlib.sha256(read_file(path)).digest()
+        return hashlib.sha256(read_regular_file(path)).digest()
     except OSError:
         return b""
 

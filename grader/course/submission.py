@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import shutil
+import stat
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,6 +58,21 @@ def find_submission(
     found = tuple(other.resolve() for other in beside if other.is_file())
     problems = [_problem(file) for file in (path, *found)]
     return Submission(path.resolve(), next(filter(None, problems), ""), found)
+
+
+def read_regular_file(path: Path, limit: int = MAX_SIZE) -> bytes:
+    """Return the first `limit` + 1 bytes of a file that somebody handed in; no link is followed.
+
+    Raises
+    ------
+    OSError
+        It can't be read, or is not a regular file.
+    """
+    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with open(fd, "rb") as file:
+        if not stat.S_ISREG(os.fstat(fd).st_mode):
+            raise OSError(0, "not an ordinary file", str(path))
+        return file.read(limit + 1)
 
 
 def _in_folder(folder: Path, expected: str | None) -> Path:

@@ -7,14 +7,12 @@ are dropped.
 from __future__ import annotations
 
 import json
-import os
-import stat
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grader.course.submission import MAX_SIZE
+from grader.course.submission import MAX_SIZE, read_regular_file
 
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000
@@ -47,7 +45,7 @@ def read_cells(path: Path) -> list[Cell]:
         It is not a notebook, is too large, or is not an ordinary file.
     """
     try:
-        data = _read(path)
+        data = read_regular_file(path, MAX_NOTEBOOK)
     except OSError as error:
         raise Unreadable(f"the file cannot be read ({error.strerror})") from None
     if len(data) > MAX_NOTEBOOK:
@@ -60,15 +58,6 @@ def read_cells(path: Path) -> list[Cell]:
     if not cells:
         raise Unreadable("it is not a notebook, or it has no cells")
     return cells[:MAX_CELLS]
-
-
-def _read(path: Path) -> bytes:
-    """Return the first MAX_NOTEBOOK + 1 bytes of a file; no link is followed."""
-    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    with open(fd, "rb") as file:
-        if not stat.S_ISREG(os.fstat(fd).st_mode):
-            raise OSError(0, "not an ordinary file", str(path))
-        return file.read(MAX_NOTEBOOK + 1)
 
 
 def _cells(notebook: Any) -> Iterator[Cell]:

@@ -8,8 +8,7 @@ from typing import Any
 
 from grader.nbgrader.cells import Wanted
 from grader.nbgrader.judge import Verdict
-
-UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
+from grader.report.terminal import UNJUDGED
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ PROVISIONAL_WHY = ": a check could not be judged, so a person has to look"
 MAX_WIDTH = 110  # longer lines are hard to read
 MAX_TEXT = 1200  # [characters] of one message; the page has all of it
 
-_ESCAPES = re.compile(
+ESCAPES = re.compile(
     r"\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)?"  # OSC: window titles, links
     r"|[\x1b\x9b]\[?[0-?]*[ -/]*[@-~]"  # CSI and two-character sequences
 )
@@ -115,7 +115,7 @@ def printable(text: Any, console: Console) -> str:
 
 def plain(text: Any) -> str:
     """Return student text without escape sequences and control characters, cut to MAX_TEXT."""
-    clean = _CONTROLS.sub("", _ESCAPES.sub("", str(text).replace("\r\n", "\n"))).expandtabs(4)
+    clean = _CONTROLS.sub("", ESCAPES.sub("", str(text).replace("\r\n", "\n"))).expandtabs(4)
     return clean if len(clean) <= MAX_TEXT else clean[: MAX_TEXT - 2].rstrip() + " …"
 
 

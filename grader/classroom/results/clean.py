@@ -6,10 +6,11 @@ import hashlib
 import re
 import unicodedata
 
+from grader.report.terminal import ESCAPES
+
 MAX_NAME = 120  # [characters] of a name on a page
 MAX_FOLDER = 100  # [bytes] of a folder's name; file systems allow 255
 
-_ESCAPES = re.compile(r"\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)?|[\x1b\x9b]\[?[0-?]*[ -/]*[@-~]")
 # C0 and C1 but tab and newline, bidi controls, line separators, surrogates, non-characters.
 _UNSEEN = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069"
@@ -27,7 +28,7 @@ def visible(text: object) -> str:
     XML 1.0 ("Characters", section 2.2) and UTF-8 allow what remains.
     """
     plain = str(text).replace("\r\n", "\n")
-    return _UNSEEN.sub("", _ESCAPES.sub("", plain))
+    return _UNSEEN.sub("", ESCAPES.sub("", plain))
 
 
 def one_line(text: object, most: int = MAX_NAME) -> str:
@@ -44,7 +45,7 @@ def cell(text: object) -> str:
 
     Source: OWASP, "CSV Injection".
     """
-    line = " ".join(_ESCAPES.sub("", str(text)).split())
+    line = " ".join(ESCAPES.sub("", str(text)).split())
     starts_badly = str(text).lstrip(" \u00a0").startswith(_FORMULA)
     line = _UNSEEN.sub("", line)
     return "'" + line if starts_badly or line.startswith(_FORMULA) else line

@@ -15,7 +15,7 @@ from grader.recording import Recording
 from grader.report.page import page_html, page_payload
 
 WAITING = "Not graded yet."
-HELD = "A person has to look at this one; it has no score yet."
+HELD = "A person has to look at this one; it has no score yet, and nothing is lost."
 
 
 def exercise_page(

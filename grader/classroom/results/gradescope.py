@@ -11,9 +11,10 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 from grader.classroom.results.clean import one_line, visible
-from grader.classroom.results.marks import UNJUDGED, Check, Task, is_held, points_of
+from grader.classroom.results.marks import Check, Task, is_held, points_of
 from grader.classroom.results.withheld import for_students
 from grader.classroom.row import StoredResult
+from grader.report.terminal import UNJUDGED
 
 MAX_OUTPUT = 4000  # [characters] of one test
 WORDS = {

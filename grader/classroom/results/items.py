@@ -13,8 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grader.classroom.results.clean import one_line
-from grader.classroom.results.marks import UNJUDGED, Check, Task, checks_of, points_of
+from grader.classroom.results.marks import Check, Task, checks_of, points_of
 from grader.classroom.row import StoredResult
+from grader.report.terminal import UNJUDGED
 
 BINS = 10
 ENOUGH = 10  # submissions; with fewer, the indices are mostly chance

@@ -10,11 +10,9 @@ from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
 from grader.classroom.results.clean import one_line, visible
-from grader.classroom.results.marks import Check, Task, checks_of, is_held, why_held
+from grader.classroom.results.marks import TO_HOLD, Check, Task, checks_of, is_held, why_held
 from grader.classroom.row import StoredResult
-
-SKIPPED = ("skip", "unavailable")
-ERRORS = ("error", "inconclusive")
+from grader.report.terminal import SKIPPED
 
 
 def junit_xml(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
@@ -59,7 +57,7 @@ def _case(check: Check, result: StoredResult) -> ET.Element:
     outcome = str(check.get("outcome"))
     if outcome == "pass":
         return case
-    kind = "skipped" if outcome in SKIPPED else "error" if outcome in ERRORS else "failure"
+    kind = "skipped" if outcome in SKIPPED else "error" if outcome in TO_HOLD else "failure"
     message = one_line(check.get("message") or check.get("title") or outcome, 500)
     child = ET.SubElement(case, kind, message=message)
     if kind != "skipped":

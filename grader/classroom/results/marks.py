@@ -13,7 +13,6 @@ from grader.errors import GraderError
 
 Check = Mapping[str, Any]
 
-UNJUDGED = ("error", "inconclusive", "unavailable")
 TO_HOLD = ("error", "inconclusive")
 FULL = 100.0  # points of an exercise that no longer exists
 
