@@ -84,8 +84,8 @@ def render_diagnosis(found: Diagnosis, console: Console) -> None:
     facts.add_row("ROS 2", found.ros or "not found")
     for what, missing in found.extras.items():
         facts.add_row(
-            Text("not here" if missing else "here", style="yellow" if missing else "green"),
-            f"{what}: {', '.join(missing)} missing" if missing else what,
+            Text("missing" if missing else "installed", style="yellow" if missing else "green"),
+            f"{what}: {', '.join(missing)}" if missing else what,
         )
     console.print(facts, width=width)
     layers = Table(box=None, padding=(0, 2, 0, 1), header_style="bold")
@@ -119,7 +119,7 @@ def plain(text: Any) -> str:
     return clean if len(clean) <= MAX_TEXT else clean[: MAX_TEXT - 2].rstrip() + " …"
 
 
-# --- what is said, wherever it is shown ----------------------------------------------------------
+# --- words that notebooks and nbgrader use too ---------------------------------------------------
 
 
 def group_fact(kind: str, group: Sequence[Check]) -> str:
