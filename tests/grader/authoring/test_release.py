@@ -337,7 +337,7 @@ def test_what_is_there_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="new or empty"):
         release(tmp_path)
     (tmp_path / "out.zip").write_text("mine")
-    with pytest.raises(InputError, match="already there"):
+    with pytest.raises(InputError, match="already exists"):
         release(tmp_path / "out", archive=True)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.txt", "out.zip"]
 
