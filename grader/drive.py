@@ -1,4 +1,4 @@
-"""Drive any rclpy node in the mock robot and say what it did, without judging it."""
+"""Drive any rclpy node in the mock robot and report what it did, without judging it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def scenario_for(
     duration: float | None = None,
     goals: Sequence[tuple[float, float]] = (),
 ) -> Scenario:
-    """Return a scenario with changes.
+    """Return a scenario, changed as asked.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def scenario_for(
     duration
         Another duration [s].
     goals
-        Goals to send instead of the scenario's own [m]: the first at 0.5 s, the others spread over
+        Goals [m] to send instead of the scenario's own: the first at 0.5 s, the others spread over
         the drive.
 
     Raises
@@ -75,12 +75,12 @@ def scenario_for(
 
 
 def arguments_of(params: Sequence[str]) -> list[str]:
-    """Return the command line that sets ROS parameters given as NAME:=VALUE.
+    """Return the command line arguments that set ROS parameters given as NAME:=VALUE.
 
     Raises
     ------
     InputError
-        One has another form.
+        One is not of that form.
     """
     for param in params:
         if not PARAMETER.fullmatch(param):
@@ -97,9 +97,9 @@ def drive_node(
     seed: int | None = None,
     arguments: Sequence[str] = (),
 ) -> Recording:
-    """Run the node once; the robot also takes TwistStamped.
+    """Run the node once; the robot also understands TwistStamped.
 
-    Where a scenario wants the student's own model, the one that lies beside the node is taken.
+    If a scenario uses the student's own model, it is taken from the node's folder.
     """
     own = [name for name, model in scenario.node.models.items() if model.probe == OWN]
     beside = [submission.path.with_name(name) for name in own]
@@ -115,7 +115,7 @@ def drive_node(
 
 
 def print_summary(recording: Recording, *, file: str) -> None:
-    """Print which topics the node used and what happened."""
+    """Print the topics that the node used and what happened."""
     console = Console(highlight=False)
     say = console.print
     say(f"[bold]{escape(file)}[/] in [bold]{recording.name}[/], seed {recording.seed}")
@@ -181,5 +181,5 @@ def _event_lines(recording: Recording) -> list[str]:
 def _ending(recording: Recording) -> str:
     outcome = recording.outcome
     if outcome.completed:
-        return "the node lived to the end"
+        return "the node ran to the end"
     return f"the node ended at {outcome.at:.1f} s: {outcome.kind.replace('_', ' ')}: {outcome.text}"

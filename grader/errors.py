@@ -8,4 +8,4 @@ __all__ = ["GraderError", "InputError"]
 
 
 class GraderError(Exception):
-    """The grader's own fault, or the machine's: costs a student nothing."""
+    """The fault of the grader or the machine; it costs a student nothing."""

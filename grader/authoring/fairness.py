@@ -1,11 +1,10 @@
-"""Is the exam the same for everybody? Grade right solutions with the worlds of many students.
+"""Is the exam the same for everybody? Grade right solutions in the worlds of many students.
 
-Every student has worlds of their own, so a right solution must get full marks in all of them. Of
-many scenarios (open-loop benches, scripted runs) every student gets the same: these are run for the
-first students, and the recording then stands for all whose robot would send the same. Neither half
-of that is taken for granted: what the robot sends to a student is compared, byte for byte, while it
-drives a fixed course without a node, and a recording is only used again after two students' own
-runs have come out the same.
+Each student has different worlds, so a right solution must get full marks in all of them. Many
+scenarios (open-loop benches, scripted runs) are the same for everybody: they are run for the first
+students, and the recording then stands for every student whose robot would send the same. Both
+assumptions are tested. What the robot sends is compared byte for byte while it drives a fixed
+course without a node, and a recording is reused only after two students' runs were identical.
 """
 
 from __future__ import annotations
@@ -34,23 +33,23 @@ from sim.scenario import Scenario, load_scenario
 from sim.simulation import Simulation
 
 SECRET = b"not a secret: for measuring only"
-ATTEMPTS = 3  # where the machine stalls
+ATTEMPTS = 3  # if the machine stalls
 COURSE = ((0.3, 0.0), (0.4, 0.6), (0.2, -0.9), (0.5, 0.0))  # [m/s, rad/s] driven in turn
-COURSE_NS = 100_000_000  # between two commands of it [ns]
+COURSE_NS = 100_000_000  # [ns] between two commands of the course
 
 
 class Verdict(msgspec.Struct, frozen=True):
-    """What one student's worlds were to one right solution."""
+    """How one right solution did in one student's worlds."""
 
     solution: str  # "goal_seeking/reference/goal_seeking_agent"
     exercise: str
     student: int
-    field: bool  # the field checks count, where the solution claims the badge
-    against: tuple[str, ...]  # why it is not as it should be; nothing if it is
-    unsure: tuple[str, ...]  # checks that the machine, each time, did not allow to judge
-    stalls: int  # gradings that the machine spoilt
+    field: bool  # the field checks count, if the solution claims the badge
+    against: tuple[str, ...]  # what went wrong; () if nothing did
+    unsure: tuple[str, ...]  # checks that could not judge in any attempt: the machine stalled
+    stalls: int  # gradings repeated because the machine stalled
     runs: int  # scenarios judged
-    own: int  # of these, run for this student
+    own: int  # of which run for this student
     seconds: float
     difficulties: dict[str, Difficulty]  # of the scenarios that differ from student to student
 
@@ -62,10 +61,13 @@ def right_solutions(slug: str, *, variants: bool = True) -> list[Claim]:
 
 
 def examine(claim: Claim, students: Iterable[int], *, field: int = 0) -> Iterator[Verdict]:
-    """Yield what the worlds of each student are to a right solution.
+    """Grade a right solution in the worlds of each student.
 
-    The field checks are judged as well, if it claims the badge, in those of the first `field`
-    students.
+    Parameters
+    ----------
+    field
+        For how many students, from the first on, the field checks are judged too (if the solution
+        claims the badge).
     """
     libraries = claim.exercise.libraries
     with ForkServer(EPOCH_NS, libraries=libraries) as forkserver, complete(claim) as submission:
@@ -111,9 +113,9 @@ def _examine(
 
 
 def _against(claim: Claim, grading: Grading) -> list[str]:
-    """Return the objections to a grading, with what the student would read.
+    """Return the objections to a grading, with the messages that the student would read.
 
-    Checks that the machine did not allow to judge are none: they say nothing about the worlds.
+    Checks that could not judge because the machine stalled say nothing about the worlds.
     """
     judged = [check for check in grading.checks if check.outcome != INCONCLUSIVE]
     if len(judged) < len(grading.checks) and all(check.outcome in (PASS, SKIP) for check in judged):
@@ -155,13 +157,13 @@ class Shared:
         self.known[recording.name] = _Known(recording, same)
 
     def forget(self) -> None:
-        """Forget everything: the machine may have spoilt it."""
+        """Forget everything: the machine stalled, so it may be wrong."""
         self.known.clear()
 
 
 @dataclass
 class ThriftyTrials(NodeTrials):
-    """Runs what is a student's own; takes what is the same for all from earlier students."""
+    """Runs the scenarios that differ by student; reuses the recordings of those that don't."""
 
     shared: Shared = field(default_factory=Shared)
     made: list[str] = field(default_factory=list)  # scenarios run for this student
@@ -183,7 +185,7 @@ class ThriftyTrials(NodeTrials):
 
 
 def is_own(scenario: Scenario, seed: int) -> bool:
-    """Tell whether the robot sends something else with this seed than with the scenario's own."""
+    """Tell whether the robot sends other messages with this seed than with the scenario's own."""
     simulation = Simulation(scenario, seed)
     layout, sent = _own_fingerprint(scenario.name)
     return layout_to_json(simulation.layout) != layout or fingerprint(simulation) != sent
@@ -211,5 +213,5 @@ def _own_fingerprint(name: str) -> tuple[str, str]:
 
 
 def _fingerprint(recording: Recording) -> str:
-    """Return what two students' recordings must have in common: all but the seed."""
+    """Return the digest that two students' recordings must share: of everything but the seed."""
     return replace(recording, seed=0).digest()

@@ -1,4 +1,4 @@
-"""Make what a release has besides copies: the lesson as a site, and the students' notebooks."""
+"""Build what a release does not just copy: the lesson's site and the students' notebooks."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from grader.nbgrader.cells import definition
 
 SITE = "lesson"  # folder of the site in a release
 NOTEBOOKS = "notebooks"
-LIMIT = 600.0  # [s] for each of the programs that make them; they take seconds
+LIMIT = 600.0  # [s] for each of the programs that build them; they take seconds
 NEEDED = {  # module: the extra that brings it
     "sphinx": "site", "myst_parser": "site", "furo": "site",
     "nbgrader": "notebooks", "jupytext": "notebooks",
@@ -26,13 +26,13 @@ NEEDED = {  # module: the extra that brings it
 
 
 def handouts(left_out: Collection[str] = ()) -> dict[str, bytes]:
-    """Return the site and the notebooks by their paths in a release.
+    """Return the site's and the notebooks' files by their paths in a release.
 
     Parameters
     ----------
     left_out
-        Exercises (slugs) that are not released: notebooks with one of them are left out. The
-        site is one lesson, and has the tasks of all.
+        Slugs of exercises that are not released: notebooks with one of them are left out. The site
+        is one lesson and has the tasks of all.
 
     Raises
     ------
@@ -47,25 +47,25 @@ def handouts(left_out: Collection[str] = ()) -> dict[str, bytes]:
 
 
 def require_tools() -> None:
-    """Refuse if something is not installed that makes them.
+    """Make sure that the tools for the site and the notebooks are installed.
 
     Raises
     ------
     InputError
-        It says what is missing, and what to do.
+        Some are not; the message says which, and what to do.
     """
     missing = [module for module in NEEDED if importlib.util.find_spec(module) is None]
     if missing:
         extras = ",".join(dict.fromkeys(NEEDED[module] for module in missing))
         raise InputError(
-            f"the lesson's site and the notebooks can't be made: {', '.join(missing)} "
+            f"the lesson's site and the notebooks can't be built: {', '.join(missing)} "
             f"{'is' if len(missing) == 1 else 'are'} not installed; "
             f"pip install --editable '.[{extras}]', or hand out the plain pages with --plain"
         )
 
 
 def site(work: Path) -> dict[str, bytes]:
-    """Return the lesson as `make site` makes it, replays included."""
+    """Return the lesson as `make site` builds it, replays included."""
     out = work / SITE
     _run(
         "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html",
@@ -76,7 +76,7 @@ def site(work: Path) -> dict[str, bytes]:
 
 
 def notebooks(work: Path) -> dict[str, bytes]:
-    """Return the notebooks as `nbgrader generate_assignment` leaves them for students."""
+    """Return the notebooks as `nbgrader generate_assignment` releases them."""
     from grader.notebook.build import ASSIGNMENT, SOURCES  # noqa: PLC0415  (Jupyter: 1 s)
     from grader.notebook.build import NOTEBOOKS as COURSE  # noqa: PLC0415
 
@@ -89,20 +89,20 @@ def notebooks(work: Path) -> dict[str, bytes]:
 
 
 def without(notebooks: Mapping[str, bytes], left_out: Collection[str]) -> dict[str, bytes]:
-    """Return the notebooks that have none of these exercises (slugs)."""
+    """Return the notebooks without those that hold one of these exercises (slugs)."""
     files = {name for e in all_exercises() if e.slug in left_out for name in e.files}
     return {path: data for path, data in notebooks.items() if files.isdisjoint(made_by(data))}
 
 
 def made_by(notebook: bytes) -> set[str]:
-    """Return the files that the cells of a notebook (its JSON) make."""
+    """Return the files that the cells of a notebook (its JSON) write."""
     cells = json.loads(notebook)["cells"]
     made = [definition("".join(cell["source"])) for cell in cells if cell["cell_type"] == "code"]
     return {one.file for one in made if one is not None}
 
 
 def _files(folder: Path) -> Iterator[tuple[Path, bytes]]:
-    """Yield the files below a folder; nothing hidden (Sphinx' own notes)."""
+    """Yield the files below a folder, without hidden ones (Sphinx's bookkeeping)."""
     for path in sorted(folder.rglob("*")):
         if path.is_file() and not any(
             part.startswith(".") for part in path.relative_to(folder).parts
@@ -111,8 +111,8 @@ def _files(folder: Path) -> Iterator[tuple[Path, bytes]]:
 
 
 def _run(*arguments: str, cwd: Path = ROOT) -> None:
-    """Run a program of this Python, without the Jupyter settings of whoever calls it."""
-    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]  # a sourced ROS is there
+    """Run this Python with these arguments, without the user's Jupyter settings."""
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]  # of a sourced ROS
     with tempfile.TemporaryDirectory(prefix="course-jupyter-") as settings:
         environment = {
             **os.environ, "JUPYTER_CONFIG_DIR": settings, "PYTHONPATH": os.pathsep.join(paths),

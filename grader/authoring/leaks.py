@@ -1,4 +1,4 @@
-"""Search what is to be handed out for pieces of solutions: files, cells of notebooks, pages."""
+"""Search a release for pieces of solutions, in files, notebook cells and pages."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from grader.course.exercises import SOLUTIONS, all_exercises
 from grader.nbgrader.cells import definition
 
 Shingle = tuple[str, ...]
-SHINGLE = 6  # lines in a row, without empty ones, that nobody writes twice by chance
+SHINGLE = 6  # consecutive non-empty lines that nobody writes twice by chance
 SIZES = (4, 5, SHINGLE)  # a solution's block may be shorter
 BLOCK = re.compile(r"^\s*### (BEGIN SOLUTION|SKELETON|END SOLUTION)\s*$")
 MARK = re.compile(r"^\s*### (SKELETON|(BEGIN|END) (SOLUTION|HIDDEN TESTS|MARK SCHEME))\s*$")
-NUMBERS = re.compile(r'<span class="linenos">[^<]*</span>')  # of the lines of a listing
+NUMBERS = re.compile(r'<span class="linenos">[^<]*</span>')  # line numbers of a listing
 TAG = re.compile(r"<[^>]*>")
 READ = (
     ".py", ".md", ".toml", ".txt", ".xml", ".cfg", ".yaml", ".rviz", ".html", ".js", ".ipynb",
@@ -27,18 +27,18 @@ READ = (
 
 @dataclass(frozen=True)
 class Leak:
-    """A file of a release that has lines of a solution."""
+    """A file of a release that holds lines of a solution."""
 
     file: str
-    solution: str  # path of the solution; "" for its markers
-    line: str  # the first of them
-    earlier: bool = False  # a skeleton that builds on an exercise before it, which it gives away
+    solution: str  # its path; "" for a solution's markers
+    line: str  # the first line that leaks
+    earlier: bool = False  # a skeleton that builds on an earlier exercise, and gives that one away
 
     def __str__(self) -> str:
         """Say it in a sentence."""
         if not self.solution:
             return f"{self.file} has the markers of a solution"
-        return f"{self.file} has lines of {self.solution}, from {self.line!r} on"
+        return f"{self.file} has lines of {self.solution}, beginning with {self.line!r}"
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class _Text:
 
     place: str
     lines: list[str]  # without empty ones
-    exercise: str = ""  # whose skeleton it is, if it is one (slug)
+    exercise: str = ""  # if it is a skeleton: slug of its exercise
 
 
 def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
@@ -85,7 +85,7 @@ def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
 
 
 def _texts(folder: Path) -> Iterator[_Text]:
-    """Yield what a reader of a release can read, in the order of the files."""
+    """Yield every text that a reader of the release sees, in the order of the files."""
     for file in sorted(folder.rglob("*")):
         if not file.is_file() or file.suffix not in READ:
             continue
@@ -102,7 +102,7 @@ def _texts(folder: Path) -> Iterator[_Text]:
 
 
 def _cells(place: str, notebook: str) -> Iterator[_Text]:
-    """Yield the cells of a notebook (its JSON), with what they show."""
+    """Yield the cells of a notebook (its JSON), with their outputs."""
     owners = {file: exercise.slug for exercise in all_exercises() for file in exercise.files}
     for number, cell in enumerate(json.loads(notebook)["cells"], start=1):
         source = "".join(cell["source"])
@@ -158,13 +158,15 @@ def _is_marked(lines: list[str]) -> bool:
 
 
 def _secret_shingles(lines: list[str]) -> Iterator[Shingle]:
-    """Yield the runs of lines that nobody may hand out.
+    """Yield the consecutive lines that must not be released.
 
     Of a reference, what stands in its solution blocks (four lines or more); of variants and
-    mutants, everything.
+    mutants, everything but a list of imports.
     """
     if not _is_marked(lines):
-        yield from _shingles(lines)
+        for shingle in _shingles(lines):
+            if not all(line.startswith(("import ", "from ")) for line in shingle):
+                yield shingle
         return
     block: list[str] | None = None
     for line in lines:

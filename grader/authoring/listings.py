@@ -1,13 +1,12 @@
 """Write docs/listing-style.md: four textbook listings, each graded, and what to do about it.
 
-The nodes are in docs/listings/. Scores, tables and messages on the page are what the grader says of
-them; nothing is pasted. `python -m grader.authoring.listings` writes the page, `--check` tells
-whether it is what the grader says now.
+The nodes are in docs/listings/. The scores, tables and messages on the page are the grader's own;
+nothing is pasted. `python -m grader.authoring.listings` writes the page, `--check` tells whether it
+is up to date.
 """
 
 from __future__ import annotations
 
-import io
 import shutil
 import sys
 import tempfile
@@ -15,15 +14,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich.console import Console
-
 from grader.course.exercises import ROOT, find_exercise
+from grader.course.generated import write_or_check
 from grader.course.submission import find_submission
 from grader.errors import GraderError
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import FAIL, CheckResult
 from grader.link.hosts import ForkServer
-from grader.report.page import render_terminal
+from grader.report.terminal import printed
 from sim.messages import EPOCH_NS
 
 PAGE = ROOT / "docs" / "listing-style.md"
@@ -54,7 +52,7 @@ class Listing:
     title: str
     mistake: str  # what is wrong, in a sentence or two
     acts: Mapping[str, str]  # failing check: what a student does about its message
-    lesson: str  # what is left when all is said
+    lesson: str  # what to remember
 
 
 LISTINGS = (
@@ -141,18 +139,20 @@ def grade_listing(listing: Listing) -> Grading:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the page, or with `--check` compare it; 1 if it is out of date."""
-    text = page()
-    if "--check" in arguments:
-        if PAGE.is_file() and PAGE.read_text("utf-8") == text:
-            return 0
-        print(f"{PAGE.relative_to(ROOT)} is out of date: run `python -m grader.authoring.listings`")
-        return 1
-    PAGE.write_text(text, "utf-8")
-    return 0
+    """Write the page, or with `--check` compare it; 1 if it is out of step."""
+    command = "python -m grader.authoring.listings"
+    pages = ((path, page()) for path in (PAGE,))  # graded only if the arguments are right
+    return write_or_check(pages, command, arguments)
 
 
 def section(number: int, listing: Listing) -> str:
+    """Grade a listing and return its section of the page.
+
+    Raises
+    ------
+    GraderError
+        It fails other checks than those with advice.
+    """
     grading = grade_listing(listing)
     failed = [check for check in grading.checks if check.outcome == FAIL]
     if {check.id for check in failed} != set(listing.acts):
@@ -165,7 +165,7 @@ def section(number: int, listing: Listing) -> str:
             f"Exercise {exercise.number}, {exercise.title}: "
             f"[{listing.file}](listings/{listing.file}). {listing.mistake}\n",
             f"```python\n{crucial_lines(NODES / listing.file)}\n```\n",
-            f"```text\n{_printed(grading)}\n```\n",
+            f"```text\n{_core_table(grading)}```\n",
             *(_advice(check, listing.acts[check.id]) for check in failed),
             f"\n{listing.lesson}\n",
         ]
@@ -173,7 +173,7 @@ def section(number: int, listing: Listing) -> str:
 
 
 def crucial_lines(file: Path) -> str:
-    """Return the lines between the marks, without their common indentation."""
+    """Return the lines between the marks, dedented."""
     lines = file.read_text("utf-8").splitlines()
     begin, end = (next(i for i, line in enumerate(lines) if line.strip() == mark)
                   for mark in (BEGIN, END))  # fmt: skip
@@ -182,13 +182,9 @@ def crucial_lines(file: Path) -> str:
     return "\n".join(line[indent:] for line in chosen)
 
 
-def _printed(grading: Grading) -> str:
-    """Return what `course grade` prints, without colour."""
-    text = io.StringIO()
-    console = Console(file=text, width=WIDTH, color_system=None, force_terminal=False)
+def _core_table(grading: Grading) -> str:
     core = [check.as_dict() for check in grading.checks if check.kind == "core"]
-    render_terminal({**grading.as_dict(), "checks": core, "field_ready": None}, console)
-    return "\n".join(line.rstrip() for line in text.getvalue().strip("\n").splitlines())
+    return printed({**grading.as_dict(), "checks": core, "field_ready": None}, WIDTH)
 
 
 def _advice(check: CheckResult, act: str) -> str:

@@ -58,6 +58,9 @@ class _Catalogue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     mutant: dict[str, dict[str, Any]]
 
 
+_CHECK = re.compile(r"(?m)^(?:def )?test_(\w+)(?:\(| =)")  # written out, or made by a suite
+
+
 @dataclass(frozen=True)
 class Mutant:
     """A wrong program."""
@@ -158,7 +161,7 @@ def stands_for(exercise: Exercise, path: Path) -> str:
 def check_names(exercise: Exercise) -> frozenset[str]:
     """Return the names of an exercise's checks, core and field."""
     texts = (file.read_text("utf-8") for file in exercise.checks.glob("test_*.py"))
-    return frozenset(name for text in texts for name in re.findall(r"(?m)^def test_(\w+)", text))
+    return frozenset(name for text in texts for name in _CHECK.findall(text))
 
 
 # --- rendering ------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
-"""Make what students get: lesson, skeletons, notebooks, the robot and the grader, and no answers.
+"""Make what students get: lesson, skeletons, notebooks, the robot and the grader, but no answers.
 
-What goes in is named here, so that a new file stays with the instructor until somebody decides.
-Before anything is handed out, the release is searched for pieces of every solution.
+What goes in is listed here, so a new file stays with the instructor until somebody adds it. Before
+anything is written, the release is searched for pieces of every solution.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from grader.errors import GraderError, InputError
 from sim.scenario import EXTENDS
 from sim.toml_input import parse_toml
 
-# The grader's rooms for instructors and contributors; students' `course` does without.
-INSTRUCTORS = ("authoring", "classroom", "nbgrader", "build.py", "skeletons.py")
-PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # of what makes a folder a ROS package
-MARKER = "resource"  # its folder of files without a suffix, by which ROS finds a package
+# The grader's packages and modules for instructors and contributors; not in the students' copy.
+INSTRUCTORS = ("authoring", "classroom", "nbgrader", "build.py", "generated.py", "skeletons.py")
+PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # suffixes of the files of a ROS package
+MARKER = "resource"  # folder with a ROS package's marker file, which has no suffix
 LESSONS = "lessons"
 KEPT = {
     "sim": (".py", ".toml", *PACKAGE),
@@ -42,7 +42,7 @@ PRIVATE = re.compile(
 )
 QUIZ = "lessons/quiz.md"  # its tables are the rubric
 
-STAMP = (2020, 1, 1, 0, 0, 0)  # of every file in the archive: the same release, the same bytes
+STAMP = (2020, 1, 1, 0, 0, 0)  # time of every file in the archive: same release, same bytes
 
 README = """\
 # Bridging Python agents with rclpy: for students
@@ -87,27 +87,27 @@ def release(
     make: Make | None = None,
     root: Path = ROOT,
 ) -> list[Leak]:
-    """Write the students' material into `folder`; return which skeletons give earlier answers away.
+    """Write the students' material into `folder`; return the skeletons that hold earlier answers.
 
     Parameters
     ----------
     folder
         Must not exist, or be empty.
     exercises
-        Only these (slugs); without any, all.
+        Slugs of the exercises to release; all if empty.
     archive
-        Make `FOLDER.zip` beside it too, the same bytes each time; `pip install` takes either.
+        Also write `FOLDER.zip`, the same bytes each time; `pip install` takes either.
     make
-        Makes the lesson's site and the notebooks, given the exercises that are left out (see
-        `grader.authoring.handouts`). Without it there are no notebooks, and the lesson is its
-        Markdown.
+        Builds the lesson's site and the notebooks, given the exercises that are left out (see
+        `grader.authoring.handouts`). Without it there are no notebooks, and the lesson is released
+        as Markdown.
 
     Raises
     ------
     InputError
-        `folder` (or the archive) is already there; what `make` raises.
+        `folder` (or the archive) exists already; or `make` raised it.
     GraderError
-        A piece of a solution was about to be handed out.
+        A piece of a solution would have been released.
     """
     packed = folder.with_name(folder.name + ".zip")
     _check_free(folder, packed if archive else None)
@@ -168,7 +168,7 @@ def _check_bases(files: Mapping[str, bytes]) -> None:
 
 
 def questions(quiz: str) -> str:
-    """Return the quiz without its rubric: headings and what is asked (in italics)."""
+    """Return the quiz without its rubric: headings and questions (in italics)."""
     kept = []
     for paragraph in quiz.split("\n\n"):
         text = paragraph.strip()
@@ -181,7 +181,7 @@ def questions(quiz: str) -> str:
 
 
 def _walk(folder: Path) -> Iterator[Path]:
-    """Yield regular files below a folder, in order; nothing hidden, cached or linked."""
+    """Yield the regular files below a folder, sorted; no hidden files, caches or links."""
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
         if path.name.startswith((".", "__pycache__")) or path.is_symlink():
             continue
@@ -200,14 +200,14 @@ def _is_public(path: str, left_out: set[str]) -> bool:
     parts = PurePosixPath(path).parts
     names = {*parts, PurePosixPath(path).stem}
     if parts[0] != "grader" and not left_out.isdisjoint(names):
-        return False  # checks stay: those of one exercise use another's
+        return False  # in grader/ all checks stay, those of exercises left out too
     if parts[0] == "grader" and not {*INSTRUCTORS}.isdisjoint(parts):
         return False
     return not any(PRIVATE.search(part) for part in parts)
 
 
 def _pyproject(text: str) -> str:
-    """Return the students' pyproject.toml: without our tools' settings."""
+    """Return the students' pyproject.toml: without the settings of development tools."""
     kept = re.split(r"(?m)^(?=\[)", text)
     ours = ("[tool.ruff", "[tool.mypy", "[[tool.mypy", "[tool.pytest")
     return "".join(part for part in kept if not part.startswith(ours))
@@ -228,9 +228,9 @@ def _readme(left_out: Collection[str], lesson: str) -> str:
 
 def _check_free(folder: Path, packed: Path | None) -> None:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(f"{folder}: expected a folder that is new or empty; choose another")
+        raise InputError(f"{folder}: expected a new or empty folder; choose another")
     if packed is not None and packed.exists():
-        raise InputError(f"{packed}: is already there; remove it or choose another folder")
+        raise InputError(f"{packed}: already exists; remove it or choose another folder")
 
 
 def _pack(files: dict[str, bytes], target: Path, top: str) -> None:

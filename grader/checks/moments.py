@@ -1,7 +1,7 @@
 """When to open the replay of a failure that is about a whole run.
 
-Some mistakes have no moment of their own: a node says nothing at all, or stands all the time. A
-student still wants to see it happen, so these failures name the most telling moment that there is.
+Some mistakes have no moment of their own: a node publishes nothing at all, or the robot never
+moves. Students still want to see it happen, so these failures name the most telling moment.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ STILL = 1e-4  # [m] between two samples of the truth, 20 ms apart: 5 mm/s
 
 
 def first_asked(recording: Recording) -> float | None:
-    """Return when the node was first given something to answer [s]; None: it never was."""
+    """Return when the node was sent its first message [s]; None: never."""
     return recording.delivered[0].time / 1e9 if recording.delivered else None
 
 
 def first_contact(recording: Recording) -> float | None:
-    """Return when the robot first touched something [s]; None: it never did."""
+    """Return when the robot first touched something [s]; None: never."""
     truth = recording.truth
     if not truth.contact.any():
         return None
@@ -27,9 +27,9 @@ def first_contact(recording: Recording) -> float | None:
 
 
 def came_to_rest(recording: Recording) -> float | None:
-    """Return from when on the robot stood for good [s]; if it never moved, when it was asked to.
+    """Return when the robot stopped for good [s]; if it never moved, when it was asked to.
 
-    A robot that creeps to the end comes to rest there.
+    A robot that still creeps at the end comes to rest there.
     """
     truth = recording.truth
     moving = np.flatnonzero(np.hypot(np.diff(truth.x), np.diff(truth.y)) > STILL)

@@ -1,4 +1,8 @@
-"""What a probe model says of each recorded scan, clipped: the oracle of the model exercises."""
+"""What a probe model predicts from a scan, clipped: the oracle of the model exercises.
+
+Beams within 1° of a sector's edge may count on either side of it, so a scan has several possible
+feature vectors, and what is right is an interval of speeds.
+"""
 
 from __future__ import annotations
 
@@ -10,36 +14,62 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from grader.checks.commands import ZERO
 from grader.models.features import Floats, possible_features
 from grader.models.files import probe
 from grader.recording import Recording, Scan
-from sim.scenario import Model
+from sim.scenario import Model, Scenario
 
 MODEL = "velocity_model.pkl"
 MAX_SPEED = 0.5  # [m/s] without the parameter
 TOLERANCE = 5e-5  # [m/s] of a prediction
-ZERO = 1e-6  # [m/s] "zero"
+
+
+@dataclass(frozen=True)
+class SpeedInterval:
+    """The speeds that are right for a scan; where a sector may be blind 0.0 is one of them."""
+
+    low: float  # [m/s]
+    high: float  # [m/s]
+
+    def allows(self, speed: float, tolerance: float) -> bool:
+        """Tell whether a command [m/s] is in the interval."""
+        return self.low - tolerance <= speed <= self.high + tolerance
+
+    def __str__(self) -> str:
+        """Return the middle, without trailing zeros."""
+        return f"{(self.low + self.high) / 2:.4f}".rstrip("0").ljust(4, "0")
+
+
+def right_speeds(model: Any, scan: Scan, limit: float) -> SpeedInterval:
+    """Return what a node with this probe (None: no model) may command; limit is max_speed [m/s]."""
+    if model is None:
+        return SpeedInterval(0.0, 0.0)
+    speeds = [_predict(model, features, limit) or 0.0 for features in possible_features(scan)]
+    return SpeedInterval(min(speeds), max(speeds))
+
+
+def max_speed(scenario: Scenario) -> float:
+    """Return the parameter max_speed that the node was given [m/s]."""
+    return float(scenario.node.parameters.get("max_speed", MAX_SPEED))
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the model says of one scan, clipped.
-
-    Beams within 1° of a sector's edge may count on either side, so it is an interval.
-    """
+    """What the model predicts from one scan, clipped."""
 
     scan: Scan
     least: float  # [m/s]
     most: float  # [m/s]
-    missing: bool  # that there is no prediction is right as well
+    missing: bool  # to have no prediction is right as well
 
     @property
     def exists(self) -> bool:
-        """The model says a number; else 0.0 is right."""
+        """The model predicts a number; if not, 0.0 is right."""
         return self.most > -math.inf
 
     def allows(self, speed: float) -> bool:
-        """Say whether a command [m/s] can be this prediction, or 0.0 where there is none."""
+        """Tell whether a command [m/s] can be this prediction, or 0.0 where there is none."""
         predicted = self.least - TOLERANCE <= speed <= self.most + TOLERANCE
         return predicted or (self.missing and abs(speed) < ZERO)
 
@@ -54,10 +84,10 @@ class Prediction:
 
 
 def predictions(recording: Recording) -> tuple[Prediction, ...]:
-    """Return what the scenario's model, without its delay, says of each scan that was sent."""
-    node = recording.scenario.node
-    limit = float(node.parameters.get("max_speed", MAX_SPEED))
-    return _predictions(recording.scans(), msgspec.msgpack.encode(node.models[MODEL]), limit)
+    """Return what the scenario's model, without its delay, predicts from each scan sent."""
+    models = recording.scenario.node.models
+    limit = max_speed(recording.scenario)
+    return _predictions(recording.scans(), msgspec.msgpack.encode(models[MODEL]), limit)
 
 
 @lru_cache(maxsize=32)  # several checks ask for the same
@@ -69,19 +99,19 @@ def _predictions(scans: tuple[Scan, ...], packed: bytes, limit: float) -> tuple[
 
 
 def _prediction(model: Any, scan: Scan, limit: float) -> Prediction:
-    said = [_said(model, features, limit) for features in possible_features(scan)]
-    numbers = [speed for speed in said if speed is not None]
+    speeds = [_predict(model, features, limit) for features in possible_features(scan)]
+    numbers = [speed for speed in speeds if speed is not None]
     if not numbers:
         return Prediction(scan, -math.inf, -math.inf, missing=True)
-    return Prediction(scan, min(numbers), max(numbers), missing=len(numbers) < len(said))
+    return Prediction(scan, min(numbers), max(numbers), missing=len(numbers) < len(speeds))
 
 
-def _said(model: Any, features: Floats, limit: float) -> float | None:
-    """Return the clipped prediction [m/s]; None: no usable one."""
+def _predict(model: Any, features: Floats, limit: float) -> float | None:
+    """Return the clipped prediction [m/s] from features (5,); None: no usable one."""
     if not np.isfinite(features).all():
         return None
     try:
         speed = float(model.predict(features[None])[0])
-    except RuntimeError:  # a probe that raises says so on purpose
+    except RuntimeError:  # a probe that raises does so on purpose
         return None
     return max(0.0, min(limit, speed)) if math.isfinite(speed) else None

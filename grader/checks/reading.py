@@ -1,4 +1,4 @@
-"""Read what a node published. Its bytes may be anything: what can't be read fails the check."""
+"""Read what a node published. The bytes may be anything: what can't be read fails the check."""
 
 from __future__ import annotations
 

@@ -9,15 +9,16 @@ from numpy.typing import NDArray
 
 from grader.recording import Floats, Recording, Scan
 
-LAST_MOMENT = 0.3  # [s] before the end of a run; a scan then may find its answer after it
-LATEST = 0.5  # [s] that an answer may come late, in real time, and what the node waited for a CPU
+LAST_MOMENT = 0.3  # [s] before the end of a run; the answer to a scan then may come after the end
+LATEST = 0.5  # [s] from a scan to its answer, in real time, without the node's wait for a CPU
 
 
 def turns(recording: Recording) -> tuple[tuple[Scan, ...], NDArray[np.intp]]:
-    """Return the n scans that count, and where in `twists()` the commands to each begin, (n + 1,).
+    """Return the n scans that count, and where in `twists()` the answers to each begin, (n + 1,).
 
-    Those are the commands between a scan and the next. In real time, if every scan got one command,
-    it is that one, also if it came late. The last entry is where the commands to the last scan end.
+    The answers to a scan are the commands between it and the next scan; in real time, if each scan
+    was answered by one command, that command, even if it came late. The last entry is where the
+    answers to the last scan end.
     """
     scans, commands = recording.scans(), recording.twists().t
     if count := answered_in_turn(recording):
@@ -27,11 +28,11 @@ def turns(recording: Recording) -> tuple[tuple[Scan, ...], NDArray[np.intp]]:
 
 
 def answered_in_turn(recording: Recording) -> int:
-    """Return how many scans were answered by a command each, in real time, if perhaps late.
+    """Return how many scans were answered by one command each, in real time, even if late.
 
-    A callback that takes longer than a period answers when the next scan is there already; the
-    answer to the last scans may come after the end. 0 if commands don't follow scans like this, and
-    in virtual time, where computing takes no time and nothing is late.
+    A callback that takes longer than a period answers after the next scan has come; the answers to
+    the last scans may come after the end. 0 if commands don't follow scans like this, and in
+    virtual time, where computing takes no time and nothing is late.
     """
     scans, commands = recording.times("/scan"), recording.twists().t
     count = len(commands)
@@ -46,7 +47,7 @@ def answered_in_turn(recording: Recording) -> int:
 
 
 def _waited(recording: Recording, begins: Floats, ends: Floats) -> Floats:
-    """Return how long the node waited for a CPU in all, from each begin to its end [s], (n,)."""
+    """Return how long in all the node waited for a CPU from each begin to its end [s], (n,)."""
     turns = recording.compute.time
     total = np.concatenate(([0.0], np.cumsum(recording.compute.queued)))
     first = np.maximum(np.searchsorted(turns, begins, side="right") - 1, 0)

@@ -1,10 +1,12 @@
-"""What a check says when it isn't content.
+"""How a check ends if it doesn't pass: it fails, or the machine allows no verdict.
 
 fail(
     "drove at 0.50 m/s with a wall 0.42 m ahead",
     expected="0.00 m/s", actual="0.50 m/s", at=scan.t, recording=recording,
-    help="compare the distance with 0.5 m before you publish",
+    help="Compare the distance with 0.5 m before you publish.",
 )
+
+Tested with the plug-in that reads it (tests/grader/grading/test_plugin.py).
 """
 
 from __future__ import annotations
@@ -37,7 +39,7 @@ class CheckFailed(AssertionError):
 
 
 class Inconclusive(Exception):
-    """The machine's fault: nothing can be said."""
+    """The machine's fault: there is no verdict."""
 
 
 def fail(

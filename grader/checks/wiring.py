@@ -1,7 +1,7 @@
-"""Is the node alive and on the right topics? A diagnosis for each way in which it may not be.
+"""Does the node run, with the right topics? A diagnosis for each way in which it may not.
 
-The other checks need this one, so that a misspelt topic is called a misspelt topic and not fifteen
-failures without a cause.
+The other checks need this one, so that a misspelt topic is reported as a misspelt topic, and not as
+fifteen failures without a cause.
 """
 
 from __future__ import annotations
@@ -25,8 +25,7 @@ _ENDS = {
     "flooded": "Does something publish in a loop without waiting?",
 }
 
-
-OURS = "/course_"  # how the names of nodes begin that the grader runs beside the student's
+OURS = "/course_"  # prefix of the nodes that the grader runs beside the student's
 KINDS = {
     "publish": "publisher",
     "subscribe": "subscription",
@@ -41,7 +40,7 @@ class _Wanted(NamedTuple):
     kind: str  # publisher, subscription, service or client
     name: str  # of the topic or service
     type: str
-    node: str  # whose end it is; "" if the exercise has only one node
+    node: str  # which has to have it; "" if the exercise has only one node
 
 
 def require_wiring(recording: Recording, slug: str, *nodes: str) -> None:
@@ -85,13 +84,13 @@ def require_alive(recording: Recording) -> None:
 
 
 def _time_of_end(recording: Recording) -> float:
-    """Return when the node ended [s]: the robot rolls on for a while after that."""
+    """Return when the node ended [s]: with its last message, though the robot rolls on."""
     times = [m.time for m in (*recording.delivered[-1:], *recording.published[-1:])]
     return max(times, default=0) / 1e9
 
 
 def _last_delivery(recording: Recording) -> str:
-    """Return what the node was given last, in words; empty if nothing."""
+    """Return the last message that the node was sent, in words; empty if there was none."""
     if not recording.delivered:
         return ""
     message = recording.delivered[-1]
@@ -104,14 +103,14 @@ def _last_delivery(recording: Recording) -> str:
 
 
 def _last_line_of(traceback: str) -> str:
-    """Return the line of the student's code on which it happened."""
+    """Return where to look: the last line of the student's own code in a traceback."""
     places = [line.strip() for line in traceback.splitlines() if line.strip().startswith("File ")]
     own = [place for place in places if "/rclpy/" not in place and "/lib/python" not in place]
     return f"Look at {own[-1][0].lower()}{own[-1][1:]}." if own else ""
 
 
 def _require_end(recording: Recording, wanted: _Wanted) -> None:
-    """Fail unless an endpoint of the node can talk on this topic or service."""
+    """Fail unless the node has this end, with the right type and a QoS that matches."""
     every = [end for end in recording.endpoints if not end.node.startswith(OURS)]
     every = [end for end in every if end.node == f"/{wanted.node}"] or every
     ends = [end for end in every if end.kind == wanted.kind]

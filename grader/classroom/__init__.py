@@ -1,1 +1,1 @@
-"""Grade a whole class: take in submissions, keep a queue that survives, run it, store results."""
+"""Grade a whole class: take in submissions, queue them durably, run them, write the results."""

@@ -1,7 +1,7 @@
-"""Known solutions graded along with the class: they tell whether the grader still judges right.
+"""Known solutions graded along with the class: they show whether the grader still judges right.
 
-A right solution must pass and a wrong one must fail exactly what it names. When one comes out
-otherwise, what was graded since the last good round can't be trusted, and is graded again.
+A right solution must pass, and a wrong one must fail exactly the checks it names. If one does not,
+everything graded since the last good round is suspect and is graded again.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from grader.classroom.work import Unit
 from grader.course.exercises import Exercise
 
 REFERENCE, MUTANT = ".reference", ".mutant"  # no student's id begins with a dot
-STRIKES = 2  # bad rounds in a row, after which an exercise is left to a person
+MAX_STRIKES = 2  # bad rounds in a row; then the exercise is left to a person
 
 
 @dataclass(frozen=True)
 class Canary:
-    """A known solution and what must come of it."""
+    """A known solution and the outcome it must have."""
 
     unit: Unit
-    fails: frozenset[str]  # checks; nothing for a right solution
+    fails: frozenset[str]  # checks; none for a right solution
 
     def drift(self, grading: dict[str, Any] | None, problem: str) -> str:
-        """Say how the outcome differs from what it must be; "" if it doesn't."""
+        """Say how the outcome differs from the one it must have; "" if it doesn't."""
         if grading is None:
             return problem
         by_outcome: dict[str, set[str]] = {}
@@ -38,7 +38,7 @@ class Canary:
         expected = self.fails - by_outcome.get("unavailable", set())
         wrong = by_outcome.get("fail", set()) ^ expected
         if wrong:
-            return f"came out otherwise in {', '.join(sorted(wrong))}"
+            return f"had an unexpected outcome in {', '.join(sorted(wrong))}"
         return ""
 
 
@@ -49,40 +49,40 @@ class CanaryRounds:
     canaries: list[Canary]
     every: int  # units between two rounds
     trusted: bool = False  # the last round was good
-    since: int = 0  # units graded after it
-    strikes: int = 0
-    asked: bool = False  # for a round, because a unit could not be judged
-    waiting: list[Canary] = field(default_factory=list)  # of the present round
-    out: dict[Key, Canary] = field(default_factory=dict)
-    covers: list[Key] = field(default_factory=list)  # units that a good round would confirm
-    drifts: list[str] = field(default_factory=list)
+    graded: int = 0  # units since the last round
+    strikes: int = 0  # bad rounds in a row
+    requested: bool = False  # a unit could not be judged: the grader may be at fault
+    waiting: list[Canary] = field(default_factory=list)  # in this round
+    running: dict[Key, Canary] = field(default_factory=dict)  # in this round
+    confirms: list[Key] = field(default_factory=list)  # units that a good round will confirm
+    drifts: list[str] = field(default_factory=list)  # in this round
 
     @property
     def in_round(self) -> bool:
         """A round has begun and is not over."""
-        return bool(self.waiting or self.out)
+        return bool(self.waiting or self.running)
 
     @property
     def due(self) -> bool:
-        """A round should begin before another unit does."""
-        return not self.trusted or self.asked or self.since >= self.every
+        """A round should begin before the next unit does."""
+        return not self.trusted or self.requested or self.graded >= self.every
 
-    def begin(self, covers: list[Key]) -> None:
-        """Begin a round that vouches for these units."""
-        self.waiting, self.covers, self.drifts = list(self.canaries), covers, []
-        self.since, self.asked = 0, False
+    def begin(self, confirms: list[Key]) -> None:
+        """Begin a round; if it is good, it confirms these units."""
+        self.waiting, self.confirms, self.drifts = list(self.canaries), confirms, []
+        self.graded, self.requested = 0, False
 
     def next(self) -> Unit:
         """Return the next canary of the round."""
         canary = self.waiting.pop(0)
-        self.out[canary.unit.key] = canary
+        self.running[canary.unit.key] = canary
         return canary.unit
 
 
 def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
-    """Return the reference and a mutant of an exercise, graded as `sample` is.
+    """Return the reference and a mutant of an exercise, to be graded like `sample`.
 
-    None if the solutions are not there.
+    Without the exercise's solutions there are none.
     """
     if not (exercise.solutions / exercise.files[0]).is_file():
         return []
@@ -103,6 +103,6 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
 
 
 def _is_plain_mutant(claim: Claim) -> bool:
-    """One that fails core checks and needs no library of its own."""
+    """Tell whether a claim is a mutant in one file that fails core checks and needs no library."""
     core = not any(check.startswith("field_") for check in claim.fails)
     return claim.kind == "mutant" and core and not claim.requires

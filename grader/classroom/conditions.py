@@ -12,7 +12,7 @@ from grader.grading.grading import versions
 
 SUFFIXES = {".py", ".toml", ".xml"}
 HASHED = 32  # [characters] of each hash
-# rooms of the grader on which a verdict depends; the others only organise or show
+# packages of the grader on which a verdict depends; the others only organise or show
 VERDICT = ("checks", "course", "grading", "host", "link", "models", "recording", "trial")
 
 
@@ -28,7 +28,7 @@ def fingerprint(exercise: Exercise) -> str:
 def submission_hash(
     exercise: Exercise, files: Mapping[str, bytes], *, seed: int | None, field: bool, tier: int
 ) -> str:
-    """Return a hash of what was handed in, and of how it is to be graded."""
+    """Return a hash of the submitted files and of how they are to be graded."""
     digest = hashlib.sha256(json.dumps([exercise.slug, seed, field, tier]).encode())
     for name in sorted(files):
         digest.update(name.encode() + b"\0" + hashlib.sha256(files[name]).digest())
@@ -43,6 +43,6 @@ def _sources(exercise: Exercise) -> Iterator[Path]:
 
 
 def _of_another_exercise(path: Path, exercise: Exercise) -> bool:
-    """Tell whether it is one of the checks of an exercise that is not graded here."""
+    """Tell whether a file belongs to the checks of an exercise other than this one."""
     checks = exercise.checks.parent
     return path.parent.parent == checks and path.parent != exercise.checks

@@ -1,7 +1,7 @@
-"""Run units on workers: processes of this machine, or a Dask cluster.
+"""Run units on workers: processes on this machine, or a Dask cluster.
 
-Both are `concurrent.futures` executors, and one loop serves them. A local worker is an executor of
-its own with one process, so that a death tells whose unit it was.
+Both are `concurrent.futures` executors, so one loop serves both. Each local worker is an executor
+with a single process, so that when one dies it is known which unit it ran.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import multiprocessing
 import multiprocessing.connection
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -24,34 +24,56 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from grader.classroom.work import Unit, UnitResult, grade_unit, isolation_problem
+from grader.classroom.work import Unit, UnitResult, grade_unit
 from grader.errors import GraderError, InputError
+from grader.grading.handed_in import isolation_problem
 
 DASK_RETRIES = 2
-RENEWED = 100  # units after which a local worker is replaced, so that no leak adds up
+MAX_UNITS = 100  # of a local worker, which is then replaced, so that no leak adds up
 CONNECT_LIMIT = 20  # [s]
 
 
 class WorkerDied(Exception):
-    """A worker ended in the middle of a unit."""
+    """A worker died while it graded a unit."""
 
 
 class Workers(Protocol):
-    """Workers."""
+    """Processes that run units, here or elsewhere."""
 
     @property
     def slots(self) -> int:
         """How many units may run now."""
 
-    @property
-    def local(self) -> bool:
-        """They see this machine's folders."""
-
     def submit(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Give a free worker something to do."""
+        """Have a free worker run a function."""
 
     def close(self, *, now: bool) -> None:
-        """Send them home; `now`: in the middle of their work."""
+        """End the workers; `now`: without waiting for what they run."""
+
+
+@contextlib.contextmanager
+def open_workers(count: int, dask: str = "") -> Iterator[Workers]:
+    """Start workers on this machine, or join those of a Dask cluster; end them with the block.
+
+    Parameters
+    ----------
+    count
+        Processes on this machine.
+    dask
+        A scheduler's address or file; then `count` is ignored.
+
+    Raises
+    ------
+    InputError
+        There is no such scheduler, or Dask is not installed.
+    """
+    workers: Workers = DaskWorkers(dask) if dask else LocalWorkers(count)
+    try:
+        yield workers
+    except BaseException:
+        workers.close(now=True)
+        raise
+    workers.close(now=False)
 
 
 def run(
@@ -59,9 +81,9 @@ def run(
     next_unit: Callable[[bool], Unit | None],
     done: Callable[[Unit, UnitResult | WorkerDied], None],
 ) -> None:
-    """Run units until there is no more and all are done.
+    """Run units until none is left and all are done.
 
-    `next_unit` gets told whether anything is running, and returns None when nothing may start now.
+    `next_unit` is told whether anything is running, and returns None if nothing may start now.
     """
     running: dict[Future[UnitResult], Unit] = {}
     while True:
@@ -89,18 +111,18 @@ def _outcome(future: Future[UnitResult]) -> UnitResult | WorkerDied:
     try:
         return future.result()
     except BrokenExecutor:
-        return WorkerDied("its worker died in the middle of it")
+        return WorkerDied("its worker died while grading it")
     except Exception as error:  # Dask's KilledWorker, or a result that can't be unpickled
         return WorkerDied(f"its worker failed ({type(error).__name__})")
 
 
 @dataclass
 class _Slot:
-    """One local worker and what it is at."""
+    """One local worker and what it runs."""
 
     executor: Executor
     task: Future[Any] | None = None
-    begun: int = 0  # units
+    units: int = 0  # begun
 
     @property
     def free(self) -> bool:
@@ -117,24 +139,22 @@ class _Slot:
 
 
 class LocalWorkers:
-    """Worker processes of this machine."""
-
-    local = True
+    """Worker processes on this machine."""
 
     def __init__(self, workers: int) -> None:
         self.slots = workers
         self._slots: list[_Slot] = []
 
     def submit(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Give a free worker something to do; a dead one is replaced."""
+        """Have a free worker run a function; a dead worker is replaced."""
         slot = next((slot for slot in self._slots if slot.free), None)
         if slot is None:
             slot = _Slot(_one_process())
             self._slots.append(slot)
-        elif slot.broken or slot.begun >= RENEWED:
+        elif slot.broken or slot.units >= MAX_UNITS:
             slot.executor.shutdown(wait=False)
-            slot.executor, slot.begun = _one_process(), 0
-        slot.begun += 1
+            slot.executor, slot.units = _one_process(), 0
+        slot.units += 1
         try:
             slot.task = slot.executor.submit(task, *arguments)
         except BrokenExecutor:  # it died between two units
@@ -143,7 +163,7 @@ class LocalWorkers:
         return slot.task
 
     def close(self, *, now: bool) -> None:
-        """Send the workers home."""
+        """End the workers."""
         for slot in self._slots:
             if now and isinstance(slot.executor, ProcessPoolExecutor):
                 for process in list((slot.executor._processes or {}).values()):
@@ -153,8 +173,6 @@ class LocalWorkers:
 
 class DaskWorkers:
     """The workers of a Dask cluster."""
-
-    local = False
 
     def __init__(self, where: str) -> None:
         try:
@@ -171,13 +189,13 @@ class DaskWorkers:
         except (OSError, ValueError, TimeoutError) as error:
             raise InputError(
                 f"--dask {where}: no scheduler there ({error}); expected an address such as "
-                "tcp://host:8786, or the file of `dask scheduler --scheduler-file FILE`"
+                "tcp://host:8786, or the file that `dask scheduler --scheduler-file FILE` writes"
             ) from None
         self._executor: Executor = self._client.get_executor(retries=DASK_RETRIES, pure=False)
 
     @property
     def slots(self) -> int:
-        """As many units as the cluster has workers' threads, at least one: more may join."""
+        """One unit a worker thread of the cluster; at least one, since workers may join later."""
         threads: dict[str, int] = self._client.nthreads()
         return max(1, sum(threads.values()))
 
@@ -187,7 +205,7 @@ class DaskWorkers:
         return future
 
     def close(self, *, now: bool) -> None:
-        """Leave the cluster, which is not ours to end."""
+        """Disconnect from the cluster; it is not ours to shut down."""
         self._executor.shutdown(wait=not now)
         self._client.close()
 
@@ -199,7 +217,7 @@ def _one_process() -> ProcessPoolExecutor:
 
 
 def _begin_worker() -> None:
-    """Let the worker end with its parent, but not with a Ctrl-C that is the parent's to handle."""
+    """End the worker with its parent, but leave Ctrl-C to the parent."""
     os.setpgid(0, 0)
     parent = multiprocessing.parent_process()
     if parent is not None:

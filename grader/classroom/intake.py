@@ -1,8 +1,8 @@
 """Take in what a class handed in: find the students, unpack archives, find each exercise's files.
 
-Everything here was made by somebody else: archives may be broken, locked, bombs or traps; folders
-may hold links to the instructor's files. A student whose files can't be had gets a `problem`; the
-others are not held up.
+Nothing here is trusted: an archive may be broken, locked, a bomb or a trap, and a folder may hold
+links to the instructor's files. A student whose files can't be read gets a `problem`; the others
+are not held up.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
-from grader.course.submission import MAX_SIZE
+from grader.course.submission import read_regular_file
 from grader.errors import InputError
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 MAX_MEMBERS = 5_000  # of an archive
 MAX_UNPACKED = 100 * 1024 * 1024  # [bytes] of an archive
-MAX_RATIO = 200  # unpacked to packed, of what is larger than SMALL; source code has about 5
+MAX_RATIO = 200  # unpacked to packed size, above SMALL; source code has about 5
 SMALL = 4 * 1024 * 1024  # [bytes]
 MAX_DEPTH = 6  # folders below a student's
-MAX_LISTED = 20_000  # entries of a student's folder that are looked at
+MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NAME = 80  # [characters] of a student's id
 CHUNK = 64 * 1024  # [bytes]
 NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
@@ -44,12 +44,12 @@ class Student:
 
     id: str  # a safe name for a folder
     path: Path  # the folder with the files
-    problem: str = ""  # why the files can't be had; "" if they can
+    problem: str = ""  # why the files can't be read; "" if they can
 
 
 @dataclass(frozen=True)
 class Found:
-    """The files of one exercise that a student handed in, by the exercise's own names."""
+    """The files of one exercise that a student handed in, by the names the exercise gives them."""
 
     files: dict[str, Path]
     problem: str = ""  # why nothing can be graded; "" if it can
@@ -57,7 +57,7 @@ class Found:
 
 
 class _Refused(Exception):
-    """An archive that is not unpacked; the text says why."""
+    """An archive is not unpacked; the message says why."""
 
 
 def find_students(folder: Path, scratch: Path) -> list[Student]:
@@ -87,7 +87,7 @@ def find_students(folder: Path, scratch: Path) -> list[Student]:
 
 
 def student_id(name: str) -> str:
-    """Return a name that is safe as a folder's and looks the same: NFC, no separators, no dots."""
+    """Return a name that looks the same and is safe for a folder: NFC, no separators, no dots."""
     text = unicodedata.normalize("NFC", name.encode("utf-8", "replace").decode("utf-8"))
     text = "".join(c if c.isprintable() and c not in '/\\:*?"<>|' else "_" for c in text)
     text = text.strip(" .")[:MAX_NAME].strip(" .")
@@ -97,10 +97,10 @@ def student_id(name: str) -> str:
 
 
 def find_files(student: Student, names: Sequence[str]) -> Found:
-    """Return the files called `names` of a student; the first must be there.
+    """Return a student's files called `names`; the first one is required.
 
-    The one nearest to the top counts. Names may differ in case, and may have what a browser adds
-    to a second copy.
+    Of several, the one nearest to the top counts. Names may differ in case, and may have the suffix
+    that a browser gives a second copy.
     """
     if student.problem:
         return Found({}, student.problem)
@@ -123,21 +123,6 @@ def find_files(student: Student, names: Sequence[str]) -> Found:
     return Found(found, remark=remark)
 
 
-def read_file(path: Path) -> bytes:
-    """Return a submitted file's bytes, one more than are allowed at most; no link is followed.
-
-    Raises
-    ------
-    OSError
-        It can't be read, or is no ordinary file.
-    """
-    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    with open(fd, "rb") as file:
-        if not stat.S_ISREG(os.fstat(fd).st_mode):
-            raise OSError(0, "not an ordinary file", str(path))
-        return file.read(MAX_SIZE + 1)
-
-
 def _is_student(path: Path) -> bool:
     if path.name.startswith(".") or path.name in NOT_THEIRS:
         return False
@@ -154,7 +139,7 @@ def _stem(path: Path) -> str:
 
 
 def _unique(name: str, original: str, taken: dict[str, Student]) -> str:
-    """Return the name, with a mark if another student has it; the same mark in each run."""
+    """Return the name, with a suffix if another student has it; the same suffix in every run."""
     if name.casefold() not in taken:
         return name
     digest = hashlib.sha256(original.encode("utf-8", "surrogateescape")).hexdigest()
@@ -168,20 +153,20 @@ def _student(name: str, path: Path, room: Path) -> Student:
         inner = [file for file in _files(path) if _is_archive(file.name)]
         if len(inner) != 1 or any(file.suffix.lower() == ".py" for file in _files(path)):
             return Student(name, path)
-        path = inner[0]  # as learning platforms hand out: a folder each, the archive in it
+        path = inner[0]  # as learning platforms export it: a folder each, with the archive in it
     try:
         _unpack(path, room)
     except _Refused as refused:
         return Student(name, room, f"{path.name}: {refused}")
-    except Exception as error:  # whatever zipfile and tarfile meet in a file made to break them
+    except Exception as error:  # whatever a malicious file makes zipfile and tarfile raise
         kind = type(error).__name__
-        text = f"{path.name}: a broken archive ({kind}: {str(error)[:200]}); ask for it again"
+        text = f"{path.name}: a broken archive ({kind}: {str(error)[:200]}); ask for another copy"
         return Student(name, room, " ".join(text.split()))
     return Student(name, room)
 
 
 def _files(folder: Path) -> list[Path]:
-    """Return the ordinary files below a folder, in order; hidden ones and links are left out."""
+    """Return the ordinary files below a folder, sorted; hidden files and links are left out."""
     found: list[Path] = []
     seen = 0
     for where, folders, files in os.walk(folder, followlinks=False):
@@ -202,7 +187,7 @@ def _may_enter(name: str) -> bool:
 
 
 def _called(name: str, paths: Sequence[Path]) -> list[Path]:
-    """Return the files of that name; if there is none, those with a name as good as it."""
+    """Return the files of that name; if there are none, those with an equivalent name."""
     exact = [path for path in paths if path.name == name]
     if exact:
         return exact
@@ -228,7 +213,7 @@ def _inventory(folder: Path, there: Sequence[Path]) -> str:
 
 def _content(path: Path) -> bytes:
     try:
-        return hashlib.sha256(read_file(path)).digest()
+        return hashlib.sha256(read_regular_file(path)).digest()
     except OSError:
         return b""
 
@@ -256,7 +241,7 @@ def _write(members: Iterable[tuple[str, IO[bytes]]], room: Path, left: _Allowanc
 
 
 class _Allowance:
-    """How much an archive may still give."""
+    """How much an archive may still unpack to."""
 
     def __init__(self, size: int) -> None:
         self._left = size  # [bytes]
@@ -265,7 +250,7 @@ class _Allowance:
     def take(self, size: int) -> None:
         self._left -= size
         if self._left < 0:
-            raise _Refused("far larger unpacked than packed, or over 100 MiB; not unpacked")
+            raise _Refused("over 100 MiB, or far larger unpacked than packed; not unpacked")
 
     def member(self) -> None:
         self._members -= 1
@@ -274,7 +259,7 @@ class _Allowance:
 
 
 def _inside(room: Path, name: str) -> Path | None:
-    """Return where a member goes; None if it is of no interest."""
+    """Return where a member is unpacked to; None if it is skipped."""
     parts = PurePosixPath(name.replace("\\", "/")).parts
     if not parts or parts[0] == "/" or ".." in parts or re.match(r"^[A-Za-z]:", name):
         raise _Refused(f"holds {name[:80]!r}, which points outside of it; not unpacked")
@@ -310,7 +295,7 @@ def _tar(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], No
 
 
 class _Counted(io.RawIOBase):
-    """A stream that ends with `_Refused` where the allowance does: a packed tar may have no end."""
+    """A stream that raises `_Refused` when the allowance is used up: a tar.gz may be endless."""
 
     def __init__(self, stream: IO[bytes], left: _Allowance) -> None:
         self._stream = stream

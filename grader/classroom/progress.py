@@ -1,4 +1,4 @@
-"""How far a batch is: a bar with the time left on a terminal, a line per unit elsewhere."""
+"""Show how far a batch is: a bar with the time left on a terminal, a line per unit elsewhere."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_HELD = 20  # lines at the end
 
 
 def summary(results: Sequence[StoredResult], out: Path) -> tuple[str, int]:
-    """Return what the instructor reads at the end, and how many wait for a person."""
+    """Return what the instructor reads at the end, and how many results are held for a person."""
     ours = [result for result in results if not result.canary]
     held = [result for result in ours if result.state == HELD]
     graded = sum(result.state == GRADED for result in ours)
@@ -30,20 +30,20 @@ def summary(results: Sequence[StoredResult], out: Path) -> tuple[str, int]:
 
 
 class Progress(Protocol):
-    """Somebody who is told."""
+    """Is told how far a batch is."""
 
     def begin(self, total: int) -> None:
-        """So many units are to be graded."""
+        """`total` units are to be graded."""
 
-    def done(self, student: str, exercise: str, outcome: str, *, counts: bool = True) -> None:
-        """One has come back; `counts`: it is over with it."""
+    def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
+        """A unit has come back; unless it is `over`, it will run again."""
 
     def say(self, text: str) -> None:
         """Something else happened."""
 
 
 class ConsoleProgress:
-    """Shows it on the console."""
+    """Shows progress on the console."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
@@ -74,9 +74,9 @@ class ConsoleProgress:
             self._bar.start()
             self._task = self._bar.add_task("", total=total)
 
-    def done(self, student: str, exercise: str, outcome: str, *, counts: bool = True) -> None:
+    def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
         """Print a line."""
-        self._over += counts
+        self._over += over
         shown = "".join(c if c.isprintable() else "?" for c in student)
         self.say(f"{self._over:4}/{self._total}  {shown}  {exercise}  {outcome}")
         if self._bar is not None:

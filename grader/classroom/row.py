@@ -1,4 +1,4 @@
-"""What the batch keeps of one student and one exercise: the form that everything after it reads."""
+"""One row of a graded class: what the batch stores and everything after it reads."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class StoredResult:
     student: str  # a safe name for a folder, made by intake
     exercise: str  # slug
     file_names: tuple[str, ...]  # the files that were graded, as the exercise names them
-    input_hash: str  # sha256 over all that the grading depends on
+    input_hash: str  # SHA-256 of all that the grading depends on
     state: str  # one of STATES
     grading: dict[str, Any] | None  # `Grading.as_dict()`; None while there is none
     recordings: Path | None  # a folder of bags
     cpu_s: float  # [s]
     wall_s: float  # [s]
     attempts: int
-    problem: str  # why it is held, or why nothing could be graded; "" if nothing
+    problem: str  # why it is held or could not be graded; "" if neither
     finished: str  # UTC, ISO 8601; "" while unfinished
-    canary: bool  # a known solution that the batch grades to watch itself
+    canary: bool  # a known solution, graded to check the grader

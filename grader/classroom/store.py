@@ -1,7 +1,7 @@
-"""The queue and the results of a class, in one SQLite file that survives any moment's end.
+"""The queue and the results of a class, in one SQLite file that survives a kill at any moment.
 
-Only the process that runs the batch writes. Each change is a transaction that is on the disk when
-it returns (WAL, synchronous=FULL), and a result is there in full or not at all.
+Only the batch's own process writes. Each change is a transaction that is on disk when it returns
+(WAL, synchronous=FULL), so a result is stored in full or not at all.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from grader.classroom.row import GRADED, HELD, RUNNING, WAITING, StoredResult
 from grader.errors import InputError
 
 SCHEMA = 1
-MEASURED = re.compile(r"[\d.]+ ms")  # of computing, never of the scenario
+MEASURED = re.compile(r"[\d.]+ ms")  # a computing time, never a scenario's
 TABLES = """
 CREATE TABLE IF NOT EXISTS units (
     student TEXT NOT NULL, exercise TEXT NOT NULL, canary INTEGER NOT NULL DEFAULT 0,
     file_names TEXT NOT NULL DEFAULT '[]', input_hash TEXT NOT NULL, state TEXT NOT NULL,
     attempts INTEGER NOT NULL DEFAULT 0,    -- gradings begun
-    deaths INTEGER NOT NULL DEFAULT 0,      -- of workers in the middle of it
+    deaths INTEGER NOT NULL DEFAULT 0,      -- of workers that were grading it
     unsure INTEGER NOT NULL DEFAULT 0,      -- gradings that could not judge
     quarantines INTEGER NOT NULL DEFAULT 0,
     verified INTEGER NOT NULL DEFAULT 0,    -- a good canary came after it
@@ -43,7 +43,7 @@ Key = tuple[str, str]  # student, exercise
 
 @dataclass(frozen=True)
 class Counts:
-    """What happened to one unit so far."""
+    """How often things have gone wrong with one unit."""
 
     deaths: int
     unsure: int
@@ -56,7 +56,7 @@ class Store:
     Raises
     ------
     InputError
-        The file is something else, or of another version of the course.
+        The file is something else, or another version of the course made it.
     """
 
     def __init__(self, path: Path) -> None:
@@ -67,8 +67,8 @@ class Store:
             version = self._db.execute("PRAGMA user_version").fetchone()[0]
             if version not in (0, SCHEMA):
                 raise InputError(
-                    f"{path}: a store of form {version}, expected {SCHEMA}; go on with the version "
-                    "of the course that made it, or give another --out"
+                    f"{path}: a store of schema {version}, expected {SCHEMA}; use the version of "
+                    "the course that made it, or give another --out"
                 )
             with self._change():
                 for statement in filter(str.strip, TABLES.split(";")):
@@ -87,9 +87,9 @@ class Store:
     def enter(
         self, key: Key, input_hash: str, *, problem: str = "", compared: int | None = None
     ) -> None:
-        """Put a unit into the queue unless it is there unchanged; with a problem it is held.
+        """Queue a unit unless it is stored unchanged; one with a problem is held.
 
-        Of the hash, `compared` characters count; all by default.
+        Only the first `compared` characters of the hash count; all by default.
         """
         with self._change():
             old = self._db.execute(
@@ -113,14 +113,17 @@ class Store:
             self._db.executemany("DELETE FROM units WHERE student=? AND exercise=?", gone)
         return len(gone)
 
-    def give_back(self) -> int:
-        """Put what is running back into the queue (whoever ran it is gone); return how many."""
+    def requeue_running(self) -> int:
+        """Put what is marked as running back into the queue; return how many.
+
+        Whoever ran it is gone.
+        """
         with self._change():
             changed = self._db.execute("UPDATE units SET state=? WHERE state=?", (WAITING, RUNNING))
             return changed.rowcount
 
     def retry_held(self) -> None:
-        """Put what was held after a try back into the queue."""
+        """Put what is held after an attempt back into the queue."""
         with self._change():
             self._db.execute(
                 "UPDATE units SET state=?, problem='', deaths=0, unsure=0, quarantines=0,"
@@ -129,7 +132,7 @@ class Store:
             )
 
     def claim(self, key: Key, input_hash: str, file_names: Iterable[str]) -> None:
-        """Note that a worker begins with the unit."""
+        """Mark a unit as running."""
         with self._change():
             self._db.execute(
                 "UPDATE units SET state=?, attempts=attempts+1, started=?, finished='',"
@@ -148,7 +151,7 @@ class Store:
         wall_s: float = 0.0,
         worker: str = "",
     ) -> None:
-        """Put a result down; one with a problem is held."""
+        """Store a result; one with a problem is held."""
         with self._change():
             self._db.execute(
                 "UPDATE units SET state=?, grading=?, problem=?, recordings=?, cpu_s=?, wall_s=?,"
@@ -160,7 +163,7 @@ class Store:
                 ),
             )  # fmt: skip
 
-    def put_off(self, key: Key, *, death: bool = False, unsure: bool = False) -> Counts:
+    def requeue(self, key: Key, *, death: bool = False, unsure: bool = False) -> Counts:
         """Put a unit back into the queue because its worker died or could not judge."""
         with self._change():
             self._db.execute(
@@ -171,7 +174,7 @@ class Store:
         return self.counts(key)
 
     def hold(self, key: Key, problem: str) -> None:
-        """Leave a unit to a person; what its last grading said stays with it."""
+        """Leave a unit to a person; its last grading is kept."""
         with self._change():
             self._db.execute(
                 "UPDATE units SET state=?, problem=?, finished=?, verified=1"
@@ -180,7 +183,7 @@ class Store:
             )
 
     def regraded(self, key: Key, grading: dict[str, Any], problem: str, input_hash: str) -> None:
-        """Replace a grading by one of the same recordings."""
+        """Replace a grading by a new one of the same recordings."""
         with self._change():
             self._db.execute(
                 "UPDATE units SET state=?, grading=?, problem=?, input_hash=?, finished=?"
@@ -190,7 +193,7 @@ class Store:
             )  # fmt: skip
 
     def canary(self, key: Key, grading: dict[str, Any] | None, problem: str, cpu_s: float) -> None:
-        """Put down how a known solution came out the last time."""
+        """Store the latest grading of a known solution."""
         with self._change():
             self._db.execute(
                 "INSERT OR REPLACE INTO units (student, exercise, canary, input_hash, state,"
@@ -200,14 +203,14 @@ class Store:
             )
 
     def verify(self, keys: Iterable[Key]) -> None:
-        """Note that a good canary came after these."""
+        """Mark units as confirmed by a good canary after them."""
         with self._change():
             self._db.executemany(
                 "UPDATE units SET verified=1 WHERE student=? AND exercise=?", list(keys)
             )
 
     def quarantine(self, keys: Iterable[Key]) -> None:
-        """Put graded units back into the queue: the grader can't be trusted with them."""
+        """Put graded units back into the queue: the grader that judged them can't be trusted."""
         with self._change():
             self._db.executemany(
                 "UPDATE units SET state=?, grading=NULL, recordings=NULL, finished='', problem='',"
@@ -225,7 +228,7 @@ class Store:
         return [row[0] for row in self._db.execute("SELECT text FROM notes ORDER BY id")]
 
     def waiting(self) -> list[Key]:
-        """Return what is in the queue: exercise by exercise, those that killed a worker last."""
+        """Return what is in the queue, by exercise; units that killed a worker come last."""
         return self._keys(f"state='{WAITING}' AND canary=0", "deaths, exercise, student")
 
     def unverified(self, exercise: str) -> list[Key]:
@@ -234,7 +237,7 @@ class Store:
         return [key for key in keys if key[1] == exercise]
 
     def counts(self, key: Key) -> Counts:
-        """Return what happened to a unit so far."""
+        """Return how often things have gone wrong with a unit."""
         row = self._db.execute(
             "SELECT deaths, unsure, quarantines FROM units WHERE student=? AND exercise=?", key
         ).fetchone()
@@ -280,10 +283,10 @@ def _now() -> str:
 
 
 def stable(result: StoredResult) -> tuple[object, ...]:
-    """Return what the same submission comes to whenever and wherever it is graded.
+    """Return the part of a result that is the same whenever and wherever it is graded.
 
-    Times, attempts and workers are left out; so are texts that quote a measured time. Whether
-    trials ran in real time is part of it: that should not depend on how busy the machine is.
+    Left out are times, attempts and workers, and messages that quote a measured time. Whether
+    trials ran in real time is included: it should not depend on how busy the machine is.
     """
     told = (result.student, result.exercise, result.file_names, result.input_hash, result.state)
     if result.grading is None:

@@ -1,4 +1,4 @@
-"""The exercises of the course: their folders and what `exercise.toml` says of them."""
+"""The exercises of the course: their folders, and what `exercise.toml` says about them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Topic(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     name: str
     type: str  # "geometry_msgs/msg/Twist"
     direction: str  # "subscribe" or "publish", seen from the node
-    node: str = ""  # whose topic it is, if the exercise has several nodes
+    node: str = ""  # the node that uses it, if the exercise has several
 
 
 class Service(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -31,7 +31,7 @@ class Service(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     name: str
     type: str  # "std_srvs/srv/Trigger"
     direction: str  # "serve" or "call", seen from the node
-    node: str = ""  # whose end it is, if the exercise has several nodes
+    node: str = ""  # the node that serves or calls it, if the exercise has several
 
 
 class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -46,11 +46,11 @@ class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     max_points: int
     topics: tuple[Topic, ...] = ()
     services: tuple[Service, ...] = ()
-    libraries: tuple[str, ...] = ()  # modules that its nodes load, and that take long
+    libraries: tuple[str, ...] = ()  # modules that its nodes import and that import slowly
 
     @property
     def folder(self) -> Path:
-        """What students get."""
+        """The folder that students get."""
         return EXERCISES / self.slug
 
     @property

@@ -1,4 +1,4 @@
-"""Which libraries are installed where the grader runs; none is imported to find out."""
+"""Which optional libraries are installed where the grader runs; none is imported to find out."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from grader.errors import GraderError
 
 COURSE = "rclpy-agents-course"
-OPTIONAL = {  # module: what people call it, and the extra of ours that brings it
+OPTIONAL = {  # module: its usual name, and our extra that installs it
     "sklearn": ("scikit-learn", "ml"),
     "onnx": ("onnx", "ml"),
     "onnxruntime": ("onnxruntime", "ml"),
@@ -18,12 +18,12 @@ OPTIONAL = {  # module: what people call it, and the extra of ours that brings i
 
 
 def why_not(modules: Iterable[str]) -> str:
-    """Say which of these are not installed and how they would be; empty if all are.
+    """Say which of these are not installed and how to install them; empty if all are installed.
 
     Raises
     ------
     GraderError
-        A check asks for a library that is not among the optional ones.
+        A check requires a library that is not one of the optional ones.
     """
     missing = [module for module in modules if not _is_installed(module)]
     if not missing:

@@ -1,6 +1,6 @@
-"""Make the students' skeletons out of the reference solutions, and hold the two in step.
+"""Make the students' skeletons from the reference solutions, and keep the two in step.
 
-A solution marks what students write, and what they get in its place::
+A solution marks what students write, and what they get instead::
 
     ### BEGIN SOLUTION
     return min(usable, default=None)
@@ -9,9 +9,10 @@ A solution marks what students write, and what they get in its place::
     # return None
     ### END SOLUTION
 
-Everything from BEGIN to END goes; the comment lines below SKELETON stay, each without its first
-``# ``. Without a SKELETON part a block becomes one ``# TODO``, and the code around it has to stand
-on its own. ``python -m grader.course.skeletons`` writes the skeletons, ``--check`` only compares.
+Everything from BEGIN to END is removed, except the comment lines below SKELETON, which each lose
+their first ``# ``. Without a SKELETON part a block becomes one ``# TODO``, and the code around it
+must work without it. ``python -m grader.course.skeletons`` writes the skeletons, ``--check`` only
+compares.
 """
 
 import re
@@ -20,11 +21,8 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
-import click
-
-from sim.errors import InputError
-
-ROOT = Path(__file__).resolve().parents[2]
+from grader.course.generated import ROOT, write_or_check
+from grader.errors import InputError
 
 _MARKER = re.compile(r"^\s*### (BEGIN SOLUTION|SKELETON|END SOLUTION)\s*$")
 _MISSPELT = re.compile(r"^\s*#+\s*(BEGIN[ _]SOLUTION|SKELETON|END[ _]SOLUTION)\b", re.IGNORECASE)
@@ -39,17 +37,17 @@ def strip_solution(source: str, where: str = "solution") -> str:
     source
         Python source with ``### BEGIN SOLUTION`` … ``### END SOLUTION`` blocks.
     where
-        The file's name, for error messages.
+        Name of the file, for error messages.
 
     Raises
     ------
     InputError
-        A marker without its partner, misspelt or nested; code below ``### SKELETON`` that is no
-        comment; no block at all.
+        A marker is unpaired, misspelt or nested; a line below ``### SKELETON`` is not a comment; or
+        there is no block.
     """
     kept: list[str] = []
-    begin = 0  # line number of the open block, 0: outside
-    skeleton: list[str] | None = None  # lines of the SKELETON part, None: not reached
+    begin = 0  # line number where the open block begins; 0: outside of blocks
+    skeleton: list[str] | None = None  # lines of the SKELETON part; None: not reached
     blocks = 0
     for number, line in enumerate(source.splitlines(), start=1):
         place = f"{where}, line {number}"
@@ -81,7 +79,7 @@ def strip_solution(source: str, where: str = "solution") -> str:
     if begin:
         raise InputError(f"{where}, line {begin}: BEGIN SOLUTION is never closed")
     if not blocks:
-        raise InputError(f"{where}: no ### BEGIN SOLUTION block, so nothing to leave to a student")
+        raise InputError(f"{where}: no ### BEGIN SOLUTION block, so a student has nothing to write")
     return "\n".join(kept) + "\n"
 
 
@@ -104,8 +102,8 @@ def _uncomment(line: str, place: str) -> str:
     if found := _COMMENT.match(line):
         return (found[1] + found[2]).rstrip()
     raise InputError(
-        f"{place}: below ### SKELETON every line is a comment ('# return None'), "
-        f"this one is {line.strip()!r}"
+        f"{place}: expected a comment below ### SKELETON, such as '# return None'; "
+        f"found {line.strip()!r}"
     )
 
 
@@ -125,29 +123,11 @@ def skeletons(root: Path = ROOT) -> Iterator[tuple[Path, str]]:
             yield description.parent / name, text
 
 
-@click.command()
-@click.option("--check", is_flag=True, help="Write nothing; exit 1 if a skeleton is out of step.")
-def main(check: bool) -> None:
-    """Write exercises/*/FILE from solutions/*/FILE."""
-    stale = 0
-    try:
-        for path, text in skeletons():
-            if path.is_file() and path.read_text(encoding="utf-8") == text:
-                continue
-            stale += 1
-            name = path.relative_to(ROOT).as_posix()
-            if check:
-                click.echo(
-                    f"{name} is out of step: run python -m grader.course.skeletons", err=True
-                )
-            else:
-                path.write_text(text, encoding="utf-8")
-                click.echo(f"wrote {name}")
-    except InputError as error:
-        click.echo(str(error), err=True)
-        sys.exit(2)
-    sys.exit(1 if check and stale else 0)
+def main(arguments: list[str]) -> int:
+    """Write exercises/*/FILE from solutions/*/FILE, or with `--check` compare them."""
+    command = "python -m grader.course.skeletons"
+    return write_or_check(skeletons(), command, arguments)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(sys.argv[1:]))

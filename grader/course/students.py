@@ -1,4 +1,4 @@
-"""Every student meets worlds of their own, which the instructor alone can make again."""
+"""Every student gets different worlds, which only the instructor can reproduce."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ SEEDS = 10**6
 
 
 def student_seed(secret: bytes, student: str, exercise: str) -> int:
-    """Return the seed of a student in an exercise: HMAC-SHA256 of both under the course's secret.
+    """Return a student's seed in an exercise: the HMAC-SHA256 of both under the course's secret.
 
-    Without the secret nobody can tell it, nor find a student whose worlds would be easy.
+    Without the secret nobody can compute it, or search for a name whose worlds would be easy.
     """
     # lengths in front: ("ab", "c") and ("a", "bc") are different students
     parts = [part.encode() for part in (student, exercise)]
@@ -30,7 +30,7 @@ def read_secret(path: Path) -> bytes:
     Raises
     ------
     InputError
-        The file can't be read or is too short to be a secret.
+        The file can't be read, or is too short for a secret.
     """
     try:
         secret = path.read_bytes().strip()

@@ -1,9 +1,11 @@
-"""A student's submission: find the file, check what can be checked without running it."""
+"""A student's submission: find the files, and check what can be checked without running them."""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import shutil
+import stat
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,15 +18,15 @@ MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
 
 @dataclass(frozen=True)
 class Submission:
-    """One runnable file and why it can't be run, if so."""
+    """A node's file, and the reason why it can't be run, if there is one."""
 
     path: Path
-    problem: str = ""  # the student's mistake, found before running; "" if none
+    problem: str = ""  # the student's mistake, found before the run; "" if none
     others: tuple[Path, ...] = ()  # the exercise's other files, beside it
 
     @contextlib.contextmanager
     def folder(self) -> Iterator[Path]:
-        """Copy the files into a fresh folder that may be given away."""
+        """Copy the files into a fresh folder, whose owner may be changed."""
         with fresh_folder() as folder:
             for path in (self.path, *self.others):
                 shutil.copyfile(path, folder / path.name)
@@ -36,8 +38,8 @@ def find_submission(
 ) -> Submission:
     """Return the submission at `path`: a file, or a folder that holds the file `expected`.
 
-    The exercise's other files that lie beside it belong to the submission. Of an exercise with
-    several files (`expected` and `others`) any may be given.
+    The exercise's other files beside it belong to the submission. If an exercise has several files
+    (`expected` and `others`), `path` may be any of them.
 
     Raises
     ------
@@ -56,6 +58,21 @@ def find_submission(
     found = tuple(other.resolve() for other in beside if other.is_file())
     problems = [_problem(file) for file in (path, *found)]
     return Submission(path.resolve(), next(filter(None, problems), ""), found)
+
+
+def read_regular_file(path: Path, limit: int = MAX_SIZE) -> bytes:
+    """Return the first `limit` + 1 bytes of a file that somebody handed in; no link is followed.
+
+    Raises
+    ------
+    OSError
+        It can't be read, or is not a regular file.
+    """
+    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with open(fd, "rb") as file:
+        if not stat.S_ISREG(os.fstat(fd).st_mode):
+            raise OSError(0, "not an ordinary file", str(path))
+        return file.read(limit + 1)
 
 
 def _in_folder(folder: Path, expected: str | None) -> Path:

@@ -1,1 +1,1 @@
-"""Run an exercise's checks over recordings and add up the points."""
+"""Run an exercise's checks on recordings and add up the points."""

@@ -1,4 +1,4 @@
-"""Grade one submission: run the checks of an exercise over recordings and add up the points."""
+"""Grade one submission: run the checks of an exercise on recordings and add up the points."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ REPORTED_PACKAGES = (
     "scikit-learn", "onnxruntime", "torch", "keras",
 )  # fmt: skip
 
-# of pytest's own plugins; what they do is seen nowhere here, and each costs every grading something
+# pytest's own plugins that have no effect here; each would cost every grading some time
 UNUSED_PLUGINS = (
     "cacheprovider", "doctest", "faulthandler", "junitxml", "legacypath", "logging", "pastebin",
     "recwarn", "setuponly", "setupplan", "stepwise", "subtests", "terminal", "terminalprogress",
@@ -87,14 +87,14 @@ class Grading:
         return any(check.outcome in (ERROR, INCONCLUSIVE) for check in self.checks)
 
     def notes(self) -> list[str]:
-        """Return what else a reader of the score should know, a sentence each."""
+        """Return what else a reader of the score should know, one sentence each."""
         real = [recording for recording in self.recordings if recording.live is not None]
         reason = next((r.live.reason for r in real if r.live is not None and r.live.reason), "")
         if not reason:
             return []
         return [
-            f"{len(real)} of {len(self.recordings)} trials ran in real time, beside a robot that "
-            f"keeps to the clock: {reason}. The checks are the same."
+            f"{len(real)} of {len(self.recordings)} trials ran in real time, with a robot that "
+            f"runs by the clock: {reason}. The checks are the same."
         ]
 
     def as_dict(self) -> dict[str, Any]:
@@ -126,7 +126,7 @@ def grade(
     isolation: str = "",
     on_progress: OnProgress = ignore,
 ) -> Grading:
-    """Run the checks of `exercise` over the recordings of `trials`.
+    """Run the checks of `exercise` on the recordings of `trials`.
 
     Raises
     ------
@@ -169,14 +169,14 @@ def grade_submission(
     tier: int = 1,
     on_progress: OnProgress = ignore,
 ) -> Grading:
-    """Run the student's node and judge it; a machine that stalled gets a second try.
+    """Run the student's node and judge it; repeated once if the machine stalled.
 
     Raises
     ------
     InputError
         `only` names a check that doesn't exist.
     GraderError
-        The grader or the machine failed; nothing can be said of the submission.
+        The grader or the machine failed; it says nothing about the submission.
     """
     only = tuple(only)
     for _ in range(ATTEMPTS):
@@ -199,7 +199,7 @@ def grade_submission(
                 on_progress=on_progress,
             )
         if tier == 2 or not any(check.outcome == INCONCLUSIVE for check in grading.checks):
-            break  # a trial in real time has had its second try already
+            break  # a trial in real time has been repeated already
     return grading
 
 
@@ -213,7 +213,7 @@ def versions() -> dict[str, str]:
 
 
 def _passed(checks: list[CheckResult]) -> bool:
-    """Tell whether all passed, or all that can be judged on this machine."""
+    """Tell whether all passed that can be judged on this machine, and at least one can."""
     judged = [check for check in checks if check.outcome != UNAVAILABLE]
     return all(check.outcome == PASS for check in judged) and (bool(judged) or not checks)
 
@@ -233,7 +233,7 @@ def _arguments(exercise: Exercise) -> list[str]:
 
 @contextlib.contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Keep the settings of other pytest runs, and other people's plugins, out of the checks."""
+    """Keep the environment's pytest settings and third-party plugins out of the checks."""
     names = ("PYTEST_ADDOPTS", "PYTEST_PLUGINS", "PYTEST_DISABLE_PLUGIN_AUTOLOAD")
     before = {name: os.environ.pop(name) for name in names if name in os.environ}
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"

@@ -6,7 +6,7 @@ A check is a test under `grader/checks/<exercise>/` with a `check` mark::
     def test_slow_zone(recordings):
         \"\"\"Between 0.5 m and 1.0 m the robot drives at 0.15 m/s.\"\"\"
 
-Its docstring's first line is what the student reads; it fails through `grader.checks.verdict.fail`.
+The first line of its docstring is what the student reads; it fails by `grader.checks.verdict.fail`.
 Any other exception is the grader's own fault (ERROR). With `requires=("torch",)` it is judged only
 where these libraries are installed; elsewhere it is UNAVAILABLE, and its scenarios don't run.
 """
@@ -26,14 +26,14 @@ from grader.trial.progress import CHECK, OnProgress, ignore
 from grader.trial.trials import NoRecording, Trials
 
 PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
-UNAVAILABLE = "unavailable"  # an optional library that it is about is not installed here
+UNAVAILABLE = "unavailable"  # a library that the check requires is not installed here
 UNJUDGED = (ERROR, INCONCLUSIVE, UNAVAILABLE)  # neither won nor lost
 MAX_MESSAGE = 4_000  # [characters]: messages quote what students wrote
 
 
 @dataclass(frozen=True)
 class Check:
-    """What the mark and the docstring of a check say."""
+    """A check, from its mark and its docstring."""
 
     id: str
     title: str
@@ -72,7 +72,7 @@ class CheckResult:
 
 
 class CheckPlugin:
-    """Collects the checks, feeds them recordings and writes down their outcomes."""
+    """Collects the checks, gives them recordings and stores their outcomes."""
 
     def __init__(
         self,
@@ -87,19 +87,19 @@ class CheckPlugin:
         self._only = tuple(only)
         self._on_progress = on_progress
         self._checks: dict[str, Check] = {}  # by node id
-        self._lacks: dict[str, str] = {}  # by check id: which libraries are not here
+        self._lacks: dict[str, str] = {}  # by check id: the libraries that are not installed
         self.results: dict[str, CheckResult] = {}  # by check id
-        self.fault: Exception | None = None  # what kept the checks from being collected
+        self.fault: Exception | None = None  # why the checks could not be collected
         self.interrupted = False  # by the person at the keyboard
 
     def pytest_configure(self, config: pytest.Config) -> None:
-        """Make the mark known."""
+        """Register the mark."""
         config.addinivalue_line(
             "markers", "check(points, field, scenarios, needs, requires): one check"
         )
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Keep the checks asked for, order them after what they need, start their trials."""
+        """Select the checks, order each after those it needs, and start their trials."""
         try:
             checks = {item.nodeid: _read_check(item) for item in items}
             chosen = self._choose(list(checks.values()))
@@ -141,7 +141,7 @@ class CheckPlugin:
     def pytest_runtest_makereport(
         self, item: pytest.Item, call: pytest.CallInfo[None]
     ) -> Generator[None, Any, None]:
-        """Write down the outcome."""
+        """Store the outcome."""
         yield
         check = self._checks[item.nodeid]
         if call.when == "teardown" or check.id in self.results:
@@ -153,7 +153,7 @@ class CheckPlugin:
         self._on_progress(CHECK, len(self.results), len(self._checks))
 
     def _excused(self, check: Check, error: BaseException) -> BaseException:
-        """Return the error, unless the machine stalled: then ignore knows whose fault it is."""
+        """Return the error; an `Inconclusive` instead if the machine may have caused it."""
         if not isinstance(error, CheckFailed):
             return error
         for name in check.scenarios:
@@ -163,7 +163,7 @@ class CheckPlugin:
         return error
 
     def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo[BaseException]) -> None:
-        """Note an interrupt (pytest's own way out of broken files is a subclass)."""
+        """Note an interrupt, but not pytest's own subclass, raised for broken test files."""
         self.interrupted = excinfo.type is KeyboardInterrupt
 
     def _prepare(self, *, field: bool) -> None:
@@ -194,7 +194,7 @@ class _Unmet(Exception):
 
 
 class _Unavailable(Exception):
-    """A library that the check is about is not installed."""
+    """A library that the check requires is not installed."""
 
 
 def _add_with_needs(

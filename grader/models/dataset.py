@@ -1,16 +1,16 @@
-"""Data to learn from: scans from seeded worlds, with the speed at which an expert would drive.
+"""Training data: scans from seeded worlds, with the speed at which an expert would drive.
 
 Observations (`ranges`)
-    One row a scan of the default lidar, as it reads: noise of 5 mm, +inf where nothing came back,
-    -inf where something nearly touches the robot, one reading in fifty NaN, and here and there a
-    whole sector that says nothing.
+    One row per scan of the default lidar, as it reads: 5 mm of noise, +inf where nothing came back,
+    -inf where something nearly touches the robot, one reading in fifty NaN, and now and then a
+    whole sector without readings.
 
 Labels (`speed`)
-    The speed [m/s] from which the robot's 0.9 m/s² still stop it 0.3 m short of the nearest thing
-    within ±60° of ahead, at most 0.5 m/s. The expert knows the exact distance.
+    The speed [m/s] from which the robot, braking at 0.9 m/s², still stops 0.3 m short of the
+    nearest obstacle within ±60° of ahead; at most 0.5 m/s. The expert knows the exact distance.
 
 Poses
-    Half of them anywhere in the world, half near something: there the speed changes.
+    Half of them anywhere in the world, half near an obstacle, where the speed changes.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ DECELERATION = 0.9  # [m/s²]
 STOP_SHORT = 0.3  # [m]
 NEAR = (0.18, 0.7)  # [m] from a surface, for the poses near something
 FAULTS = Faults(range_noise=0.005, beam_dropout=0.01, nan_speckle=0.02)
-TOUCHING = 0.2  # [m]; nearer than this, half of the scans read -inf
+TOUCHING = 0.2  # [m] closer than this, half of the scans read -inf
 BLIND_PART = 0.03  # of the rows have a sector without any reading
 SECTORS = ((-FRONT_EDGE, FRONT_EDGE), (FRONT_EDGE, BACK_EDGE), (-BACK_EDGE, -FRONT_EDGE))  # [°]
-MARGIN = 2.0  # [°] by which a blind sector's ends are blind too
+MARGIN = 2.0  # [°] by which a blind sector is wider on each side
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class Dataset:
 
 
 def expert_speed(distance: Floats) -> Floats:
-    """Return the expert's (n,) speeds [m/s] for (n,) distances to the nearest thing ahead [m]."""
+    """Return the expert's (n,) speeds [m/s] at (n,) distances to the nearest obstacle [m]."""
     room = np.maximum(distance - STOP_SHORT, 0.0)
     return np.minimum(np.sqrt(2.0 * DECELERATION * room), MAX_SPEED)
 
@@ -146,10 +146,10 @@ def _pose_anywhere(rng: np.random.Generator) -> tuple[float, float, float]:
 
 
 def _pose_near(faces: Floats, rng: np.random.Generator) -> tuple[float, float, float]:
-    """Return a pose before a face, which lies somewhere ahead."""
+    """Return a pose near a face, which is roughly ahead."""
     begin, end = faces[rng.integers(len(faces))]
     along = end - begin
-    normal = np.array([-along[1], along[0]]) / math.hypot(*along)  # to where the face is seen from
+    normal = np.array([-along[1], along[0]]) / math.hypot(*along)  # towards the face's visible side
     point = begin + rng.random() * along
     x, y = point + rng.uniform(*NEAR) * normal
     yaw = math.atan2(-normal[1], -normal[0]) + rng.uniform(-0.8, 0.8)

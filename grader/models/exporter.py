@@ -1,4 +1,4 @@
-"""Ask a process of ours for model files: the judge imports no library of machine learning."""
+"""Get model files from another process: the judge imports no machine-learning library."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ COMMAND = (sys.executable, "-s", "-B", "-X", "utf8", "-m", "grader.models.format
 
 
 class Exporter:
-    """The process (see grader.models.formats) and what it has made; it starts when first needed."""
+    """The process (see grader.models.formats), started on demand, and a cache of its files."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -34,7 +34,7 @@ class Exporter:
         Raises
         ------
         GraderError
-            It can't be made: a library is missing, or there is no such model in this format.
+            A library is missing, or there is no such model in this format.
         """
         request = json.dumps({"suffix": suffix, "probe": probe, "settings": dict(settings)})
         with self._lock:
@@ -43,7 +43,7 @@ class Exporter:
             return self._made[request]
 
     def close(self) -> None:
-        """End the process; a later request starts another."""
+        """End the process; a later request starts a new one."""
         with self._lock:
             if self._process is not None:
                 self._process.terminate()  # it may be importing for seconds

@@ -10,7 +10,7 @@ column    feature                                         unit
 4         minimum of the right sector, -180° ≤ θ < -60°   m
 ========  ==============================================  =====
 
-Before that +inf and readings above range_max become range_max, -inf becomes range_min, and NaN and
+First, +inf and readings above range_max become range_max, -inf becomes range_min, and NaN and
 readings below range_min are dropped.
 """
 
@@ -30,8 +30,8 @@ Floats = NDArray[np.float64]
 NAMES = ("front minimum", "front mean", "front deviation", "left minimum", "right minimum")
 FRONT_EDGE = 60.0  # [°]
 BACK_EDGE = 180.0  # [°] between left and right
-HAIR = 1.0  # [°] beams this near to a sector's edge may count on either side
-ROUNDING = 0.01  # [°] of angles in float32
+TOLERANCE = 1.0  # [°] beams this close to a sector's edge may count on either side
+ROUNDING = 0.01  # [°] error of angles in float32
 
 
 def features(
@@ -70,7 +70,7 @@ def features(
 
 
 def scan_features(scan: Scan) -> Floats:
-    """Return the (5,) features of a scan, to the letter; NaN where a sector is blind."""
+    """Return the (5,) features of a scan, exactly as defined; NaN where a sector is blind."""
     edges = (FRONT_EDGE + ROUNDING, -FRONT_EDGE - ROUNDING, BACK_EDGE + ROUNDING)
     found: Floats = _of_scan(scan, edges)[0]
     return found
@@ -78,17 +78,17 @@ def scan_features(scan: Scan) -> Floats:
 
 @lru_cache(maxsize=2048)
 def possible_features(scan: Scan) -> Floats:
-    """Return the (k, 5) features that are right for a scan: the contract does not split hairs.
+    """Return all (k, 5) features that are accepted for a scan.
 
-    A beam within 1° of a sector's edge may count on either side: rounding decides on one that lies
-    on the edge, and some nodes count beams instead of angles. A row has NaN where a sector is
-    blind. Several checks look at the same scan, so it is computed once.
+    A beam within 1° of a sector's edge may count on either side: for one on the edge, rounding
+    decides, and some nodes count beams instead of angles. A row has NaN where a sector is blind.
+    Several checks look at the same scan, so the result is cached.
     """
     rows = [
         _of_scan(scan, (FRONT_EDGE + left, -FRONT_EDGE - right, BACK_EDGE + back))
-        for hair in (ROUNDING, HAIR)
-        for left, right in itertools.product((hair, -hair), repeat=2)
-        for back in (ROUNDING, -ROUNDING, HAIR, -HAIR)
+        for shift in (ROUNDING, TOLERANCE)
+        for left, right in itertools.product((shift, -shift), repeat=2)
+        for back in (ROUNDING, -ROUNDING, TOLERANCE, -TOLERANCE)
     ]
     found = np.unique(np.concatenate(rows), axis=0)
     found.flags.writeable = False
@@ -96,7 +96,7 @@ def possible_features(scan: Scan) -> Floats:
 
 
 def spell_features(values: Floats) -> str:
-    """Return features as a student should see them."""
+    """Return features as text for a student."""
     return "[" + ", ".join("?" if math.isnan(x) else f"{x:.3f}" for x in values.tolist()) + "] m"
 
 

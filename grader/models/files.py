@@ -1,4 +1,4 @@
-"""Write the model files that a scenario wants its node to find. The judge never loads a pickle."""
+"""Write the model files that a scenario gives its node. The judge never loads a pickle."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from sim.scenario import Model
 
 OWN = "own"  # the student's own trained model
 PICKLE = ".pkl"
-EXPORTED = (".onnx", ".pt2", ".keras")  # suffixes of the formats that other libraries load
-LEARNED = ("linear", "tree")  # these are scikit-learn's own models in a pickle
+EXPORTED = (".onnx", ".pt2", ".keras")  # suffixes of formats that need other libraries
+LEARNED = ("linear", "tree")  # scikit-learn's own models, if in a pickle
 PROTOCOL = 4  # of pickle; every Python here reads it
-_FOREIGN = b"cmy_training_script\nMyModel\n."  # a pickle whose class lies in a script that is gone
+_FOREIGN = b"cmy_training_script\nMyModel\n."  # a pickle whose class was in a script, now missing
 
 
 def _linear(weights: tuple[float, ...], offset: float = 0.0, **_form: Any) -> probes.Weighted:
-    """Return what a linear model says, whatever the form of its file."""
+    """Return the linear model, whatever the format of its file."""
     return probes.Weighted(weights, offset)
 
 
@@ -56,7 +56,7 @@ def write_models(models: Mapping[str, Model], folder: Path) -> None:
     Raises
     ------
     GraderError
-        A scenario names a probe that doesn't exist, or gives it wrong settings.
+        A scenario names an unknown probe, or gives it wrong settings.
     """
     for name, model in models.items():
         if model.probe == OWN:  # comes from the student's training script, if it made one
@@ -66,7 +66,7 @@ def write_models(models: Mapping[str, Model], folder: Path) -> None:
 
 
 def model_bytes(model: Model, suffix: str = PICKLE) -> bytes:
-    """Return the content of a model file; the suffix (in lower case) says in which format."""
+    """Return the content of a model file, in the format of the (lower-case) suffix."""
     if model.probe == "garbage":
         return b"this is no model\n"
     if model.probe == "foreign":
@@ -79,7 +79,7 @@ def model_bytes(model: Model, suffix: str = PICKLE) -> bytes:
 
 
 def probe(model: Model) -> Any:
-    """Return the probe model itself: checks ask it what it says about a scan.
+    """Return the probe model itself, from which checks get its answer to a scan.
 
     Raises
     ------

@@ -1,13 +1,13 @@
-"""Write one model in any of four formats: a process of its own that `grader.models.exporter` asks.
+"""Write one model in any of four formats, in a process that serves `grader.models.exporter`.
 
-The judge must not import PyTorch, Keras or scikit-learn; this process does, when it first needs
-them. A request is a line of JSON, and so is its answer::
+The judge must not import PyTorch, Keras or scikit-learn; this process does, when first needed. A
+request is a line of JSON, and so is its answer::
 
     {"suffix": ".onnx", "probe": "linear", "settings": {"weights": [...], "offset": 0.1}}
     {"content": "<base64>"}    or    {"problem": "no module named torch"}
 
-A model is a linear one or a decision tree before it gets a format. Each computes in float32, takes
-features (n, 5) and gives (n, 1); an ONNX model with `flat` gives (n,). No file needs code of ours.
+Whatever its format, a model is linear or a decision tree. It computes in float32, takes features
+(n, 5) and returns (n, 1); an ONNX model with `flat` returns (n,). No file needs code of ours.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Settings = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Linear:
-    """Weights times features, plus the offset."""
+    """The weights times the features, plus the offset."""
 
     weights: tuple[float, ...]
     offset: float
@@ -64,7 +64,7 @@ class Fork:
 
 @dataclass(frozen=True)
 class RaisesNear:
-    """Says the value; fails where the front minimum is below the distance."""
+    """Returns the value; raises where the front minimum is below the distance."""
 
     distance: float
     value: float
@@ -94,7 +94,7 @@ def _model(probe: str, settings: Settings) -> Model:
 
 
 def _steps(values: Sequence[float], first: int) -> Fork | Leaf:
-    """Return a tree that says `values[i]` where the front minimum is about `first + i` metres."""
+    """Return a tree that gives `values[i]` where the front minimum is about `first + i` metres."""
     if len(values) == 1:
         return Leaf(float(values[0]))
     half = len(values) // 2
@@ -120,7 +120,7 @@ def _pickled(probe: str, settings: Settings) -> bytes:
 
 
 def _learnt_tree(settings: Settings) -> Any:
-    """Return a DecisionTreeRegressor that learned the expert's speeds."""
+    """Return a DecisionTreeRegressor fitted to the expert's speeds."""
     from sklearn.tree import DecisionTreeRegressor  # noqa: PLC0415
 
     data = make_dataset(int(settings["rows"]), int(settings["seed"]))
@@ -131,7 +131,7 @@ def _learnt_tree(settings: Settings) -> Any:
 
 
 def _grown(tree: Any, node: int) -> Fork | Leaf:
-    """Return what grows from a node of scikit-learn's tree."""
+    """Return the subtree at a node of scikit-learn's tree."""
     if tree.children_left[node] < 0:
         return Leaf(float(tree.value[node, 0, 0]))
     return Fork(
@@ -143,7 +143,7 @@ def _grown(tree: Any, node: int) -> Fork | Leaf:
 
 
 def _at_most(threshold: float) -> float:
-    """Return the greatest float32 that is not above: it parts all float32 alike."""
+    """Return the greatest float32 not above the threshold: it splits all float32 the same way."""
     rounded = np.float32(threshold)
     if rounded > threshold:
         rounded = np.nextafter(rounded, np.float32(-np.inf))
@@ -192,7 +192,7 @@ def _onnx_nodes(
             ],
             {"weights": weights, "offset": np.array([model.offset], np.float32)},
         )
-    if isinstance(model, RaisesNear):  # below the distance the index is 1, and there is no such
+    if isinstance(model, RaisesNear):  # below the distance the index is 1, which is out of range
         chain = [
             make("Gather", [given, "first"], ["nearest"], axis=1),
             make("Less", ["nearest", "distance"], ["near"]),
@@ -325,7 +325,7 @@ _WRITERS: dict[str, Callable[[Model, Settings], bytes]] = {
 def main() -> None:
     """Answer requests until there are no more."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what libraries print is no answer
+    os.dup2(2, 1)  # what libraries print goes to stderr
     for line in sys.stdin:
         request = json.loads(line)
         try:

@@ -1,14 +1,14 @@
-"""nbgrader with the judge behind it: marks come from driven nodes, not from executed cells.
+"""nbgrader backed by the judge: marks come from driven nodes, not from executed cells.
 
-`nbgrader_config.py` of a course says::
+A course's `nbgrader_config.py` says::
 
     from grader.nbgrader import configure
 
     configure(get_config())
 
-From then on `nbgrader generate_assignment` leaves the skeletons of `%%node` cells, and `nbgrader
-autograde` takes the students' `%%node` cells, has the judge drive them, and writes the points. No
-cell of a student is ever executed. Settings (`c.JudgeNodes.…`): `trust`, `secret`.
+Then `nbgrader generate_assignment` leaves the skeletons of `%%node` cells, and `nbgrader autograde`
+has the judge drive the students' `%%node` cells and writes the points. No student's cell is ever
+executed. Settings (`c.JudgeNodes.…`): `trust`, `secret`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Any
 
 
 def configure(config: Any) -> None:
-    """Put the course's steps among nbgrader's own, in its configuration."""
+    """Add the course's steps to nbgrader's own, in its configuration."""
     from grader.nbgrader.configuration import set_up  # noqa: PLC0415  (nbgrader: 1 s)
 
     set_up(config)

@@ -1,7 +1,7 @@
-"""The steps of `nbgrader autograde`: take the notebook in, have its nodes judged, write the points.
+"""The steps of `nbgrader autograde`: read the notebook, have its nodes judged, write the points.
 
 Nothing that a student wrote is executed in this process or in a kernel; nodes run behind the
-judge's own isolation.
+judge's isolation.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from traitlets import Bool, Unicode
 from grader.course.exercises import find_exercise
 from grader.course.students import read_secret, student_seed
 from grader.errors import GraderError, InputError
+from grader.grading.handed_in import isolation_problem
 from grader.nbgrader.cells import Wanted, last_definitions, made_files, wanted
 from grader.nbgrader.gradebook import (
     Place,
@@ -29,25 +30,25 @@ from grader.nbgrader.gradebook import (
     write_mark,
 )
 from grader.nbgrader.intake import Unreadable, read_cells
-from grader.nbgrader.judge import Verdict, judge, refusal
+from grader.nbgrader.judge import Verdict, judge
 from grader.nbgrader.marks import Mark, mark_of
 from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
 from grader.nbgrader.table import output_of
 
-FILE = "course_file"  # in the resources: the notebook that was handed in
+FILE = "course_file"  # in the resources: path of the submitted notebook
 NO_RESPONSE = "No response."  # nbgrader's own words
 
 Resources = dict[str, Any]
 
 
 class CourseExporter(NotebookExporter):  # type: ignore[misc]
-    """Reads what students hand in without trusting it; refuses machines that are too open."""
+    """Reads students' notebooks without trusting them; refuses machines with weak isolation."""
 
     def __init__(self, **traits: Any) -> None:
         super().__init__(**traits)
         settings = JudgeNodes(parent=self)
         try:
-            problem = "" if settings.trust else refusal()
+            problem = "" if settings.trust else isolation_problem()
             if settings.secret:
                 read_secret(Path(settings.secret))
         except (GraderError, InputError) as error:
@@ -60,7 +61,7 @@ class CourseExporter(NotebookExporter):  # type: ignore[misc]
     def from_filename(
         self, filename: str, resources: Resources | None = None, **options: Any
     ) -> tuple[str, Resources]:
-        """Convert a notebook; one that was handed in is read by `RestoreCells`."""
+        """Convert a notebook; a submitted one is read by `RestoreCells`."""
         if not any(isinstance(step, RestoreCells) for step in self._preprocessors):
             plain: tuple[str, Resources] = super().from_filename(filename, resources, **options)
             return plain
@@ -74,7 +75,7 @@ class CourseExporter(NotebookExporter):  # type: ignore[misc]
 
 
 class RestoreCells(NbGraderPreprocessor):  # type: ignore[misc]
-    """Puts the notebook that was handed in into order (see grader.nbgrader.restore)."""
+    """Restores the submitted notebook (see grader.nbgrader.restore)."""
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> tuple[NotebookNode, Resources]:
         """Return the notebook to grade."""
@@ -89,17 +90,17 @@ class RestoreCells(NbGraderPreprocessor):  # type: ignore[misc]
 
 
 class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
-    """Has the `%%node` cells judged, and is the only one who writes points."""
+    """Has the `%%node` cells judged; nothing else writes points."""
 
     trust = Bool(
         False, help="Run submissions even where isolation is too weak: a throw-away machine."
     ).tag(config=True)
     secret = Unicode(
-        "", help="File with the course's secret: each student gets worlds of their own."
+        "", help="File with the course's secret: each student gets different worlds."
     ).tag(config=True)
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> tuple[NotebookNode, Resources]:
-        """Judge the notebook; show what the judge says in its test cells."""
+        """Judge the notebook; show the judge's table in its test cells."""
         place = Place.of(resources)
         with opened(place) as gradebook:
             trusted = trusted_cells(gradebook, place)
@@ -144,7 +145,7 @@ class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
         verdict = judge(exercise, files, seed=seed)
         if verdict.missing:
             there = ", ".join(made_files(cells))
-            found = f"its cells make {there}" if there else "no cell of it makes a file"
+            found = f"its cells write {there}" if there else "none of its cells writes a file"
             said = f"{verdict.missing} in this notebook; {found}"
             return Verdict(None, missing=said, remarks=tuple(remarks))
         if verdict.problem:
@@ -161,7 +162,7 @@ def _mark(known: Trusted, cell: NotebookNode, want: Wanted | None, verdict: Verd
         return mark_of(want, verdict, known.points)
     if known.is_answer and cell.metadata.get(ABOUT, {}).get("untouched"):
         return Mark(0.0, False)
-    return Mark(None, True)  # an answer, or a test that is not the judge's: for a person
+    return Mark(None, True)  # an answer, or a test that the judge doesn't know: for a person
 
 
 def _comment(known: Trusted, cell: NotebookNode) -> str:

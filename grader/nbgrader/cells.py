@@ -1,4 +1,4 @@
-"""Read what cells say without running them: which file they make, which checks they ask for."""
+"""Read cells without running them: which file a cell writes, which checks it asks for."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ QUOTES = "'\""
 
 @dataclass(frozen=True)
 class Definition:
-    """A cell that makes a file."""
+    """A cell that writes a file."""
 
     file: str
     text: str
@@ -25,17 +25,17 @@ class Definition:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a test cell asks for: checks of one exercise."""
+    """The checks of one exercise that a test cell asks for."""
 
     exercise: str  # slug
-    checks: tuple[str, ...]  # none: all that give points
+    checks: tuple[str, ...]  # (): all that give points
 
 
 def definition(source: str) -> Definition | None:
-    """Return the file that a cell makes with `%%node FILE`; None if it makes none.
+    """Return the file that a cell writes with `%%node FILE`; None if it writes none.
 
-    More is taken than a kernel would: blank lines, comments and other magics may stand above. The
-    text is what the kernel would write: all below the magic, with a newline at its end.
+    This accepts more than a kernel does: blank lines, comments and other magics may come first. The
+    text is what the kernel would write: all lines below the magic, with a newline at the end.
     """
     lines = source.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     for number, line in enumerate(lines):
@@ -53,16 +53,16 @@ def definition(source: str) -> Definition | None:
 def last_definitions(
     cells: Iterable[tuple[str, str]], names: Sequence[str]
 ) -> tuple[dict[str, str], list[str]]:
-    """Return the texts of the files called `names`, and remarks about what was taken.
+    """Return the texts of the files called `names`, and remarks about which cells were used.
 
     Parameters
     ----------
     cells
         Type ("code", "markdown", "raw") and source of each cell, in order. The last code cell that
-        makes a file counts. Others count where no code cell makes it: a cell's type is easily
-        changed by a slip of the hand.
+        writes a file counts. If no code cell writes it, other cells count: a cell's type is easily
+        changed by accident.
     names
-        The files that are looked for.
+        The files to find.
     """
     found: dict[str, list[tuple[int, str]]] = {}
     outside: dict[str, tuple[int, str]] = {}
@@ -79,17 +79,19 @@ def last_definitions(
         if places := found.get(name):
             number, texts[name] = places[-1]
             if len({text for _, text in places}) > 1:
-                remarks.append(f"{len(places)} cells make {name}; the last, cell {number}, counts.")
+                remarks.append(
+                    f"{len(places)} cells write {name}; the last, cell {number}, counts."
+                )
         elif name in outside:
             number, texts[name] = outside[name]
-            remarks.append(f"Cell {number} makes {name} but is no code cell; it was taken as one.")
+            remarks.append(f"Cell {number} writes {name} but is no code cell; it was used as one.")
     return texts, remarks
 
 
 def wanted(source: str) -> Wanted | None:
-    """Return the checks for which a test cell asks with `check("exercise:check,check")`.
+    """Return the checks that a test cell asks for with `check("exercise:check,check")`.
 
-    None if it is no such cell.
+    None if it is not such a cell.
 
     Raises
     ------
@@ -109,18 +111,18 @@ def wanted(source: str) -> Wanted | None:
 
 
 def made_files(cells: Iterable[tuple[str, str]]) -> list[str]:
-    """Return the names of all files that the cells make, for a message: at most five."""
+    """Return the names of the files that the cells write, for a message: at most five."""
     made = [definition(source) for _, source in cells]
     return list(dict.fromkeys(one.file[:60] for one in made if one is not None))[:5]
 
 
 def unknown_checks(asked: Wanted, known: Iterable[str]) -> None:
-    """Refuse checks that the exercise doesn't have.
+    """Make sure that the exercise has these checks.
 
     Raises
     ------
     InputError
-        One is unknown.
+        It lacks one.
     """
     for check in asked.checks:
         if check not in known:

@@ -1,4 +1,4 @@
-"""Set nbgrader up: which steps are whose."""
+"""Configure nbgrader: which steps are its own, which are the course's."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ VALIDATION_LIMIT = 300  # [s] for a test cell in `nbgrader validate`; nbgrader's
 
 
 def set_up(config: Any) -> None:
-    """Put the course's steps among nbgrader's own."""
+    """Add the course's steps to nbgrader's own."""
     _find_programs()
     config.GenerateAssignment.preprocessors = [
         IncludeHeaderFooter,
@@ -45,7 +45,7 @@ def set_up(config: Any) -> None:
 
 
 def _find_programs() -> None:
-    """Let nbgrader find `alembic`, which it starts by name, in an environment not activated."""
+    """Let nbgrader find `alembic`, which it runs by name, in an environment not activated."""
     programs = str(Path(sys.executable).parent)
     paths = os.environ.get("PATH", os.defpath).split(os.pathsep)
     if programs not in paths:

@@ -1,4 +1,4 @@
-"""Read nbgrader's gradebook: the cells as released. Write into it: points and comments."""
+"""Read the released cells from nbgrader's gradebook; write points and comments into it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from grader.nbgrader.restore import Trusted
 
 @dataclass(frozen=True)
 class Place:
-    """Which notebook of whom."""
+    """A notebook of a student, as nbgrader addresses it."""
 
     db_url: str
     notebook: str
@@ -32,13 +32,13 @@ class Place:
 
 @contextlib.contextmanager
 def opened(place: Place) -> Iterator[Any]:
-    """Open the gradebook, and close it."""
+    """Open the gradebook; close it with the block."""
     with Gradebook(place.db_url) as gradebook:
         yield gradebook
 
 
 def trusted_cells(gradebook: Any, place: Place) -> list[Trusted]:
-    """Return the cells that nbgrader knows of a notebook."""
+    """Return the cells of a notebook that nbgrader knows."""
     notebook = gradebook.find_notebook(place.notebook, place.assignment)
     points = {cell.name: float(cell.max_score) for cell in notebook.grade_cells}
     tasks = {cell.name: float(cell.max_score) for cell in notebook.task_cells}
@@ -57,7 +57,7 @@ def trusted_cells(gradebook: Any, place: Place) -> list[Trusted]:
 
 
 def write_mark(gradebook: Any, place: Place, cell: str, mark: Mark) -> None:
-    """Write what the judge says. A person's own score stays, and is to be looked at again."""
+    """Write the judge's points. A manual score is kept, and flagged for another look."""
     names = (cell, place.notebook, place.assignment, place.student)
     grade = gradebook.find_grade(*names)
     grade.auto_score = mark.points
@@ -65,6 +65,6 @@ def write_mark(gradebook: Any, place: Place, cell: str, mark: Mark) -> None:
 
 
 def write_comment(gradebook: Any, place: Place, cell: str, text: str) -> None:
-    """Write a comment beside the student's cell; the instructor's own stays."""
+    """Write an automatic comment on the student's cell; the instructor's own is kept."""
     names = (cell, place.notebook, place.assignment, place.student)
     gradebook.find_comment(*names).auto_comment = text or None

@@ -1,24 +1,22 @@
-"""Read a notebook that a student handed in: whatever it is, out comes a list of plain cells.
+"""Read a submitted notebook, whatever it holds, into a list of plain cells.
 
-Of a cell only its type, its text, its nbgrader id and its pasted pictures are taken. Outputs,
-metadata and whatever else it says of itself are left behind.
+Only a cell's type, text, nbgrader id and pasted pictures are kept; outputs and all other metadata
+are dropped.
 """
 
 from __future__ import annotations
 
 import json
-import os
-import stat
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grader.course.submission import MAX_SIZE
+from grader.course.submission import MAX_SIZE, read_regular_file
 
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000
-MAX_SOURCE = 2 * MAX_SIZE  # [characters] of a cell: what the judge refuses has to be longer still
+MAX_SOURCE = 2 * MAX_SIZE  # [characters] of a cell; above MAX_SIZE, which the judge refuses
 MAX_PICTURES = 8 * 1024 * 1024  # [characters] of one cell
 KINDS = ("code", "markdown", "raw")
 PICTURES = ("image/png", "image/jpeg", "image/gif")
@@ -30,12 +28,12 @@ class Cell:
 
     kind: str  # "code", "markdown" or "raw"
     source: str
-    grade_id: str = ""  # what its metadata say; "" if nothing
+    grade_id: str = ""  # from its metadata; "" if there is none
     pictures: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # name: type: base64
 
 
 class Unreadable(Exception):
-    """It can't be read; the text says why."""
+    """A notebook can't be read; the message says why."""
 
 
 def read_cells(path: Path) -> list[Cell]:
@@ -44,10 +42,10 @@ def read_cells(path: Path) -> list[Cell]:
     Raises
     ------
     Unreadable
-        It is no notebook, too large, or no ordinary file.
+        It is not a notebook, is too large, or is not an ordinary file.
     """
     try:
-        data = _read(path)
+        data = read_regular_file(path, MAX_NOTEBOOK)
     except OSError as error:
         raise Unreadable(f"the file cannot be read ({error.strerror})") from None
     if len(data) > MAX_NOTEBOOK:
@@ -55,20 +53,11 @@ def read_cells(path: Path) -> list[Cell]:
     try:
         notebook = json.loads(data.decode("utf-8-sig", "replace"))
     except (ValueError, RecursionError, MemoryError) as error:
-        raise Unreadable(f"this is no JSON ({_short(error)})") from None
+        raise Unreadable(f"it is not JSON ({_short(error)})") from None
     cells = list(_cells(notebook))
     if not cells:
-        raise Unreadable("this is no notebook, or it has no cells")
+        raise Unreadable("it is not a notebook, or it has no cells")
     return cells[:MAX_CELLS]
-
-
-def _read(path: Path) -> bytes:
-    """Return a file's bytes, one more than are allowed at most; no link is followed."""
-    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    with open(fd, "rb") as file:
-        if not stat.S_ISREG(os.fstat(fd).st_mode):
-            raise OSError(0, "not an ordinary file", str(path))
-        return file.read(MAX_NOTEBOOK + 1)
 
 
 def _cells(notebook: Any) -> Iterator[Cell]:
@@ -109,7 +98,7 @@ def _grade_id(metadata: Any) -> str:
 
 
 def _pictures(attachments: Any) -> dict[str, dict[str, str]]:
-    """Return pasted pictures: base64 text of types that can do no harm."""
+    """Return pasted pictures: base64 text of harmless types."""
     kept: dict[str, dict[str, str]] = {}
     for name, forms in attachments.items() if isinstance(attachments, dict) else ():
         for mime, data in forms.items() if isinstance(forms, dict) else ():

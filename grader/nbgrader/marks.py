@@ -8,13 +8,12 @@ from typing import Any
 
 from grader.nbgrader.cells import Wanted
 from grader.nbgrader.judge import Verdict
-
-UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
+from grader.report.terminal import UNJUDGED
 
 
 @dataclass(frozen=True)
 class Mark:
-    """What a test cell is worth."""
+    """The points of one test cell."""
 
     points: float | None  # None: nothing could be judged
     by_hand: bool  # a person has to look
@@ -25,8 +24,8 @@ class Mark:
 def mark_of(asked: Wanted, verdict: Verdict, max_points: float) -> Mark:
     """Return the mark of a cell that asks for these checks.
 
-    The points of the checks are the judge's. Where an instructor has given the cell another
-    maximum, they are scaled to it.
+    The checks' points come from the judge. If the instructor gave the cell another maximum, they
+    are scaled to it.
     """
     if verdict.missing:
         return Mark(0.0, False, said=verdict.missing)

@@ -1,10 +1,8 @@
-"""nbgrader's pages without a network: feedback and formgrader with formulas as MathML.
+"""nbgrader's feedback and formgrader pages without a network: formulas as MathML.
 
-And with tables in lists, which nbconvert leaves as typed.
-
-nbgrader's templates load MathJax from a CDN, whatever `HTMLExporter.mathjax_url` says: they call
-their macro without it. In `templates/` the macro is empty, and formulas are written as MathML,
-which every browser shows by itself.
+nbgrader's templates load MathJax from a CDN whatever `HTMLExporter.mathjax_url` says, since they
+call their macro without it. In `templates/` that macro is empty, and formulas become MathML, which
+every browser renders. Tables in lists, which nbconvert leaves as typed, become tables.
 """
 
 from __future__ import annotations
@@ -41,7 +39,7 @@ def markdown2html(context: Any, source: str) -> str:
 
 
 class _Renderer(IPythonRenderer):  # type: ignore[misc]
-    """nbconvert's own, but for formulas."""
+    """nbconvert's renderer, except for formulas."""
 
     def block_math(self, body: str) -> str:
         return _mathml(body, block=True) or str(super().block_math(body))
@@ -55,11 +53,11 @@ class _Renderer(IPythonRenderer):  # type: ignore[misc]
 
 
 def _mathml(formula: str, *, block: bool) -> str:
-    """Return a formula as MathML; "" if it can't be had: students write what they like."""
+    """Return a formula as MathML; "" if it can't be converted: students write what they like."""
     if len(formula) > MAX_FORMULA:
         return ""
     try:
         made: str = tex2mathml(formula.strip(), as_block=block)
-    except Exception:  # docutils' own MathError, and whatever else an odd formula makes of it
+    except Exception:  # docutils' MathError, and whatever else an odd formula makes it raise
         return ""
     return made

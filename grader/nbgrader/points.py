@@ -1,4 +1,4 @@
-"""What the checks of an exercise are worth, from the judge itself."""
+"""The points of an exercise's checks, as the judge has them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from grader.trial.trials import SavedTrials
 
 @cache
 def points_of(slug: str) -> dict[str, int]:
-    """Return the points of each check that gives some, in the judge's order. Nothing runs."""
+    """Return the points of each check that gives any, in the judge's order. No node runs."""
     exercise = find_exercise(slug)
     checks = grade(exercise, SavedTrials([]), file=exercise.files[0]).checks
     return {check.id: check.max_points for check in checks if check.kind == "core"}

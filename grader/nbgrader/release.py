@@ -1,4 +1,4 @@
-"""A step of `nbgrader generate_assignment`: what students get in place of solutions."""
+"""A step of `nbgrader generate_assignment`: replace solutions by what students get."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ Resources = dict[str, Any]
 
 
 class LeaveSkeletons(NbGraderPreprocessor):  # type: ignore[misc]
-    """Leaves the skeleton of each `%%node` cell, and room for an answer in the others.
+    """Leaves the skeleton of each `%%node` cell, and a stub for an answer in the others.
 
-    nbgrader's own ClearSolutions knows nothing of the `### SKELETON` parts of solutions.
+    nbgrader's own ClearSolutions does not know the `### SKELETON` parts of solutions.
     """
 
-    stub = Unicode("*Your answer:*", help="What stands in place of an answer.").tag(config=True)
+    stub = Unicode("*Your answer:*", help="The text in place of an answer.").tag(config=True)
 
     def preprocess_cell(
         self, cell: NotebookNode, resources: Resources, cell_index: int
@@ -31,7 +31,7 @@ class LeaveSkeletons(NbGraderPreprocessor):  # type: ignore[misc]
         Raises
         ------
         InputError
-            A test cell asks for checks that don't exist; the markers of a solution are wrong.
+            A test cell asks for checks that don't exist, or the markers of a solution are wrong.
         """
         about = cell.metadata.get("nbgrader", {})
         if about.get("solution"):

@@ -1,8 +1,8 @@
-"""Make the notebook that is graded: the student's cells, and nbgrader's own among them as released.
+"""Make the notebook that is graded: the student's cells, with nbgrader's own cells as released.
 
-nbgrader knows its cells by an id in their metadata, and students can do anything to these: copy
-cells, delete, move or retype them, change ids and points. Here the gradebook decides which cells
-there are and what they are worth; what a student did to a test cell has no effect.
+nbgrader recognises its cells by an id in their metadata, and students can do anything to these:
+copy cells, delete, move or retype them, change ids and points. Here the gradebook decides which
+cells exist and what they are worth; a student's edits of a test cell have no effect.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from grader.nbgrader.cells import definition
 from grader.nbgrader.intake import Cell
 
 SCHEMA = 3  # of nbgrader's metadata
-MAX_PROSE = 100_000  # [characters] of a cell that makes no file
-MAX_ALL = 4_000_000  # [characters] of all cells that make no file
+MAX_PROSE = 100_000  # [characters] of a cell that writes no file
+MAX_ALL = 4_000_000  # [characters] of all cells that write no file
 ABOUT = "course"  # key of our own metadata
 
-# What a browser would run or fetch: tags, links and pictures to elsewhere, MathJax' own commands.
+# What a browser would run or fetch: tags, external links and pictures, MathJax's own commands.
 TAG = re.compile(r"<(?=[A-Za-z/!?])")
 LINK = re.compile(r"\]\s*\(\s*(?!https?://|#|\s*\))")
 PASTED = re.compile(r"!\[([^\]\n]*)\]\(attachment:")
@@ -34,23 +34,23 @@ MARK = "\x00"
 
 @dataclass(frozen=True)
 class Trusted:
-    """A cell as the gradebook knows it."""
+    """A cell of nbgrader's, as the gradebook has it."""
 
     name: str  # its grade_id
     kind: str  # "code" or "markdown"
     source: str  # as released
     points: float | None = None  # None: gives none
     solution: bool = False  # the student writes here
-    task: bool = False  # graded by hand, the work is elsewhere
+    task: bool = False  # graded by hand; the student's work is in other cells
 
     @property
     def is_test(self) -> bool:
-        """A test cell: points, and nothing for the student to write."""
+        """A test cell: it has points, and students write nothing into it."""
         return self.points is not None and not self.solution and not self.task
 
     @property
     def is_answer(self) -> bool:
-        """Text that a person grades."""
+        """An answer that a person grades."""
         return self.points is not None and self.solution
 
     def metadata(self) -> dict[str, Any]:
@@ -85,8 +85,8 @@ def restored(cells: Sequence[Cell], trusted: Sequence[Trusted]) -> NotebookNode:
 
 
 def unreadable(problem: str, trusted: Sequence[Trusted]) -> NotebookNode:
-    """Return a notebook that says why there is none, with nbgrader's cells for a person to mark."""
-    note = v4.new_markdown_cell(f"The notebook handed in could not be read: {harmless(problem)}.")
+    """Return a notebook that gives the problem, with nbgrader's cells for a person to mark."""
+    note = v4.new_markdown_cell(f"The submitted notebook could not be read: {harmless(problem)}.")
     note["id"] = "unreadable"
     made = v4.new_notebook(cells=[note, *(_missing(known) for known in trusted)])
     made.metadata[ABOUT] = {"problem": problem}
@@ -94,7 +94,7 @@ def unreadable(problem: str, trusted: Sequence[Trusted]) -> NotebookNode:
 
 
 def harmless(text: str) -> str:
-    """Return Markdown that a page may show: no tags, no links but to the web, nothing fetched."""
+    """Return Markdown that a page may show: no tags, only web links, nothing that is fetched."""
     text = text.replace(MARK, "")
     text = TAG.sub("&lt;", text)
     text = PASTED.sub(rf"{MARK}[\1](attachment:", text)
@@ -106,9 +106,9 @@ def harmless(text: str) -> str:
 
 
 def _places(cells: Sequence[Cell], trusted: Sequence[Trusted]) -> dict[int, Trusted]:
-    """Return which of the student's cells is which of nbgrader's: of several copies the last.
+    """Return which of the student's cells is which of nbgrader's, by the cell's number.
 
-    Copies that are as they were released don't count beside others.
+    Of several copies the last one counts; where students write, the last one that was edited.
     """
     places = {}
     for known in trusted:
@@ -145,7 +145,7 @@ def _missing(known: Trusted) -> NotebookNode:
 
 
 def _plain(cell: Cell, number: int, *, left_out: bool) -> NotebookNode:
-    """Return a cell that is nothing to nbgrader; one that makes a file stays as it is."""
+    """Return a cell that nbgrader does not know; one that writes a file is kept as it is."""
     name = f"cell-{number}"
     if cell.kind == "code" or definition(cell.source):
         source = cell.source

@@ -1,4 +1,4 @@
-"""What the judge says, as the output of a test cell: HTML for the feedback, and plain text."""
+"""The judge's verdict as the output of a test cell: HTML for the feedback, and plain text."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Row:
 
 
 def output_of(mark: Mark, max_points: float, remarks: Sequence[str] = ()) -> NotebookNode:
-    """Return the output to show in a test cell. What students wrote is escaped."""
+    """Return the output for a test cell. Students' text is escaped."""
     said = [plain(text) for text in (mark.said, *remarks) if text]
     if mark.by_hand:
         said.append("A person has to look at this one before it counts.")

@@ -1,7 +1,7 @@
 """Exercises in a notebook: write a node in a cell, drive it, have it judged. See `help(check)`.
 
-`%load_ext grader.notebook` and `from grader.notebook import *` both make `%%node` known and bring
-the names below. The kernel itself never imports rclpy: nodes run in processes of their own.
+`%load_ext grader.notebook` and `from grader.notebook import *` both register `%%node` and import
+the names below. The kernel itself never imports rclpy: nodes run in other processes.
 
 ========================  =====================================================================
 `%%node FILE.py`          cell magic: the cell becomes the file FILE.py in the notebook's folder
@@ -12,7 +12,7 @@ the names below. The kernel itself never imports rclpy: nodes run in processes o
 `show_scan("demo_wall")`  plot a scan
 `show_features(scan)`     plot a scan with the five features that the course's models take
 `show_left_right(scan)`   plot a scan, and how it looks to a node that confuses left and right
-`prepare()`               install what lacks, without a restart of the kernel
+`prepare()`               install what is missing, without restarting the kernel
 ========================  =====================================================================
 """
 
@@ -45,17 +45,17 @@ Pairs = Sequence[tuple[float, float]]
 
 
 def prepare(*, ros_in_kernel: bool = False) -> None:
-    """Make this kernel ready for the course: install what lacks, without a restart.
+    """Make this kernel ready for the course: install what is missing, without a restart.
 
-    In an environment that has everything it does nothing, and says so in one line. On the system
-    Python of Debian, Ubuntu or Colab it runs pip in a process of its own and finds what pip put
-    where Python does not look.
+    If everything is installed it only says so, in one line. On the system Python of Debian, Ubuntu
+    or Colab it runs pip in another process, and finds packages that pip put where Python does not
+    look.
 
     Parameters
     ----------
     ros_in_kernel
         Also make `import rclpy` and `rclpy.init()` work in this kernel. Exercises don't need it:
-        `drive` and `check` run nodes in processes of their own.
+        `drive` and `check` run nodes in other processes.
     """
     from grader.notebook.preparation import prepare_kernel  # noqa: PLC0415
 
@@ -77,10 +77,10 @@ def drive(
     Parameters
     ----------
     scenario
-        A scenario's name such as "demo_wall" or "avoid_cart", or a TOML file of your own.
+        A scenario's name, such as "demo_wall" or "avoid_cart", or your own TOML file.
     file
         The node; by default the file of the last `%%node` cell. An exercise's other files are
-        taken from beside it.
+        looked for beside it.
     lidar
         Another lidar: "default", "lds01", "lds02" or "wide".
     goals
@@ -102,27 +102,27 @@ def drive(
 def check(
     name: str | int | None = None, file: str | Path | None = None, field: bool = False
 ) -> CheckReport | None:
-    """Have an exercise judged: all its checks, in trials of their own, as `course grade` does.
+    """Have an exercise judged by all its checks, as `course grade` does.
 
-    Shows the table of checks, what went wrong and the replay at that moment. What it says is for
-    you; whoever marks your work runs the same checks on their own machine.
+    Shows the table of checks, what went wrong, and the replay at that moment. The result is for you
+    alone; whoever marks your work runs the same checks on another machine.
 
     Parameters
     ----------
     name
         The exercise by name or number ("obstacle_avoidance", "1"), or only some of its checks
-        ("1:clear_zone,slow_zone"; what they need is run too). By default the exercise to which the
-        file of the last `%%node` cell belongs.
+        ("1:clear_zone,slow_zone"; those that they need are run too). By default the exercise of the
+        last `%%node` cell.
     file
         The node's file; by default the exercise's, in the notebook's folder.
     field
-        Run the field checks too: other sensors and networks, a badge and no points.
+        Run the field checks too: other sensors and networks; a badge, no points.
 
     Returns
     -------
     CheckReport or None
-        `.score`, `.max_score` [points] and `.checks`; None if nothing could be judged, which is
-        then explained.
+        `.score`, `.max_score` [points] and `.checks`; None if nothing could be judged (a message
+        says why).
     """
     from grader.notebook.judging import check_file  # noqa: PLC0415
     from grader.notebook.validation import validated  # noqa: PLC0415
@@ -131,16 +131,16 @@ def check(
 
 
 def dataset(file: str | Path = "train.npz", *, scans: int = 2000, seed: int = 1) -> NotebookDataset:
-    """Make labelled scans to learn from, and write them to a file, as `course dataset` does.
+    """Write a file with labelled scans for training, as `course dataset` does.
 
     Parameters
     ----------
     file
         The .npz file to write.
     scans
-        How many.
+        Number of scans.
     seed
-        Other rooms, other scans.
+        Another seed gives other rooms and other scans.
 
     Returns
     -------
@@ -161,22 +161,22 @@ def train(
     out: str | Path = "velocity_model.pkl",
     onnx: str | Path = "velocity_model.onnx",
 ) -> bool:
-    """Run a training script, and show what it prints, how long it takes and what it wrote.
+    """Run a training script; show what it prints, how long it takes and which files it writes.
 
-    That is `python FILE --data DATA --out OUT --onnx ONNX`. Data that is not there is made first.
-    The models stay in the notebook's folder, where `drive` gives them to the node.
+    Runs `python FILE --data DATA --out OUT --onnx ONNX`; if DATA does not exist it is made first.
+    The models stay in the notebook's folder, and `drive` gives them to the node.
 
     Parameters
     ----------
     file
         The script; by default train_velocity_model.py.
     data, out, onnx
-        The file with the data, and the two that the script is to write.
+        The file with the data, and the two files that the script writes.
 
     Returns
     -------
     bool
-        Whether the script came to its end and both files are there.
+        Whether the script succeeded and wrote both files.
     """
     from grader.notebook.datasets import train_model  # noqa: PLC0415
 
@@ -186,18 +186,18 @@ def train(
 
 
 def show_scan(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any = None) -> Any:
-    """Plot a scan from above: the robot in the middle, ahead is up, left is left.
+    """Plot a scan seen from above: the robot in the middle, ahead is up, left is left.
 
     Parameters
     ----------
     scan
         A scenario's name; or a LaserScan, or anything else with its fields; or a tuple (ranges,
-        angle_min, angle_increment[, range_min, range_max]) in metres and radians; or ranges alone,
-        which are taken for those of the default lidar.
+        angle_min, angle_increment[, range_min, range_max]) in metres and radians; or only the
+        ranges, as the default lidar orders them.
     lidar
-        Of a scenario: look with another lidar ("lds01", "lds02", "wide").
+        For a scenario: another lidar ("lds01", "lds02", "wide").
     at
-        Of a scenario: when [s]; the robot stands still.
+        For a scenario: the time of the scan [s]; the robot stands still.
     ax
         The matplotlib Axes to draw on; by default a new figure.
 
@@ -212,9 +212,9 @@ def show_scan(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any =
 
 
 def show_features(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any = None) -> Any:
-    """Plot a scan with the three sectors and the five features that the course's models take.
+    """Plot a scan with its three sectors and the five features that the course's models take.
 
-    Takes and returns the same as `show_scan`.
+    Parameters and return value are those of `show_scan`.
     """
     with kind_errors():
         from grader.notebook.plots import plot_features  # noqa: PLC0415
@@ -223,10 +223,10 @@ def show_features(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: A
 
 
 def show_left_right(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any = None) -> Any:
-    """Plot a scan's readings over their angle, left and right marked, and the same mirrored.
+    """Plot a scan's readings over their angle, with left and right marked, and mirrored as well.
 
-    The mirrored line is what a node believes that counts beams clockwise. Takes and returns the
-    same as `show_scan`.
+    The mirrored line is the scan as a node sees it that counts beams clockwise. Parameters and
+    return value are those of `show_scan`.
     """
     with kind_errors():
         from grader.notebook.plots import plot_left_right  # noqa: PLC0415
@@ -235,7 +235,7 @@ def show_left_right(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax:
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
-    """Answer `%load_ext grader.notebook`: register `%%node`, bring the public names."""
+    """Register `%%node` and import the public names: IPython calls this for `%load_ext`."""
     from grader.notebook.magic import register  # noqa: PLC0415
 
     register(shell)
@@ -243,10 +243,10 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
 
 
 def _register_where_a_kernel_runs() -> None:
-    """Make `%%node` known to whoever writes `from grader.notebook import *` in a notebook."""
+    """Register `%%node` if a kernel imports this, as `from grader.notebook import *` does."""
     import sys  # noqa: PLC0415
 
-    if "IPython" not in sys.modules:  # an ordinary program, such as the builder of the notebooks
+    if "IPython" not in sys.modules:  # an ordinary program, such as `grader.notebook.build`
         return
     from IPython.core.getipython import get_ipython  # noqa: PLC0415
 

@@ -1,13 +1,13 @@
-"""The first cell of each notebook. It has to work where the course is not installed yet.
+"""The first cell of each notebook, which has to work where the course is not installed yet.
 
-`COURSE_SOURCE` in the environment says where pip gets the course: a wheel, an sdist or a checkout
-(a path), or a URL such as `git+https://…`; without it, a package index. Where the course is
-installed the cell goes straight to its last two lines.
+The environment variable `COURSE_SOURCE` says where pip gets the course: the path of a wheel, an
+sdist or a checkout, or a URL such as `git+https://…`; without it, a package index. If the course is
+installed, the cell goes straight to its last two lines.
 
-- The extras are `ros` and `ml`, and matplotlib. JupyterLab and nbgrader (`notebooks`) stay out: a
-  machine with a kernel that runs has its Jupyter, and a newer one under its feet would break it.
-- Debian's and Ubuntu's own Python refuses pip. As root, which is what the kernels of cloud
-  notebooks and containers run as, pip is told to go on; anybody else is told to make a venv.
+- It installs the extras `ros` and `ml`, and matplotlib, but not JupyterLab and nbgrader
+  (`notebooks`): a running kernel has its Jupyter already, and a newer version would break it.
+- The system Python of Debian and Ubuntu refuses pip. As root, the user of cloud notebooks and
+  containers, pip overrides that; anybody else is told to make a venv.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
-"""Write the course's notebooks: the text of `notebooks/text`, and what is made from elsewhere.
+"""Write the course's notebooks: the prose of `notebooks/text`, filled in from other sources.
 
-`notebooks/text/lesson_3_2/*.md` are notebooks as text (jupytext, MyST). Their prose and their
-experiments are written there. The rest has another home, and is put in its place here:
+`notebooks/text/lesson_3_2/*.md` are notebooks as text (jupytext, MyST). Their prose and experiments
+are written there. The rest has its source elsewhere and is filled in here:
 
 - the first cell: `grader.notebook.bootstrap`
 - the contract and the hints of an exercise: `exercises/*/README.md` and `hints.md`
-- `%%node` cells: `solutions/*`, with their marks; nbgrader's release leaves the skeletons
+- `%%node` cells: `solutions/*`, with their markers; nbgrader's release leaves the skeletons
 - the points of `check(…)` cells: the judge
 - the questions of the quiz and their rubrics: `lessons/quiz.md`
 
@@ -26,6 +26,7 @@ import nbformat
 from nbformat import NotebookNode, v4
 
 from grader.course.exercises import ROOT, all_exercises, find_exercise
+from grader.course.generated import write_or_check
 from grader.errors import GraderError
 from grader.nbgrader.cells import Wanted, definition, wanted
 from grader.nbgrader.points import points_of
@@ -54,11 +55,11 @@ kernelspec:
 
 """
 PLACE = "from"  # key of a cell's metadata: where its content comes from
-ASKED = ("question", "answer")  # places of the quiz's cells
+QUIZ_PLACES = ("question", "answer")
 ANSWER = """\
 Three to six sentences are expected.
 
-**Rubric** (this cell is the instructor's; students find an empty one)
+**Rubric** (only the instructor sees this cell; students get an empty one)
 
 {rubric}
 """
@@ -66,19 +67,8 @@ Three to six sentences are expected.
 
 def main(arguments: list[str]) -> int:
     """Write the notebooks, or with `--check` compare them; 1 if one is out of step."""
-    stale = 0
-    for path, text in files():
-        if path.is_file() and path.read_text("utf-8") == text:
-            continue
-        stale += 1
-        name = path.relative_to(ROOT).as_posix()
-        if "--check" in arguments:
-            print(f"{name} is out of step: run python -m grader.notebook.build")
-            continue
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, "utf-8")
-        print(f"wrote {name}")
-    return 1 if "--check" in arguments and stale else 0
+    command = "python -m grader.notebook.build"
+    return write_or_check(files(), command, arguments)
 
 
 def files() -> Iterator[tuple[Path, str]]:
@@ -87,7 +77,7 @@ def files() -> Iterator[tuple[Path, str]]:
     Raises
     ------
     GraderError
-        A notebook's checks are not those of its exercises, each once.
+        A notebook does not ask for each check of its exercises exactly once.
     """
     texts = sorted(TEXTS.glob("*.md"))
     if not texts:
@@ -99,12 +89,10 @@ def files() -> Iterator[tuple[Path, str]]:
 
 
 def built(path: Path) -> NotebookNode:
-    """Return the instructor's notebook of a text, everything in its place."""
+    """Return the instructor's notebook of a text, with everything filled in."""
     text = path.read_text("utf-8")
     found = jupytext.reads(text, MYST).cells
-    cells = [
-        _filled(cell, path.name) for cell in found if _place(cell) not in ("question", "answer")
-    ]
+    cells = [_filled(cell, path.name) for cell in found if _place(cell) not in QUIZ_PLACES]
     if any(_place(cell) == "quiz" for cell in cells):
         cells += _quiz()
     _check_complete([cell for cell in cells if cell.cell_type == "code"], path.name)
@@ -117,7 +105,7 @@ def built(path: Path) -> NotebookNode:
 
 
 def as_text(notebook: NotebookNode) -> str:
-    """Return a notebook as text: the same whatever jupytext's version."""
+    """Return a notebook as text that does not depend on jupytext's version."""
     plain = nbformat.from_dict({**notebook, "metadata": {"kernelspec": KERNEL}})
     text: str = jupytext.writes(plain, MYST)
     _, _, body = text.removeprefix("---\n").partition("\n---\n")
@@ -125,7 +113,7 @@ def as_text(notebook: NotebookNode) -> str:
 
 
 def asked_by(notebook: NotebookNode) -> dict[str, Wanted]:
-    """Return what each test cell asks for, by its grade_id."""
+    """Return the checks that each test cell asks for, by its grade_id."""
     found = {}
     for cell in notebook.cells:
         about = cell.metadata.get("nbgrader", {})
@@ -140,7 +128,7 @@ def _place(cell: NotebookNode) -> str:
 
 
 def _filled(cell: NotebookNode, name: str) -> NotebookNode:
-    """Return the cell with what comes from elsewhere."""
+    """Return the cell with the content that comes from elsewhere."""
     _, _, which = str(cell.metadata.get(PLACE, "")).partition(" ")
     made = v4.new_code_cell("") if cell.cell_type == "code" else v4.new_markdown_cell("")
     made.source = cell.source
@@ -155,12 +143,12 @@ def _filled(cell: NotebookNode, name: str) -> NotebookNode:
         case "" | "quiz":
             _graded(made)
         case other:
-            raise GraderError(f"{name}: a cell comes from {other!r}, which is unknown")
+            raise GraderError(f"{name}: a cell comes from an unknown place, {other!r}")
     return made
 
 
 def _graded(cell: NotebookNode) -> None:
-    """Fill in a `%%node` cell and a test cell, and what nbgrader has to know of them."""
+    """Fill in a `%%node` cell or a test cell, and nbgrader's metadata of it."""
     if cell.cell_type != "code":
         return
     if made := definition(cell.source):
@@ -194,7 +182,7 @@ def _about(name: str, *, grade: bool, solution: bool, points: int | None = None)
 
 
 def _check_complete(cells: list[NotebookNode], name: str) -> None:
-    """Make sure that every check with points of each exercise stands in one cell."""
+    """Make sure that every check with points of each exercise is in exactly one cell."""
     asked: dict[str, list[str]] = {}
     for cell in cells:
         if "nbgrader" in cell.metadata and (want := wanted(cell.source)) is not None:
@@ -229,12 +217,12 @@ def _deeper(text: str) -> str:
 
 
 def _standing_alone(text: str) -> str:
-    """Return Markdown without links to files that a student's folder doesn't have."""
+    """Return Markdown without links to files that students don't get."""
     return re.sub(r"(?<!!)\[([^\]]+)\]\((?!https?:|#)[^)]+\)", r"\1", text)
 
 
 def _quiz() -> list[NotebookNode]:
-    """Return a cell with each question and one for its answer."""
+    """Return two cells for each question: the question, and its answer."""
     cells = []
     for number, part in enumerate(QUIZ.read_text("utf-8").split("\n## ")[1:], start=1):
         paragraphs = [text.strip() for text in part.split("\n\n")]
@@ -257,7 +245,7 @@ def _quiz() -> list[NotebookNode]:
 
 
 def _identity(cell: NotebookNode, taken: set[str]) -> str:
-    """Return an id for the cell that stays when cells come and go around it."""
+    """Return an id for the cell that doesn't change when other cells come and go."""
     name = cell.metadata.get("nbgrader", {}).get("grade_id") or cell.metadata.get(PLACE)
     if not name or name == "question":
         words = re.findall(r"[A-Za-z0-9]+", cell.source)[:5]

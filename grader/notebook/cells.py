@@ -1,4 +1,4 @@
-"""The file in a `%%node` cell: its name, and whether Python can read it. Nothing of it is run."""
+"""The file in a `%%node` cell: its name, and whether Python can parse it. None of it is run."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ QUOTES = "'\""
 
 
 class CellProblem(Exception):
-    """What is wrong with a cell: a sentence for the student, and perhaps where."""
+    """A cell is wrong: a sentence for the student, and the line, if there is one."""
 
     def __init__(self, text: str, *, line: int | None = None, shown: str = "") -> None:
         super().__init__(text)
         self.text = text
         self.line = line  # of the file, 1 is the first
-        self.shown = shown  # that line, and a caret below it
+        self.shown = shown  # that line, with carets below it
 
 
 @dataclass(frozen=True)
 class NodeCell:
-    """A file as a cell has it."""
+    """The file in a cell."""
 
     file: str  # a plain name that ends in .py
-    source: str  # exactly the cell's text after its first line, with a newline at the end
+    source: str  # exactly the cell's text below its first line, with a newline at the end
 
 
 def file_name(words: str) -> str:
@@ -35,12 +35,12 @@ def file_name(words: str) -> str:
     Raises
     ------
     CellProblem
-        They are no plain name of a Python file.
+        They are not the plain name of a Python file.
     """
     name = words.strip().strip(QUOTES)
     if NAME.fullmatch(name):
         return name
-    came = f"“{name[:80]}” came" if name else "nothing came"
+    got = f"“{name[:80]}”" if name else "nothing"
     if "/" in name or "\\" in name:
         advice = "leave out the folder: the file is written where the notebook is"
     elif not name:
@@ -49,7 +49,7 @@ def file_name(words: str) -> str:
         advice = f"write “{MAGIC} {_suggested(name)}”, and nothing else, on the first line"
     else:
         advice = f"use letters, digits and _, as in “{MAGIC} {_suggested(name)}”"
-    raise CellProblem(f"expected the name of a Python file after {MAGIC}, but {came}: {advice}")
+    raise CellProblem(f"expected the name of a Python file after {MAGIC}, got {got}: {advice}")
 
 
 def ended(source: str) -> str:
@@ -58,7 +58,7 @@ def ended(source: str) -> str:
 
 
 def check_syntax(cell: NodeCell) -> None:
-    """Make sure that a file can be read by Python.
+    """Make sure that Python can parse a file.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def _problem_of(error: SyntaxError, source: str) -> CellProblem:
     line = error.lineno or 0
     lines = source.split("\n")
     if not 1 <= line <= len(lines):
-        return CellProblem(f"{error.msg}; the end of the file is reached too early")
+        return CellProblem(f"{error.msg}; the file ends too early")
     text = lines[line - 1].rstrip("\r")
     column = min(max(1, error.offset or 1), len(text) + 1)
     same_line = error.end_lineno in (None, line)
@@ -94,7 +94,7 @@ def _problem_of(error: SyntaxError, source: str) -> CellProblem:
     carets = "^" * max(1, min(width, len(text) - column + 1))
     words = error.msg
     if text.lstrip().startswith(("%", "!")):
-        words += "; commands of the notebook (% and !) don't belong in a file: give them a cell"
+        words += "; notebook commands (% and !) don't belong in a file: put them in another cell"
     return CellProblem(words, line=line, shown=f"{text}\n{before}{carets}")
 
 

@@ -1,4 +1,4 @@
-"""The kernel's side of its judge: start it, keep it, ask it, end it."""
+"""The kernel's end of its judge process: start it, send it orders, end it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from grader.link.scratch import sweep
 from grader.notebook.orders import Answer, Order, Progressed, Warm
 from grader.notebook.show import BEAT
 
-GRACE = 4.0  # [s] for an interrupted judge to end the nodes and go
+GRACE = 4.0  # [s] for an interrupted judge to end the nodes and exit
 CHUNK = 1 << 16  # [bytes]
 MODULE = "grader.notebook.judge"
 
@@ -33,7 +33,7 @@ class _EndedBefore(GraderError):
 
 
 class Judge:
-    """One judge for a kernel. It starts when first needed, and again when it has ended."""
+    """A kernel's judge process. It starts when first needed, and again if it has ended."""
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
@@ -43,9 +43,9 @@ class Judge:
         atexit.register(self.end)
 
     def warm(self, libraries: tuple[str, ...] = ()) -> None:
-        """Let it get ready in the background."""
+        """Let the judge get ready in the background."""
         if not self._lock.acquire(blocking=False):
-            return  # it is at work, so it is warm
+            return  # it is working, so it is warm
         try:
             self._tell(Warm(libraries))
         finally:
@@ -57,7 +57,7 @@ class Judge:
         on_progress: Callable[[Progressed], None],
         beat: Callable[[], None] = lambda: None,
     ) -> Answer:
-        """Give an order, and wait for the answer; `beat` is called now and then meanwhile.
+        """Send an order and wait for the answer; meanwhile `beat` is called every `BEAT` seconds.
 
         An interrupt (the kernel's stop button) ends the judge and the nodes with it.
 
@@ -67,21 +67,21 @@ class Judge:
             The judge died.
         """
         with self._lock:
-            waited = self._process is not None
+            was_idle = self._process is not None
             try:
                 try:
                     return self._ask(order, on_progress, beat)
                 except _EndedBefore:
-                    if not waited:
+                    if not was_idle:
                         raise
-                    self.end()  # something ended it while it waited: a new one can answer
+                    self.end()  # something ended it while it was idle: a new one can answer
                     return self._ask(order, on_progress, beat)
             except BaseException:
                 self.end()
                 raise
 
     def end(self) -> None:
-        """End it and its nodes, if it runs."""
+        """End the judge and its nodes, if it runs."""
         process, self._process = self._process, None
         if process is None:
             return
@@ -97,11 +97,11 @@ class Judge:
             process.wait()
         if self._log is not None:
             self._log.close()
-        sweep()  # what it had no time to tidy up
+        sweep()  # remove what it had no time to
 
     @property
     def pid(self) -> int | None:
-        """Its process, if it runs."""
+        """The process's id, if it runs."""
         return None if self._process is None else self._process.pid
 
     def _ask(
@@ -114,7 +114,7 @@ class Judge:
             try:
                 answer = self._next(beat)
             except _EndedBefore as error:
-                raise GraderError(str(error)) from None  # it may well end there again
+                raise GraderError(str(error)) from None  # a second judge might end there, too
         return answer
 
     def _tell(self, order: Order) -> None:
@@ -166,10 +166,9 @@ class Judge:
 
 
 def command() -> list[str]:
-    """Return how the judge is started: with this kernel's Python and this kernel's course.
+    """Return the command line of the judge: this kernel's Python, and this kernel's course.
 
-    The notebook's own folder is not on its path: a file `random.py` there would be taken for
-    Python's.
+    The notebook's folder is not on its path: a file `random.py` there would hide Python's.
     """
     here = ("", str(Path.cwd()))
     paths = [path for path in sys.path if path not in here]
@@ -182,7 +181,7 @@ def command() -> list[str]:
 
 
 def environment() -> dict[str, str]:
-    """Return the environment of processes beside the kernel."""
+    """Return the environment for processes that the kernel starts."""
     strange = ("MPLBACKEND", "PYTHONSTARTUP", "IPYTHONDIR", "JPY_PARENT_PID", "FORCE_COLOR")
     kept = {name: value for name, value in os.environ.items() if name not in strange}
     return {

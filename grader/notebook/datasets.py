@@ -1,4 +1,4 @@
-"""`dataset` and `train`: data to learn from, and the run of a training script."""
+"""`dataset` and `train`: make training data, and run a training script on it."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from grader.report.terminal import plain
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-MOST_OUTPUT = 20_000  # [characters] of what a script prints; its end is shown
+MOST_OUTPUT = 20_000  # [characters] of a script's output that are shown, the last ones
 CHUNK = 1 << 16  # [bytes]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NotebookDataset:
-    """Labelled scans, as they stand in the file."""
+    """Labelled scans, as in the file."""
 
     file: Path
     ranges: NDArray[np.float32]  # (scans, 360) [m]
@@ -47,7 +47,7 @@ class NotebookDataset:
         )  # fmt: skip
 
     def __repr__(self) -> str:
-        """Say what is in it, as `course dataset` does."""
+        """Describe the data, as `course dataset` does."""
         standing = 100 * float((self.speed == 0.0).mean())
         return (
             f"{self.file}: {len(self.speed)} scans; in {standing:.0f} % of them "
@@ -61,7 +61,7 @@ def write_dataset(file: Path, *, scans: int, seed: int) -> NotebookDataset:
     Raises
     ------
     InputError
-        A number is out of range, or the file has another ending.
+        A number is out of range, or the file has another suffix.
     """
     if file.suffix != ".npz":
         raise InputError(f"{file}: expected a name that ends in .npz, such as train.npz")
@@ -87,7 +87,7 @@ def train_model(script: Path, *, data: Path, out: Path, onnx: Path) -> bool:
     if not data.is_file():
         tell(repr(write_dataset(data, scans=2000, seed=1)))
     for model in (out, onnx):
-        model.unlink(missing_ok=True)  # an old one is not this script's
+        model.unlink(missing_ok=True)  # an old one would be taken for this script's
     bar = Progress(f"{script.name} trains")
     begin = time.monotonic()
     try:
@@ -103,7 +103,7 @@ def train_model(script: Path, *, data: Path, out: Path, onnx: Path) -> bool:
 
 
 def plain_output(text: str) -> str:
-    """Return the end of what a script printed, without commands to a terminal."""
+    """Return the end of what a script printed, without escape sequences."""
     kept = text[-MOST_OUTPUT:].strip("\n")
     return "\n".join(plain(line) for line in kept.split("\n"))
 

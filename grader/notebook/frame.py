@@ -1,11 +1,11 @@
-"""A replay below a cell: the report's own page in a frame that can reach nothing else."""
+"""Show a replay below a cell: the report's page in an iframe that can reach nothing else."""
 
 from __future__ import annotations
 
 import html
 
 HEIGHT = 900  # [px]
-# A page in a frame is as dark as the frame's element: JupyterLab and nbconvert, VS Code, Colab.
+# A page in a frame takes its colour scheme from the frame: JupyterLab, nbconvert, VS Code, Colab.
 STYLE = """\
 <style>
 [data-jp-theme-light="false"] iframe.course-replay, .vscode-dark iframe.course-replay,
@@ -16,9 +16,9 @@ html[theme="light"] iframe.course-replay { color-scheme: light; }
 
 
 def frame_html(page: str, *, title: str, height: int = HEIGHT) -> str:
-    """Return an inline frame with a page; it has no address, needs no network and no widgets.
+    """Return an inline frame with a page; it needs no URL, no network and no widgets.
 
-    The frame is sandboxed: what a student's node wrote into the page stays away from the notebook.
+    The frame is sandboxed: what a student's node wrote into the page can't reach the notebook.
     """
     return (
         f'{STYLE}<iframe class="course-replay" srcdoc="{html.escape(page)}" '
@@ -30,7 +30,7 @@ def frame_html(page: str, *, title: str, height: int = HEIGHT) -> str:
 
 
 def folded(summary: str, content: str, *, unfolded: bool = False) -> str:
-    """Return content below a line that folds it away."""
+    """Return content in a foldable block below its summary."""
     state = " open" if unfolded else ""
     return (
         f'<details{state} style="margin-top:8px"><summary style="cursor:pointer;padding:4px 0">'

@@ -1,7 +1,7 @@
-"""The judge of a notebook: a process beside the kernel that drives and grades as `course` does.
+"""A notebook's judge: a process beside the kernel that drives and grades as `course` does.
 
 The kernel runs whatever a student writes, so nothing is judged in it. This process reads orders
-from stdin, keeps the fork server of hosts warm between them, and ends when the kernel does.
+from stdin, keeps its fork servers warm between them, and ends when the kernel does.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ from grader.recording import Recording
 from grader.report.page import embedded_payload, json_text, page_html, page_payload
 from grader.report.terminal import render_terminal
 
-GRACE = 5.0  # [s] for an interrupted order to tidy up
+GRACE = 5.0  # [s] for an interrupted order to clean up
 WIDTH = 100  # [characters] of the tables
-MAX_REPLAYS = 400_000  # [characters]: a notebook has to carry them
-LEAST_WAY = 0.2  # [m] of a drive worth seeing
+MAX_REPLAYS = 400_000  # [characters] of the replays that a notebook stores
+MIN_MOTION = 0.2  # [m] that make a drive worth seeing
 
 Send = Callable[[Answer], None]
 
@@ -56,7 +56,7 @@ Send = Callable[[Answer], None]
 def main() -> None:
     """Carry out orders until the kernel closes the pipe."""
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
-    os.dup2(2, 1)  # whatever else is printed
+    os.dup2(2, 1)  # prints go to stderr
     orders: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(sys.stdin.buffer, orders), daemon=True).start()
     send = _sender(answers)
@@ -69,7 +69,7 @@ def main() -> None:
 
 
 def carry_out(order: Order, forkservers: ForkServerPool, send: Send) -> Answer | None:
-    """Do what is asked for, and return the answer: none to `Warm`."""
+    """Carry out an order and return the answer; `Warm` has none."""
     try:
         match order:
             case Warm():
@@ -124,9 +124,9 @@ def _grade(order: Grade, forkservers: ForkServerPool, send: Send) -> Graded:
 
 
 def worth_seeing(grading: Grading) -> list[Recording]:
-    """Return the recordings to show: the first failure's first, then other failures', then drives.
+    """Return the recordings to show: those with failures, the first failure first; then drives.
 
-    Runs in which the robot hardly moved and nothing failed are left out.
+    Runs in which nothing failed and the robot hardly moved are left out.
     """
     failed = [c.scenario for c in grading.checks if c.outcome == "fail" and c.scenario is not None]
     timed = [
@@ -142,11 +142,11 @@ def worth_seeing(grading: Grading) -> list[Recording]:
 
 def _moved(recording: Recording) -> bool:
     x, y = recording.truth.x, recording.truth.y
-    return len(x) > 0 and float(max(np.ptp(x), np.ptp(y))) > LEAST_WAY
+    return len(x) > 0 and float(max(np.ptp(x), np.ptp(y))) > MIN_MOTION
 
 
 def _page(checks: Sequence[Any], runs: Sequence[Recording], title: str) -> str:
-    """Return a page with as many replays as a notebook can well carry; the first one always."""
+    """Return a page with as many replays as fit in a notebook, at least one."""
     if not runs:
         return ""
     payload = embedded_payload(checks, runs, title)
@@ -168,7 +168,7 @@ def _sender(file: BinaryIO) -> Send:
 
 
 def _read(lines: Iterable[bytes], orders: queue.SimpleQueue[bytes]) -> None:
-    """Pass orders on; at the end interrupt the one at work, and see that this process ends."""
+    """Queue orders; when there are no more, interrupt the running one and end this process."""
     for line in lines:
         orders.put(line)
     orders.put(b"")

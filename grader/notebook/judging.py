@@ -1,4 +1,4 @@
-"""`drive` and `check`: ask the judge, and show what it says below the cell."""
+"""`drive` and `check`: ask the judge, and show its answer below the cell."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def check_file(name: str | None, file: str | Path | None, *, field: bool) -> Che
 
 
 def _wanted(name: str | None, file: str | Path | None) -> tuple[Exercise, tuple[str, ...]]:
-    """Return the exercise and its checks that "slug:check,check" asks for."""
+    """Return the exercise and the checks that "slug:check,check" asks for."""
     slug, _, checks = (name or "").partition(":")
     only = tuple(filter(None, (check.strip() for check in checks.split(","))))
     if ":" in (name or "") and not only:
@@ -91,7 +91,7 @@ def _wanted(name: str | None, file: str | Path | None) -> tuple[Exercise, tuple[
 
 
 def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
-    """Ask the judge, with a bar below the cell; None if it was stopped or failed, which is said."""
+    """Ask the judge, with a bar below the cell; None (and a message) if it stopped or failed."""
     done = {"trial": (0, 0), "check": (0, 0)}
 
     def on_progress(step: Progressed) -> None:
@@ -107,13 +107,13 @@ def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
         answer = Problem(str(error), fault=True)
     if not isinstance(answer, Problem):
         return answer
-    end = "\nThat is no mistake of yours. Run the cell again." if answer.fault else ""
+    end = "\nThis is not your mistake. Run the cell again." if answer.fault else ""
     bar.say(f"{failed}: {sentence(answer.text)}{end}")
     return None
 
 
 def _told(done: Mapping[str, tuple[int, int]]) -> tuple[float, str]:
-    """Return how far it is, and that in words."""
+    """Return the progress as a share, 0 … 1, and in words."""
     (trials, all_trials), (checks, all_checks) = done["trial"], done["check"]
     parts = [f"{trials} of {all_trials} trials"] if all_trials else []
     parts += [f"{checks} of {all_checks} checks"] if all_checks else []
@@ -122,7 +122,7 @@ def _told(done: Mapping[str, tuple[int, int]]) -> tuple[float, str]:
 
 
 def _scenario_name(scenario: str) -> str:
-    """Return what the judge, which works elsewhere, understands."""
+    """Return a scenario's name, or its file's absolute path: the judge runs in another folder."""
     text = str(scenario)
     if text.endswith(".toml") or "/" in text:
         path = Path(text)

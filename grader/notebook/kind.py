@@ -1,4 +1,4 @@
-"""Errors that a notebook shows as a sentence, not as a traceback of ours."""
+"""Errors that a notebook shows as a sentence instead of our traceback."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ MOST = 400  # [characters] of a sentence; a list of all scenarios has thousands
 
 
 def sentence(text: str) -> str:
-    """Return a message that is not too long for a cell's output."""
+    """Return a message, shortened to fit a cell's output."""
     return text if len(text) <= MOST else textwrap.shorten(text, MOST, placeholder=" …")
 
 
 class Refused(InputError):
-    """Something was asked for in a way that makes no sense."""
+    """A function was called with arguments that make no sense."""
 
     def _render_traceback_(self) -> list[str]:
         """Return the lines that IPython shows in place of a traceback."""
@@ -26,12 +26,12 @@ class Refused(InputError):
 
 @contextmanager
 def kind_errors() -> Iterator[None]:
-    """Show wrong usage, and files that can't be read or written, as a sentence.
+    """Turn wrong usage, and files that can't be read or written, into a sentence.
 
     Raises
     ------
     Refused
-        In place of such an error.
+        The block raised `InputError` or `OSError`.
     """
     try:
         yield

@@ -1,4 +1,4 @@
-"""The cell magic `%%node FILE.py`: the cell becomes a file, if Python can read it."""
+"""The cell magic `%%node FILE.py`: the cell becomes a file, if Python can parse it."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ OURS = ("grader", "sim", "rclpy", "numpy", "IPython", "ipykernel", "matplotlib",
 
 
 def register(shell: InteractiveShell) -> None:
-    """Make `%%node` known to a shell."""
+    """Register `%%node` with a shell."""
     magics: Any = shell
     magics.register_magic_function(node, magic_kind="cell", magic_name="node")
 
 
 def node(line: str, cell: str) -> None:
-    """Save the cell as the file that the first line names, beside the notebook.
+    """Save the cell beside the notebook, in the file that the first line names.
 
-    Example: `%%node obstacle_avoidance_agent.py`. If Python can't read the cell, it says where,
-    and the file stays as it was.
+    Example: `%%node obstacle_avoidance_agent.py`. If Python can't parse the cell, a message says
+    where, and the file is left as it was.
     """
     words = line.strip()
     try:
@@ -61,7 +61,7 @@ def _refuse_to_hide(name: str) -> None:
 
 
 def _write(cell: NodeCell) -> Path:
-    """Write the file in one go: it is never there in half."""
+    """Write the file atomically: nobody reads half of it."""
     data = cell.source.encode("utf-8")
     if len(data) > MAX_SIZE:
         raise CellProblem(f"the cell has {len(data):,} bytes; at most {MAX_SIZE:,} are read")
@@ -87,7 +87,7 @@ def _confirm(cell: NodeCell) -> None:
 
 
 def _with_source(said: str, cell: NodeCell) -> str:
-    """Return the confirmation as HTML, the highlighted source folded away below it."""
+    """Return the confirmation as HTML, with the highlighted source folded away below."""
     import IPython.display  # noqa: PLC0415
 
     display: Any = IPython.display
@@ -100,14 +100,14 @@ def _with_source(said: str, cell: NodeCell) -> str:
 
 
 def _explain(name: str, problem: CellProblem) -> None:
-    """Say what is wrong, where, and what happened to the file."""
+    """Say what is wrong and where, and what became of the file."""
     why = problem.text if problem.line is None else f"line {problem.line}: {problem.text}"
     if name:
         SESSION.refused.pop(name, None)
         SESSION.refused[name] = why
     lines = [f"Not saved: {why}"]
     if problem.shown:
-        # the cell counts its first line, the file does not
+        # the magic's line counts in the cell, not in the file
         lines = [
             f"Not saved: {name}, line {problem.line} (line {(problem.line or 0) + 1} of the cell): "
             f"{problem.text}",
@@ -115,7 +115,7 @@ def _explain(name: str, problem: CellProblem) -> None:
         ]
     kept = name and Path(name).name == name and Path(name).is_file()
     lines.append(
-        f"Correct the cell and run it again. {name} on disk is as it was before."
+        f"Correct the cell and run it again. {name} on disk is unchanged."
         if kept
         else f"Correct the cell and run it again: its first line is “{MAGIC} FILE.py”."
         if not problem.shown
@@ -132,4 +132,4 @@ def _warm_up(name: str) -> None:
         exercise = exercise_of(name)
         JUDGE.warm(() if exercise is None else exercise.libraries)
     except (GraderError, OSError):
-        return  # whoever asks the judge is told
+        return  # `drive` and `check` will say it

@@ -1,4 +1,4 @@
-"""What the kernel and its judge say to each other: one JSON object a line."""
+"""The messages between the kernel and its judge: one JSON object a line."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import msgspec
 
 
 class Warm(msgspec.Struct, frozen=True, tag="warm"):
-    """Get ready for nodes that load these modules. No answer."""
+    """Get ready for nodes that import these modules. Has no answer."""
 
     libraries: tuple[str, ...] = ()
 
@@ -15,7 +15,7 @@ class Drive(msgspec.Struct, frozen=True, tag="drive"):
     """Run a node in a scenario."""
 
     file: str  # absolute path
-    shown: str  # what to call it
+    shown: str  # its name in messages
     scenario: str
     lidar: str | None = None
     goals: tuple[tuple[float, float], ...] = ()
@@ -47,26 +47,26 @@ class Progressed(msgspec.Struct, frozen=True, tag="progress"):
 
 
 class Driven(msgspec.Struct, frozen=True, tag="driven"):
-    """A drive is over."""
+    """The result of a drive."""
 
     text: str  # the summary
     page: str  # HTML, the replay
 
 
 class Graded(msgspec.Struct, frozen=True, tag="graded"):
-    """A grading is over."""
+    """The result of a grading."""
 
     grading: str  # the JSON object of `course grade --json`
     text: str  # the terminal's table
     page: str  # HTML, replays; "" if there are none
-    first: str = ""  # what the first replay shows
+    first: str = ""  # title of the first replay
 
 
 class Problem(msgspec.Struct, frozen=True, tag="problem"):
-    """It could not be done."""
+    """An order could not be carried out."""
 
     text: str  # a sentence
-    fault: bool = False  # the grader's or the machine's
+    fault: bool = False  # of the grader or the machine, not of the student
 
 
 Answer = Progressed | Driven | Graded | Problem

@@ -1,6 +1,6 @@
-"""Plots of scans. matplotlib is imported when one is asked for.
+"""Plots of scans. matplotlib is imported with the first plot.
 
-Colours are Okabe and Ito's; a mark of its own goes with each, so that nothing hangs on colour.
+The colours are Okabe and Ito's; each has its own marker, so that nothing depends on colour alone.
 """
 
 from __future__ import annotations
@@ -110,12 +110,12 @@ def plot_left_right(
 
 
 def as_scan(value: Any, *, lidar: str | None = None, at: float = 0.0) -> tuple[Scan, str]:
-    """Return anything that stands for a scan as one, and a title for its plot.
+    """Convert a value to a scan; return it with a title for its plot.
 
     Raises
     ------
     InputError
-        It stands for none.
+        The value has none of the forms that `show_scan` takes.
     """
     if isinstance(value, str | Path):
         return scan_of(str(value), lidar=lidar, at=at)
@@ -134,7 +134,7 @@ def as_scan(value: Any, *, lidar: str | None = None, at: float = 0.0) -> tuple[S
     if ranges.shape != (profile.beams,):
         raise InputError(
             "expected a scenario's name, a LaserScan, (ranges, angle_min, angle_increment[, "
-            f"range_min, range_max]) or {profile.beams} ranges; {_spell(value)} came"
+            f"range_min, range_max]) or {profile.beams} ranges; got {_spell(value)}"
         )
     return _of_fields(
         ranges, profile.angle_min, profile.angle_increment, profile.range_min, profile.range_max
@@ -196,7 +196,7 @@ def _new_axes(size: tuple[float, float]) -> Axes:
 
 
 def _map(scan: Scan, title: str, ax: Axes | None) -> Axes:
-    """Return axes with the robot on them, seen from above, and what is no distance."""
+    """Return axes with the robot, seen from above, and the readings that are no distances."""
     axes = ax if ax is not None else _new_axes((7.0, 5.0))
     usable = np.isfinite(scan.ranges) & _within(scan)
     reach = 1.12 * float(scan.ranges[usable].max()) if usable.any() else 1.0

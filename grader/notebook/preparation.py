@@ -1,11 +1,11 @@
-"""`prepare`: make a kernel that is already running ready for the course, without a restart.
+"""`prepare`: make a running kernel ready for the course, without a restart.
 
-On Debian, Ubuntu and Colab the kernel may be the system's Python. pip then puts ROS into
-`/usr/local/lib/pythonX.Y/site-packages`, which is not on `sys.path`, beside empty folders of the
-same names that are. And a process finds shared libraries only where it was told to look when it
-started: in this kernel they have to be loaded one by one, before `import rclpy` asks for them.
+On Debian, Ubuntu and Colab the kernel may be the system Python. pip then puts ROS into
+`/usr/local/lib/pythonX.Y/site-packages`, which is not on `sys.path`, while empty folders of the
+same names are. Also, a process looks for shared libraries only where it was told to when it
+started, so this kernel has to load them one by one before `import rclpy` needs them.
 
-Only the standard library is imported here until all else is installed.
+Only the standard library is imported here until everything is installed.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from grader.notebook.show import Progress
 
 ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"
-# As in pyproject.toml; what a notebook needs, by the module that shows whether it is there.
+# What a notebook needs, as in pyproject.toml: module that proves it is installed, distribution.
 BASE = {"click": "click", "msgspec": "msgspec", "numpy": "numpy", "pymunk": "pymunk",
         "pytest": "pytest", "rich": "rich", "rosbags.rosbag2": "rosbags"}  # fmt: skip
 ML = {"sklearn": "scikit-learn", "onnxruntime": "onnxruntime", "onnx": "onnx",
       "skl2onnx": "skl2onnx"}  # fmt: skip
 NOTEBOOKS = {"matplotlib": "matplotlib"}
 ROS = ("ros-jazzy-rclpy", "ros-jazzy-common-interfaces", "ros-jazzy-rmw-fastrtps-cpp")
-PATHS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH")  # what is there stays
-LAST_LINES = 6  # of what pip said
+PATHS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH")  # extended, not replaced
+LAST_LINES = 6  # of pip's output
 BEAT = 0.25  # [s]
 
 
@@ -75,7 +75,7 @@ def adopt(ros: RosEnvironment) -> None:
     """Make ROS findable: for this kernel's imports, and for the processes that it starts."""
     for folder in map(str, ros.python_path):
         if folder not in sys.path:
-            sys.path.append(folder)  # a real package there wins over an empty folder before it
+            sys.path.append(folder)  # a real package there precedes any empty folder
     for name in empty_shells(ros.python_path):
         del sys.modules[name]
     for name, value in ros.variables().items():
@@ -86,7 +86,7 @@ def adopt(ros: RosEnvironment) -> None:
 
 
 def empty_shells(folders: Iterable[Path]) -> list[str]:
-    """Return the modules that were imported from an empty folder, though a real one is there."""
+    """Return the modules that were imported from an empty folder though a real package exists."""
     real = {path.parent.name for folder in folders for path in folder.glob("*/__init__.py")}
     shells = {
         name
@@ -105,11 +105,11 @@ def load_ros(ros: RosEnvironment) -> None:
         rclpy can't be imported.
     """
     os.environ.setdefault("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
-    # A notebook's nodes talk to each other, not to the neighbours' in the lab.
+    # A notebook's nodes talk to each other, not to those on other machines in the lab.
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     if "ROS_LOG_DIR" not in os.environ and not os.access(Path.home(), os.W_OK):
         os.environ["ROS_LOG_DIR"] = tempfile.gettempdir()
-    if ros.kind != "apt":  # whoever sourced it has told the loader where to look
+    if ros.kind != "apt":  # sourcing apt's ROS told the loader where to look
         load_libraries(ros.library_path)
     try:
         rclpy = importlib.import_module("rclpy")
@@ -120,10 +120,10 @@ def load_ros(ros: RosEnvironment) -> None:
 
 
 def load_libraries(folders: Sequence[Path]) -> list[Path]:
-    """Load every shared library of these folders; return those that can't be.
+    """Load every shared library of these folders; return those that can't be loaded.
 
-    Which one needs which other nobody says in advance: what fails is tried again as long as any
-    succeeds. RTLD_LOCAL keeps their symbols apart; with RTLD_GLOBAL Python aborts at its end.
+    Their dependencies are not known in advance, so those that fail are retried as long as any
+    succeeds. RTLD_LOCAL keeps their symbols apart; with RTLD_GLOBAL Python aborts at exit.
     """
     pending = [file for folder in folders for file in libraries_in(folder)]
     while pending:
@@ -135,7 +135,7 @@ def load_libraries(folders: Sequence[Path]) -> list[Path]:
 
 
 def libraries_in(folder: Path) -> list[Path]:
-    """Return ROS' shared libraries in a folder; in one for all of the system only those."""
+    """Return ROS's shared libraries in a folder, which may hold other libraries, too."""
     if folder.name.endswith(".libs"):
         return sorted(folder.glob("*.so*"))
     own = _recorded(folder)
@@ -143,7 +143,7 @@ def libraries_in(folder: Path) -> list[Path]:
 
 
 def _recorded(folder: Path) -> set[Path]:
-    """Return the files that `ros-*` distributions put into a folder, as their RECORDs say."""
+    """Return the files that `ros-*` distributions put into a folder, from their RECORD files."""
     found = set()
     for site in (Path(entry) for entry in sys.path if entry):
         for record in site.glob("ros_*.dist-info/RECORD"):
@@ -171,7 +171,7 @@ def _is_here(module: str) -> bool:
 
 
 def _install(wanted: Sequence[str]) -> bool:
-    """Let pip install distributions; say what is wrong if it can't."""
+    """Install distributions with pip; if that fails, say why."""
     bar = Progress(f"Installing {', '.join(wanted)}")
     process = subprocess.Popen(
         pip_command(wanted),
@@ -187,7 +187,7 @@ def _install(wanted: Sequence[str]) -> bool:
                 said, _ = process.communicate(timeout=BEAT)
                 break
             except subprocess.TimeoutExpired:
-                bar.update(None, "pip is at work")
+                bar.update(None, "pip is running")
     except BaseException:
         process.kill()
         process.wait()
@@ -201,7 +201,7 @@ def _install(wanted: Sequence[str]) -> bool:
 
 
 def pip_command(wanted: Sequence[str]) -> list[str]:
-    """Return how pip installs distributions: in the course's versions, if they are known here."""
+    """Return pip's command line, with the course's versions if they are known here."""
     pinned = ["--constraint", str(CONSTRAINTS)] if CONSTRAINTS.is_file() else []
     return [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
             *pinned, *wanted]  # fmt: skip
@@ -210,8 +210,8 @@ def pip_command(wanted: Sequence[str]) -> list[str]:
 def pip_environment(environ: Mapping[str, str]) -> dict[str, str]:
     """Return pip's environment.
 
-    Debian's and Ubuntu's Python refuses pip, to protect the system. A notebook that runs as root
-    runs on a machine that is thrown away, such as a cloud's or a container.
+    The Python of Debian and Ubuntu refuses pip, to protect the system. A notebook that runs as root
+    runs on a throw-away machine, such as a cloud notebook or a container.
     """
     root = {"PIP_BREAK_SYSTEM_PACKAGES": "1", "PIP_ROOT_USER_ACTION": "ignore"}
     return {**(root if os.getuid() == 0 else {}), **environ}
@@ -221,12 +221,12 @@ def _why_not(said: str) -> str:
     lines = [line for line in said.strip().splitlines() if line.strip()]
     if "externally-managed-environment" in said:
         advice = (
-            "this Python belongs to the operating system. Make an environment of your own "
+            "this Python belongs to the operating system. Make a virtual environment "
             "(python3 -m venv .venv), install the course in it, and start Jupyter from there"
         )
     elif "No module named pip" in said:
-        advice = "pip is not there: install it (apt install python3-pip), and run the cell again"
+        advice = "pip is missing: install it (apt install python3-pip), and run the cell again"
     else:
-        advice = "pip could not install what lacks. It said:"
+        advice = "pip could not install what is missing. It said:"
         return "\n".join([f"Not ready: {advice}", *(f"    {line}" for line in lines[-LAST_LINES:])])
     return f"Not ready: {advice}."

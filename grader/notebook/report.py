@@ -1,4 +1,4 @@
-"""What `check` shows: the table that the terminal has, in the same words, and replays below it."""
+"""What `check` shows: the terminal's table, in the same words, with replays below."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from grader.report.terminal import (
 
 Check = Mapping[str, Any]
 
-# Signs and words carry the meaning; white on these has a contrast of at least 4.5, on any theme.
+# Signs and words carry the meaning. White on these colours has a contrast of 4.5 or more.
 COLOURS = {
     "pass": "#00735a",
     "fail": "#b83f00",
@@ -71,18 +71,18 @@ STYLE = f"""\
 
 @dataclass(eq=False, repr=False)
 class CheckReport:
-    """A verdict on one exercise, for the student who asked. It is no mark.
+    """A verdict on one exercise, for the student who asked; it is not a mark.
 
     Attributes
     ----------
     grading
-        The object that `course grade --json` writes.
+        The JSON object of `course grade --json`.
     """
 
     grading: dict[str, Any]
     _text: str  # the terminal's table
     _page: str  # replays; "" if there are none
-    _first: str = ""  # what the first of them shows
+    _first: str = ""  # title of the first replay
     _shown_in: int | None = field(default=None, init=False)  # the cell that showed it last
 
     @property
@@ -97,7 +97,7 @@ class CheckReport:
 
     @property
     def checks(self) -> list[dict[str, Any]]:
-        """What each check said: `id`, `title`, `outcome`, `points`, `max_points`, `message`, …"""
+        """The checks' results: `id`, `title`, `outcome`, `points`, `max_points`, `message`, …"""
         return list(self.grading["checks"])
 
     def __repr__(self) -> str:
@@ -108,19 +108,19 @@ class CheckReport:
         return grading_html(self.grading) + replays_html(self.grading, self._page, self._first)
 
     def shown(self) -> Bundle:
-        """Return what is shown below a cell, and note in which."""
+        """Return what is shown below the running cell, and remember that cell."""
         self._shown_in = execution_count()
         return {"text/plain": repr(self), "text/html": self._repr_html_()}
 
     def _ipython_display_(self) -> None:
-        """Show the report, once in a cell: `check` does, and its result may be the last line."""
+        """Show the report once a cell: `check` shows it, and may also be the cell's last line."""
         cell = execution_count()
         if cell is None or cell != self._shown_in:
             show(self.shown())
 
 
 def grading_html(grading: Mapping[str, Any]) -> str:
-    """Return a grading as HTML that follows the page's theme; students' text stays text."""
+    """Return a grading as HTML that follows the page's theme; students' text is escaped."""
     checks: Sequence[Check] = grading.get("checks", [])
     groups = [
         _group(kind, group)

@@ -1,4 +1,4 @@
-"""What this kernel knows of the files that `%%node` cells wrote."""
+"""The files that this kernel's `%%node` cells wrote."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from grader.errors import InputError
 class Session:
     """The files of this kernel's `%%node` cells."""
 
-    written: dict[str, Path] = field(default_factory=dict)  # by name; the last one last
-    refused: dict[str, str] = field(default_factory=dict)  # by name: why the last cell was not
+    written: dict[str, Path] = field(default_factory=dict)  # by name, the latest last
+    refused: dict[str, str] = field(default_factory=dict)  # by name: why its last cell wasn't saved
 
     def wrote(self, path: Path) -> None:
-        """Note a file."""
+        """Remember a file that was written."""
         self.refused.pop(path.name, None)
         self.written.pop(path.name, None)
         self.written[path.name] = path
 
     def file_for(self, exercise: Exercise, file: str | Path | None) -> Path:
-        """Return the file with which an exercise is judged.
+        """Return the file to judge for an exercise.
 
         Raises
         ------
@@ -36,7 +36,7 @@ class Session:
         return self._usable(Path(file), list(names))
 
     def file_to_drive(self, file: str | Path | None) -> Path:
-        """Return the node to drive: the one given, or that of the last cell's exercise.
+        """Return the node to drive: the given one, or that of the last cell's exercise.
 
         Raises
         ------
@@ -54,12 +54,12 @@ class Session:
         return self._usable(chosen, [chosen.name, last.name])
 
     def last_exercise(self) -> Exercise:
-        """Return the exercise to which the file of the last cell belongs.
+        """Return the exercise that the last cell's file belongs to.
 
         Raises
         ------
         InputError
-            No cell wrote one.
+            No cell has written a file, or it belongs to no exercise.
         """
         if not self.written:
             raise self._nothing_written()
@@ -67,7 +67,7 @@ class Session:
         exercise = exercise_of(last)
         if exercise is None:
             raise InputError(
-                f"{last} is no exercise's file, so say which exercise it is for, "
+                f"{last} is no exercise's file; say which exercise it is for, "
                 f'as in check("1", file="{last}")'
             )
         return exercise
@@ -93,7 +93,7 @@ class Session:
             )
         return InputError(
             "no %%node cell has run in this kernel yet: run the one with your node first, "
-            "or say which file is meant with file="
+            "or name the file with file="
         )
 
 

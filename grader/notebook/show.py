@@ -1,7 +1,7 @@
-"""Show things in a notebook: bundles of text and HTML, progress that becomes its result.
+"""Show text and HTML in a notebook, and progress bars that turn into their result.
 
-Without a notebook (a terminal's IPython, a plain program) only the text is printed. Nothing goes to
-stderr: nbgrader takes that for a failure.
+Outside a notebook (IPython in a terminal, a plain program) only the text is printed. Nothing goes
+to stderr: nbgrader takes that for a failure.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import sys
 import time
 from typing import Any
 
-Bundle = dict[str, str]  # text by MIME type; "text/plain" is always there
+Bundle = dict[str, str]  # content by MIME type; "text/plain" is always there
 BEAT = 0.25  # [s] between two updates of a bar
 
 
 def in_notebook() -> bool:
-    """Tell whether a kernel shows what is displayed."""
+    """Tell whether this runs in a kernel that displays HTML."""
     if "IPython" not in sys.modules:
         return False
     from IPython.core.getipython import get_ipython  # noqa: PLC0415
@@ -35,7 +35,7 @@ def execution_count() -> int | None:
 
 
 def tell(text: str) -> None:
-    """Print a message; the student's own text in it is no command to a terminal."""
+    """Print a message without escape sequences, which a student's text in it may have."""
     from grader.report.terminal import plain  # noqa: PLC0415
 
     print("\n".join(plain(line) for line in text.split("\n")), flush=True)
@@ -62,12 +62,12 @@ def preformatted(text: str) -> str:
 
 
 class Progress:
-    """A bar below the cell while something runs; it goes, or becomes the result.
+    """A bar below the cell while something runs; the result takes its place.
 
     Parameters
     ----------
     title
-        What is under way.
+        What is running.
     """
 
     def __init__(self, title: str) -> None:
@@ -83,26 +83,26 @@ class Progress:
             self._handle = displays.display(self._bundle(), raw=True, display_id=True)
 
     def update(self, share: float | None, words: str) -> None:
-        """Show how far it is: 0 … 1 (None: nobody knows), and in words."""
+        """Show the progress: a share, 0 … 1 (None: unknown), and words."""
         self._state = (share, words)
         self.beat()
 
     def beat(self) -> None:
-        """Draw, unless that was just done: the seconds go on."""
+        """Redraw, at most every `BEAT` seconds: the elapsed time changes."""
         now = time.monotonic() - self._begin
         if self._handle is not None and now - self._shown >= BEAT:
             self._shown = now
             self._handle.update(self._bundle(), raw=True)
 
     def end(self, bundle: Bundle) -> None:
-        """Put the result in the bar's place."""
+        """Replace the bar by the result."""
         if self._handle is not None:
             self._handle.update(bundle, raw=True)
         else:
             print(bundle["text/plain"], flush=True)
 
     def say(self, text: str) -> None:
-        """Put a message in the bar's place."""
+        """Replace the bar by a message."""
         self.end({"text/plain": text, "text/html": preformatted(text)})
 
     def _bundle(self) -> Bundle:

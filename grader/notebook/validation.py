@@ -1,6 +1,6 @@
-"""Agree with `nbgrader validate`, which takes a test cell for passed unless something raises.
+"""Raise for failed checks under `nbgrader validate`, which passes every cell that doesn't raise.
 
-That command, and the button Validate, tell a notebook that they run it by their environment.
+A notebook can tell by an environment variable that this command, or the button Validate, runs it.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from grader.notebook.report import CheckReport
 
 VARIABLE = "NBGRADER_EXECUTION"
-JUDGED = ("pass", "unavailable")  # a library that is not here is nobody's mistake
+ACCEPTED = ("pass", "unavailable")  # a library that is not installed is nobody's mistake
 
 
 class NotPassed(Exception):
-    """Not every check of a test cell passed; raised only where nbgrader validates."""
+    """Not every check of a test cell passed; raised only under `nbgrader validate`."""
 
     def _render_traceback_(self) -> list[str]:
         """Return the lines that IPython shows in place of a traceback."""
@@ -24,18 +24,18 @@ class NotPassed(Exception):
 
 
 def validated(report: CheckReport | None) -> CheckReport | None:
-    """Return the report; where nbgrader validates, raise unless all checks passed.
+    """Return the report; under `nbgrader validate`, raise unless all checks passed.
 
     Raises
     ------
     NotPassed
-        nbgrader validates, and a check did not pass or could not be judged.
+        A check did not pass or could not be judged, under `nbgrader validate`.
     """
     if os.environ.get(VARIABLE) != "validate":
         return report
     if report is None:
-        raise NotPassed("nothing could be judged: see what the cell says")
-    bad = [check for check in report.checks if check["outcome"] not in JUDGED]
+        raise NotPassed("nothing could be judged; the cell says why")
+    bad = [check for check in report.checks if check["outcome"] not in ACCEPTED]
     if bad:
         said = [f"{check['id']}: {check['message']}" for check in bad]
         raise NotPassed("\n".join([f"{len(bad)} checks did not pass", *said]))

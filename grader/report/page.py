@@ -1,4 +1,4 @@
-"""Show a grading: a self-contained HTML page, a terminal table, or JSON. Knows no checks."""
+"""Show a grading as a self-contained HTML page with replays, or as JSON. Knows no checks."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ GENERATED_BY = "rclpy agents course"
 def page_payload(
     grading: Mapping[str, Any] | None, recordings: Sequence[Recording], title: str
 ) -> JsonDict:
-    """What `page_html` shows: a grading (None for `course drive`) and its recordings."""
+    """Return what `page_html` shows: a grading (None for `course drive`) and its recordings."""
     checks = grading["checks"] if grading else []
     return {
         "grading": dict(grading) if grading else None,
@@ -71,13 +71,13 @@ def page_payload(
 def embedded_payload(
     checks: Sequence[Mapping[str, Any]], recordings: Sequence[Recording], title: str
 ) -> JsonDict:
-    """Only the replays, for a frame in a notebook that starts at the first one's first moment."""
+    """Return only the replays, for a frame in a notebook; it opens at the first moment."""
     page = page_payload({"checks": checks}, recordings, title)
     return {**page, "grading": None, "embedded": True}
 
 
 def page_html(payload: Mapping[str, Any]) -> str:
-    """One HTML file that needs no network; hostile text in the payload stays text.
+    """Return one HTML file that needs no network; hostile text in the payload stays text.
 
     The file is pure ASCII outside our own template, so it survives any transport.
     """
@@ -97,17 +97,17 @@ def page_html(payload: Mapping[str, Any]) -> str:
 
 
 def json_text(grading: Mapping[str, Any]) -> str:
-    """The grading as JSON: the same order of keys every time, null for NaN and infinity."""
+    """Return the grading as JSON with sorted keys, and null for NaN and infinity."""
     return json.dumps(_plain(grading), indent=2, sort_keys=True, allow_nan=False) + "\n"
 
 
 def _asset(name: str) -> str:
-    # Line ends must be \n: browsers normalise them before they hash a script.
+    # Line endings must be \n: browsers normalise them before they hash a script.
     return (PLAYER / name).read_text(encoding="utf-8").replace("\r\n", "\n")
 
 
 def _content_security_policy(script: str, style: str) -> str:
-    """Only our own inline script and style, by hash; no request to anywhere."""
+    """Return a policy that allows only our inline script and style, by hash, and no requests."""
     return "; ".join(
         (
             "default-src 'none'",
@@ -126,7 +126,7 @@ def _hash(text: str) -> str:
 
 
 def _inline_json(payload: Mapping[str, Any]) -> str:
-    """JSON that can't close its <script> element: pure ASCII without <, > and &."""
+    """Return JSON that can't close its <script> element: pure ASCII without <, > and &."""
     text = json.dumps(_plain(payload), ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     for character in "<>&":
         text = text.replace(character, f"\\u{ord(character):04x}")
@@ -134,7 +134,7 @@ def _inline_json(payload: Mapping[str, Any]) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Only what JSON knows: numpy becomes Python, NaN and infinity become None."""
+    """Return a value of JSON's types: numpy becomes Python, NaN and infinity become None."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
@@ -149,5 +149,5 @@ def _plain(value: Any) -> Any:
 
 
 def _valid_text(text: str) -> str:
-    """Lone surrogates (undecodable file names) can't be written as UTF-8."""
+    """Return text without lone surrogates (of undecodable file names), which UTF-8 can't hold."""
     return text.encode("utf-8", "replace").decode("utf-8")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 JsonDict = dict[str, Any]
 
-TRUTH_RATE = 20.0  # [Hz], half of what the eye needs at 2x speed; the player interpolates
+TRUTH_RATE = 20.0  # [Hz] half of what the eye needs at 2x speed; the player interpolates
 SCAN_RATE = 10.0  # [Hz]
 CART_RATE = 10.0  # [Hz]
 MAX_BEAMS = 360
@@ -26,16 +26,16 @@ MAX_COMMANDS = 4000
 MAX_LOG_LINES = 1500
 MAX_LOG_TEXT = 2000  # [characters] of one log line
 MAX_DETAIL = 8000  # [characters] of a traceback
-MAX_SCAN_AGE = 10.0  # [s] an older stamp is a fault of the stamp, not latency
+MAX_SCAN_AGE = 10.0  # [s] an older stamp is wrong, not late
 
 PLUS_INF, MINUS_INF, NOT_A_NUMBER = 65535, 65534, 65533
 LONGEST_MM = 65532
 
 
 def replay_payload(recording: Recording, moments: Sequence[Mapping[str, Any]]) -> JsonDict:
-    """One run for the player: world, truth, commands, scans, goals, log and failing moments.
+    """Return a run for the player: world, truth, commands, scans, goals, log, failing moments.
 
-    Sampled down (truth 20 Hz, scans 10 Hz and 360 beams) so that a report stays small.
+    It is downsampled (truth to 20 Hz, scans to 10 Hz and 360 beams) to keep reports small.
     """
     scenario = recording.scenario
     duration = float(recording.duration_s)
@@ -67,7 +67,7 @@ def replay_payload(recording: Recording, moments: Sequence[Mapping[str, Any]]) -
 
 
 def moments_of(checks: Iterable[Mapping[str, Any]], scenario: str) -> list[JsonDict]:
-    """Failing moments of one scenario, from the checks of a grading (result JSON)."""
+    """Return the failing moments of a scenario, from the checks of a grading (result JSON)."""
     moments = [
         {
             "t": _number(check["time"], 3),
@@ -88,7 +88,7 @@ def moments_of(checks: Iterable[Mapping[str, Any]], scenario: str) -> list[JsonD
 
 
 def _truth(recording: Recording) -> JsonDict:
-    """Ground truth at 20 Hz; a bin keeps its smallest clearance and any contact."""
+    """Return the ground truth at 20 Hz; a bin keeps its smallest clearance and any contact."""
     truth = recording.truth
     t = np.asarray(truth.t, dtype=np.float64) * 1e-9
     starts = _thin(t, TRUTH_RATE)
@@ -119,7 +119,7 @@ def _commands(recording: Recording) -> JsonDict:
 
 
 def _scans(scans: Sequence[Scan]) -> JsonDict | None:
-    """Scans as base64 of uint16 millimetres; scans of another layout become all NaN."""
+    """Return the scans as base64 of uint16 millimetres; those with another layout are all NaN."""
     if not scans:
         return None
     layout = Counter(_layout_of(scan) for scan in scans if len(scan.ranges))
@@ -147,7 +147,7 @@ def _scans(scans: Sequence[Scan]) -> JsonDict | None:
 
 
 def millimetres(ranges: NDArray[np.floating[Any]]) -> NDArray[np.uint16]:
-    """Ranges (beams,) [m] as uint16 [mm]; 65535 = +inf, 65534 = -inf, 65533 = NaN."""
+    """Return ranges (beams,) [m] as uint16 [mm]; 65535 = +inf, 65534 = -inf, 65533 = NaN."""
     metres = np.asarray(ranges, dtype=np.float64)
     finite = np.isfinite(metres)
     mm = np.full(metres.shape, NOT_A_NUMBER, dtype="<u2")
@@ -167,7 +167,7 @@ def _layout_of(scan: Scan) -> tuple[float, float, float, int]:
 
 
 def _stamp(scan: Scan) -> float:
-    """When the scan was taken [s since the start]; its arrival if the stamp makes no sense."""
+    """Return when the scan was taken [s since the start]; its arrival if the stamp is wrong."""
     return scan.stamp if 0.0 <= scan.t - scan.stamp <= MAX_SCAN_AGE else scan.t
 
 
@@ -207,7 +207,7 @@ def _log(recording: Recording) -> list[JsonDict]:
 
 
 def _thin(times: NDArray[np.float64], rate: float) -> NDArray[np.intp]:
-    """Index of the first sample in each 1/rate wide bin of time."""
+    """Return the index of the first sample in each time bin of 1/rate seconds."""
     if not len(times):
         return np.zeros(0, dtype=np.intp)
     bins = np.floor(times * rate + 1e-6)
@@ -219,7 +219,7 @@ def _shorten(text: str, most: int = MAX_LOG_TEXT) -> str:
 
 
 def _number(value: Any, digits: int) -> float | None:
-    """JSON has no NaN and no infinity: they become null."""
+    """Return a rounded number; None for NaN and infinity, which JSON does not have."""
     number = float(value)
     return round(number, digits) + 0.0 if math.isfinite(number) else None
 

@@ -1,7 +1,11 @@
-"""Show a grading in the terminal: a table, what went wrong, the score. Notebooks use its words."""
+"""Show a grading in the terminal: a table, what went wrong, the score.
+
+Notebooks and nbgrader show the same words.
+"""
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -31,7 +35,7 @@ PROVISIONAL_WHY = ": a check could not be judged, so a person has to look"
 MAX_WIDTH = 110  # longer lines are hard to read
 MAX_TEXT = 1200  # [characters] of one message; the page has all of it
 
-_ESCAPES = re.compile(
+ESCAPES = re.compile(
     r"\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)?"  # OSC: window titles, links
     r"|[\x1b\x9b]\[?[0-?]*[ -/]*[@-~]"  # CSI and two-character sequences
 )
@@ -40,7 +44,7 @@ _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u
 
 
 def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
-    """Print the checks, a failure's expected, actual, when and next step, and the score."""
+    """Print the checks, of failed ones expected, actual, time and next step, and the score."""
     checks: Sequence[Check] = grading.get("checks", [])
     width = min(console.width, MAX_WIDTH)
     console.print()
@@ -63,6 +67,15 @@ def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
     console.print()
 
 
+def printed(grading: Mapping[str, Any], width: int) -> str:
+    """Return what `render_terminal` prints on a terminal of this width, without colour."""
+    text = io.StringIO()
+    console = Console(file=text, width=width, color_system=None, force_terminal=False)
+    render_terminal(grading, console)
+    lines = [line.rstrip() for line in text.getvalue().strip("\n").splitlines()]
+    return "\n".join(lines).replace("\n\n\n", "\n\n") + "\n"
+
+
 def render_diagnosis(found: Diagnosis, console: Console) -> None:
     """Print what `course doctor` found."""
     width = min(console.width, MAX_WIDTH)
@@ -71,8 +84,8 @@ def render_diagnosis(found: Diagnosis, console: Console) -> None:
     facts.add_row("ROS 2", found.ros or "not found")
     for what, missing in found.extras.items():
         facts.add_row(
-            Text("not here" if missing else "here", style="yellow" if missing else "green"),
-            f"{what}: {', '.join(missing)} missing" if missing else what,
+            Text("missing" if missing else "installed", style="yellow" if missing else "green"),
+            f"{what}: {', '.join(missing)}" if missing else what,
         )
     console.print(facts, width=width)
     layers = Table(box=None, padding=(0, 2, 0, 1), header_style="bold")
@@ -95,22 +108,22 @@ def render_diagnosis(found: Diagnosis, console: Console) -> None:
 
 
 def printable(text: Any, console: Console) -> str:
-    """Student text without escape sequences, control characters or what can't be encoded."""
+    """Return student text without escape sequences, control and unencodable characters."""
     encoding = console.encoding or "utf-8"
     return plain(text).encode(encoding, "replace").decode(encoding)
 
 
 def plain(text: Any) -> str:
-    """Student text without escape sequences and control characters, and not too long."""
-    clean = _CONTROLS.sub("", _ESCAPES.sub("", str(text).replace("\r\n", "\n"))).expandtabs(4)
+    """Return student text without escape sequences and control characters, cut to MAX_TEXT."""
+    clean = _CONTROLS.sub("", ESCAPES.sub("", str(text).replace("\r\n", "\n"))).expandtabs(4)
     return clean if len(clean) <= MAX_TEXT else clean[: MAX_TEXT - 2].rstrip() + " …"
 
 
-# --- what is said, wherever it is shown ----------------------------------------------------------
+# --- words that notebooks and nbgrader use too ---------------------------------------------------
 
 
 def group_fact(kind: str, group: Sequence[Check]) -> str:
-    """Say how a group of checks, `core` or `field`, went."""
+    """Say how a group of checks, `core` or `field`, came out."""
     if kind != "core":
         return f"{_passed(group)} of {len(group)} passed, no points"
     judged = (check for check in group if check["outcome"] not in UNJUDGED)
@@ -119,7 +132,7 @@ def group_fact(kind: str, group: Sequence[Check]) -> str:
 
 
 def points_of(check: Check) -> str:
-    """Say what a check gave; "-" if it was not judged."""
+    """Say how many points a check gave; "-" if it was not judged."""
     if check.get("kind") == "field" or not check.get("max_points"):
         return ""
     if check["outcome"] in UNJUDGED:
@@ -128,7 +141,7 @@ def points_of(check: Check) -> str:
 
 
 def facts_of(check: Check) -> list[tuple[str, str]]:
-    """Return what is known of a check that did not pass: name, text."""
+    """Return the facts (name, text) about a check that did not pass."""
     facts = [("expected", check.get("expected")), ("actual", check.get("actual"))]
     time, scenario = check.get("time"), check.get("scenario")
     if time is not None:
@@ -140,7 +153,7 @@ def facts_of(check: Check) -> list[tuple[str, str]]:
 
 
 def with_details(checks: Iterable[Check]) -> Iterator[tuple[Check, bool]]:
-    """Yield checks, and whether to say more of each: a reason for skipping is said once."""
+    """Yield checks, each with whether to show details: a reason for skipping is shown once."""
     reason = ""  # of the last skipped check
     for check in checks:
         skipped = check["outcome"] in SKIPPED
@@ -149,13 +162,13 @@ def with_details(checks: Iterable[Check]) -> Iterator[tuple[Check, bool]]:
 
 
 def share_of(grading: Mapping[str, Any]) -> float:
-    """Return the part of the points that was won, 0 … 1."""
+    """Return the share of the points that was won, 0 … 1."""
     score, most = grading.get("score") or 0, grading.get("max_score") or 0
     return float(min(1.0, max(0.0, score / most))) if most else 0.0
 
 
 def score_of(grading: Mapping[str, Any]) -> str:
-    """Say the score."""
+    """Return the score, with the points that could be won."""
     score, most = (grading.get(key) or 0 for key in ("score", "max_score"))
     return f"{spell_points(score)} / {spell_points(most)}"
 
@@ -169,7 +182,7 @@ def score_notes(grading: Mapping[str, Any]) -> list[str]:
 
 
 def field_words(grading: Mapping[str, Any]) -> tuple[str, str]:
-    """Return what is said of the field checks: the word, and the rest of the sentence."""
+    """Return what to say about the field checks: the badge's word, and the rest of the line."""
     field = [check for check in grading.get("checks", []) if check.get("kind") == "field"]
     if grading.get("field_ready"):
         return "field-ready", ": works on other sensors and networks too"
@@ -179,7 +192,7 @@ def field_words(grading: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def spell_points(points: float) -> str:
-    """Return points as they are written."""
+    """Return points without superfluous decimals."""
     return f"{points:g}"
 
 

@@ -194,7 +194,7 @@ def test_a_student_finds_the_page_of_an_exercise(open_file: OpenFile, folder: Pa
 def test_a_held_student_reads_that_nothing_is_lost(open_file: OpenFile, folder: Path) -> None:
     page = open_file(folder / "feedback" / "ben" / "index.html")
     text = page.locator("main").inner_text()
-    assert "A person is looking at this one" in text
+    assert "A person has to look at this one" in text
     assert page.get_by_role("link").count() == 1
 
 

@@ -88,7 +88,7 @@ def test_the_summary(drive: Recording, capsys: pytest.CaptureFixture[str]) -> No
     assert said.startswith("echo.py in demo_wall, seed 1 Topics")
     assert "-> /cmd_vel geometry_msgs/msg/Twist reliable 10 messages (10.0 Hz)" in said
     assert "<- /scan sensor_msgs/msg/LaserScan reliable 10 messages (10.0 Hz)" in said
-    assert "1.0 s simulated; the node lived to the end" in said
+    assert "1.0 s simulated; the node ran to the end" in said
     assert "drove 0.00 m" in said
 
 

@@ -131,7 +131,9 @@ def test_commands_print_what_the_page_says(
         return recordings[-1]
 
     monkeypatch.setattr(grader.drive, "drive_node", drive)
-    monkeypatch.setattr("grader.cli._forkserver", lambda *_: contextlib.nullcontext(forkserver))
+    monkeypatch.setattr(
+        "grader.cli.drive.start_forkserver", lambda *_: contextlib.nullcontext(forkserver)
+    )
     monkeypatch.setenv("COLUMNS", "80")
     for block in nodes():
         (tmp_path / block.options["caption"]).write_text(block.text, "utf-8")

@@ -45,7 +45,11 @@ def test_students_get_lesson_notebooks_skeletons_scenarios_and_grader(released: 
         assert {f"lesson/pitfalls/replays/{node}.html" for node in pitfall.nodes} <= there
     sources = (ROOT / "notebooks" / "source").rglob("*.ipynb")
     assert {f"notebooks/{file.name}" for file in sources} <= there
-    assert {"lesson/index.html", "sim/scenarios/demo/demo_wall.toml", "grader/cli.py"} <= there
+    assert {
+        "lesson/index.html",
+        "sim/scenarios/demo/demo_wall.toml",
+        "grader/cli/grade.py",
+    } <= there
     assert not any(path.startswith(("lessons/", "solutions/", "tests/")) for path in there)
 
 

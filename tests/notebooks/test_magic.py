@@ -59,7 +59,7 @@ def test_a_syntax_error_keeps_the_file_and_says_where(kernel: Kernel, folder: Pa
     lines = said.stdout.splitlines()
     assert lines[0] == "Not saved: agent.py, line 2 (line 3 of the cell): invalid syntax"
     assert lines[1:3] == ["    def f(:", "          ^"]
-    assert lines[3] == "Correct the cell and run it again. agent.py on disk is as it was before."
+    assert lines[3] == "Correct the cell and run it again. agent.py on disk is unchanged."
     assert said.stderr == ""
 
 
@@ -80,7 +80,7 @@ def test_nothing_is_judged_by_an_older_file_than_the_cell(kernel: Kernel) -> Non
 @pytest.mark.parametrize(
     ("words", "advice"),
     [
-        ("", "nothing came"),
+        ("", "got nothing"),
         ("../agent.py", "leave out the folder"),
         ("agent", "write “%%node agent.py”"),
         ("my agent.py", "“%%node my.py”"),
@@ -103,7 +103,7 @@ def test_other_names_are_refused(kernel: Kernel, folder: Path, words: str, advic
 def test_notebook_commands_in_a_file_are_explained(kernel: Kernel) -> None:
     said = kernel.run("%%node agent.py\n%matplotlib inline\n")
 
-    assert "commands of the notebook (% and !) don't belong in a file" in said.stdout
+    assert "notebook commands (% and !) don't belong in a file" in said.stdout
 
 
 def test_students_text_is_text_in_the_page(kernel: Kernel) -> None:

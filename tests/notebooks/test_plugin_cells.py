@@ -67,7 +67,7 @@ def test_the_last_definition_counts_and_the_student_is_told() -> None:
     texts, remarks = last_definitions(cells, ["agent.py"])
 
     assert texts == {"agent.py": "last\n"}
-    assert remarks == ["2 cells make agent.py; the last, cell 3, counts."]
+    assert remarks == ["2 cells write agent.py; the last, cell 3, counts."]
 
 
 def test_a_copy_of_the_same_needs_no_remark() -> None:
@@ -80,7 +80,7 @@ def test_a_retyped_cell_counts_where_there_is_no_other() -> None:
     texts, remarks = last_definitions([("markdown", "%%node agent.py\nx")], ["agent.py"])
 
     assert texts == {"agent.py": "x\n"}
-    assert remarks == ["Cell 1 makes agent.py but is no code cell; it was taken as one."]
+    assert remarks == ["Cell 1 writes agent.py but is no code cell; it was used as one."]
 
 
 @pytest.mark.parametrize("name", ["../agent.py", "/tmp/agent.py", "sub/agent.py", "Agent.py"])

@@ -41,14 +41,15 @@ SWITCHES = """
 import os, sys
 from grader.errors import GraderError
 from grader.course.exercises import find_exercise
-from grader.nbgrader import judge
+from grader.grading import handed_in
 
 if os.environ.get("TEST_OPEN"):
-    judge.foreign_code_problem = lambda layers: "nothing is kept apart here; say so with --trust"
+    said = "nothing is kept apart here; say so with --trust"
+    handed_in.foreign_code_problem = lambda layers: said
 if os.environ.get("TEST_FAULT"):
     def fault(*arguments, **more):
         raise GraderError("no host for the node")
-    judge.grade_submission = fault
+    handed_in.grade_submission = fault
 c.JudgeNodes.trust = bool(os.environ.get("TEST_TRUST"))
 """
 
@@ -122,7 +123,7 @@ def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Pat
         marks = {mark for (who, nb, _), mark in found.items() if (who, nb) == (student, "01_loop")}
         assert marks == {(None, True)}, student
         notebook = autograded(course, student, "01_loop")
-        assert notebook.cells[0].source.startswith("The notebook handed in could not be read: ")
+        assert notebook.cells[0].source.startswith("The submitted notebook could not be read: ")
         assert "front_distance" not in json.dumps(notebook)
     for student in ("d_bare", "g_huge"):
         assert total(found, student, SLUG) == 100

@@ -14,14 +14,14 @@ MAX_SPEED = 0.3  # [m/s]
 MAX_TURN_RATE = 1.9  # [rad/s]
 SPEED_GAIN = 0.5  # [1/s]
 PERIOD = 0.1  # [s] of the control loop
-HAIR = 0.001  # [m] distances this near to the tolerance may count either way
+HAIR = 0.001  # [m] distances this near to the tolerance may fall on either side
 
 
 @dataclass(frozen=True)
 class Pose:
-    """A pose as the node was told it."""
+    """A pose that the node was sent."""
 
-    t: float  # [s] since when
+    t: float  # [s] when it arrived
     x: float  # [m]
     y: float  # [m]
     yaw: float  # [rad]
@@ -29,7 +29,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Quest:
-    """A goal and the time in which it was the newest one."""
+    """A goal, and for how long it was the newest one."""
 
     begin: float  # [s]
     end: float  # [s] when the next goal came, or the scenario ended
@@ -46,13 +46,13 @@ class Quest:
         return math.hypot(self.x - pose.x, self.y - pose.y)
 
     def heading_error(self, pose: Pose) -> float:
-        """Return by how much to turn to face the goal [rad], in [-π, π], left positive."""
+        """Return the angle to turn by to face the goal [rad], in [-π, π], left positive."""
         bearing = math.atan2(self.y - pose.y, self.x - pose.x)
         return math.remainder(bearing - pose.yaw, math.tau)
 
 
 def quests(recording: Recording) -> list[Quest]:
-    """Return the finite goals in order; goals that are not finite count for nothing."""
+    """Return the finite goals in order; the others count for nothing."""
     goals = recording.goals()
     finite = np.isfinite(goals.x) & np.isfinite(goals.y)
     rows = np.column_stack((goals.t, goals.x, goals.y))[finite].tolist()
@@ -61,7 +61,7 @@ def quests(recording: Recording) -> list[Quest]:
 
 
 def poses(recording: Recording) -> list[Pose]:
-    """Return the finite poses in order; poses that are not finite count for nothing."""
+    """Return the finite poses in order; the others count for nothing."""
     odom = recording.odometry()
     finite = np.isfinite(odom.x) & np.isfinite(odom.y) & np.isfinite(odom.yaw)
     rows = np.column_stack((odom.t, odom.x, odom.y, odom.yaw))[finite]
@@ -75,7 +75,7 @@ def ready_at(recording: Recording) -> float:
 
 
 def arrival(recording: Recording, quest: Quest) -> float | None:
-    """Return from when on the node knew itself within the tolerance of a goal [s], if ever."""
+    """Return when the node first knew that it was within the tolerance of a goal [s], if ever."""
     known = poses(recording)
     before = [pose for pose in known if pose.t <= quest.begin][-1:]
     during = [pose for pose in known if quest.begin < pose.t < quest.end]
@@ -86,5 +86,5 @@ def arrival(recording: Recording, quest: Quest) -> float | None:
 
 
 def speed_law(distance: float) -> float:
-    """Return the forward speed [m/s] that belongs to a distance to go [m]."""
+    """Return the forward speed [m/s] for a distance to go [m]."""
     return min(MAX_SPEED, SPEED_GAIN * distance)

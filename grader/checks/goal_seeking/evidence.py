@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from grader.checks.commands import is_zero
 from grader.checks.goal_seeking.contract import (
     HAIR,
     PERIOD,
@@ -20,16 +21,13 @@ from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording
 
-ZERO = 1e-6  # [m/s, rad/s] "zero" in every field
 RATE_TOLERANCE = 0.005  # [s] around the period
-REACTION = 2.5 * PERIOD  # [s] in which a tick has come for certain, at a slow 5 Hz too
-FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
+REACTION = 2.5 * PERIOD  # [s] long enough for a tick of the control loop, even at 5 Hz
 
 
-def is_zero(recording: Recording) -> np.ndarray:
+def zero_commands(recording: Recording) -> np.ndarray:
     """Return which commands are zero in every field, (n,) bool."""
-    values = recording.twists().values
-    zero: np.ndarray = np.all(np.abs(values) < ZERO, axis=1)
+    zero: np.ndarray = np.all(is_zero(recording.twists().values), axis=1)
     return zero
 
 
@@ -45,7 +43,7 @@ def stop_times(recording: Recording, quest: Quest) -> Floats:
 
     Zeros from before the first command that moves the robot do not count.
     """
-    twists, zero = recording.twists(), is_zero(recording)
+    twists, zero = recording.twists(), zero_commands(recording)
     during = (twists.t >= quest.begin) & (twists.t < quest.end)
     moving = twists.t[during & ~zero]
     stops: Floats = twists.t[during & zero]
@@ -53,7 +51,7 @@ def stop_times(recording: Recording, quest: Quest) -> Floats:
 
 
 def holds(recording: Recording) -> list[tuple[Pose, Quest, float]]:
-    """Return the poses that stood long enough for a command, with the goal and until when [s]."""
+    """Return each pose that held long enough for a command, its goal, and until when [s]."""
     told, goals = poses(recording), quests(recording)
     ends = [pose.t for pose in told[1:]] + [recording.duration_s]
     found = []
@@ -105,7 +103,7 @@ def require_reached(recording: Recording, quest: Quest, within: float = math.inf
     if not during.any():
         fail(f"the scenario ended before {quest.what}", recording=recording)
     distance = np.hypot(truth.x - quest.x, truth.y - quest.y)[during]
-    # The robot stops on what it was told up to one odometry message and one tick ago.
+    # The robot stops a little late: its pose is up to an odometry message and a tick old.
     near = np.flatnonzero(distance <= TOLERANCE + 0.01)
     if not len(near):
         last = np.flatnonzero(during)[-1]
@@ -148,7 +146,7 @@ def require_turns_toward(recording: Recording, quest: Quest) -> None:
 def require_sign(
     recording: Recording, quest: Quest, pose: Pose, time: float, turn_rate: float
 ) -> None:
-    """Fail unless a turn rate [rad/s] leads the short way, where the contract is definite."""
+    """Fail if a turn rate [rad/s] leads the long way; near 0 and ±π either way is right."""
     error = quest.heading_error(pose)
     if not 0.2 < abs(error) < math.pi - 0.2:
         return
@@ -166,7 +164,7 @@ def require_sign(
 
 
 def require_one_stop(recording: Recording, quest: Quest) -> None:
-    """Fail unless arrival was answered by exactly one zero Twist, and then by silence."""
+    """Fail unless exactly one zero Twist followed the arrival, and then silence."""
     require_alive(recording)
     known_at = arrival(recording, quest)
     if known_at is None:
@@ -212,7 +210,7 @@ def require_one_stop(recording: Recording, quest: Quest) -> None:
 
 
 def _nearly_there(recording: Recording, quest: Quest, time: float) -> bool:
-    """Say whether the pose known at a time was within a hair of the tolerance."""
+    """Tell whether the pose known at a time was within the tolerance and a hair."""
     known = [pose for pose in poses(recording) if pose.t <= time]
     return bool(known) and quest.distance(known[-1]) <= TOLERANCE + HAIR
 
@@ -222,7 +220,7 @@ def way(recording: Recording, quest: Quest) -> Floats:
 
     The way begins with the first command that moves the robot and ends with the next zero Twist.
     """
-    twists, zero = recording.twists(), is_zero(recording)
+    twists, zero = recording.twists(), zero_commands(recording)
     during = (twists.t >= quest.begin) & (twists.t < quest.end)
     moving = twists.t[during & ~zero]
     begin = float(moving[0]) if len(moving) else quest.begin

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
-
+from grader.checks.field import FieldSuite
 from grader.checks.goal_seeking.contract import quests, ready_at
 from grader.checks.goal_seeking.evidence import (
     require_one_stop,
@@ -12,15 +11,11 @@ from grader.checks.goal_seeking.evidence import (
     require_silence,
     require_turns_toward,
 )
-from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
 
-Recordings = tuple[Recording, ...]
 
-
-def _require_contract(recording: Recording) -> None:
-    """Fail unless the whole contract holds in this scenario."""
-    require_alive(recording)
+def _require_contract(recording: Recording, help: str) -> None:
+    """Fail unless the whole contract holds in this scenario; its verdicts need no further help."""
     require_silence(
         recording, 0.0, ready_at(recording), "before the node had both a pose and a goal"
     )
@@ -31,30 +26,13 @@ def _require_contract(recording: Recording) -> None:
         require_one_stop(recording, quest)
 
 
-@pytest.mark.check(field=True, scenarios=("goal_field_best_effort",), needs=("wiring",))
-def test_field_best_effort(recordings: Recordings) -> None:
-    """Hears an odometry driver that publishes best effort (sensor-data QoS)."""
-    for recording in recordings:
-        require_wiring(recording, "goal_seeking")
-        _require_contract(recording)
+field = FieldSuite("goal_seeking", _require_contract)
 
-
-@pytest.mark.check(field=True, scenarios=("goal_field_lost_odometry",), needs=("wiring",))
-def test_field_lost_odometry(recordings: Recordings) -> None:
-    """Reaches its goal when one odometry message in five is lost."""
-    for recording in recordings:
-        _require_contract(recording)
-
-
-@pytest.mark.check(field=True, scenarios=("goal_field_mirrored",), needs=("wiring",))
-def test_field_mirrored_world(recordings: Recordings) -> None:
-    """Does the same in a mirrored and rotated world."""
-    for recording in recordings:
-        _require_contract(recording)
-
-
-@pytest.mark.check(field=True, scenarios=("goal_field_fast_odometry",), needs=("wiring",))
-def test_field_fast_odometry(recordings: Recordings) -> None:
-    """Keeps to 10 Hz when odometry comes at 100 Hz."""
-    for recording in recordings:
-        _require_contract(recording)
+test_field_best_effort = field.best_effort("goal_field_best_effort", sensor="an odometry")
+test_field_lost_odometry = field.check(
+    "Reaches its goal when one odometry message in five is lost.", "goal_field_lost_odometry"
+)
+test_field_mirrored_world = field.mirrored_world("goal_field_mirrored")
+test_field_fast_odometry = field.check(
+    "Keeps to 10 Hz when odometry comes at 100 Hz.", "goal_field_fast_odometry"
+)

@@ -1,4 +1,4 @@
-"""The oracle of latency_monitor: which calls a node has made by when, and what it says of them."""
+"""The oracle of latency_monitor: which calls of predict have ended when, and their statistics."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ LEVELS = ("OK", "WARN", "ERROR", "STALE")
 WINDOW = 100  # calls
 PERIOD = 1.0  # [s] of the reports
 PERIOD_TOLERANCE = 0.15  # [s]
-HAIR = 0.001  # [s] a call that ends this near to a report may count in it or not
+HAIR = 0.001  # [s] a call that ends this near to a report may count or not
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
 OVERHEAD = 2.0  # [ms] that a call takes longer in real time: waking up, and Python's own
 
 
 @dataclass(frozen=True)
 class Statistics:
-    """What is to be said about a window of calls."""
+    """What a report has to say about a window of calls."""
 
     latencies: tuple[float, ...]  # [ms]
     deadline: float  # [ms]
@@ -82,9 +82,9 @@ class Statistics:
 def right_statistics(
     recording: Recording, time: float, window: int = WINDOW
 ) -> tuple[Statistics, ...]:
-    """Return what may be said at a time [s]: a call that ends just then may count or not.
+    """Return what a report may say at a time [s]: a call that ends just then may count or not.
 
-    In real time calls that wait for one another add up what each takes longer.
+    In real time each call may take longer, and those that wait for one another add that up.
     """
     overhead = 0.0 if recording.live is None else OVERHEAD
     soonest, latest = _calls(recording), _calls(recording, overhead / 1000.0)
@@ -106,7 +106,7 @@ def _statistics(latencies: tuple[float, ...], deadline: float, late: float) -> S
 
 
 class _Call(NamedTuple):
-    """A call of predict that returns."""
+    """A call of predict that returned."""
 
     end: float  # [s]
     latency: float  # [ms]

@@ -1,4 +1,4 @@
-"""What the node said on /cmd_vel after each scan, and on /diagnostics every second."""
+"""Whether commands and reports are right: the verdicts that several checks of exercise 9 share."""
 
 from __future__ import annotations
 
@@ -36,43 +36,15 @@ class Report:
     texts: dict[str, str]
 
     def number(self, key: str) -> float:
-        """Return a value as a number; NaN if it is none or missing."""
+        """Return a value as a number; NaN if it is missing or no number."""
         try:
             return float(self.texts.get(key, ""))
         except ValueError:
             return math.nan
 
 
-def require_one_command_each(recording: Recording) -> None:
-    """Fail unless exactly one command followed each scan, and none came before the first."""
-    require_alive(recording)
-    t = recording.twists().t
-    scans, bounds = turns(recording)
-    if not recording.scans():
-        fail("no scan was sent", recording=recording)
-    if bounds[0]:
-        fail(
-            "a command came before the first scan",
-            expected="silence until there is something to predict from",
-            actual=f"a Twist at {t[0]:.3f} s, the first scan at {scans[0].t:.3f} s",
-            at=float(t[0]),
-            recording=recording,
-            help="Publish from the scan callback only.",
-        )
-    for scan, count in zip(scans, np.diff(bounds).tolist(), strict=True):
-        if count != 1:
-            fail(
-                f"{count} commands followed the scan at {scan.t:.2f} s",
-                expected="exactly one Twist for each scan",
-                actual=f"{count} between this scan and the next",
-                at=scan.t,
-                recording=recording,
-                help="Look for a timer, a second publish(), or a return before the publish().",
-            )
-
-
 def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
-    """Fail unless each scan (with this tag) was answered by its clipped prediction, or 0.0."""
+    """Fail unless its clipped prediction, or 0.0, followed each scan (with this tag)."""
     require_alive(recording)
     twists, bench = recording.twists(), recording.scenario.bench_scans
     said = predictions(recording)
@@ -98,7 +70,7 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
 
 
 def require_reports(recording: Recording) -> list[Report]:
-    """Fail if there is no report at all; else return all of them."""
+    """Return the reports; fail if there is none."""
     require_alive(recording)
     found = [
         Report(time, int(status.level), {v.key: v.value for v in status.values})
@@ -129,7 +101,7 @@ def require_form(recording: Recording) -> None:
         if len(statuses) != 1 or statuses[0].name != STATUS_NAME:
             names = ", ".join(f"“{status.name}”" for status in statuses) or "no status"
             fail(
-                f"a message on {TOPIC} does not have exactly the one status",
+                f"a message on {TOPIC} does not have exactly one status, of this name",
                 expected=f"one status named “{STATUS_NAME}”",
                 actual=names,
                 at=at,
@@ -166,7 +138,7 @@ def require_period(recording: Recording) -> None:
     gaps = np.diff([*times, recording.duration_s])
     tolerance = PERIOD_TOLERANCE + recording.slack
     wrong = np.flatnonzero(np.abs(gaps[:-1] - PERIOD) > tolerance)
-    if recording.live is not None:  # its timer may have begun before time did
+    if recording.live is not None:  # its timer may have started before the recording
         wrong = wrong[(wrong > 0) | (gaps[wrong] > PERIOD)]
     if not len(wrong) and gaps[-1] > PERIOD + tolerance:
         wrong = np.array([len(gaps) - 1])
@@ -192,7 +164,7 @@ def require_numbers(
 ) -> None:
     """Fail unless these values are right in each report (until a time [s]).
 
-    Without `full_windows` only reports on at most a hundred calls are judged.
+    Without `full_windows` only reports from before the hundred-and-first call are judged.
     """
     judged = 0
     for report in require_reports(recording):

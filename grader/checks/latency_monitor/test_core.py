@@ -5,24 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grader.checks.commands import FIELDS, is_zero, require_one_command_each, require_zero
 from grader.checks.latency_monitor.contract import KEYS, STALE, right_statistics
 from grader.checks.latency_monitor.evidence import (
     require_form,
     require_level,
     require_numbers,
-    require_one_command_each,
     require_period,
     require_reports,
     require_speeds,
 )
 from grader.checks.moments import first_asked
-from grader.checks.predictions import ZERO
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
 
 TIMES = "latency_times"
-FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
 
 Recordings = tuple[Recording, ...]
 
@@ -57,18 +55,7 @@ def test_clipped(recordings: Recordings) -> None:
     """Predictions are clipped to 0 … max_speed (here 0.4 m/s); all other fields are 0."""
     for recording in recordings:
         require_speeds(recording, "clip", "max(0.0, min(max_speed, prediction))")
-        twists = recording.twists()
-        for column in range(1, 6):
-            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
-            if len(wrong):
-                fail(
-                    f"{FIELDS[column]} is not zero",
-                    expected=f"{FIELDS[column]} = 0.0",
-                    actual=f"{twists.values[wrong[0], column]:.3g}",
-                    at=float(twists.t[wrong[0]]),
-                    recording=recording,
-                    help="This robot only drives straight ahead.",
-                )
+        require_zero(recording, FIELDS[1:], "This robot only drives straight ahead.")
 
 
 @pytest.mark.check(
@@ -87,7 +74,7 @@ def test_fail_safe(recordings: Recordings) -> None:
             at=first_asked(bare),
             recording=bare,
         )
-    moving = np.flatnonzero(~(np.abs(bare.twists().linear_x) < ZERO))
+    moving = np.flatnonzero(~is_zero(bare.twists().linear_x))
     if len(moving):
         fail(
             "the robot was told to drive without a model",

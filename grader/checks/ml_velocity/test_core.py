@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from grader.checks.ml_velocity.evidence import (
-    require_error_log,
-    require_going_on,
-    require_prompt,
-    require_safe_drive,
-    require_speeds,
-)
-from grader.checks.moments import first_asked
-from grader.checks.obstacle_avoidance.evidence import (
-    FIELDS,
+from grader.checks.commands import (
     ZERO,
-    garbage,
     judged,
     require_one_command_each,
+    require_only_linear_x,
     spell,
 )
+from grader.checks.ml_velocity.evidence import require_going_on, require_speeds
+from grader.checks.model_commands import require_error_log, require_prompt, require_safe_drive
 from grader.checks.verdict import fail
-from grader.checks.wiring import require_alive, require_wiring
+from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
 DRIVES = ("ml_drive_wall", "ml_drive_cart", "ml_drive_store")
@@ -49,7 +41,7 @@ def test_one_command_per_scan(recordings: Recordings) -> None:
     """Each scan is answered by exactly one Twist, and nothing is said before the first scan."""
     require_one_command_each(recordings[0])
     for recording in recordings[1:]:
-        if recording.outcome.completed:  # of what it died, another check says
+        if recording.outcome.completed:  # if not, another check says what it died of
             require_one_command_each(recording)
 
 
@@ -57,26 +49,7 @@ def test_one_command_per_scan(recordings: Recordings) -> None:
 def test_only_linear_x(recordings: Recordings) -> None:
     """Every field of the Twist but linear.x is zero."""
     for recording in recordings:
-        require_alive(recording)
-        twists = recording.twists()
-        if not len(twists.t):
-            fail(
-                "not a single Twist came on /cmd_vel",
-                at=first_asked(recording),
-                recording=recording,
-            )
-        for column in range(1, 6):
-            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
-            if len(wrong):
-                value = float(twists.values[wrong[0], column])
-                fail(
-                    f"{FIELDS[column]} is not zero",
-                    expected=f"{FIELDS[column]} = 0.0",
-                    actual=f"{FIELDS[column]} = {spell(value)}",
-                    at=float(twists.t[wrong[0]]),
-                    recording=recording,
-                    help=garbage(value) or "The model says how fast, and only straight ahead.",
-                )
+        require_only_linear_x(recording, "The model says how fast, and only straight ahead.")
 
 
 @pytest.mark.check(points=4, scenarios=("ml_front_min",), needs=("wiring",))
@@ -230,7 +203,7 @@ def test_no_model(recordings: Recordings) -> None:
             help="The node has to live and to publish 0.0 without a model, too. A broken pickle "
             "can raise any exception.",
         )
-        require_error_log(recording)
+        require_error_log(recording, "the node has no model and does not say so")
 
 
 @pytest.mark.check(points=3, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"))

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import pytest
-
-from grader.checks.ml_velocity.evidence import require_safe_drive, require_speeds
-from grader.checks.obstacle_avoidance.evidence import require_one_command_each
-from grader.checks.wiring import require_wiring
+from grader.checks.commands import require_one_command_each
+from grader.checks.field import FieldSuite
+from grader.checks.ml_velocity.evidence import require_speeds
+from grader.checks.model_commands import require_safe_drive
 from grader.recording import Recording
 
-Recordings = tuple[Recording, ...]
-BY_ANGLE = "Compute each beam's angle from angle_min and angle_increment, and wrap it to -π … π."
 
-
-def _require_contract(recording: Recording, help: str = "") -> None:
+def _require_contract(recording: Recording, help: str) -> None:
     """Fail unless the whole contract holds in this scenario."""
-    require_wiring(recording, "ml_velocity")
     require_one_command_each(recording)
     if recording.scenario.bench_scans:
         require_speeds(recording, help=help)
@@ -23,40 +18,15 @@ def _require_contract(recording: Recording, help: str = "") -> None:
         require_safe_drive(recording, "the grader's")
 
 
-@pytest.mark.check(
-    field=True, scenarios=("ml_field_lds01_front", "ml_field_lds01_left"), needs=("wiring",)
+field = FieldSuite("ml_velocity", _require_contract)
+
+test_field_lds01 = field.lds01("ml_field_lds01_front", "ml_field_lds01_left")
+test_field_wide_lidar = field.wide_lidar("ml_field_wide_front", "ml_field_wide_left")
+test_field_best_effort = field.best_effort("ml_field_best_effort")
+test_field_speckle = field.speckle(
+    "ml_field_speckle",
+    title="Takes NaN speckle and noise in its stride, in a mirrored and rotated world.",
 )
-def test_field_lds01(recordings: Recordings) -> None:
-    """Works with an LDS-01: beams from 0 to 2π, 0.0 for no return, 3.5 m, 5 Hz."""
-    for recording in recordings:
-        _require_contract(recording, BY_ANGLE)
-
-
-@pytest.mark.check(
-    field=True, scenarios=("ml_field_wide_front", "ml_field_wide_left"), needs=("wiring",)
+test_field_lost_scans = field.lost_scans(
+    "ml_field_lost_scans", title="Answers the scans that come when one in five is lost."
 )
-def test_field_wide_lidar(recordings: Recordings) -> None:
-    """Works with a lidar of 1080 beams over ±135° at 40 Hz."""
-    for recording in recordings:
-        _require_contract(recording, BY_ANGLE)
-
-
-@pytest.mark.check(field=True, scenarios=("ml_field_best_effort",), needs=("wiring",))
-def test_field_best_effort(recordings: Recordings) -> None:
-    """Hears a lidar driver that publishes best effort (sensor-data QoS)."""
-    for recording in recordings:
-        _require_contract(recording)
-
-
-@pytest.mark.check(field=True, scenarios=("ml_field_speckle",), needs=("wiring",))
-def test_field_speckle(recordings: Recordings) -> None:
-    """Takes NaN speckle and noise in its stride, in a mirrored and rotated world."""
-    for recording in recordings:
-        _require_contract(recording)
-
-
-@pytest.mark.check(field=True, scenarios=("ml_field_lost_scans",), needs=("wiring",))
-def test_field_lost_scans(recordings: Recordings) -> None:
-    """Answers the scans that come when one in five is lost."""
-    for recording in recordings:
-        _require_contract(recording)

@@ -2,44 +2,32 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import PurePath
 from typing import Any
 
-import numpy as np
-
-from grader.checks.ml_velocity.contract import Right, max_speed
-from grader.models.features import possible_features
+from grader.checks.predictions import MODEL, SpeedInterval, max_speed, right_speeds
 from grader.models.files import probe
 from grader.recording import Recording, Scan
 from sim.scenario import Scenario
 
-MODEL_PATH = "velocity_model.pkl"
 LIBRARIES = {".pkl": "sklearn", ".onnx": "onnxruntime", ".pt2": "torch", ".keras": "keras"}
+
+# what a check requires where the judge runs, to write a file of this format
+SKLEARN = ("sklearn",)
+ONNX = ("onnx", "onnxruntime")
+TORCH = ("torch",)
+KERAS = ("torch", "keras")
 
 
 def model_file(scenario: Scenario) -> str:
     """Return the parameter model_path that the node was given."""
-    return str(scenario.node.parameters.get("model_path", MODEL_PATH))
+    return str(scenario.node.parameters.get("model_path", MODEL))
 
 
-def right_speed(recording: Recording, scan: Scan) -> Right:
+def right_speed(recording: Recording, scan: Scan) -> SpeedInterval:
     """Return the speeds that the contract allows for this scan."""
-    model = _model(recording.scenario)
-    limit = max_speed(recording.scenario)
-    speeds = [_speed(model, row, limit) for row in possible_features(scan)]
-    return Right(min(speeds), max(speeds))
-
-
-def _speed(model: Any, row: np.ndarray, limit: float) -> float:
-    """Return what a node commands for features (5,), NaN where a sector is blind [m/s]."""
-    if model is None or not np.isfinite(row).all():
-        return 0.0
-    try:
-        said = float(model.predict(row[None, :])[0])
-    except RuntimeError:  # what a raising probe raises
-        return 0.0
-    return min(max(said, 0.0), limit) if math.isfinite(said) else 0.0
+    scenario = recording.scenario
+    return right_speeds(_model(scenario), scan, max_speed(scenario))
 
 
 def _model(scenario: Scenario) -> Any:

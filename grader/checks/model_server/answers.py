@@ -1,4 +1,4 @@
-"""What the student's server was asked, what it said, and whether that was right."""
+"""What the student's server was asked, how it answered, and whether that was right."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from grader.models.features import possible_features, scan_features, spell_featu
 from grader.recording import Recording, Scan
 from sim.messages import UINT32
 
-UNDER_WAY = 0.06  # [s] that a scan may be on its way to the server, in real time
+UNDER_WAY = 0.06  # [s] a scan may take to reach the server, in real time
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Ask:
 
 
 def asks(recording: Recording) -> list[Ask]:
-    """Return what the server was asked, and what it said."""
+    """Return each request to the server, with its answer."""
     require_ours(recording, ASKED)
     answers = (note for _, note in notes(recording, TOLD) if isinstance(note, Answered))
     told = {answer.number: answer for answer in answers}
@@ -87,9 +87,9 @@ def asks(recording: Recording) -> list[Ask]:
 
 
 def _just_started(recording: Recording, at: float) -> bool:
-    """Tell whether, in real time, a program of the student's has started shortly before this.
+    """Tell whether, in real time, one of the student's programs started shortly before this.
 
-    A process takes its time to start, and DDS to introduce it; who asks meanwhile asks nobody.
+    A process takes time to start, and DDS to discover it: a request meanwhile reaches nobody.
     """
     starts = [program.start for program in recording.scenario.program if not program.supplied]
     late = [start for start in starts if start > 0.0]
@@ -99,8 +99,8 @@ def _just_started(recording: Recording, at: float) -> bool:
 def _newest(recording: Recording, at: float, said: Answered | None) -> int:
     """Return which scan was the server's newest when it was asked; -1: it had none.
 
-    In real time one that was sent at nearly the same moment may have come before the request or
-    after it. If the answer is right for one of these scans, that one it was.
+    In real time a scan that was sent at nearly the same moment may have arrived before the request
+    or after it. If the answer is right for one of the candidates, it was that one.
     """
     scans = recording.scans()
     newest = sum(scan.t <= at for scan in scans) - 1
@@ -118,7 +118,7 @@ def _newest(recording: Recording, at: float, said: Answered | None) -> int:
 
 
 def _fits(recording: Recording, number: int, at: float, said: Answered) -> bool:
-    """Tell whether an answer is about this scan (-1: none), or may refuse because of it."""
+    """Tell whether an answer is about this scan (-1: none), or is a refusal that it allows."""
     scan = recording.scans()[number] if number >= 0 else None
     if not said.success:
         return allowed(scan, at).refusal
@@ -143,7 +143,7 @@ def require_answered(recording: Recording, ask: Ask) -> None:
 
 
 def require_success(recording: Recording, ask: Ask) -> None:
-    """Fail unless the server had something to say."""
+    """Fail unless the server answered with a detection."""
     require_answered(recording, ask)
     if not ask.success:
         fail(
@@ -152,12 +152,12 @@ def require_success(recording: Recording, ask: Ask) -> None:
             actual=f"success = false, “{ask.message}”",
             at=ask.at,
             recording=recording,
-            help="Set response.success, and only refuse for a reason of the task's list.",
+            help="Set response.success, and refuse only for the reasons on the task's list.",
         )
 
 
 def require_refusal(recording: Recording, ask: Ask, reason: str, help: str) -> None:
-    """Fail unless the server said that it has no detection, and why."""
+    """Fail unless the server refused, and said why."""
     require_answered(recording, ask)
     if ask.success:
         fail(
@@ -256,7 +256,7 @@ def read_detection(recording: Recording, ask: Ask) -> dict[str, Any]:
     """Return the JSON object in an answer; fail if it is none, or lacks a key."""
     try:
         said = json.loads(ask.message)
-    except (ValueError, RecursionError) as error:  # thousands of brackets are the student's, too
+    except (ValueError, RecursionError) as error:  # thousands of nested brackets, for example
         _fail_message(recording, ask, "a JSON object in message", f"no JSON: {error}")
     keys = ("label", "confidence", "stamp")
     if not isinstance(said, dict) or any(key not in said for key in keys):
@@ -284,5 +284,5 @@ def _is_number(value: Any) -> bool:
 
 
 def _spell(value: Any) -> str:
-    """Return a value from JSON in short; lists and objects may be nested a thousand deep."""
+    """Return a value from JSON in brief; lists and objects may be nested a thousand deep."""
     return f"a {type(value).__name__}" if isinstance(value, list | dict) else repr(value)[:80]

@@ -1,4 +1,4 @@
-"""What the student's clients asked and published, and how their hearts beat."""
+"""What the student's clients asked and published, and their heartbeats."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from grader.checks.wiring import require_alive
 from grader.recording import Recording
 from sim.messages import STRING, UINT32
 
-TICK = 1e-6  # [s] rounding
+TICK = 1e-6  # [s] of rounding
 BLOCKED = (
     "Does a callback wait: client.call(), spin_until_future_complete(), a sleep, a loop? While it "
     "waits, its executor delivers nothing, not even the answer that it waits for. Use call_async() "
@@ -59,13 +59,13 @@ def requests(recording: Recording) -> list[Request]:
         elif key in places:
             asked = found[places[key]].at
             found[places[key]] = Request(note.number, asked, at, note.success, note.message)
-        elif recording.live is None:  # there clients ask before time begins, too
+        elif recording.live is None:  # in real time clients also ask before the recording begins
             fail_forged(recording, SERVED, at)
     return found
 
 
 def successes(recording: Recording) -> set[str]:
-    """Return what the server has said with success, also to requests that nobody noted."""
+    """Return the messages that the server sent with success, even if the request was not noted."""
     said = (note for _, note in notes(recording, SERVED))
     return {note.message for note in said if isinstance(note, Answered) and note.success}
 
@@ -80,18 +80,18 @@ def detections(recording: Recording) -> list[tuple[float, str, str]]:
 
 
 def beats(recording: Recording, role: str) -> tuple[Floats, list[int]]:
-    """Return times [s] and values of a client's heartbeats."""
+    """Return the times [s] and values of a client's heartbeats."""
     heard = published(recording, f"/{role}/heartbeat", UINT32)
     return np.array([t for t, _ in heard], dtype=float), [int(value.data) for _, value in heard]
 
 
 def require_unblocked(recording: Recording) -> None:
-    """Fail if a client's heart stopped on the way: one of its callbacks waits."""
+    """Fail if a client's heartbeat paused: then one of its callbacks blocks."""
     require_alive(recording)
     for role in roles(recording):
         times, _ = beats(recording, role)
         if len(times) < 2:
-            continue  # no heart that could stop: that is another check's matter
+            continue  # no heartbeat that could pause: another check's matter
         gaps = np.diff([*times, recording.duration_s])
         longest = int(np.argmax(gaps))
         if gaps[longest] <= max(LONGEST_GAP + recording.slack, 2 * gaps[:-1].min()) + TICK:
@@ -112,7 +112,7 @@ def require_unblocked(recording: Recording) -> None:
 
 
 def require_heartbeat(recording: Recording) -> None:
-    """Fail unless every client's heart beats ten times a second from start to end, and counts."""
+    """Fail unless each client's heartbeat comes ten times a second, start to end, and counts up."""
     require_alive(recording)
     for role in roles(recording):
         topic = f"/{role}/heartbeat"
@@ -137,7 +137,7 @@ def require_heartbeat(recording: Recording) -> None:
         if gaps[1:-1].min() < LONGEST_GAP / 3 - recording.slack:
             at = float(times[int(np.argmin(gaps[1:-1]))])
             fail(
-                f"two heartbeats of {role}_client come {gaps[1:-1].min():.3f} s after one another",
+                f"two heartbeats of {role}_client are only {gaps[1:-1].min():.3f} s apart",
                 expected=f"one message on {topic} every 0.1 s",
                 actual=f"{len(times)} in {recording.duration_s:.1f} s",
                 at=at,

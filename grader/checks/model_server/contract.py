@@ -1,4 +1,4 @@
-"""The oracle of model_server: what the server should say of a scan, and when clients should ask."""
+"""The oracle of model_server: how the server should answer, and when the clients should ask."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from grader.models.files import probe
 from grader.recording import Scan
 from sim.scenario import Scenario
 
-MAX_SCAN_AGE = 1.0  # [s] an older scan is no answer
+MAX_SCAN_AGE = 1.0  # [s] an older scan gives no detection
 ASK_PERIOD = 0.5  # [s] from one request to the next
 HEARTBEAT_PERIOD = 0.1  # [s]
 LONGEST_GAP = 0.15  # [s] between two heartbeats
-PATIENCE = 1.0  # [s] a request without an answer is given up after this ...
-NEXT_REQUEST = 1.5  # [s] ... and the next goes out at most this long after it
-HAIR = 0.051  # [s] ages and waits this near to a limit (50 ms) may fall on either side
+PATIENCE = 1.0  # [s] after a request: if there is no answer, it is given up ...
+NEXT_REQUEST = 1.5  # [s] ... and the next goes out by this time
+HAIR = 0.051  # [s] ages and waits within 50 ms of a limit may fall on either side
 FEATURE_TOLERANCE = 2e-3  # [m]
 CONFIDENCE_TOLERANCE = 1e-3
 STAMP_TOLERANCE = 1e-3  # [s]
@@ -38,7 +38,7 @@ class Allowed:
 
 
 def allowed(scan: Scan | None, asked: float) -> Allowed:
-    """Return what may be said of the newest scan when somebody asks at that time [s]."""
+    """Return how a request at this time [s] may be answered, given the newest scan."""
     if scan is None:
         return Allowed(False, True, "no scan has come yet")
     age = asked - scan.stamp
@@ -51,7 +51,7 @@ def allowed(scan: Scan | None, asked: float) -> Allowed:
 
 
 def spelt_features(label: str) -> Floats | None:
-    """Return the five features [m] that the model `describes` puts into its label; None: others."""
+    """Return the five features [m] in a label of the model `describes`; None: another label."""
     try:
         numbers = [float(word) for word in label.split()]
     except ValueError:

@@ -1,7 +1,7 @@
 """What the grader's own programs, which run beside the student's, noted for the judge.
 
-In virtual time they share a process with the student's nodes, in real time a user, so their notes
-are read as if those had written them.
+In virtual time they share a process with the student's nodes, in real time a user account. So a
+student's node could forge their notes, and they are read with that in mind.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from grader.recording import Recording
 from sim.messages import STRING
 
 ASKED, TOLD = "/probe/asked", "/probe/told"  # of grader/host/supplied/detection_asker.py
-START_UP = 1.0  # [s] of a program, in real time, with all that it takes to be found
+START_UP = 1.0  # [s] a program takes, in real time, to start and to be discovered
 SERVED = "/probe/served"  # of detection_double.py
 
 
@@ -37,7 +37,7 @@ class Answered(msgspec.Struct, frozen=True, tag="answered"):
 
 
 def notes(recording: Recording, topic: str) -> list[tuple[float, Asked | Answered]]:
-    """Return what a program of the grader's noted on a topic: time [s] and note."""
+    """Return the notes of a grader's program on a topic: time [s] and note."""
     require_ours(recording, topic)
     found = []
     for at, value in published(recording, topic, STRING):
@@ -56,7 +56,7 @@ def require_ours(recording: Recording, topic: str) -> None:
 
 
 def fail_forged(recording: Recording, topic: str, at: float | None) -> NoReturn:
-    """Fail because something on a topic of the grader's is not the grader's."""
+    """Fail: something on a topic of the grader's does not come from the grader."""
     ends = [e.node for e in recording.endpoints if e.topic == topic and e.kind == "publisher"]
     fail(
         f"{topic} is a topic of the grader's, and one of your nodes publishes on it",

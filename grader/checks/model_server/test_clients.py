@@ -1,4 +1,4 @@
-"""The core checks of exercise 6's clients, 45 points: what they ask the grader's own server."""
+"""The core checks of exercise 6's clients, 45 points: how they ask the grader's own server."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def test_gives_up(recordings: Recordings) -> None:
         require_alive(recording)
         found = requests(recording)
         if not any(request.answered == float("inf") for request in found):
-            fail("the client asked too seldom to be left without an answer", recording=recording)
+            fail("the client asked too rarely to be left without an answer", recording=recording)
         followed = [*found[1:], None]
         for request, after in zip(found, followed, strict=True):
             _require_patience(recording, request, after)
@@ -190,7 +190,7 @@ def test_finds_server(recordings: Recordings) -> None:
             end = life.stop or recording.duration_s
             first = min((time for time in times if life.start <= time <= end), default=None)
             latest = NEXT_REQUEST + HAIR + recording.slack
-            if recording.live is not None:  # there a server takes time to start
+            if recording.live is not None:  # in real time a server takes time to start
                 latest += START_UP
                 if first is None and end - life.start < latest:
                     continue
@@ -224,7 +224,7 @@ def test_malformed(recordings: Recordings) -> None:
             before = _kind(recording, request.number - 1) if request.number > 0 else "none"
             if kind == "fine" and request.answered < last and request.message not in said:
                 fail(
-                    f"after an answer of the kind “{before}” a good one is not published",
+                    f"a good answer after one of the kind “{before}” is not published",
                     expected=request.message,
                     actual="nothing of the kind on /navigation/detection",
                     at=request.answered,
@@ -234,7 +234,7 @@ def test_malformed(recordings: Recordings) -> None:
         end, before = (found[-1].at, kinds[-1]) if found else (0.0, "none")
         if recording.duration_s - end > NEXT_REQUEST + HAIR:
             fail(
-                f"after an answer of the kind “{before}” the client asks no more",
+                f"after an answer of the kind “{before}” the client stops asking",
                 expected="requests until the end of the scenario",
                 actual=f"the last at {end:.2f} s",
                 at=end,
@@ -244,7 +244,7 @@ def test_malformed(recordings: Recordings) -> None:
 
 
 def _require_own_topics(recording: Recording) -> None:
-    """Fail if one role speaks on another's topics: it does not look at its parameter."""
+    """Fail if one role publishes on another's topics: it ignores its parameter."""
     for end in recording.endpoints:
         role = end.node.strip("/").removesuffix("_client")
         other = end.topic.strip("/").partition("/")[0]
@@ -259,10 +259,10 @@ def _require_own_topics(recording: Recording) -> None:
 
 
 def _require_patience(recording: Recording, request: Request, after: Request | None) -> None:
-    """Fail unless the next request comes when this one's answer has come, or is given up."""
+    """Fail unless the next request waits until this one is answered or, in time, given up."""
     hair = HAIR + recording.slack
     wait = (after.at if after else recording.duration_s) - request.at
-    owed = request.answered - request.at > wait  # still, when the next request goes out
+    owed = request.answered - request.at > wait  # when the next request goes out
     if after and owed and wait < PATIENCE - hair:
         fail(
             f"{wait:.2f} s after a request the next went out, though no answer had come",
@@ -296,7 +296,7 @@ def _require_patience(recording: Recording, request: Request, after: Request | N
 
 
 def _kind(recording: Recording, number: int) -> str:
-    """Return which kind of answer the grader's server gives to a request."""
+    """Return the kind of the grader's server's answer to a request."""
     words = [word for program in recording.scenario.program for word in program.arguments]
     plan = next(word for word in words if word.startswith("answers:="))
     kinds = [word.partition("@")[0] for word in plan.removeprefix("answers:=").split()]

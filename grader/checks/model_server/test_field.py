@@ -6,46 +6,28 @@ from itertools import pairwise
 
 import pytest
 
+from grader.checks.field import FieldSuite
 from grader.checks.model_server.answers import require_contract
 from grader.checks.model_server.clients import detections, require_heartbeat
 from grader.checks.model_server.contract import ASK_PERIOD, HAIR, NEXT_REQUEST, ROLES
 from grader.checks.verdict import fail
-from grader.checks.wiring import require_alive, require_wiring
+from grader.checks.wiring import require_alive
 from grader.recording import Recording
 
-BY_ANGLE = "Compute each beam's angle from angle_min and angle_increment, and wrap it to -π … π."
 LONGEST_WAIT = 1.6  # [s] between two detections of one client, with a model that takes 0.3 s
 
 Recordings = tuple[Recording, ...]
 
+server = FieldSuite(
+    "model_server", require_contract, needs=("server_wiring",), nodes=("detection_server",)
+)
 
-@pytest.mark.check(field=True, scenarios=("detect_field_lds01",), needs=("server_wiring",))
-def test_field_lds01(recordings: Recordings) -> None:
-    """Works with an LDS-01: beams from 0 to 2π, 0.0 for no return, 3.5 m, 5 Hz."""
-    for recording in recordings:
-        require_contract(recording, BY_ANGLE)
-
-
-@pytest.mark.check(field=True, scenarios=("detect_field_wide",), needs=("server_wiring",))
-def test_field_wide_lidar(recordings: Recordings) -> None:
-    """Works with a lidar of 1080 beams over ±135° at 40 Hz."""
-    for recording in recordings:
-        require_contract(recording, BY_ANGLE)
-
-
-@pytest.mark.check(field=True, scenarios=("detect_field_best_effort",), needs=("server_wiring",))
-def test_field_best_effort(recordings: Recordings) -> None:
-    """Hears a lidar driver that publishes best effort (sensor-data QoS)."""
-    for recording in recordings:
-        require_wiring(recording, "model_server", "detection_server")
-        require_contract(recording)
-
-
-@pytest.mark.check(field=True, scenarios=("detect_field_speckle",), needs=("server_wiring",))
-def test_field_speckle(recordings: Recordings) -> None:
-    """Takes NaN speckle, noise and lost scans in its stride."""
-    for recording in recordings:
-        require_contract(recording)
+test_field_lds01 = server.lds01("detect_field_lds01")
+test_field_wide_lidar = server.wide_lidar("detect_field_wide")
+test_field_best_effort = server.best_effort("detect_field_best_effort")
+test_field_speckle = server.speckle(
+    "detect_field_speckle", title="Takes NaN speckle, noise and lost scans in its stride."
+)
 
 
 @pytest.mark.check(field=True, scenarios=("detect_field_slow_model",), needs=("client_wiring",))
@@ -81,7 +63,7 @@ def _require_detections(
     first: float,
     wait: float | None = None,
 ) -> None:
-    """Fail if a role waits longer than `first` [s] for the first detection, or `wait` for more."""
+    """Fail if a role waits over `first` [s] for its first detection, or `wait` [s] for the next."""
     heard = [t for t, who, _ in detections(recording) if who == role and begin <= t <= end]
     limits = [first] + [wait or first] * len(heard)
     for limit, (before, after) in zip(limits, pairwise([begin, *heard, end]), strict=True):

@@ -1,4 +1,4 @@
-"""The core checks of exercise 6's server, 55 points: what it tells the grader's own client."""
+"""The core checks of exercise 6's server, 55 points: how it answers the grader's own client."""
 
 from __future__ import annotations
 
@@ -149,13 +149,13 @@ def test_one_load(recordings: Recordings) -> None:
                     actual=ask.message,
                     at=ask.at,
                     recording=recording,
-                    help="pickle.load belongs into the constructor of the server, and of nobody "
-                    "else: that one process has the model is what the service is for.",
+                    help="pickle.load belongs in the constructor of the server and nowhere else: "
+                    "the service is there so that one process has the model for all.",
                 )
 
 
 def _require_refusals(recording: Recording, help: str) -> None:
-    """Fail unless the server refuses where it has to, and only there."""
+    """Fail unless the server refuses where it has to, and nowhere else."""
     require_alive(recording)
     judged = [(ask, allowed(ask.scan, ask.at)) for ask in asks(recording)]
     for ask, right in judged:
@@ -165,4 +165,4 @@ def _require_refusals(recording: Recording, help: str) -> None:
             require_success(recording, ask)
     kinds = {right.detection for _, right in judged}
     if kinds != {True, False}:
-        fail("the scenario ended before its end", recording=recording)
+        fail("the scenario ended before all of its requests were sent", recording=recording)

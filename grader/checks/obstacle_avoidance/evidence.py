@@ -1,98 +1,36 @@
-"""Which command followed which scan, and the verdicts that several checks share."""
+"""Whether the commands fit the scans: the verdicts that several checks of exercise 1 share."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from grader.checks.obstacle_avoidance.contract import front_distance, right_speeds
-from grader.checks.turns import turns
+from grader.checks.ahead import front_distance
+from grader.checks.commands import Answer, answers, garbage, judged, spell
+from grader.checks.driving import require_no_contact
+from grader.checks.obstacle_avoidance.contract import right_speeds
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.recording import Recording, Scan
+from grader.recording import Recording
 
 CAUTION = 0.05  # [m/s] slower before an obstacle than where the way is free, on average
-ZERO = 1e-6  # [m/s, rad/s] "zero" in every field
 SPEED_TOLERANCE = 1e-3  # [m/s]
-CLEARANCE = 0.2  # [m] to keep from the robot's edge
-FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
-
-
-@dataclass(frozen=True)
-class Answer:
-    """A scan and the command in force when the next scan came."""
-
-    scan: Scan
-    label: str  # of a bench scan; empty in a closed loop
-    tags: tuple[str, ...]
-    count: int  # commands between this scan and the next
-    speed: float | None  # linear.x in force [m/s]; None: there has been no command yet
-
-    @property
-    def what(self) -> str:
-        """The scan in words, for a student."""
-        if self.label:
-            return f"“{self.label}”"
-        distance = front_distance(self.scan)
-        return "a scan with nothing usable ahead" if distance is None else f"{distance:.2f} m ahead"
-
-
-def answers(recording: Recording) -> list[Answer]:
-    """Return every delivered scan with what the node made of it."""
-    twists, bench = recording.twists(), recording.scenario.bench_scans
-    scans, first = turns(recording)
-    found = []
-    for i, scan in enumerate(scans):
-        begin, end = int(first[i]), int(first[i + 1])
-        found.append(
-            Answer(
-                scan=scan,
-                label=bench[i].label if bench else "",
-                tags=bench[i].tags if bench else (),
-                count=end - begin,
-                speed=float(twists.linear_x[end - 1]) if end else None,
-            )
-        )
-    return found
-
-
-def judged(recording: Recording, tag: str = "") -> list[Answer]:
-    """Return every bench scan that carries the tag; fail if not all came, or none was answered.
-
-    Scans at the end whose answer would come after it are left out, in real time (see `turns`).
-    """
-    require_alive(recording)
-    scenario = recording.scenario
-    if not scenario.faults.scan_loss and len(recording.scans()) != len(scenario.bench_scans):
-        fail("the scenario ended before all of its scans were sent", recording=recording)
-    found = [answer for answer in answers(recording) if not tag or tag in answer.tags]
-    if not found:
-        pairs = zip(recording.scans(), scenario.bench_scans, strict=False)
-        fail(
-            f"no command has come by the scans “{tag}”",
-            expected="a Twist for each scan",
-            actual="none, until the end",
-            at=next((scan.t for scan, bench in pairs if not tag or tag in bench.tags), None),
-            recording=recording,
-            help="Publish once at the end of the scan callback, whatever the scan was.",
-        )
-    return found
+CLEARANCE = 0.2  # [m] between the robot's edge and anything else
 
 
 def require_speeds(recording: Recording, tag: str, help: str = "") -> None:
-    """Fail unless the node lived and drove as the contract says at every scan with this tag."""
+    """Fail unless the node ran to the end, with the right speed after each scan with this tag."""
     for answer in judged(recording, tag):
         require_speed(recording, answer, help)
     require_reaction(recording)
 
 
 def require_reaction(recording: Recording) -> None:
-    """Fail if the node always says the same, though what it sees asks for different speeds.
+    """Fail if the node always commands the same speed, though the scans ask for different ones.
 
-    Without this a node that only ever says "stop" would win the points of every stop.
+    Without this a node that only ever stops would win the points of every stop.
     """
     found = answers(recording)
     same_is_right = bool(frozenset.intersection(*(right_speeds(answer.scan) for answer in found)))
@@ -133,48 +71,16 @@ def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
         )
 
 
-def require_one_command_each(recording: Recording) -> None:
-    """Fail unless exactly one command followed each scan, and none came before the first."""
-    require_alive(recording)
-    found, twists = answers(recording), recording.twists()
-    if not found:
-        fail("no scan was sent", recording=recording)
-    if len(twists.t) and twists.t[0] < found[0].scan.t:
-        fail(
-            "a command came before the first scan",
-            expected="silence until there is something to decide on",
-            actual=f"a Twist at {twists.t[0]:.3f} s, the first scan at {found[0].scan.t:.3f} s",
-            at=float(twists.t[0]),
-            recording=recording,
-            help="Publish from the scan callback only, not from the constructor or a timer.",
-        )
-    for answer in found:
-        if answer.count != 1:
-            fail(
-                f"{answer.count} commands followed {answer.what}",
-                expected="exactly one Twist for each scan",
-                actual=f"{answer.count} between this scan and the next",
-                at=answer.scan.t,
-                recording=recording,
-                help="Look for a timer, a second publish(), or a return before the publish().",
-            )
-
-
 def require_distance(recording: Recording) -> None:
     """Fail if the robot touched something or came nearer than the contract allows."""
     require_alive(recording)
     require_reaction(recording)
+    require_no_contact(
+        recording,
+        "Watch the replay from a second before the contact: what did the lidar see?",
+        expected=f"clearance of at least {CLEARANCE} m",
+    )
     truth = recording.truth
-    if truth.contact.any():
-        at = truth.t[int(np.argmax(truth.contact))] / 1e9
-        fail(
-            "the robot ran into something",
-            expected=f"clearance of at least {CLEARANCE} m",
-            actual="contact",
-            at=at,
-            recording=recording,
-            help="Watch the replay from a second before the contact: what did the lidar see?",
-        )
     nearest = int(np.argmin(truth.clearance))
     if truth.clearance[nearest] < CLEARANCE:
         fail(
@@ -190,12 +96,13 @@ def require_distance(recording: Recording) -> None:
 def require_caution(recordings: Sequence[Recording]) -> None:
     """Fail if the node is no slower before an obstacle than where the way is free.
 
-    Without this a node that creeps or stutters blindly would win the points for touching nothing.
+    Without this a node that creeps blindly, or in fits and starts, would win the points for
+    touching nothing.
     """
     by_run = [(recording, answer) for recording in recordings for answer in answers(recording)]
     found = [answer for _, answer in by_run]
     free, stop = (_mean_speed(found, frozenset({right})) for right in (0.5, 0.0))
-    if free - stop >= CAUTION:  # not so if one of them is NaN: it was never asked for
+    if free - stop >= CAUTION:  # never true of NaN, where no scan asked for one of the speeds
         return
     where, at = _first_wrong(by_run, 0.0) or _first_wrong(by_run, 0.5) or (recordings[0], None)
     fail(
@@ -218,7 +125,7 @@ def _is_right(answer: Answer) -> bool:
 def _first_wrong(
     by_run: Sequence[tuple[Recording, Answer]], right: float
 ) -> tuple[Recording, float | None] | None:
-    """Return where and when [s] a scan that asks for this speed first got another."""
+    """Return where and when [s] a scan that asks for only this speed first got another."""
     wrong = (
         (recording, answer.scan.t)
         for recording, answer in by_run
@@ -232,7 +139,7 @@ def _spell_mean(speed: float) -> str:
 
 
 def _mean_speed(found: Sequence[Answer], right: frozenset[float]) -> float:
-    """Return the mean finite speed where this is the right one [m/s]; NaN if there is none."""
+    """Return the mean of the finite speeds where only these are right [m/s]; NaN: no such scan."""
     asked = [answer.speed for answer in found if right_speeds(answer.scan) == right]
     finite = [speed for speed in asked if speed is not None and math.isfinite(speed)]
     return sum(finite) / len(finite) if finite else math.nan
@@ -266,18 +173,3 @@ def require_moving_when_free(recording: Recording, patience: float = 1.5) -> Non
             )
     if not count:
         fail("the way was never free for long enough to judge", recording=recording)
-
-
-def spell(value: float) -> str:
-    """Return a command's number as a student should see it."""
-    return f"{value:.3g}" if 0.0 < abs(value) < 0.005 else f"{value:.2f}"
-
-
-def garbage(value: float) -> str:
-    """Return an explanation if a number can only be a wrongly typed field; else an empty text."""
-    if math.isnan(value) or 0.0 < abs(value) < 1e-300 or 1e6 < abs(value) < math.inf:
-        return (
-            "This number is garbage: the field holds an int or a np.float32 where ROS wants a "
-            "Python float. Write float(…) around what you assign."
-        )
-    return ""

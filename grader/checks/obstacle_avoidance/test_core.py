@@ -5,28 +5,25 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grader.checks.moments import came_to_rest, first_asked
+from grader.checks.commands import require_one_command_each, require_only_linear_x
+from grader.checks.driving import path_length
+from grader.checks.moments import came_to_rest
 from grader.checks.obstacle_avoidance.evidence import (
-    FIELDS,
-    ZERO,
-    garbage,
     require_caution,
     require_distance,
     require_moving_when_free,
-    require_one_command_each,
     require_speeds,
-    spell,
 )
 from grader.checks.turns import answered_in_turn
 from grader.checks.verdict import fail, inconclusive
-from grader.checks.wiring import require_alive, require_wiring
+from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
 BENCH = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
 DRIVES = ("avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store")
 CALLBACK_LIMIT = 0.1  # [s], p99
-OFTEN = 90  # [%] no machine stalls in every tenth callback without a queue for its CPUs
-LEAST_WAY = 0.5  # [m]
+OFTEN = 90  # [%] no machine stalls in one callback of ten unless threads queue for its CPUs
+LEAST_WAY = 0.5  # [m] driven in at least one of the worlds
 
 Recordings = tuple[Recording, ...]
 
@@ -49,26 +46,7 @@ def test_one_command_per_scan(recordings: Recordings) -> None:
 def test_only_linear_x(recordings: Recordings) -> None:
     """Every field of the Twist but linear.x is zero."""
     for recording in recordings:
-        require_alive(recording)
-        twists = recording.twists()
-        if not len(twists.t):
-            fail(
-                "not a single Twist came on /cmd_vel",
-                at=first_asked(recording),
-                recording=recording,
-            )
-        for column in range(1, 6):
-            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
-            if len(wrong):
-                value = float(twists.values[wrong[0], column])
-                fail(
-                    f"{FIELDS[column]} is not zero",
-                    expected=f"{FIELDS[column]} = 0.0",
-                    actual=f"{FIELDS[column]} = {spell(value)}",
-                    at=float(twists.t[wrong[0]]),
-                    recording=recording,
-                    help=garbage(value) or "This agent only drives straight ahead.",
-                )
+        require_only_linear_x(recording, "This agent only drives straight ahead.")
 
 
 @pytest.mark.check(points=10, scenarios=("avoid_zones",), needs=("wiring",))
@@ -158,7 +136,7 @@ def test_no_contact(recordings: Recordings) -> None:
     """In five worlds the robot touches nothing and keeps 0.2 m clear."""
     for recording in recordings:
         require_distance(recording)
-    if max(map(_way, recordings)) < LEAST_WAY:
+    if max(map(path_length, recordings)) < LEAST_WAY:
         fail(
             "the robot never moved, so nothing is shown",
             expected="a robot that drives where the way is free",
@@ -191,8 +169,8 @@ def test_callback_time(recordings: Recordings) -> None:
     p99 = float(np.percentile(wall, 99))
     if p99 <= CALLBACK_LIMIT:
         return
-    own = float(np.percentile(np.fmin(wall, cpu), 99))  # computed, not waited for anything
-    often = float(np.percentile(wall - queued, OFTEN))  # other than for a CPU
+    own = float(np.percentile(np.fmin(wall, cpu), 99))  # [s] spent computing
+    often = float(np.percentile(wall - queued, OFTEN))  # [s] without the wait for a CPU
     if max(own, often) <= CALLBACK_LIMIT:
         inconclusive("the machine stalled while the callbacks were being measured")
     longest = int(np.argmax([max(run_wall, default=0.0) for run_wall, _, _ in costs]))
@@ -208,14 +186,8 @@ def test_callback_time(recordings: Recordings) -> None:
     )
 
 
-def _way(recording: Recording) -> float:
-    """Return how far the robot drove [m]."""
-    truth = recording.truth
-    return float(np.hypot(np.diff(truth.x), np.diff(truth.y)).sum())
-
-
 def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return wall time, CPU time, wait for a CPU [s] of each exchange that began with a scan."""
+    """Return wall time, CPU time and the wait for a CPU [s] of each callback of a scan."""
     compute = recording.compute
     scans = recording.times("/scan")
     count = answered_in_turn(recording)
@@ -232,7 +204,7 @@ def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _times(recording: Recording) -> np.ndarray:
-    """Return when these exchanges began [s]."""
+    """Return when these callbacks began [s]."""
     scans = recording.times("/scan")
     if count := answered_in_turn(recording):
         return scans[:count]

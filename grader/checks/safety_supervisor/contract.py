@@ -1,4 +1,4 @@
-"""The oracle of safety_supervisor: what its rules ask for at each command it published."""
+"""The oracle of safety_supervisor: what its rules ask for at each command that it published."""
 
 from __future__ import annotations
 
@@ -9,20 +9,19 @@ from itertools import product
 
 import numpy as np
 
-from grader.checks.obstacle_avoidance.contract import HAIR, front_distance
+from grader.checks.ahead import HAIR, HALF_ANGLES, front_distance
+from grader.checks.commands import ZERO
 from grader.recording import Recording, Scan
 from sim.messages import BOOL, CMD_VEL_RAW_TOPIC, E_STOP_TOPIC, TWIST, decode, twist_from_cdr
 
 LONGEST_SILENCE = 0.5  # [s]
 AGE_HAIR = 0.05  # [s] ages this near to the limit may fall on either side
-ARRIVAL_HAIR = 0.005  # [s] what arrived this shortly before a tick may or may not count
+ARRIVAL_HAIR = 0.005  # [s] what arrived this shortly before a tick may count or not
 STOP_DISTANCE = 0.5  # [m]
 MAX_SPEED = 0.5  # [m/s]
 MAX_TURN_RATE = 1.9  # [rad/s]
 MAX_RISE = 0.045  # [m/s] of linear.x in a tick
-TOLERANCE = 1e-3  # [m/s, rad/s] of a command that is not zero
-ZERO = 1e-6  # [m/s, rad/s] of one that is
-HALF_ANGLES = (90.0, 88.5, 89.5, 90.5, 91.5)  # [°] beams near the sector's edge may count or not
+TOLERANCE = 1e-3  # [m/s, rad/s] of a command that should not be zero
 
 LEVELS = {  # of diagnostic_msgs/DiagnosticStatus: 0 OK, 1 WARN, 2 ERROR
     "e_stop": 2,
@@ -45,13 +44,13 @@ class Decision:
     rising: bool = False  # the acceleration limit holds it back
 
     def allows(self, speed: float, turn_rate: float) -> bool:
-        """Say whether these are the numbers asked for."""
+        """Tell whether these are the right speed [m/s] and turn rate [rad/s]."""
         return _same(speed, self.speed) and _same(turn_rate, self.turn_rate)
 
 
 @dataclass(frozen=True)
 class Situation:
-    """What the node had been told at some time; ages are inf for what it had not."""
+    """What the node had been sent by some time; the age of what had not come is inf."""
 
     e_stop: bool
     asked: tuple[float, ...] | None  # six fields of the last raw command
@@ -99,20 +98,21 @@ class Tick:
 
 def ticks(recording: Recording) -> list[Tick]:
     """Return every command that the node published, with what was right."""
-    story = _Story(recording)
+    arrivals = _Arrivals(recording)
     twists = recording.twists()
     found = []
     last = 0.0  # [m/s] linear.x of the command before
     for t, row in zip(twists.t.tolist(), twists.values.tolist(), strict=True):
-        now, just_before = story.at(t), story.at(t - ARRIVAL_HAIR - recording.slack, age_at=t)
+        now = arrivals.at(t)
+        just_before = arrivals.at(t - ARRIVAL_HAIR - recording.slack, age_at=t)
         right = [*_decisions(now, last), *_decisions(just_before, last)]
         found.append(Tick(t, tuple(row), now, tuple(dict.fromkeys(right))))
         last = row[0] if math.isfinite(row[0]) else 0.0
     return found
 
 
-class _Story:
-    """What the node was told, and when."""
+class _Arrivals:
+    """What the node was sent, and when."""
 
     def __init__(self, recording: Recording) -> None:
         delivered = recording.delivered
@@ -146,7 +146,7 @@ def _distances(scan: Scan) -> tuple[float | None, ...]:
 
 
 def _decisions(situation: Situation, last: float) -> Iterator[Decision]:
-    """Yield what is right; several where it would be splitting hairs."""
+    """Yield what is right after a last speed [m/s]; several where a limit is too near to tell."""
     asked = situation.asked
     if situation.e_stop:
         yield Decision("e_stop")

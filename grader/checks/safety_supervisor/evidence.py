@@ -9,16 +9,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from grader.checks.obstacle_avoidance.evidence import FIELDS, garbage, spell
+from grader.checks.commands import FIELDS, ZERO, garbage, require_zero, spell
 from grader.checks.reading import published
-from grader.checks.safety_supervisor.contract import LEVELS, ZERO, Tick, ticks
+from grader.checks.safety_supervisor.contract import LEVELS, Tick, ticks
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 
 TOPIC = "/diagnostics"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
-SETTLING = 0.6  # [s] after the start reasons are not checked
+SETTLING = 0.6  # [s] after the start, in which reasons are not judged
 PERIOD = 0.05  # [s]
 PERIOD_TOLERANCE = 0.0025  # [s] of the mean
 LONGEST_GAP = 0.075  # [s] between two commands
@@ -44,7 +44,7 @@ class Report:
 
 
 def reports(recording: Recording) -> list[Report]:
-    """Return what the node said on /diagnostics."""
+    """Return what the node published on /diagnostics."""
     found = []
     for time, value in published(recording, TOPIC, DIAGNOSTICS):
         status = value.status
@@ -72,7 +72,7 @@ def require_reports(recording: Recording) -> list[Report]:
 def require_commands(
     recording: Recording, help: str, judged: Callable[[Tick], bool] = lambda tick: True
 ) -> None:
-    """Fail unless the node lived, and speed and turn rate were right at the ticks judged."""
+    """Fail unless the node ran to the end, with speed and turn rate right at the ticks judged."""
     require_alive(recording)
     found = [tick for tick in ticks(recording) if judged(tick)]
     if not found:
@@ -104,19 +104,9 @@ def _fail_command(recording: Recording, tick: Tick, help: str) -> None:
 
 def require_other_fields(recording: Recording) -> None:
     """Fail unless the four other fields are zero."""
-    values = recording.twists().values
-    for column in range(1, 5):
-        wrong = np.flatnonzero(~(np.abs(values[:, column]) < ZERO))
-        if len(wrong):
-            value = float(values[wrong[0], column])
-            fail(
-                f"{FIELDS[column]} is not zero",
-                expected=f"{FIELDS[column]} = 0.0",
-                actual=f"{FIELDS[column]} = {spell(value)}",
-                at=float(recording.twists().t[wrong[0]]),
-                recording=recording,
-                help="Fill in a new Twist; only linear.x and angular.z are passed on.",
-            )
+    require_zero(
+        recording, FIELDS[1:5], "Fill in a new Twist; only linear.x and angular.z are passed on."
+    )
 
 
 def require_rate(recording: Recording) -> None:
@@ -151,8 +141,8 @@ def require_rate(recording: Recording) -> None:
 def require_reasons(recording: Recording, help: str) -> None:
     """Fail if a report gives a wrong reason.
 
-    A reason has to be there by the second tick at which it alone is right. It is judged only where
-    the commands are right: a wrong command has a check of its own.
+    A reason is due at the second tick at which it alone is right. It is judged only where the
+    commands are right: wrong ones have a check of their own.
     """
     said = require_reports(recording)
     times = np.array([report.t for report in said])
@@ -208,7 +198,9 @@ def require_text(recording: Recording) -> None:
         if report.count == 1 and report.reason:
             continue
         fail(
-            "a report without a reason" if report.count == 1 else f"a report of {report.count}",
+            f"a report with {report.count} statuses"
+            if report.count != 1
+            else "a report without a reason",
             expected="one status, whose message begins with one of: " + ", ".join(LEVELS),
             actual=f"{report.count} statuses" if report.count != 1 else f"“{report.text[:60]}”",
             at=report.t,

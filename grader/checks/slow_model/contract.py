@@ -8,5 +8,5 @@ LEAST_RATE = 3.0  # [Hz] of inference
 LEAST_RATE_5_HZ = 2.4  # [Hz] with a lidar of 5 Hz
 AGE_P95 = 0.58  # [s] of the scan behind a command
 AGE_P95_5_HZ = 0.6  # [s] with a lidar of 5 Hz
-MAX_AGE = 0.6  # [s] older scans are worth 0.0 ...
-LATEST_STOP = 0.65  # [s] ... one tick later at the latest
+MAX_AGE = 0.6  # [s] of the scan behind a command; an older one means 0.0 ...
+LATEST_STOP = 0.65  # [s] ... by the next tick

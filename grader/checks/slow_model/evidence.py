@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
-from grader.checks.predictions import TOLERANCE, ZERO, predictions
-from grader.checks.slow_model.contract import LATEST_STOP
+from grader.checks.commands import ZERO
+from grader.checks.predictions import TOLERANCE, predictions
+from grader.checks.slow_model.contract import LATEST_STOP, LONGEST_GAP, MOST_COMMANDS
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording
 
-START_UP = 0.125  # [s] in which the first tick of a 50 ms timer has come
-STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; nobody's prediction
+START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
+STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; no scan's prediction
 
 
 def behind(recording: Recording) -> np.ndarray:
@@ -36,7 +38,7 @@ def behind(recording: Recording) -> np.ndarray:
 
 
 def require_commands(recording: Recording) -> None:
-    """Fail if the node died, or said nothing at all."""
+    """Fail unless the node ran to the end and published commands."""
     require_alive(recording)
     if not len(recording.twists().t):
         fail(
@@ -50,7 +52,7 @@ def require_commands(recording: Recording) -> None:
 
 
 def require_no_strays(recording: Recording, scans: np.ndarray) -> None:
-    """Fail if commands are the prediction for no scan, once there have been predictions."""
+    """Fail if more than 2 % of the commands are no scan's prediction, once there can be one."""
     twists, first = recording.twists(), recording.times("/scan")[:1]
     strays = np.flatnonzero((scans == STRAY) & (twists.t > first + LATEST_STOP))
     if len(strays) <= 0.02 * len(scans):
@@ -76,6 +78,45 @@ def ages(recording: Recording, scans: np.ndarray) -> Floats:
     known = scans >= 0
     result[known] = recording.twists().t[known] - arrived[scans[known]]
     return result
+
+
+def require_period(recording: Recording) -> None:
+    """Fail unless commands came every 50 ms, within the contract's tolerance."""
+    require_commands(recording)
+    t = recording.twists().t
+    ends = np.append(t, recording.duration_s)
+    gaps = np.diff(ends)
+    waits = np.array([recording.waited(*pair) for pair in pairwise(ends.tolist())])
+    wrong = np.flatnonzero(gaps > LONGEST_GAP + waits + 1e-6)
+    if len(wrong) and not _a_rare_delay(recording, gaps, len(wrong)):
+        i = int(wrong[0])
+        fail(
+            "the control loop stumbles",
+            expected=f"a command every 50 ms, no gap over {1000 * LONGEST_GAP:.0f} ms",
+            actual=f"{1000 * gaps[i]:.0f} ms ({len(wrong)} of {len(gaps)} gaps are too long, "
+            f"the longest {1000 * gaps.max():.0f} ms)",
+            at=float(t[i]),
+            recording=recording,
+            help="Who keeps the timer waiting? A callback that runs the model blocks its executor "
+            "and its callback group.",
+        )
+    rate = len(t) / (recording.duration_s - float(t[0]) + 0.05)
+    if rate > MOST_COMMANDS:
+        early = np.flatnonzero(np.diff(t, prepend=-np.inf) < 1.0 / MOST_COMMANDS)
+        fail(
+            "there are more commands than ticks",
+            expected="20 per second, one for each tick of the timer",
+            actual=f"{rate:.1f} per second",
+            at=float(t[early[0]]) if len(early) else None,
+            recording=recording,
+            help="Only the control loop publishes; inference keeps its prediction for it.",
+        )
+
+
+def _a_rare_delay(recording: Recording, gaps: np.ndarray, wrong: int) -> bool:
+    """Tell whether, in real time, the gaps may be the scheduler's: few are wrong, and by little."""
+    few = wrong <= max(1, len(gaps) // 100)
+    return recording.live is not None and few and gaps.max() <= 2 * LONGEST_GAP
 
 
 def require_rate(recording: Recording, least: float) -> None:
@@ -133,9 +174,9 @@ def require_ages(recording: Recording, limit: float) -> None:
 
 
 def require_held(recording: Recording, tag: str, help: str) -> None:
-    """Fail unless each bench scan with this tag, once held for a while, brought its prediction.
+    """Fail unless each bench scan with this tag brought its prediction.
 
-    Scans of the bench repeat; what is said in the first 0.65 s of each is not looked at.
+    The bench repeats each scan for a while; the commands of its first 0.65 s are not judged.
     """
     require_commands(recording)
     judged = 0
@@ -172,7 +213,7 @@ def require_held(recording: Recording, tag: str, help: str) -> None:
 
 
 def require_moves(recording: Recording) -> None:
-    """Fail if the node never says anything but zero: then its zeros show nothing."""
+    """Fail if the node never commands anything but zero: then its zeros show nothing."""
     require_commands(recording)
     if not (np.abs(recording.twists().linear_x) > ZERO).any():
         due = [said.scan.t + LATEST_STOP for said in predictions(recording) if said.least > ZERO]

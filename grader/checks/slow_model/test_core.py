@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
-from grader.checks.predictions import ZERO
+from grader.checks.commands import FIELDS, ZERO, is_zero, require_zero
 from grader.checks.slow_model.contract import (
     AGE_P95,
     AGE_P95_5_HZ,
     LATEST_STOP,
     LEAST_RATE,
     LEAST_RATE_5_HZ,
-    LONGEST_GAP,
     MAX_AGE,
-    MOST_COMMANDS,
 )
 from grader.checks.slow_model.evidence import (
     START_UP,
@@ -26,6 +22,7 @@ from grader.checks.slow_model.evidence import (
     require_commands,
     require_held,
     require_moves,
+    require_period,
     require_rate,
     spell,
 )
@@ -35,7 +32,6 @@ from grader.recording import Recording
 
 LEADER = "slow_leader"
 SHORTEST_INFERENCE = 0.2  # [s] of the late lidar's model
-FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
 
 Recordings = tuple[Recording, ...]
 
@@ -72,7 +68,7 @@ def test_starts_at_zero(recordings: Recordings) -> None:
                 help="Publish at each tick; without a prediction, publish 0.0.",
             )
         early = np.flatnonzero(
-            (twists.t < first_scan + SHORTEST_INFERENCE) & ~(np.abs(twists.linear_x) < ZERO)
+            (twists.t < first_scan + SHORTEST_INFERENCE) & ~is_zero(twists.linear_x)
         )
         if len(early):
             fail(
@@ -125,7 +121,7 @@ def test_too_old(recordings: Recordings) -> None:
                 recording=recording,
                 help="A robot that is told nothing goes on for a while: say 0.0.",
             )
-        moving = during[~(np.abs(twists.linear_x[during]) < ZERO)]
+        moving = during[~is_zero(twists.linear_x[during])]
         if len(moving):
             i = int(moving[0])
             fail(
@@ -173,18 +169,7 @@ def test_clipped(recordings: Recordings) -> None:
     """Predictions are clipped to 0 … max_speed (here 0.4 m/s); all other fields are 0."""
     for recording in recordings:
         require_held(recording, "clip", "max(0.0, min(max_speed, prediction))")
-        twists = recording.twists()
-        for column in range(1, 6):
-            wrong = np.flatnonzero(~(np.abs(twists.values[:, column]) < ZERO))
-            if len(wrong):
-                fail(
-                    f"{FIELDS[column]} is not zero",
-                    expected=f"{FIELDS[column]} = 0.0",
-                    actual=f"{twists.values[wrong[0], column]:.3g}",
-                    at=float(twists.t[wrong[0]]),
-                    recording=recording,
-                    help="This robot only drives straight ahead.",
-                )
+        require_zero(recording, FIELDS[1:], "This robot only drives straight ahead.")
 
 
 @pytest.mark.check(points=5, scenarios=("slow_raises",), needs=("scan_age",))
@@ -239,49 +224,10 @@ def test_no_model(recordings: Recordings) -> None:
     _require_only_zeros(bare, "No model is no prediction: an error in the log, and 0.0.")
 
 
-def _a_rare_hiccup(recording: Recording, gaps: np.ndarray, wrong: int) -> bool:
-    """Tell whether, in real time, so few gaps are too long, and so little, that it may be Linux."""
-    few = wrong <= max(1, len(gaps) // 100)
-    return recording.live is not None and few and gaps.max() <= 2 * LONGEST_GAP
-
-
-def require_period(recording: Recording) -> None:
-    """Fail unless commands came every 50 ms, within the contract's tolerance."""
-    require_commands(recording)
-    t = recording.twists().t
-    ends = np.append(t, recording.duration_s)
-    gaps = np.diff(ends)
-    waits = np.array([recording.waited(*pair) for pair in pairwise(ends.tolist())])
-    wrong = np.flatnonzero(gaps > LONGEST_GAP + waits + 1e-6)
-    if len(wrong) and not _a_rare_hiccup(recording, gaps, len(wrong)):
-        i = int(wrong[0])
-        fail(
-            "the control loop stumbles",
-            expected=f"a command every 50 ms, no gap over {1000 * LONGEST_GAP:.0f} ms",
-            actual=f"{1000 * gaps[i]:.0f} ms ({len(wrong)} of {len(gaps)} gaps are too long, "
-            f"the longest {1000 * gaps.max():.0f} ms)",
-            at=float(t[i]),
-            recording=recording,
-            help="Who keeps the timer waiting? A callback that runs the model blocks its executor "
-            "and its callback group.",
-        )
-    rate = len(t) / (recording.duration_s - float(t[0]) + 0.05)
-    if rate > MOST_COMMANDS:
-        early = np.flatnonzero(np.diff(t, prepend=-np.inf) < 1.0 / MOST_COMMANDS)
-        fail(
-            "there are more commands than ticks",
-            expected="20 per second, one for each tick of the timer",
-            actual=f"{rate:.1f} per second",
-            at=float(t[early[0]]) if len(early) else None,
-            recording=recording,
-            help="Only the control loop publishes; inference keeps its prediction for it.",
-        )
-
-
 def _require_only_zeros(recording: Recording, help: str) -> None:
     require_commands(recording)
     twists = recording.twists()
-    moving = np.flatnonzero(~(np.abs(twists.linear_x) < ZERO))
+    moving = np.flatnonzero(~is_zero(twists.linear_x))
     if len(moving):
         fail(
             "the robot was told to drive, though no prediction was usable",

@@ -6,7 +6,7 @@ import math
 from collections import deque
 from dataclasses import dataclass
 
-from grader.checks.obstacle_avoidance.contract import HAIR, front_distance
+from grader.checks.ahead import HAIR, HALF_ANGLES, front_distance
 from grader.recording import Scan
 
 MEMORY_SIZE = 10  # readings
@@ -14,33 +14,32 @@ LONGEST_GAP = 1.0  # [s] a stamp that jumps ahead by more empties the memory
 STOP_DISTANCE = 0.5  # [m] nearer than this: stop
 LEAST_TIME = 2.0  # [s] less than this to a collision: stop
 SPEED = 0.3  # [m/s]
-HALF_ANGLES = (90.0, 88.5, 89.5, 90.5, 91.5)  # [°] beams near the sector's edge may count or not
 CLOSING_TOLERANCE = 1e-3  # [m/s]
-_NEAR_THE_LIMIT = 0.005  # [m] of distance - 2 s · closing speed: either side may be right
+_NEAR_THE_LIMIT = 0.005  # [m] |distance - 2 s · closing speed| for which both speeds are right
 
 
 @dataclass(frozen=True)
 class Step:
     """What one scan asks for.
 
-    Beams within 1° of the sector's edge may count or not, so there may be several right answers.
+    Beams near the sector's edge may count or not, so there may be several right answers.
     """
 
     scan: Scan
     distance: float | None  # [m] ahead; inf: nothing within range, None: blind
     known: int  # readings in the memory after this scan
     emptied: bool  # the stamp emptied the memory
-    closings: tuple[float | None, ...]  # [m/s]; None: nothing is to be said
+    closings: tuple[float | None, ...]  # [m/s] for each half-angle; None: publish nothing
     speeds: frozenset[float]  # [m/s]
 
     @property
     def silent(self) -> bool:
-        """Nothing is to be said on /closing_speed."""
+        """Nothing may be published on /closing_speed."""
         return all(closing is None for closing in self.closings)
 
     @property
     def spoken(self) -> bool:
-        """One closing speed is to be said."""
+        """One closing speed has to be published."""
         return all(closing is not None for closing in self.closings)
 
     @property
@@ -57,7 +56,7 @@ class Step:
 
 @dataclass
 class _Memory:
-    """The agent's memory, for one reading of where the front sector ends."""
+    """The agent's memory, if its front sector ends at this half-angle."""
 
     half_angle: float  # [°]
     last_stamp: float | None = None  # [s]
@@ -68,7 +67,7 @@ class _Memory:
         self.distance: float | None = None
 
     def take(self, scan: Scan) -> float | None:
-        """Take a scan in; return the closing speed [m/s], if one is to be said."""
+        """Take a scan in; return the closing speed [m/s], if one has to be published."""
         self.emptied = self.last_stamp is not None and not (
             0.0 <= scan.stamp - self.last_stamp <= LONGEST_GAP
         )
@@ -109,7 +108,7 @@ def closing_speed(readings: deque[tuple[float, float]]) -> float:
 
 
 def right_speeds(distance: float | None, closing: float | None) -> set[float]:
-    """Return the forward speeds [m/s] that are right; two where it would be splitting hairs."""
+    """Return the forward speeds [m/s] that are right; both where a limit is too near to tell."""
     if distance is None:
         return {0.0}
     if distance == math.inf:

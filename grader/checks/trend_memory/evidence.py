@@ -1,4 +1,4 @@
-"""What the node said after each scan, and the verdicts that several checks share."""
+"""What the node published after each scan, and the verdicts that several checks share."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from grader.checks.commands import Answer, answers, garbage, spell
+from grader.checks.driving import path_length
 from grader.checks.moments import came_to_rest
-from grader.checks.obstacle_avoidance.evidence import Answer, answers, garbage, spell
 from grader.checks.reading import published
 from grader.checks.trend_memory.contract import (
     CLOSING_TOLERANCE,
@@ -23,13 +24,13 @@ from sim.messages import FLOAT64
 
 TOPIC = "/closing_speed"
 SPEED_TOLERANCE = 1e-3  # [m/s]
-CLEARANCE = 0.2  # [m] to keep from the robot's edge
-LEAST_WAY = 0.5  # [m] that a robot drives if it is not simply standing
+CLEARANCE = 0.2  # [m] between the robot's edge and anything else
+LEAST_WAY = 0.5  # [m] driven in each drive
 
 
 @dataclass(frozen=True)
 class Case:
-    """A scan, what it asks for, and what the node said until the next one."""
+    """A scan, what it asks for, and what the node published until the next one."""
 
     step: Step
     answer: Answer
@@ -43,7 +44,7 @@ class Case:
 
 
 def cases(recording: Recording) -> list[Case]:
-    """Return every scan that the node was sent, in order."""
+    """Return each scan that was sent, in order, with what followed it."""
     found = answers(recording)
     times, values = closing_speeds(recording)
     ends = np.append(np.searchsorted(times, [answer.scan.t for answer in found]), len(times))
@@ -61,7 +62,7 @@ def closing_speeds(recording: Recording) -> tuple[list[float], list[float]]:
 
 
 def require_scans(recording: Recording) -> None:
-    """Fail unless the node lived and every scan of the bench was sent."""
+    """Fail unless the node ran to the end and every scan of the bench was sent."""
     require_alive(recording)
     if len(recording.scans()) < max(1, len(recording.scenario.bench_scans)):
         fail("the scenario ended before all of its scans were sent", recording=recording)
@@ -77,7 +78,7 @@ def require_closing_speeds(recording: Recording, help: str = "") -> None:
 
 
 def require_silence(recording: Recording, case: Case, help: str = "") -> None:
-    """Fail if a closing speed was said where none is to be said."""
+    """Fail if a closing speed came where none may be published."""
     if not case.step.silent or not case.said:
         return
     step = case.step
@@ -96,7 +97,7 @@ def require_silence(recording: Recording, case: Case, help: str = "") -> None:
 
 
 def require_one(recording: Recording, case: Case, help: str = "") -> None:
-    """Fail unless one closing speed was said where one is to be said."""
+    """Fail unless one closing speed came where one has to be published."""
     if not case.step.spoken or len(case.said) == 1:
         return
     fail(
@@ -110,7 +111,7 @@ def require_one(recording: Recording, case: Case, help: str = "") -> None:
 
 
 def require_value(recording: Recording, case: Case, help: str = "") -> None:
-    """Fail if the closing speed said is not minus the least-squares slope."""
+    """Fail if a closing speed is not minus the least-squares slope."""
     if not case.step.spoken:
         return
     least, most = case.step.bounds
@@ -128,7 +129,7 @@ def require_value(recording: Recording, case: Case, help: str = "") -> None:
 
 
 def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None:
-    """Fail unless the node drove as the contract says at every scan with this tag."""
+    """Fail unless the node commanded the right speed after every scan with this tag."""
     said: set[float] = set()
     wanted: set[frozenset[float]] = set()
     missed: tuple[Recording, float] | None = None  # the first scan that asked for something else
@@ -188,19 +189,16 @@ def require_distance(recording: Recording) -> None:
         )
 
 
-def require_way(recordings: tuple[Recording, ...]) -> None:
-    """Fail if the robot moved in none of these worlds: then nothing is shown."""
-    ways = [
-        float(np.hypot(np.diff(recording.truth.x), np.diff(recording.truth.y)).sum())
-        for recording in recordings
-    ]
-    if min(ways) < LEAST_WAY:
+def require_way(recording: Recording) -> None:
+    """Fail if the robot hardly moved: that it kept its distance shows nothing then."""
+    driven = path_length(recording)
+    if driven < LEAST_WAY:
         fail(
             "the robot hardly moved, so nothing is shown",
             expected="a robot that drives at 0.3 m/s where there is room and time",
-            actual=f"{min(ways):.2f} m driven",
-            at=came_to_rest(recordings[int(np.argmin(ways))]),
-            recording=recordings[int(np.argmin(ways))],
+            actual=f"{driven:.2f} m driven",
+            at=came_to_rest(recording),
+            recording=recording,
             help="Get drives_free right first.",
         )
 
@@ -214,7 +212,7 @@ def _is_right(case: Case) -> bool:
 
 
 def _time_left(case: Case) -> str:
-    """Return how much time was left before a collision, for a student; empty if that is not it."""
+    """Return how much time was left before a collision, if that asks for the stop; else empty."""
     if not case.step.spoken or case.step.distance is None:
         return ""
     closing = case.step.bounds[1]

@@ -1,4 +1,4 @@
-"""What comes out of a graded class: the class report, feedback pages, gradebooks, JUnit."""
+"""The results of a graded class: the class report, feedback pages, gradebooks, JUnit."""
 
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.write import write_results

@@ -1,4 +1,4 @@
-"""The class report's pictures, as SVG: coloured by the page's style, read out by their labels."""
+"""The class report's charts as SVG: coloured by the page's style, labelled for screen readers."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ def histogram(scores: Distribution) -> Element:
                y=base + 16, class_=_anchor(tenth))
         )  # fmt: skip
     marks.append(el("text", "points", x=WIDTH / 2, y=HEIGHT - 3, class_="tick middle"))
-    marks += _median(scores, inner) + counts  # the figures above the line
+    marks += _median(scores, inner) + counts  # the numbers on top of the median's line
     label = f"Histogram of {plural(len(scores.scores), 'score')}: {_in_words(scores)}"
     return _svg(WIDTH, HEIGHT, "histogram", label, marks)
 
 
 def sparkline(scores: Distribution) -> Element:
-    """Return the same histogram, small, without words."""
+    """Return the same histogram, small and without text."""
     width, height = 90, 22
     step = width / BINS
     most = max(*scores.bins, 1)
@@ -61,7 +61,7 @@ def sparkline(scores: Distribution) -> Element:
 
 
 def failures(item: Item, of: int) -> Element:
-    """Return a bar: how many of `of` submissions failed the check, and how many were skipped."""
+    """Return a bar of how many of `of` submissions failed the check, and how many skipped it."""
     width, height = 100, 10
     failed = width * item.failed / of if of else 0.0
     skipped = width * item.skipped / of if of else 0.0
@@ -90,7 +90,7 @@ def _median(scores: Distribution, inner: float) -> list[Element]:
 
 def _svg(width: float, height: float, class_: str, label: str, marks: Sequence[Element]) -> Element:
     box = f"0 0 {width} {height}"
-    # HTML's viewBox keeps its capital only as it is written here
+    # the name of the attribute is case-sensitive
     svg = el("svg", marks, width=width, height=height, role="img", aria_label=label, class_=class_)
     svg.set("viewBox", box)
     return svg

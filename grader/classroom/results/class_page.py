@@ -1,4 +1,4 @@
-"""The class report: what an instructor reads first. One page, no script, no network."""
+"""The class report, which the instructor reads first: one page, no script, no network."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def _top(results: Results, held: Results, tasks: Sequence[Task], options: Result
     )  # fmt: skip
 
 
-# --- what needs a person -------------------------------------------------------------------
+# --- held for a person ---------------------------------------------------------------------
 
 
 def _held(held: Results, tasks: Sequence[Task]) -> Element:
@@ -108,7 +108,7 @@ def _held(held: Results, tasks: Sequence[Task]) -> Element:
     return section(
         "held",
         "Held for you",
-        "These have no score and are in no gradebook until you have looked. "
+        "These have no score and are in no gradebook until you have looked at them. "
         "Nothing counts against the student.",
         table("Held gradings", headings, rows, stacks=True),
         class_="is-held",
@@ -172,7 +172,7 @@ def _students(results: Results, tasks: Sequence[Task]) -> Element:
     return section(
         "students",
         "Students",
-        "Each score leads to the page that the student gets.",
+        "Each score links to the student's page.",
         table("Scores of all students", headings, rows),
     )
 
@@ -208,8 +208,8 @@ def _notes(results: Results, options: ResultOptions) -> Element:
     )
     if len(made) > 1:
         notes.append(
-            el("li", "Gradings were made with different versions, listed below: scores may not "
-                     "compare. Grade the rest again with one.", class_="is-warn")
+            el("li", "Gradings were made with different versions, listed below: scores may not be "
+                     "comparable. Grade them all with one version.", class_="is-warn")
         )  # fmt: skip
     versions = [
         el("li", el("strong", plural(count, "grading")), ": ",
@@ -219,7 +219,7 @@ def _notes(results: Results, options: ResultOptions) -> Element:
     return section(
         "notes",
         "Notes of the batch",
-        "" if notes else "The batch has nothing to remark.",
+        "" if notes else "There are no notes.",
         el("ul", notes, class_="notes") if notes else None,
         [el("h3", "Versions"), el("ul", versions, class_="notes")] if versions else None,
     )

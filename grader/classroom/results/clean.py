@@ -1,4 +1,4 @@
-"""Students' text made harmless for the place where it goes: a page, a spreadsheet, XML, a path."""
+"""Make students' text harmless where it goes: on a page, in a spreadsheet, XML or a path."""
 
 from __future__ import annotations
 
@@ -6,16 +6,17 @@ import hashlib
 import re
 import unicodedata
 
+from grader.report.terminal import ESCAPES
+
 MAX_NAME = 120  # [characters] of a name on a page
 MAX_FOLDER = 100  # [bytes] of a folder's name; file systems allow 255
 
-_ESCAPES = re.compile(r"\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)?|[\x1b\x9b]\[?[0-?]*[ -/]*[@-~]")
 # C0 and C1 but tab and newline, bidi controls, line separators, surrogates, non-characters.
 _UNSEEN = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069"
     "\ud800-\udfff\ufdd0-\ufdef\ufeff\ufffe\uffff]"
 )
-# What a spreadsheet may take for a formula (OWASP, "CSV Injection"), full-width forms included.
+# What may begin a formula in a spreadsheet (OWASP, "CSV Injection"), full-width forms included.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20", "|", "%")
 _FOLDER = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?$")  # on Windows
@@ -24,10 +25,10 @@ _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?$")  # on Windo
 def visible(text: object) -> str:
     """Return text for people: no escape sequences, no control or bidi characters.
 
-    What remains is also what XML 1.0 allows ("Characters", section 2.2) and UTF-8 can carry.
+    XML 1.0 ("Characters", section 2.2) and UTF-8 allow what remains.
     """
     plain = str(text).replace("\r\n", "\n")
-    return _UNSEEN.sub("", _ESCAPES.sub("", plain))
+    return _UNSEEN.sub("", ESCAPES.sub("", plain))
 
 
 def one_line(text: object, most: int = MAX_NAME) -> str:
@@ -40,18 +41,18 @@ def one_line(text: object, most: int = MAX_NAME) -> str:
 
 
 def cell(text: object) -> str:
-    """Return text that a spreadsheet does not compute.
+    """Return text that a spreadsheet does not evaluate: formulas get an apostrophe in front.
 
-    Source: OWASP, "CSV Injection": an apostrophe in front of what would begin a formula.
+    Source: OWASP, "CSV Injection".
     """
-    line = " ".join(_ESCAPES.sub("", str(text)).split())
+    line = " ".join(ESCAPES.sub("", str(text)).split())
     starts_badly = str(text).lstrip(" \u00a0").startswith(_FORMULA)
     line = _UNSEEN.sub("", line)
     return "'" + line if starts_badly or line.startswith(_FORMULA) else line
 
 
 def folder_name(name: str) -> str:
-    """Return a folder's name for any name: itself if that is safe, else made safe and unique."""
+    """Return a folder name for any name: the name itself if it is safe, else a safe, unique one."""
     fits = len(name.encode("utf-8", "replace")) <= MAX_FOLDER
     if fits and _FOLDER.fullmatch(name) and not name.endswith(".") and not _RESERVED.match(name):
         return name

@@ -16,7 +16,7 @@ from grader.classroom.row import StoredResult
 from grader.course.exercises import EXERCISES
 
 SLOWEST = 5
-FEW = " With {} these figures are mostly chance, so nothing is read into them here."
+FEW = " With {} these figures are mostly chance, so they are not interpreted here."
 
 Results = Sequence[StoredResult]
 
@@ -24,10 +24,10 @@ Results = Sequence[StoredResult]
 def exercise_section(
     results: Results, task: Task, scores: Distribution, options: ResultOptions
 ) -> Element:
-    """Return what the class report says of one exercise."""
+    """Return the section of the class report about one exercise."""
     graded = [result for result in results if is_graded(result)]
     if not graded:
-        return section(f"exercise-{task.folder}", task.heading, "Nothing is graded and counts yet.")
+        return section(f"exercise-{task.folder}", task.heading, "No grading counts yet.")
     items = item_analysis(graded)
     return section(
         f"exercise-{task.folder}",
@@ -96,7 +96,7 @@ def _checks(items: Sequence[Item], submissions: int) -> Element:
             "p",
             "Difficulty is the share of submissions that pass: 0 is hardest. Discrimination is the "
             "point-biserial correlation between passing the check and the points of all the "
-            "others: near 0 it separates nobody, below 0 look at the check itself."
+            "others: near 0 the check separates nobody; below 0, look at the check itself."
             + ("" if submissions >= ENOUGH else FEW.format(plural(submissions, "submission"))),
             class_="quiet",
         ),
@@ -152,7 +152,7 @@ def _similar(results: Results, sources: Sources, task: Task) -> Element | None:
             "p",
             "Names, comments, numbers and layout are ignored, and the skeleton is left out. "
             "Similarity is the share of the smaller file that the closest two have in common. "
-            "It is a reason to ask, not an answer.",
+            "It is a reason to ask, not a proof.",
             class_="quiet",
         ),
     )

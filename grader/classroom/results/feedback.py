@@ -1,4 +1,4 @@
-"""What a student gets: a page for each exercise, with replays, and a page that leads to them."""
+"""A student's feedback: a page for each exercise, with replays, and an index page."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from grader.recording import Recording
 from grader.report.page import page_html, page_payload
 
 WAITING = "Not graded yet."
-HELD = "A person is looking at this one; it has no score yet, and it will not be forgotten."
+HELD = "A person has to look at this one; it has no score yet, and nothing is lost."
 
 
 def exercise_page(
@@ -29,7 +29,7 @@ def exercise_page(
 
 
 def wants_bags(hidden: Collection[str]) -> bool:
-    """Tell whether the pages have any use for recordings."""
+    """Tell whether the pages show recordings."""
     return not hides_worlds(hidden)
 
 
@@ -46,7 +46,7 @@ def index_page(
             "header",
             el("p", one_line(course), class_="eyebrow"),
             el("h1", name(student, 80)),
-            el("p", "Your results. Each exercise leads to its checks.", class_="lead"),
+            el("p", "Your results. Each exercise links to its checks.", class_="lead"),
             class_="top",
         ),
         el("main", el("section", table("Your results", headings, rows), class_="block")),
@@ -72,7 +72,7 @@ def _row(result: StoredResult, task: Task) -> Element:
 
 
 def _recordings(bags: Path) -> list[Recording]:
-    """Return the replays' recordings; a page without them is better than none."""
+    """Return the recordings to replay; none if they can't be read, so that there is a page."""
     from grader.trial.trials import load_bags  # noqa: PLC0415  (rosbags: 0.2 s)
 
     try:

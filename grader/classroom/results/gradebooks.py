@@ -30,7 +30,7 @@ SCORES = (
 
 
 def scores_csv(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
-    """Return one line a grading, with all that a spreadsheet may want to know."""
+    """Return one line per grading, with every figure."""
     by_slug = {task.slug: task for task in tasks}
     rows = [_scores_row(result, by_slug[result.exercise]) for result in results]
     return _text([SCORES, *rows])
@@ -40,10 +40,9 @@ def canvas_csv(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
     """Return the gradebook as Canvas imports it.
 
     Source: Canvas Instructor Guide, "How do I import grades in the Gradebook?": the columns
-    Student, ID, SIS Login ID and Section, then one an assignment, and below the headings a row
-    that begins with "Points Possible". Canvas matches a student by ID or SIS Login ID; the
-    submission's name stands in the latter. An assignment that Canvas knows is matched by its
-    title, or by "Title (id)".
+    Student, ID, SIS Login ID and Section, then one per assignment, and below the headings a row
+    that begins with "Points Possible". Canvas matches a student by ID or SIS Login ID; here the
+    latter is the submission's name. It matches an assignment by its title, or by "Title (id)".
     """
     header: list[Cell] = ["Student", "ID", "SIS Login ID", "Section"]
     header += [task.title for task in tasks]
@@ -56,9 +55,9 @@ def canvas_csv(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
 def moodle_csv(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
     """Return the grades as Moodle imports them.
 
-    Source: Moodle documentation, "Grade import" (CSV import): any headings; when importing, map
-    `username` to the user's field and each exercise to its grade item. Feedback columns are left
-    out, since Moodle then overwrites what teachers wrote.
+    Source: Moodle documentation, "Grade import" (CSV import): headings are free; the import maps
+    `username` to the user's field and each exercise to its grade item. There are no feedback
+    columns, since Moodle would overwrite what teachers wrote.
     """
     header: list[Cell] = ["username", *(task.title for task in tasks)]
     rows = [[name, *points] for name, points in _table(results, tasks)]
@@ -74,7 +73,7 @@ def _table(
         for task in tasks:
             result = found.get((student, task.slug))
             points.append(None if result is None else points_of(result, task))
-        if any(value is not None for value in points):  # else the gradebook has nothing to learn
+        if any(value is not None for value in points):  # else there is nothing to import
             yield student, points
 
 

@@ -11,9 +11,10 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 from grader.classroom.results.clean import one_line, visible
-from grader.classroom.results.marks import UNJUDGED, Check, Task, is_held, points_of
+from grader.classroom.results.marks import Check, Task, is_held, points_of
 from grader.classroom.results.withheld import for_students
 from grader.classroom.row import StoredResult
+from grader.report.terminal import UNJUDGED
 
 MAX_OUTPUT = 4000  # [characters] of one test
 WORDS = {
@@ -28,7 +29,7 @@ def results_json(
 ) -> dict[str, Any] | None:
     """Return one student's results; None while any of them is held or unfinished.
 
-    Gradescope takes a missing score for zero, so a score that is not final is not handed in.
+    Gradescope takes a missing score for zero, so it gets only final scores.
     """
     by_slug = {result.exercise: result for result in results}
     mine = [(task, by_slug[task.slug]) for task in tasks if task.slug in by_slug]

@@ -1,4 +1,4 @@
-"""What a class's results say of the exercise itself: item analysis, as test theory has it.
+"""Item analysis: what a class's results say about the exercise's checks.
 
 Difficulty index and point-biserial discrimination are those of classical test theory (Crocker &
 Algina, "Introduction to Classical and Modern Test Theory", chapters 4 and 14).
@@ -13,11 +13,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grader.classroom.results.clean import one_line
-from grader.classroom.results.marks import UNJUDGED, Check, Task, checks_of, points_of
+from grader.classroom.results.marks import Check, Task, checks_of, points_of
 from grader.classroom.row import StoredResult
+from grader.report.terminal import UNJUDGED
 
 BINS = 10
-ENOUGH = 10  # submissions; below, indices are mostly chance
+ENOUGH = 10  # submissions; with fewer, the indices are mostly chance
 WEAK, GOOD = 0.2, 0.4  # discrimination, Ebel's rules of thumb
 HARD, EASY = 0.25, 0.95  # difficulty index
 
@@ -26,7 +27,7 @@ _NUMBER = re.compile(r"[-\N{MINUS SIGN}]?\d+(?:[.,]\d+)*")
 
 @dataclass(frozen=True)
 class Item:
-    """One check over a class."""
+    """One check, over a whole class."""
 
     id: str
     title: str
@@ -37,8 +38,8 @@ class Item:
     skipped: int
     difficulty: float | None  # share of the judged that passed
     discrimination: float | None  # point-biserial with the rest of the score
-    often: str  # the failure heard most; "" if none was heard twice
-    times: int  # how often
+    often: str  # the most frequent failure message; "" if none occurs twice
+    times: int  # how often it occurs
     hint: str
 
 
@@ -71,7 +72,7 @@ class Distribution:
 
 
 def distribution(results: Sequence[StoredResult], task: Task) -> Distribution:
-    """Return how the scores of the graded lie."""
+    """Return the distribution of the scores that count."""
     scores = sorted(p for p in (points_of(result, task) for result in results) if p is not None)
     bins = [0] * BINS
     for score in scores:
@@ -81,7 +82,7 @@ def distribution(results: Sequence[StoredResult], task: Task) -> Distribution:
 
 
 def item_analysis(graded: Sequence[StoredResult]) -> list[Item]:
-    """Return every check of an exercise, in the order in which the checks stand."""
+    """Return the analysis of every check of an exercise, in the order of the checks."""
     checks = [{str(check.get("id")): check for check in checks_of(result)} for result in graded]
     ids = list(dict.fromkeys(id_ for each in checks for id_ in each))
     return [_item(id_, [each[id_] for each in checks if id_ in each], checks) for id_ in ids]
@@ -101,7 +102,7 @@ def _item(id_: str, all_of_it: list[Check], checks: list[dict[str, Check]]) -> I
     first = all_of_it[0]
     kind = "field" if first.get("kind") == "field" else "core"
     outcomes = Counter(str(check.get("outcome")) for check in all_of_it)
-    # field checks are skipped for a missing core, which says nothing of them
+    # a field check is skipped if a core check failed, which says nothing about it
     counted = ("pass", "fail") if kind == "field" else ("pass", "fail", "skip")
     judged = sum(outcomes[outcome] for outcome in counted)
     difficulty = outcomes["pass"] / judged if judged else None
@@ -124,7 +125,7 @@ def _item(id_: str, all_of_it: list[Check], checks: list[dict[str, Check]]) -> I
 
 
 def _usual_title(id_: str, all_of_it: list[Check]) -> str:
-    """Return the title that most gradings give the check: one odd grading doesn't rename it."""
+    """Return the title that most gradings give the check, so that an odd one doesn't rename it."""
     titles = Counter(one_line(check.get("title") or id_, 200) for check in all_of_it)
     return max(titles.items(), key=lambda pair: (pair[1], pair[0]))[0]
 
@@ -141,7 +142,7 @@ def _discrimination(id_: str, checks: list[dict[str, Check]]) -> float | None:
 
 
 def _often(failed: list[Check]) -> tuple[str, int]:
-    """Return the message heard most, taking messages as equal that differ in numbers only."""
+    """Return the most frequent message and its count; messages may differ in their numbers."""
     messages = [one_line(check.get("message") or "", 220) for check in failed]
     alike = Counter(_NUMBER.sub("#", message) for message in messages if message)
     if not alike:
@@ -157,15 +158,15 @@ def _hint(judged: int, p: float | None, r: float | None, skipped: int) -> str:
     if p is None:
         return "Judged in no submission."
     if judged < ENOUGH:
-        return f"Only {judged} judged: too few to read much into it."
+        return f"Only {judged} judged: too few to interpret."
     if r is not None and r < 0:
         return "Those who fail it do better elsewhere: look at the check and its wording."
     if p <= HARD and skipped > judged / 2:
         return "Mostly skipped, since a check before it failed."
     if p <= HARD:
-        return "Few pass: is it taught in time, and said clearly?"
+        return "Few pass: is it taught in time and worded clearly?"
     if p >= EASY:
-        return "Nearly all pass: it confirms, and separates nobody."
+        return "Nearly all pass: it separates nobody."
     if r is None:
         return ""
     if r < WEAK:

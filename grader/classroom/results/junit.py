@@ -1,7 +1,7 @@
-"""All gradings as JUnit XML, for whatever draws test results.
+"""All gradings as JUnit XML, for any tool that shows test results.
 
-Source: the schema of the Apache Ant JUnit task ("JUnit.xsd"), with `testsuites` around it: a suite
-is a student's exercise, a case a check. Characters that XML 1.0 forbids are left out.
+Source: the schema of the Apache Ant JUnit task ("JUnit.xsd"), inside `testsuites`. A suite is one
+student's exercise, a case is a check. Characters that XML 1.0 forbids are left out.
 """
 
 from __future__ import annotations
@@ -10,11 +10,9 @@ from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
 from grader.classroom.results.clean import one_line, visible
-from grader.classroom.results.marks import Check, Task, checks_of, is_held, why_held
+from grader.classroom.results.marks import TO_HOLD, Check, Task, checks_of, is_held, why_held
 from grader.classroom.row import StoredResult
-
-SKIPPED = ("skip", "unavailable")
-ERRORS = ("error", "inconclusive")
+from grader.report.terminal import SKIPPED
 
 
 def junit_xml(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
@@ -59,7 +57,7 @@ def _case(check: Check, result: StoredResult) -> ET.Element:
     outcome = str(check.get("outcome"))
     if outcome == "pass":
         return case
-    kind = "skipped" if outcome in SKIPPED else "error" if outcome in ERRORS else "failure"
+    kind = "skipped" if outcome in SKIPPED else "error" if outcome in TO_HOLD else "failure"
     message = one_line(check.get("message") or check.get("title") or outcome, 500)
     child = ET.SubElement(case, kind, message=message)
     if kind != "skipped":

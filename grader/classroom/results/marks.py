@@ -1,4 +1,4 @@
-"""What a stored result is worth: the score, or why there is none, and what to do about that."""
+"""The points of a stored result; or why there are none, and what to do about it."""
 
 from __future__ import annotations
 
@@ -13,9 +13,8 @@ from grader.errors import GraderError
 
 Check = Mapping[str, Any]
 
-UNJUDGED = ("error", "inconclusive", "unavailable")
 TO_HOLD = ("error", "inconclusive")
-FULL = 100.0  # points of an exercise that nobody describes any more
+FULL = 100.0  # points of an exercise that no longer exists
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,7 @@ class Task:
 
 
 def tasks_of(results: Iterable[StoredResult]) -> list[Task]:
-    """Return the exercises that occur, in the order of the lesson."""
+    """Return the exercises of the results, in the order of the lesson."""
     try:
         known = {exercise.slug: exercise for exercise in all_exercises()}
     except GraderError:
@@ -51,7 +50,7 @@ def tasks_of(results: Iterable[StoredResult]) -> list[Task]:
 
 
 def checks_of(result: StoredResult) -> list[Check]:
-    """Return the checks of a grading; none if there is none."""
+    """Return the checks of a result's grading; [] if there is none."""
     checks = (result.grading or {}).get("checks") or ()
     return [check for check in checks if isinstance(check, Mapping)]
 
@@ -73,8 +72,8 @@ def is_graded(result: StoredResult) -> bool:
 def points_of(result: StoredResult, task: Task) -> float | None:
     """Return the points in the gradebook; None if there is no score yet.
 
-    Checks about libraries that the grading machine lacks don't count; what was judged is scaled
-    to the exercise's points, so that their absence is not the student's loss.
+    Checks that require a library missing on the grading machine don't count: what was judged is
+    scaled to the exercise's points, so that no student loses points by it.
     """
     if not is_graded(result) or result.grading is None:
         return None
@@ -85,21 +84,21 @@ def points_of(result: StoredResult, task: Task) -> float | None:
 
 
 def raw_points(result: StoredResult) -> tuple[float, float]:
-    """Return the points won and those that could be won, as graded."""
+    """Return the points won and the points that could be won, unscaled."""
     grading = result.grading or {}
     return _number(grading.get("score")), _number(grading.get("max_score"))
 
 
 @dataclass(frozen=True)
 class Held:
-    """Why a grading is held, and what a person does about it."""
+    """Why a grading is held, and what to do about it."""
 
     reason: str
     action: str
 
 
 def why_held(result: StoredResult) -> Held:
-    """Say why this one is held, in words for the instructor."""
+    """Say, for the instructor, why a result is held and what to do."""
     again = "run the batch again with --retry-held"
     failed = [check for check in checks_of(result) if check.get("outcome") in TO_HOLD]
     errors = [check for check in failed if check.get("outcome") == "error"]
@@ -117,8 +116,8 @@ def why_held(result: StoredResult) -> Held:
     if result.problem and not result.file_names:
         return Held(
             one_line(result.problem, 400),
-            "Ask for the file, or put it in its place, and run the batch again: it grades only "
-            "what is new.",
+            "Ask for the file, or put it where it belongs, and run the batch again: it grades "
+            "only what is new.",
         )
     if result.problem:
         return Held(

@@ -1,4 +1,4 @@
-"""What an instructor decides about the results: title, remarks, and what students don't see."""
+"""How results are written: title, notes, and what students don't see."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from grader.errors import InputError
 
 HIDE = {
-    "nothing": "students see all that the grader saw",
+    "nothing": "students see everything",
     "field": "no field checks and none of their runs",
     "worlds": "no seeds and no replays, so that hidden worlds stay hidden",
-    "details": "the same, and of a failed check only its title and where to look next",
+    "details": "like worlds; of a failed check only its title and where to look next",
 }
 
 Sources = Mapping[tuple[str, str], Mapping[str, bytes]]
@@ -20,23 +20,23 @@ Sources = Mapping[tuple[str, str], Mapping[str, bytes]]
 
 @dataclass(frozen=True)
 class ResultOptions:
-    """How results are written."""
+    """The instructor's choices, and what the batch knows."""
 
     hide: str = "nothing"  # one of HIDE, or several with commas: "field,worlds"
     title: str = "Bridging Python agents with rclpy"  # of the course
-    notes: list[str] = field(default_factory=list)  # the batch's own remarks, a sentence each
-    # (student, exercise): file name → text; without them no similar submissions are looked for
+    notes: list[str] = field(default_factory=list)  # the batch's notes, a sentence each
+    # (student, exercise): file name → content; without them there is no search for similar files
     sources: Sources = field(default_factory=dict)
     replays: bool = True  # put replays into the feedback pages (where there are recordings)
     workers: int = 1  # processes that make the feedback pages
 
     def __post_init__(self) -> None:
-        """Refuse what nobody can hide.
+        """Check the words of `hide`.
 
         Raises
         ------
         InputError
-            `hide` has an unknown word.
+            One is unknown.
         """
         for word in self.hidden:
             if word not in HIDE:

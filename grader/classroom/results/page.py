@@ -1,4 +1,4 @@
-"""HTML pages that need neither a script nor the network: elements, text, one document."""
+"""Build HTML pages that need neither scripts nor the network."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Child = Element | str | None
 
 
 def el(tag: str, /, *children: Child | Iterable[Child], **attributes: object) -> Element:
-    """Make an element; a text child stays text, whatever is in it.
+    """Make an element; text in children is escaped.
 
-    `class_` is written class, `aria_label` aria-label; None and False leave an attribute out.
+    `class_` becomes class, `aria_label` aria-label; None and False leave an attribute out.
     """
     element = Element(tag)
     for key, value in attributes.items():
@@ -46,7 +46,7 @@ def add(parent: Element, *children: Child | Iterable[Child]) -> Element:
 
 
 def name(text: object, most: int = 60) -> Element:
-    """Return a name that somebody chose: one line, in its own direction of writing."""
+    """Return a user-chosen name: one line, with its own writing direction."""
     return el("bdi", one_line(text, most), class_="name")
 
 
@@ -57,10 +57,10 @@ def table(
     class_: str = "",
     stacks: bool = False,
 ) -> Element:
-    """Return a table with a caption and headings (text, class) that may be scrolled sideways.
+    """Return a table with a caption and headings (text, class), in a box that scrolls sideways.
 
-    One that `stacks` becomes a list of cards on a phone. It says its roles itself, since
-    browsers forget them with the layout.
+    One that `stacks` becomes a list of cards on a phone; its ARIA roles are explicit, since
+    browsers drop the implicit ones with the layout.
     """
     headings = tuple(headings)
     columns = [el("th", text, scope="col", class_=style or None) for text, style in headings]
@@ -72,8 +72,8 @@ def table(
     )
     if stacks:
         class_ = f"{class_} stacks"
-        _say_roles(grid, [text for text, _ in headings])
-    # scrolls by keyboard too (WCAG 2.1.1), so it is a region with a name
+        _set_roles(grid, [text for text, _ in headings])
+    # scrolls by keyboard, too (WCAG 2.1.1), so it is a named region
     return el(
         "div", grid, class_=f"table {class_}".strip(), role="region", aria_label=caption, tabindex=0
     )
@@ -82,7 +82,7 @@ def table(
 def section(
     id_: str, heading: str, lead: str, *children: Child | Iterable[Child], class_: str = ""
 ) -> Element:
-    """Return a section with its heading; its id is for links."""
+    """Return a section with a heading and an id to link to."""
     return el(
         "section",
         el("h2", heading, id=f"{id_}-heading"),
@@ -114,7 +114,7 @@ def document(title: str, *body: Child | Iterable[Child]) -> str:
         el("title", one_line(title)),
     )
     sheet = Element("style")
-    sheet.text = style  # as it is: our own, and its hash is in the policy
+    sheet.text = style  # verbatim: it is our own, and its hash is in the policy
     head.append(sheet)
     page = el("html", head, el("body", el("div", *body, class_="page")), lang="en")
     html = ET.tostring(page, "us-ascii", method="html").decode("ascii")
@@ -122,12 +122,12 @@ def document(title: str, *body: Child | Iterable[Child]) -> str:
 
 
 def _bodies(rows: Iterable[Element]) -> list[Element]:
-    """Return the rows in a body; what is a body already stays one."""
+    """Return rows wrapped in a table body; bodies are returned as they are."""
     rows = list(rows)
     return rows if rows and rows[0].tag == "tbody" else [el("tbody", rows)]
 
 
-def _say_roles(grid: Element, headings: list[str]) -> None:
+def _set_roles(grid: Element, headings: list[str]) -> None:
     roles = {"thead": "rowgroup", "tbody": "rowgroup", "tr": "row", "td": "cell"}
     grid.set("role", "table")
     for element in grid.iter():

@@ -1,8 +1,8 @@
 """Find submissions that are nearly the same: winnowing over Python's tokens.
 
 Source: Schleimer, Wilkerson & Aiken, "Winnowing: Local Algorithms for Document Fingerprinting",
-SIGMOD 2003, the method of MOSS. Names, numbers' and strings' values, comments and layout don't
-count, so renaming changes nothing. A match is a question to two people, never an answer.
+SIGMOD 2003, the method of MOSS. Names, the values of numbers and strings, comments and layout don't
+count, so renaming changes nothing. A match is a reason to ask two people, never a proof.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from itertools import combinations
 
 NOISE = 12  # tokens of a k-gram: shorter matches are chance
 WINDOW = 9  # k-grams: any match of NOISE + WINDOW - 1 = 20 tokens is found
-SIMILAR = 0.7  # of the smaller one's fingerprints; the course's independent solutions have 0.3
-FEW = 8  # fingerprints; a submission with fewer is too short to tell
-COMMON = 10  # submissions; in a class, what more than half of at least these have is common ground
+SIMILAR = 0.7  # share of the smaller one's fingerprints; the course's own solutions share 0.3
+FEW = 8  # fingerprints; a submission with fewer is too short to compare
+COMMON = 10  # submissions at least; a fingerprint that more than half of them have is common
 
 _LAYOUT = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.ENCODING, tokenize.ENDMARKER)
 _WORDS = frozenset(keyword.kwlist)
@@ -44,9 +44,9 @@ def similar_groups(
     Parameters
     ----------
     texts
-        Of each student, the files by name.
+        The files by name, for each student.
     given
-        The skeletons by name: what was handed out is no similarity.
+        The skeletons by name: their lines don't count as similar.
     """
     groups = []
     for file in sorted({name for files in texts.values() for name in files}):
@@ -57,7 +57,7 @@ def similar_groups(
 
 
 def tokens(source: bytes) -> list[str]:
-    """Return what a file does, token by token; its lines' words if it isn't Python."""
+    """Return a file's tokens without names and values; its words if it isn't Python."""
     found: list[str] = []
     try:
         for token in tokenize.tokenize(io.BytesIO(source).readline):
@@ -69,7 +69,7 @@ def tokens(source: bytes) -> list[str]:
 
 
 def fingerprints(words: Sequence[str]) -> frozenset[int]:
-    """Return the hashes that winnowing keeps: the least of each window, the rightmost of equals."""
+    """Return the hashes that winnowing keeps: the smallest of each window."""
     grams = [_hash(words[i : i + NOISE]) for i in range(len(words) - NOISE + 1)]
     if len(grams) <= WINDOW:
         return frozenset(grams)
@@ -121,7 +121,7 @@ def _groups_of(
 
 
 def _connected(links: Iterable[tuple[str, str]]) -> list[set[str]]:
-    """Return the groups that the links join."""
+    """Return the connected groups of the graph with these links."""
     near: dict[str, set[str]] = defaultdict(set)
     for a, b in links:
         near[a].add(b)

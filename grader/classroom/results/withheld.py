@@ -1,4 +1,4 @@
-"""What students don't get to see of a grading, as the instructor decided."""
+"""Remove from a grading what the instructor hides from students."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any
 
 from grader.recording import Recording
 
-# `course` and the batch know where files lie on the instructor's machine; students needn't.
 DETAILS = ("message", "expected", "actual")
 FIELD_RUN = "field"  # in the names of the field checks' scenarios
 
@@ -18,6 +17,7 @@ def for_students(
 ) -> dict[str, Any]:
     """Return the grading as its student may see it."""
     shown = dict(grading)
+    # no paths of the instructor's machine
     shown["file"] = ", ".join(file_names) or PurePath(str(grading.get("file") or "")).name
     shown["checks"] = [
         _check(check, hidden)
@@ -34,8 +34,8 @@ def for_students(
     if hides_worlds(hidden):
         shown["notes"] = [
             *(grading.get("notes") or ()),
-            "This course keeps its worlds to itself: the report has no replays. "
-            "The public scenarios can be driven with the command course drive.",
+            "This course hides the worlds of its gradings: the report has no replays. "
+            "You can drive the public scenarios with the command course drive.",
         ]
     return shown
 
@@ -46,7 +46,7 @@ def hides_worlds(hidden: Collection[str]) -> bool:
 
 
 def shows_run(scenario: str, hidden: Collection[str]) -> bool:
-    """Tell whether students may know of the run."""
+    """Tell whether students may see a scenario's run."""
     return not ("field" in hidden and FIELD_RUN in scenario.split("_"))
 
 
@@ -73,5 +73,5 @@ def _recording(recording: Mapping[str, Any], hidden: Collection[str]) -> dict[st
     shown = {**recording, "bag": None}
     if not hides_worlds(hidden):
         return shown
-    # neither the seed nor the scenario's name: both lead to the world
+    # neither seed nor scenario: both would reveal the world
     return {key: shown[key] for key in ("duration", "outcome", "bag") if key in shown}

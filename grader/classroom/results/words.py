@@ -10,7 +10,7 @@ NOTHING = "\N{EN DASH}"
 
 
 def moment(stamp: str) -> str:
-    """Return "2026-05-04 09:12 UTC" of an ISO 8601 time; what it isn't stays as it is."""
+    """Return an ISO 8601 time as "2026-05-04 09:12 UTC"; anything else is returned as it is."""
     try:
         moment = datetime.fromisoformat(stamp).astimezone(UTC)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Write everything that comes out of a graded class."""
+"""Write all results of a graded class."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from grader.classroom.results.options import ResultOptions
 from grader.classroom.row import StoredResult
 from grader.report.page import json_text, page_html
 
-PAGES = ".pages.json"  # of what each feedback page was made
-MANY = 20  # pages, from which on more processes are worth their start
-BOM = "\ufeff"  # without it Excel reads UTF-8 as something else
+PAGES = ".pages.json"  # hashes of what each feedback page was made from
+MANY = 20  # pages; for fewer, starting more processes does not pay
+BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 
 
 def write_results(
@@ -33,8 +33,8 @@ def write_results(
 ) -> list[Path]:
     """Write the class report, feedback, gradebooks and JUnit XML into `out`; return the files.
 
-    The same results make the same files. Each file is replaced whole, so that a reader never
-    meets half of one.
+    The same results give the same files. Each file is replaced atomically, so nobody reads half of
+    one.
     """
     options = options or ResultOptions()
     known = sorted(
@@ -75,35 +75,35 @@ class _Page:
 
 
 def _make(pages: Sequence[_Page], workers: int) -> None:
-    """Make the pages, with several processes if there are many."""
+    """Make the pages, in several processes if there are many."""
     if workers == 1 or len(pages) < MANY:
         for page in pages:
             page.make()
         return
-    # fresh processes: this one may have threads, of Dask or of the display
+    # spawned: this process may have threads, of Dask or the progress bar
     with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
         for _ in pool.map(_Page.make, pages, chunksize=4):
             pass
 
 
 class _Pages:
-    """Remembers of what each page was made: a replay takes half a second, a class has thousands."""
+    """Remembers what each page was made from: a replay takes 0.5 s, and a class has thousands."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
         self._before = self._load()
         self._now: dict[str, str] = {}
-        self._look = page_html({})  # another player, other pages
+        self._look = page_html({})  # a new player makes new pages
 
     def is_fresh(self, page: Path, *made_of: object) -> bool:
-        """Tell whether the page is there and made of the same; take down what it is made of."""
+        """Tell whether the page exists and was made from the same; remember that for `save`."""
         name = page.relative_to(self._file.parent).as_posix()
         text = json.dumps([self._look, *made_of], sort_keys=True, default=str)
         self._now[name] = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
         return page.is_file() and self._before.get(name) == self._now[name]
 
     def save(self) -> None:
-        """Write it down, after the pages."""
+        """Store the hashes, after the pages are written."""
         _write(self._file, json.dumps(self._now, indent=1, sort_keys=True) + "\n")
 
     def _load(self) -> dict[str, str]:
@@ -131,7 +131,7 @@ def _write_student(
         task = by_slug[result.exercise]
         page = folder / f"{task.folder}.html"
         if not is_graded(result):
-            page.unlink(missing_ok=True)  # of an earlier run: it no longer counts
+            page.unlink(missing_ok=True)  # from an earlier run; it no longer counts
             continue
         bags = None
         if options.replays and result.recordings is not None and wants_bags(options.hidden):
@@ -146,7 +146,7 @@ def _write_student(
     final = results_json(results, tasks, options.hidden)
     if final is None:
         handed_in.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):  # not there, or something of somebody else's in it
+        with contextlib.suppress(OSError):  # it is missing, or holds other files
             handed_in.parent.rmdir()
     else:
         written.append(_write(handed_in, json_text(final)))
@@ -154,7 +154,7 @@ def _write_student(
 
 
 def _state(bags: Path) -> list[tuple[str, int, int]]:
-    """Return what tells that recordings are others: names, sizes and times of the files."""
+    """Return names, sizes and times of the recordings' files, which show whether any changed."""
     files = sorted(path for path in bags.rglob("*") if path.is_file())
     stats = [(path.name, path.stat()) for path in files]
     return [(name, stat.st_size, stat.st_mtime_ns) for name, stat in stats]

@@ -266,6 +266,15 @@ def test_a_skeleton_is_no_leak_and_its_solution_is(tmp_path: Path) -> None:
     }
 
 
+def test_how_a_node_begins_and_ends_is_no_answer(tmp_path: Path) -> None:
+    imports = [line for line in lines_of(MUTANT) if line.startswith(("import ", "from "))]
+    skeleton = (ROOT / "exercises/model_server/detection_client.py").read_text("utf-8")
+    main = skeleton[skeleton.index("def main(") :]
+    (tmp_path / "lesson.md").write_text("\n".join([*imports, "", main]), "utf-8")
+    assert len(imports) >= 6
+    assert leaks(tmp_path) == []
+
+
 def test_a_leak_stops_the_release(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     solution = (ROOT / "solutions/goal_seeking/goal_seeking_agent.py").read_bytes()
     spoilt = contents() | {"sim/notes.py": solution}  # as if somebody had put it there
@@ -328,7 +337,7 @@ def test_what_is_there_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="new or empty"):
         release(tmp_path)
     (tmp_path / "out.zip").write_text("mine")
-    with pytest.raises(InputError, match="already there"):
+    with pytest.raises(InputError, match="already exists"):
         release(tmp_path / "out", archive=True)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.txt", "out.zip"]
 

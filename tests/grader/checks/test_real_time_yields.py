@@ -68,7 +68,7 @@ def test_a_delay_is_what_was_measured_meanwhile(begin: float, end: float, delay:
 def test_a_scan_waits_for_its_command_no_longer_than_the_machine_made_it(
     live: bool, command: float, prompt: bool
 ) -> None:
-    from grader.checks.ml_velocity.evidence import require_prompt  # noqa: PLC0415
+    from grader.checks.model_commands import require_prompt  # noqa: PLC0415
     from grader.checks.verdict import CheckFailed  # noqa: PLC0415
 
     fake = measured(live)
@@ -93,10 +93,10 @@ def test_a_scan_waits_for_its_command_no_longer_than_the_machine_made_it(
 def test_one_gap_in_a_hundred_may_be_linux(
     live: object, longest: float, count: int, forgiven: bool
 ) -> None:
-    from grader.checks.slow_model.test_core import _a_rare_hiccup  # noqa: PLC0415
+    from grader.checks.slow_model.evidence import _a_rare_delay  # noqa: PLC0415
 
     gaps = np.array([0.05] * (100 - count) + [longest] * count)
-    assert _a_rare_hiccup(recording(live), gaps, count) == forgiven
+    assert _a_rare_delay(recording(live), gaps, count) == forgiven
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_one_gap_in_a_hundred_may_be_linux(
 def test_a_gap_between_commands_may_be_as_long_as_the_machine_made_it(
     monkeypatch: pytest.MonkeyPatch, period: float, where: float | None, right: bool
 ) -> None:
-    from grader.checks.slow_model import test_core  # noqa: PLC0415
+    from grader.checks.slow_model import evidence  # noqa: PLC0415
     from grader.checks.verdict import CheckFailed  # noqa: PLC0415
 
     turns, none = np.arange(20) / 20, np.zeros(20)
@@ -124,9 +124,9 @@ def test_a_gap_between_commands_may_be_as_long_as_the_machine_made_it(
     fake = recording(SimpleNamespace(lateness=0.06), slack=0.11, name="gaps")
     fake.compute = Compute(turns, none, none, queued)
     fake.twists, fake.duration_s = lambda: SimpleNamespace(t=times), float(times[-1]) + 0.05
-    monkeypatch.setattr(test_core, "require_commands", lambda _: None)
+    monkeypatch.setattr(evidence, "require_commands", lambda _: None)
     with contextlib.nullcontext() if right else pytest.raises(CheckFailed, match="stumbles"):
-        test_core.require_period(with_methods(fake))
+        evidence.require_period(with_methods(fake))
 
 
 # --- exercise 6: scans and requests that cross ----------------------------------------------------
@@ -279,7 +279,7 @@ def test_levels_between_the_least_and_the_most_are_right() -> None:
 
 
 def bench(monkeypatch: pytest.MonkeyPatch, answered: int, sent: int = 4) -> Any:
-    from grader.checks.obstacle_avoidance import evidence  # noqa: PLC0415
+    from grader.checks import commands  # noqa: PLC0415
 
     tags = ((), ("a",), ("a",), ("b",))
     scenario = SimpleNamespace(
@@ -288,8 +288,8 @@ def bench(monkeypatch: pytest.MonkeyPatch, answered: int, sent: int = 4) -> Any:
         name="bench",
     )
     found = [SimpleNamespace(tags=each) for each in tags[:answered]]
-    monkeypatch.setattr(evidence, "answers", lambda _: found)
-    monkeypatch.setattr(evidence, "require_alive", lambda _: None)
+    monkeypatch.setattr(commands, "answers", lambda _: found)
+    monkeypatch.setattr(commands, "require_alive", lambda _: None)
     result = recording(scenario=scenario, name="bench")
     result.scans = lambda: SCANS[:sent]
     return result
@@ -298,7 +298,7 @@ def bench(monkeypatch: pytest.MonkeyPatch, answered: int, sent: int = 4) -> Any:
 def test_scans_whose_answer_would_come_after_the_end_are_left_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from grader.checks.obstacle_avoidance.evidence import judged  # noqa: PLC0415
+    from grader.checks.commands import judged  # noqa: PLC0415
     from grader.checks.verdict import CheckFailed  # noqa: PLC0415
 
     assert len(judged(bench(monkeypatch, answered=4), "a")) == 2

@@ -10,15 +10,17 @@ from typing import Any
 import pytest
 
 from grader.authoring.proof import claims
-from grader.classroom import batch
-from grader.classroom.batch import Options, autograde
+from grader.classroom import batch, candidates, engine
+from grader.classroom.batch import autograde
 from grader.classroom.engine import DaskWorkers
+from grader.classroom.options import Options
 from grader.classroom.row import GRADED, HELD, RUNNING, StoredResult
 from grader.classroom.store import Store
-from grader.classroom.work import Unit, UnitResult, isolation_problem
+from grader.classroom.work import Unit, UnitResult
 from grader.course.exercises import find_exercise
 from grader.course.students import student_seed
 from grader.errors import GraderError, InputError
+from grader.grading.handed_in import isolation_problem
 
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
@@ -36,7 +38,7 @@ class Quiet:
     def begin(self, total: int) -> None:
         self.lines.append(f"{total} to grade")
 
-    def done(self, student: str, exercise: str, outcome: str, *, counts: bool = True) -> None:
+    def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
         self.lines.append(f"{student}: {outcome}")
 
     def say(self, text: str) -> None:
@@ -60,8 +62,8 @@ class FakeWorkers:
             return future
         (unit,) = arguments
         self.seen.append(unit)
-        if unit.room:
-            Path(unit.room, "trial").mkdir(exist_ok=True)
+        if unit.bag_folder:
+            Path(unit.bag_folder, "trial").mkdir(exist_ok=True)
         try:
             future.set_result(self.judge(unit))
         except BrokenExecutor as error:
@@ -109,10 +111,10 @@ def grade_class(
         workers, quiet = FakeWorkers(judge, refusal), Quiet()
 
         @contextlib.contextmanager
-        def fake_workers(_: Options) -> Iterator[FakeWorkers]:
+        def fake_workers(*_: object) -> Iterator[FakeWorkers]:
             yield workers
 
-        monkeypatch.setattr(batch, "_workers", fake_workers)
+        monkeypatch.setattr(engine, "open_workers", fake_workers)
         options.setdefault("exercises", (SLUG,))
         options.setdefault("canaries", 0)
         results = autograde(handed_in, tmp_path / "out", Options(**options), quiet, regrade=regrade)
@@ -238,8 +240,8 @@ def test_a_drift_puts_what_came_before_in_quarantine(grade_class: Any, tmp_path:
     assert workers.students == ["ann", "bob", "eve"] * 2
     assert {r.state for r in results.values()} == {GRADED}
     (note,) = [line for line in quiet.lines if "quarantine" in line]
-    assert "reference came out otherwise in stop_zone" in note
-    assert "(3 submissions)" in note
+    assert "reference had an unexpected outcome in stop_zone" in note
+    assert "The 3 submissions graded since" in note
     assert "quarantine" in (tmp_path / "out" / "class.html").read_text()
 
 
@@ -301,11 +303,11 @@ def test_regrading_after_a_check_was_repaired(
     grade_class: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     grade_class()
-    monkeypatch.setattr(batch, "fingerprint", lambda _: "f" * 32)
+    monkeypatch.setattr(candidates, "fingerprint", lambda _: "f" * 32)
     assert grade_class(regrade=True)[1].students == ["ann", "bob", "eve"]
     assert grade_class()[1].students == []  # what the repaired checks judged need not run again
 
-    monkeypatch.setattr(batch, "fingerprint", lambda _: "e" * 32)
+    monkeypatch.setattr(candidates, "fingerprint", lambda _: "e" * 32)
     assert grade_class()[1].students == ["ann", "bob", "eve"]
 
 

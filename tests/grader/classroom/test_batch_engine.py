@@ -35,7 +35,7 @@ def test_a_dead_worker_is_replaced() -> None:
 
 
 def test_an_old_worker_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engine, "RENEWED", 1)
+    monkeypatch.setattr(engine, "MAX_UNITS", 1)
     workers = LocalWorkers(1)
     try:
         assert workers.submit(os.getpid).result() != workers.submit(os.getpid).result()

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from grader.classroom import intake
-from grader.classroom.intake import Student, find_files, find_students, read_file, student_id
-from grader.course.submission import MAX_SIZE
+from grader.classroom.intake import Student, find_files, find_students, student_id
+from grader.course.submission import MAX_SIZE, read_regular_file
 from grader.errors import InputError
 
 AGENT = "agent.py"
@@ -273,12 +273,12 @@ def test_links_out_of_a_folder_are_not_followed(handed_in: Path, tmp_path: Path)
     assert "there are no files" in find_files(eve, [AGENT]).problem
     assert "link" in mallory.problem
     with pytest.raises(OSError):
-        read_file(handed_in / "eve" / AGENT)
+        read_regular_file(handed_in / "eve" / AGENT)
     with pytest.raises(OSError):
-        read_file(handed_in / "eve" / "pipe.py")
+        read_regular_file(handed_in / "eve" / "pipe.py")
 
 
 def test_no_more_is_read_than_tells_that_it_is_too_much(tmp_path: Path) -> None:
     (tmp_path / "big.py").write_bytes(b"#" * (MAX_SIZE + 10))
 
-    assert len(read_file(tmp_path / "big.py")) == MAX_SIZE + 1
+    assert len(read_regular_file(tmp_path / "big.py")) == MAX_SIZE + 1

@@ -481,7 +481,7 @@ def test_what_was_graded_and_is_now_held_is_taken_back(tmp_path: Path) -> None:
     write_results([right("ada", state=HELD)], tmp_path)
     assert not page.exists()
     assert not handed_in.exists()
-    assert "A person is looking" in (tmp_path / "feedback" / "ada" / "index.html").read_text()
+    assert "A person has to look" in (tmp_path / "feedback" / "ada" / "index.html").read_text()
 
 
 def test_pages_are_made_again_only_for_another_result(tmp_path: Path) -> None:

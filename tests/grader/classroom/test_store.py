@@ -54,7 +54,7 @@ def test_what_ran_is_given_back(tmp_path: Path) -> None:
     with Store(tmp_path / "s") as store:
         store.enter(ANN, "h")
         store.claim(ANN, "h", [])
-        assert store.give_back() == 1
+        assert store.requeue_running() == 1
         assert store.waiting() == [ANN]
 
 
@@ -87,7 +87,7 @@ def test_units_that_killed_their_worker_come_last(tmp_path: Path) -> None:
     with Store(tmp_path / "s") as store:
         store.enter(ANN, "h")
         store.enter(BOB, "h")
-        assert store.put_off(ANN, death=True) == Counts(1, 0, 0)
+        assert store.requeue(ANN, death=True) == Counts(1, 0, 0)
         assert store.waiting() == [BOB, ANN]
 
 
@@ -115,7 +115,7 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     db = sqlite3.connect(tmp_path / "newer")
     db.execute("PRAGMA user_version=99")
     db.close()
-    with pytest.raises(InputError, match="form 99"):
+    with pytest.raises(InputError, match="schema 99"):
         Store(tmp_path / "newer")
 
 
@@ -132,7 +132,7 @@ def test_kill_9_leaves_what_was_finished(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", script, str(tmp_path / "s")], check=False)
     assert done.returncode == -signal.SIGKILL
     with Store(tmp_path / "s") as store:
-        store.give_back()
+        store.requeue_running()
         assert list(states(store).values()) == [GRADED] * 3 + [WAITING] * 2
         assert [r.grading for r in store.results()][:3] == [{"score": n} for n in range(3)]
     assert os.listdir(tmp_path) == ["s"]

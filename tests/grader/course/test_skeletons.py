@@ -51,7 +51,10 @@ def test_a_block_without_skeleton_part_becomes_a_todo() -> None:
             "### BEGIN SOLUTION\n### SKELETON\n### SKELETON\n### END SOLUTION\n",
             "line 3: SKELETON belongs",
         ),
-        ("### BEGIN SOLUTION\n### SKELETON\nx = 1\n### END SOLUTION\n", "line 3: below ###"),
+        (
+            "### BEGIN SOLUTION\n### SKELETON\nx = 1\n### END SOLUTION\n",
+            "line 3: expected a comment below ###",
+        ),
         ("## BEGIN SOLUTION\n", "line 1: '## BEGIN SOLUTION' looks like a marker"),
         ("### END_SOLUTION\n", "looks like a marker"),
         ("x = 1\n", "agent.py: no ### BEGIN SOLUTION block"),

@@ -1,0 +1,115 @@
+"""Whether a node commands what its model predicts: the verdicts that exercises 2 and 8 share."""
+
+from __future__ import annotations
+
+from grader.checks.commands import Answer, spell
+from grader.checks.driving import path_length, require_no_contact
+from grader.checks.moments import came_to_rest, first_asked
+from grader.checks.predictions import MAX_SPEED, SpeedInterval
+from grader.checks.verdict import fail
+from grader.checks.wiring import require_alive
+from grader.recording import Recording
+
+LEAST_WAY = 0.8  # [m]
+BRISK = 0.8  # of max_speed, reached where the way is free
+PROMPT = 0.05  # [s] between a scan and its command: too short for loading the model
+
+
+def scan_in_words(recording: Recording, answer: Answer) -> str:
+    """Return which scan it is, for a student; its time if lost scans shift the bench's labels."""
+    if answer.label and not recording.scenario.faults.scan_loss:
+        return f"“{answer.label}”"
+    return f"the scan at {answer.scan.t:.3f} s"
+
+
+def require_speed(
+    recording: Recording,
+    answer: Answer,
+    right: SpeedInterval,
+    tolerance: float,
+    *,
+    what: str,
+    help: str,
+) -> None:
+    """Fail unless the command in force after this scan has the right linear.x, ± tolerance [m/s].
+
+    `what` is the scan in words.
+    """
+    if answer.speed is None:
+        fail(
+            f"no command has come by {what}",
+            expected=f"a Twist with linear.x = {right} m/s",
+            actual="nothing on /cmd_vel",
+            at=answer.scan.t,
+            recording=recording,
+            help="Publish once at the end of the scan callback, whatever the scan was: a return "
+            "before the publish() leaves the last command in force.",
+        )
+    if not right.allows(answer.speed, tolerance):
+        fail(
+            f"{what}: wrong speed",
+            expected=f"linear.x = {right} m/s",
+            actual=f"linear.x = {_four_digits(answer.speed)} m/s",
+            at=answer.scan.t,
+            recording=recording,
+            help=help,
+        )
+
+
+def require_prompt(recording: Recording, scan: float) -> None:
+    """Fail unless a command came within PROMPT of the scan's time [s] and the machine's delays."""
+    times = recording.twists().t
+    after = times[times >= scan]
+    if len(after) and after[0] - scan <= PROMPT + recording.delay(scan, float(after[0])):
+        return
+    came = f"{1000 * (after[0] - scan):.0f} ms after the scan" if len(after) else "no command"
+    fail(
+        f"the scan at {scan:.3f} s had to wait for its command",
+        expected="a command at once: the model is loaded before the first scan comes",
+        actual=came,
+        at=scan,
+        recording=recording,
+        help="This model takes 80 ms to load. Load it in __init__, not in the callback.",
+    )
+
+
+def require_error_log(recording: Recording, problem: str) -> None:
+    """Fail with this problem unless the node logged an error."""
+    if any(line.level in ("error", "fatal") for line in recording.log):
+        return
+    levels = ", ".join(sorted({line.level for line in recording.log}))
+    fail(
+        problem,
+        expected="an error in the log: self.get_logger().error(…)",
+        actual=f"lines of level {levels} only" if levels else "an empty log",
+        at=first_asked(recording),
+        recording=recording,
+        help="A robot that silently stands still costs an afternoon; say which file is the cause.",
+    )
+
+
+def require_safe_drive(recording: Recording, whose: str) -> None:
+    """Fail if the robot touched something, or hardly moved, while the model drove it."""
+    require_alive(recording)
+    require_no_contact(
+        recording,
+        "Watch the replay: does the command follow the scan, and does it reach 0?",
+        message=f"with {whose} model the robot ran into something",
+        expected="a stop in front of it",
+    )
+    driven, fastest = path_length(recording), recording.truth.v.max()
+    if driven < LEAST_WAY or fastest < BRISK * MAX_SPEED:
+        fail(
+            f"with {whose} model the robot hardly moves",
+            expected=f"at least {LEAST_WAY} m driven, and over {BRISK * MAX_SPEED:.2f} m/s "
+            "where the way is free",
+            actual=f"{driven:.2f} m, {fastest:.2f} m/s at most",
+            at=came_to_rest(recording),
+            recording=recording,
+            help="Is the prediction published as it is, clipped to 0 … max_speed?",
+        )
+
+
+def _four_digits(speed: float) -> str:
+    """Return a command with four digits, unless it is far from any speed."""
+    return f"{speed:.4f}" if abs(speed) < 100 else spell(speed)

@@ -1,0 +1,144 @@
+"""The core checks of exercise 8 about loading: which format, which library, and once."""
+
+from __future__ import annotations
+
+import pytest
+
+from grader.checks.commands import Answer, judged, spell
+from grader.checks.model_commands import require_error_log, require_prompt
+from grader.checks.model_formats.contract import KERAS, ONNX, model_file
+from grader.checks.model_formats.evidence import require_speeds
+from grader.checks.verdict import fail
+from grader.checks.wiring import require_alive
+from grader.recording import Recording
+
+FILES = ("format_no_file", "format_broken_pickle", "format_broken_onnx")
+DEEP_FILES = ("format_broken_torch", "format_broken_keras")
+LIBRARIES = ("format_without_torch", "format_without_keras")
+FIRST = 0.1  # [m/s] predicted by the model that the node was started with
+OTHER = 0.4  # [m/s] predicted by the one that took its place
+
+LOAD_LATER = "Import a format's library in the function that loads that format, not at the top."
+
+Recordings = tuple[Recording, ...]
+
+
+@pytest.mark.check(
+    points=4,
+    scenarios=("format_upper_onnx", "format_upper_pickle"),
+    needs=("onnx",),
+    requires=ONNX,
+)
+def test_suffix_in_capitals(recordings: Recordings) -> None:
+    """The suffix counts in capitals, too: MODEL.ONNX, Model.Pkl."""
+    for recording in recordings:
+        require_speeds(recording, "features", "Path(path).suffix.lower()")
+
+
+@pytest.mark.check(
+    points=5, scenarios=("format_unknown_suffix", "format_no_suffix"), needs=("wiring",)
+)
+def test_unknown_suffix(recordings: Recordings) -> None:
+    """Any other suffix, or none: an error in the log, and 0.0 for every scan."""
+    for recording in recordings:
+        _require_standing(recording, f"{model_file(recording.scenario)} has no known suffix")
+
+
+@pytest.mark.check(points=4, scenarios=FILES, needs=("wiring",))
+def test_no_model(recordings: Recordings) -> None:
+    """A missing or broken file: an error in the log, and 0.0 for every scan."""
+    for recording in recordings:
+        what = "is broken" if recording.scenario.node.models else "does not exist"
+        _require_standing(recording, f"{model_file(recording.scenario)} {what}")
+
+
+@pytest.mark.check(points=2, scenarios=DEEP_FILES, needs=("wiring",), requires=KERAS)
+def test_deep_no_model(recordings: Recordings) -> None:
+    """A broken .pt2 or .keras: an error in the log, and 0.0 for every scan."""
+    for recording in recordings:
+        _require_standing(recording, f"{model_file(recording.scenario)} is broken")
+
+
+@pytest.mark.check(points=3, scenarios=LIBRARIES, needs=("wiring",))
+def test_no_library(recordings: Recordings) -> None:
+    """PyTorch or Keras is not installed and is needed: an error in the log, and 0.0."""
+    for recording in recordings:
+        library = recording.scenario.node.hides[0]
+        _require_standing(recording, f"{library} is not installed", LOAD_LATER)
+
+
+@pytest.mark.check(
+    points=3,
+    scenarios=("format_without_onnxruntime", "format_pickle_alone"),
+    needs=("wiring",),
+    requires=ONNX,
+)
+def test_other_libraries(recordings: Recordings) -> None:
+    """A library that is not installed matters to its own format only."""
+    without, alone = recordings
+    _require_standing(without, "onnxruntime is not installed", LOAD_LATER)
+    require_speeds(alone, "features", LOAD_LATER)
+
+
+@pytest.mark.check(
+    points=5,
+    scenarios=("format_swap_pickle", "format_swap_onnx"),
+    needs=("onnx",),
+    requires=ONNX,
+)
+def test_loads_once(recordings: Recordings) -> None:
+    """The .pkl and the .onnx are loaded once, while the node is constructed."""
+    for recording in recordings:
+        for answer in judged(recording, "loads"):
+            require_prompt(recording, answer.scan.t)
+            _require_first(recording, answer)
+
+
+@pytest.mark.check(
+    points=3,
+    scenarios=("format_swap_torch", "format_swap_keras"),
+    needs=("torch_export", "keras"),
+    requires=KERAS,
+)
+def test_deep_loads_once(recordings: Recordings) -> None:
+    """The .pt2 and the .keras are loaded once, while the node is constructed."""
+    for recording in recordings:
+        for answer in judged(recording, "loads"):
+            _require_first(recording, answer)
+
+
+def _require_standing(recording: Recording, why: str, help: str = "") -> None:
+    """Fail unless the node ran to the end, commanded 0.0 and logged an error."""
+    require_alive(recording)
+    require_speeds(
+        recording,
+        help=help or "The node has to live and to publish 0.0 without a model, too.",
+    )
+    require_error_log(recording, f"{why}, and the node does not say so")
+
+
+def _require_first(recording: Recording, answer: Answer) -> None:
+    """Fail unless the command is that of the model that was there at the start."""
+    speed = answer.speed
+    if speed is not None and abs(speed - FIRST) <= 1e-3:
+        return
+    file = model_file(recording.scenario)
+    said = "nothing" if speed is None else f"linear.x = {spell(speed)} m/s"
+    if speed is not None and abs(speed - OTHER) <= 1e-3:
+        problem = f"{file} was loaded again, or only when the first scan came"
+        said += ", as the file says that replaced it at 0.25 s"
+    elif speed is not None and speed > FIRST and file.endswith(".pkl"):
+        problem = (
+            f"{file} was loaded {speed / FIRST:.0f} times by the scan at {answer.scan.t:.3f} s"
+        )
+    else:
+        problem = f"the node does not follow the {file} that it was started with"
+    fail(
+        problem,
+        expected=f"linear.x = {FIRST:.2f} m/s, as the file says that was there at the start",
+        actual=said,
+        at=answer.scan.t,
+        recording=recording,
+        help="Load in __init__, keep the session or module in an attribute, call it in the "
+        "callback.",
+    )

@@ -1,0 +1,117 @@
+"""The core checks of exercise 8 about running a model: odd predictions, and the device."""
+
+from __future__ import annotations
+
+import pytest
+
+from grader.checks.model_formats.contract import KERAS, ONNX, TORCH, model_file
+from grader.checks.model_formats.evidence import loud_lines, remarks_on_devices, require_speeds
+from grader.checks.moments import first_asked
+from grader.checks.verdict import fail
+from grader.recording import Recording
+
+Recordings = tuple[Recording, ...]
+
+
+@pytest.mark.check(
+    points=3,
+    scenarios=("format_says_pickle", "format_says_onnx"),
+    needs=("onnx",),
+    requires=ONNX,
+)
+def test_clipped(recordings: Recordings) -> None:
+    """The prediction is clipped to 0 … max_speed (0.5 m/s)."""
+    for recording in recordings:
+        require_speeds(recording, "clip", "min(max(speed, 0.0), max_speed)")
+
+
+@pytest.mark.check(
+    points=3,
+    scenarios=("format_says_pickle", "format_says_onnx"),
+    needs=("onnx",),
+    requires=ONNX,
+)
+def test_not_finite(recordings: Recordings) -> None:
+    """A prediction that is not finite means 0.0, and the node goes on."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            "not_finite",
+            "min and max do not stop NaN, and clip +inf to full speed: "
+            "ask math.isfinite(speed) first.",
+        )
+
+
+@pytest.mark.check(
+    points=3,
+    scenarios=("format_says_torch", "format_says_keras"),
+    needs=("torch_export", "keras", "clipped", "not_finite"),
+    requires=KERAS,
+)
+def test_deep_bounds(recordings: Recordings) -> None:
+    """What a .pt2 and a .keras say is clipped, too, and not finite means 0.0."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            help="Whatever the format: one number comes out, and it goes through the same checks.",
+        )
+
+
+@pytest.mark.check(
+    points=3,
+    scenarios=("format_raises_pickle", "format_raises_onnx"),
+    needs=("onnx",),
+    requires=ONNX,
+)
+def test_model_raises(recordings: Recordings) -> None:
+    """When the model raises, the command is 0.0 and the node goes on."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            "raises",
+            "try: … except Exception as error: around the prediction, and publish 0.0.",
+        )
+
+
+@pytest.mark.check(
+    points=2,
+    scenarios=("format_cuda_pickle", "format_cuda_onnx"),
+    needs=("onnx",),
+    requires=ONNX,
+)
+def test_device_ignored(recordings: Recordings) -> None:
+    """With .pkl and .onnx the parameter device is ignored, without a warning."""
+    for recording in recordings:
+        require_speeds(recording, "features", "device concerns PyTorch only.")
+        for line in remarks_on_devices(recording)[:1]:
+            fail(
+                f"device:=cuda means nothing to {model_file(recording.scenario)}, "
+                "and the node complains",
+                expected="no warning: the parameter concerns PyTorch only",
+                actual=line.text.strip(),
+                at=line.time,
+                recording=recording,
+                help="Look for a GPU only when a .pt2 is loaded.",
+            )
+
+
+@pytest.mark.check(
+    points=2, scenarios=("format_cuda_torch",), needs=("torch_export",), requires=TORCH
+)
+def test_device_falls_back(recordings: Recordings) -> None:
+    """Without a GPU device = cuda means the CPU, with a warning."""
+    for recording in recordings:
+        require_speeds(
+            recording,
+            "features",
+            "Started with device:=cuda, and there is no GPU. torch.cuda.is_available() tells.",
+        )
+        if recording.live is None and not loud_lines(recording):  # live there may be a GPU
+            fail(
+                "the node falls back to the CPU and does not say so",
+                expected="a warning in the log: self.get_logger().warning(…)",
+                actual="no warning",
+                at=first_asked(recording),
+                recording=recording,
+                help="Who asked for a GPU wants to know why it is slow.",
+            )

@@ -1,0 +1,24 @@
+"""How a class is graded: what `course autograde` is told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+CANARY_INTERVAL = 25  # units of an exercise between two rounds of canaries
+
+
+@dataclass(frozen=True)
+class Options:
+    """The choices of the person who grades a class."""
+
+    exercises: tuple[str, ...] = ()  # by name or number; (): every one that anybody handed in
+    workers: int = 1
+    dask: str = ""  # a scheduler's address or file, instead of local workers
+    secret: bytes | None = None  # with it every student gets different worlds
+    field: bool = False
+    tier: int = 1
+    bags: bool = True
+    trust: bool = False
+    canaries: int = CANARY_INTERVAL  # 0: none
+    hide: str = "nothing"
+    retry_held: bool = False

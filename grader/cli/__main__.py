@@ -1,0 +1,5 @@
+"""`python -m grader.cli` is the command `course`."""
+
+from grader.cli import main
+
+main()

@@ -1,0 +1,42 @@
+"""`course check-bag`: judge saved recordings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from grader.cli.results import check_writable, show
+
+EXAMPLES = """\b
+Examples:
+  course grade goal_seeking my_seeker.py --bags bags
+  course check-bag bags/goal_origin_to_5_3 goal_seeking
+  course check-bag bags goal_seeking
+"""
+
+
+@click.command("check-bag", epilog=EXAMPLES)
+@click.argument("bag", type=click.Path(path_type=Path))
+@click.argument("exercise")
+@click.option("--only", multiple=True, metavar="CHECK", help="Run this check and what it needs.")
+@click.option("--field", is_flag=True, help="Run the field checks too.")
+@click.option("--json", "json_", metavar="PATH|-", help="Write the result as JSON; -: to stdout.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report.")
+def check_bag(
+    bag: Path,
+    exercise: str,
+    only: tuple[str, ...],
+    field: bool,
+    json_: str | None,
+    report: Path | None,
+) -> int:
+    """Judge saved recordings: BAG is one bag, or a folder of them. No student code runs."""
+    from grader.course.exercises import find_exercise  # noqa: PLC0415
+    from grader.grading.grading import grade  # noqa: PLC0415
+    from grader.trial.trials import SavedTrials, load_bags  # noqa: PLC0415
+
+    chosen = find_exercise(exercise)
+    check_writable(report, json_)
+    trials = SavedTrials(load_bags(bag))
+    return show(grade(chosen, trials, file=str(bag), field=field, only=only), json_, report)

@@ -1,0 +1,24 @@
+"""`course doctor`: can nodes run on this machine, and may other people's code?"""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command()
+def doctor() -> int:
+    """Say what this machine offers: ROS, libraries, and the layers around students' code.
+
+    Exit code 0: nodes run here, and other people's code may be graded. 1: only your own. 2: no node
+    runs here.
+    """
+    from rich.console import Console  # noqa: PLC0415
+
+    from grader.link.doctor import diagnose  # noqa: PLC0415
+    from grader.report.terminal import render_diagnosis  # noqa: PLC0415
+
+    found = diagnose()
+    render_diagnosis(found, Console())
+    if found.problem:
+        return 2
+    return 1 if found.foreign_code else 0

@@ -1,0 +1,62 @@
+"""`course drive`: run one node, without judging it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from grader.cli.results import FULL, LESS, check_writable, write_report
+from grader.cli.start import start_forkserver
+
+EXAMPLES = """\b
+Examples:
+  course drive my_agent.py --scenario demo_wall
+  course drive my_agent.py --scenario demo_wall --lidar lds01 --report drive.html
+  course drive seeker.py --scenario demo_open --goal 5 3 --goal 0 0 --param gain:=0.5
+"""
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--scenario", required=True, metavar="NAME|PATH", help="A scenario or its TOML file.")
+@click.option("--lidar", metavar="PROFILE", help="default, lds01, lds02 or wide.")
+@click.option("--duration", type=click.FloatRange(0.1, 3600), metavar="S", help="Simulated time.")
+@click.option(
+    "--goal", "goals", type=(float, float), multiple=True, metavar="X Y",
+    help="Send this goal [m]; several are spread over the drive.",
+)  # fmt: skip
+@click.option("--param", "params", multiple=True, metavar="NAME:=VALUE", help="A ROS parameter.")
+@click.option("--seed", type=click.IntRange(0, 10**6), help="Vary world and noise.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
+@click.option("--bag", type=click.Path(path_type=Path), help="Save the drive as a bag.")
+def drive(
+    file: Path,
+    scenario: str,
+    lidar: str | None,
+    duration: float | None,
+    goals: tuple[tuple[float, float], ...],
+    params: tuple[str, ...],
+    seed: int | None,
+    report: Path | None,
+    bag: Path | None,
+) -> int:
+    """Run any rclpy node in the mock robot, without grading."""
+    from grader.course.submission import find_submission  # noqa: PLC0415
+    from grader.drive import arguments_of, drive_node, print_summary, scenario_for  # noqa: PLC0415
+
+    arguments = arguments_of(params)
+    chosen = scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
+    own = [program.file for program in chosen.program if not program.supplied]
+    submission = find_submission(file, others=[name for name in own if name])
+    check_writable(report)
+    with start_forkserver() as forkserver:
+        recording = drive_node(submission, chosen, forkserver, seed=seed, arguments=arguments)
+    if bag is not None:
+        from grader.recording.bag import save  # noqa: PLC0415
+
+        save(recording, bag)
+    print_summary(recording, file=str(file))
+    if report is not None:
+        write_report(report, None, [recording], f"Drive of {file.name}")
+    return FULL if recording.outcome.completed else LESS

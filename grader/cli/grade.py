@@ -1,0 +1,87 @@
+"""`course grade`: run one node and judge it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from grader.cli.results import check_writable, show
+from grader.cli.start import start_forkserver
+from grader.errors import InputError
+
+EXAMPLES = """\b
+Examples:
+  course grade obstacle_avoidance my_agent.py
+  course grade goal_seeking my_folder --field --report report.html
+  course grade 1 my_agent.py --only stop_zone --json -
+"""
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("exercise")
+@click.argument("file", metavar="FILE|FOLDER", type=click.Path(path_type=Path))
+@click.option(
+    "--tier", type=click.IntRange(1, 2), default=1, help="1: virtual time; 2: real time, on DDS."
+)
+@click.option("--field", is_flag=True, help="Run the field checks too (badge, no points).")
+@click.option("--only", multiple=True, metavar="CHECK", help="Run this check and what it needs.")
+@click.option("--seed", type=click.IntRange(0, 10**6), help="Vary worlds and noise.")
+@click.option("--student", metavar="ID", help="Use this student's own worlds; needs --secret.")
+@click.option("--secret", type=click.Path(path_type=Path), help="File with the course's secret.")
+@click.option("--json", "json_", metavar="PATH|-", help="Write the result as JSON; -: to stdout.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report.")
+@click.option("--bags", type=click.Path(path_type=Path), help="Save every trial as a bag here.")
+def grade(
+    exercise: str,
+    file: Path,
+    tier: int,
+    field: bool,
+    only: tuple[str, ...],
+    seed: int | None,
+    student: str | None,
+    secret: Path | None,
+    json_: str | None,
+    report: Path | None,
+    bags: Path | None,
+) -> int:
+    """Grade a node: EXERCISE by name or number, FILE or a FOLDER that holds it.
+
+    Exit code 0: full core score. 1: less. 2: wrong usage, or the grader's own fault.
+    """
+    from grader.course.exercises import find_exercise  # noqa: PLC0415
+    from grader.course.submission import find_submission  # noqa: PLC0415
+
+    chosen = find_exercise(exercise)
+    first = file.with_name(chosen.files[0])
+    if file.name in chosen.files[1:] and first.is_file():
+        file = first  # whichever file is given, the exercise's first one is the node
+    submission = find_submission(file, chosen.files[0], chosen.files[1:])
+    if student is not None or secret is not None:
+        seed = _student_seed(student, secret, chosen.slug, seed)
+    check_writable(report, json_)
+    with start_forkserver(chosen.libraries) as forkserver:
+        from grader.grading.grading import grade_submission  # noqa: PLC0415
+
+        grading = grade_submission(
+            chosen,
+            submission,
+            forkserver,
+            file=str(file),
+            field=field,
+            only=only,
+            seed=seed,
+            bags=bags,
+            tier=tier,
+        )
+    return show(grading, json_, report)
+
+
+def _student_seed(student: str | None, secret: Path | None, slug: str, seed: int | None) -> int:
+    from grader.course.students import read_secret, student_seed  # noqa: PLC0415
+
+    if student is None or secret is None:
+        raise InputError("--student and --secret go together")
+    if seed is not None:
+        raise InputError("--seed and --student exclude each other")
+    return student_seed(read_secret(secret), student, slug)

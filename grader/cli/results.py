@@ -1,0 +1,74 @@
+"""Where a command's result goes: the terminal, JSON, an HTML report, the exit code."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from grader.errors import InputError
+
+if TYPE_CHECKING:
+    from grader.grading.grading import Grading
+    from grader.recording import Recording
+
+FULL, LESS, FAULT = 0, 1, 2  # exit codes
+JSON_STDOUT = "-"
+
+
+def check_writable(report: Path | None, json_: str | None = None) -> None:
+    """Refuse, before the work begins, a file that can't be written after it.
+
+    Raises
+    ------
+    InputError
+        Its folder does not exist, or it is a folder itself.
+    OSError
+        It can't be created.
+    """
+    for target in (report, Path(json_) if json_ and json_ != JSON_STDOUT else None):
+        if target is not None and not target.resolve().parent.is_dir():
+            raise InputError(f"{target}: its folder does not exist")
+        if target is not None and target.is_dir():
+            raise InputError(f"{target}: expected a file to write, but this is a folder")
+        if target is not None and not target.exists():
+            target.touch()  # an OSError says what is wrong
+            target.unlink()
+
+
+def show(grading: Grading, json_: str | None, report: Path | None) -> int:
+    """Print a grading, write its JSON and its report, and return the exit code."""
+    from grader.report.page import json_text, render_terminal  # noqa: PLC0415
+
+    result = grading.as_dict()
+    if json_ == JSON_STDOUT:
+        sys.stdout.write(json_text(result))
+    else:
+        from rich.console import Console  # noqa: PLC0415
+
+        render_terminal(result, Console())
+    if json_ and json_ != JSON_STDOUT:
+        Path(json_).write_text(json_text(result), "utf-8")
+    if report is not None:
+        title = f"{grading.exercise.title}: {Path(grading.file).name}"
+        write_report(report, result, list(grading.recordings), title, quiet=bool(json_))
+    if grading.faulty:
+        return FAULT
+    return FULL if grading.full else LESS
+
+
+def write_report(
+    path: Path,
+    grading: dict[str, Any] | None,
+    recordings: list[Recording],
+    title: str,
+    quiet: bool = False,
+) -> None:
+    """Write an HTML report with a replay of each recording."""
+    from grader.report.page import page_html, page_payload  # noqa: PLC0415
+
+    path.write_text(page_html(page_payload(grading, recordings, title)), "utf-8")
+    if not quiet:
+        click.echo(f"Report with replays: {path}")

@@ -1,0 +1,100 @@
+"""Grade files that somebody else handed in, on a fork server kept warm between submissions.
+
+`course autograde` and nbgrader both grade through this module. Nothing a submission does raises
+anything but `GraderError`, and no error is ever the student's fault.
+"""
+
+from __future__ import annotations
+
+import atexit
+import threading
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from grader.course.exercises import Exercise
+from grader.course.submission import find_submission
+from grader.errors import GraderError, InputError
+from grader.grading.grading import grade_submission
+from grader.link.doctor import foreign_code_problem
+from grader.link.pool import ForkServerPool
+from grader.link.scratch import fresh_folder
+
+MAX_REASON = 600  # [characters]
+
+_one_at_a_time = threading.Lock()
+_forkservers = ForkServerPool(most=1)
+atexit.register(_forkservers.close)
+
+
+def isolation_problem() -> str:
+    """Say why other people's code should not run on this machine; "" if it may.
+
+    Raises
+    ------
+    GraderError
+        No node can run here at all.
+    """
+    with _one_at_a_time:
+        try:
+            return foreign_code_problem(_forkservers.of().layers)
+        except InputError as error:
+            raise GraderError(str(error)) from None
+
+
+def grade_files(
+    exercise: Exercise,
+    files: Mapping[str, bytes],
+    *,
+    seed: int | None = None,
+    field: bool = False,
+    tier: int = 1,
+    bags: Path | None = None,
+    trust: bool = False,
+) -> dict[str, Any]:
+    """Grade one submission; return the JSON object of `course grade`.
+
+    Parameters
+    ----------
+    files
+        Contents by file name; at least one file of the exercise.
+    bags
+        Where every trial is saved.
+    trust
+        Run the code even where isolation is too weak.
+
+    Raises
+    ------
+    GraderError
+        The submission could not be judged; the message is one line.
+    """
+    with _one_at_a_time:
+        try:
+            forkserver = _forkservers.of(exercise.libraries)
+            if not trust and (problem := foreign_code_problem(forkserver.layers)):
+                raise GraderError(problem)
+            with fresh_folder() as folder:
+                for name, data in files.items():
+                    (folder / name).write_bytes(data)
+                first, *others = exercise.files
+                main = next(name for name in exercise.files if name in files)
+                return grade_submission(
+                    exercise,
+                    find_submission(folder / main, first, others),
+                    forkserver,
+                    file=main,
+                    field=field,
+                    seed=seed,
+                    bags=bags,
+                    tier=tier,
+                ).as_dict()
+        except Exception as error:
+            _forkservers.close()  # its state is unknown
+            raise GraderError(reason_of(error)) from error
+
+
+def reason_of(error: Exception) -> str:
+    """Say in one line why a submission could not be judged."""
+    known = isinstance(error, GraderError | InputError)
+    text = str(error) if known else f"the grader failed ({type(error).__name__}: {error})"
+    return " ".join(text.split())[:MAX_REASON]

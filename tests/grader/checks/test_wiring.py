@@ -1,0 +1,74 @@
+"""Each way in which a node may not be wired has its own diagnosis."""
+
+import pytest
+from conftest import RunNode, short
+
+from grader.checks.verdict import CheckFailed
+from grader.checks.wiring import require_alive, require_wiring
+
+NODE = """
+class Agent(Node):
+    def __init__(self):
+        super().__init__('agent')
+        {publisher}
+        {subscription}
+    def on_scan(self, scan):
+        {callback}
+rclpy.init()
+rclpy.spin(Agent())
+"""
+PUBLISHER = "self.create_publisher(Twist, '/cmd_vel', 10)"
+SUBSCRIPTION = "self.create_subscription(LaserScan, '/scan', self.on_scan, 10)"
+TRANSIENT = (
+    "from rclpy.qos import DurabilityPolicy, QoSProfile; "
+    "self.create_subscription(LaserScan, '/scan', self.on_scan, "
+    "QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))"
+)
+
+
+def node(
+    publisher: str = PUBLISHER, subscription: str = SUBSCRIPTION, callback: str = "pass"
+) -> str:
+    return NODE.format(publisher=publisher, subscription=subscription, callback=callback)
+
+
+def test_a_wired_node_passes(run_node: RunNode) -> None:
+    require_wiring(run_node(node(), short(0.5)), "obstacle_avoidance")
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        (node(SUBSCRIPTION, "pass"), "there is no publisher on /cmd_vel$"),
+        (
+            node(PUBLISHER.replace("/cmd_vel", "/cmd_vell")),
+            "there is no publisher on /cmd_vel, but one on /cmd_vell",
+        ),
+        (
+            node(PUBLISHER, "self.create_publisher(LaserScan, '/scan', 10)"),
+            "there is a publisher on /scan where a subscription is needed",
+        ),
+        (
+            node(PUBLISHER.replace("Twist", "TwistStamped")),
+            "the publisher on /cmd_vel has the type TwistStamped; the robot's end of it is Twist",
+        ),
+        (node(PUBLISHER, TRANSIENT), "cannot talk: their QoS does not match"),
+        (node(callback="raise KeyError('x')"), "the node died of an exception in a callback"),
+        ("raise KeyError('x')", "the node died of an exception in the start-up"),
+        ("rclpy.init()", "the program ran to its end"),
+    ],
+)
+def test_what_is_wrong_is_said(run_node: RunNode, source: str, message: str) -> None:
+    recording = run_node(source, short(0.5))
+    with pytest.raises(CheckFailed, match=message) as caught:
+        require_wiring(recording, "obstacle_avoidance")
+    assert caught.value.expected
+    assert caught.value.help
+
+
+def test_the_line_of_the_student_is_named(run_node: RunNode) -> None:
+    recording = run_node(node(callback="raise KeyError('x')"), short(0.5))
+    with pytest.raises(CheckFailed) as caught:
+        require_alive(recording)
+    assert "in on_scan" in caught.value.help
+    assert caught.value.at == recording.scans()[0].t
