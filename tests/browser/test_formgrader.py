@@ -23,7 +23,6 @@ from nbgrader_kit import (
     make_course,
     nbgrader,
     released,
-    slow,
     solution,
     total,
 )
@@ -31,7 +30,7 @@ from nbgrader_kit import (
 from grader.course.exercises import ROOT
 from grader.notebook.build import ASSIGNMENT
 
-pytestmark = slow
+pytestmark = pytest.mark.long
 NAME = "01_loop"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
