@@ -210,6 +210,7 @@ def _pyproject(text: str) -> str:
     """Return the students' pyproject.toml: without the settings of development tools."""
     kept = re.split(r"(?m)^(?=\[)", text)
     ours = ("[tool.ruff", "[tool.mypy", "[[tool.mypy", "[tool.pytest")
+    ours += ("[tool.importlinter", "[[tool.importlinter")
     return "".join(part for part in kept if not part.startswith(ours))
 
 

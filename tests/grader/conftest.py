@@ -1,7 +1,7 @@
-"""The real thing for tests: one fork server a session, and a way to run a few lines of node."""
+"""The real thing for tests: a way to run a few lines of node."""
 
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -11,7 +11,6 @@ from grader.course.submission import Submission
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.virtual_time import Limits, run_trial
-from sim.messages import EPOCH_NS
 from sim.scenario import Scenario, load_scenario
 
 PREAMBLE = """\
@@ -36,12 +35,6 @@ class Echo(Node):
 """
 
 RunNode = Callable[..., Recording]
-
-
-@pytest.fixture(scope="session")
-def forkserver() -> Iterator[ForkServer]:
-    with ForkServer(EPOCH_NS) as forkserver:
-        yield forkserver
 
 
 @pytest.fixture(scope="session")

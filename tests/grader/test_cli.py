@@ -325,6 +325,7 @@ def test_settings_of_pytest_do_not_disturb() -> None:
     assert (done.code, done.err) == (0, "")
 
 
+@pytest.mark.long
 def test_a_seed_changes_the_worlds() -> None:
     only = ("--only", "wiring", "--json", "-")
     seeds = [

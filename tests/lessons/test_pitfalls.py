@@ -34,7 +34,7 @@ from grader.errors import InputError
 from grader.grading.grading import Grading
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
-from sim.messages import EPOCH_NS, TWIST_STAMPED
+from sim.messages import TWIST_STAMPED
 
 BY_NAME = {pitfall.name: pitfall for pitfall in PITFALLS}
 WRONG = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.wrong]
@@ -68,12 +68,6 @@ def named(value: object) -> str:
 each_wrong = pytest.mark.parametrize(("pitfall", "node"), WRONG, ids=named)
 each_node = pytest.mark.parametrize(("pitfall", "node"), EVERY, ids=named)
 each_pitfall = pytest.mark.parametrize("pitfall", PITFALLS, ids=named)
-
-
-@pytest.fixture(scope="module")
-def forkserver() -> Iterator[ForkServer]:
-    with ForkServer(EPOCH_NS) as forkserver:
-        yield forkserver
 
 
 class Runs:
@@ -235,7 +229,13 @@ def different_texts() -> Iterator[tuple[str, str]]:
             yield pitfall.exercise, node
 
 
-@pytest.mark.parametrize(("exercise", "node"), list(different_texts()))
+@pytest.mark.parametrize(
+    ("exercise", "node"),
+    [
+        pytest.param(slug, node, marks=() if slug == "obstacle_avoidance" else pytest.mark.long)
+        for slug, node in different_texts()
+    ],
+)
 def test_no_published_node_passes(forkserver: ForkServer, exercise: str, node: str) -> None:
     """What is lost in some checks cannot be won in the others."""
     grading = grade(exercise, NODES / f"{node}.py", forkserver, only=QUICK[exercise])

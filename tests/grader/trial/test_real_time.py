@@ -319,6 +319,7 @@ def test_it_is_graded_in_real_time_and_the_report_says_so(
     assert all(recording.live is not None for recording in grading.recordings)
 
 
+@pytest.mark.long
 def test_a_busy_wait_runs_in_real_time(forkserver: ForkServer, tmp_path: Path) -> None:
     file = tmp_path / "node.py"
     file.write_text(PREAMBLE + textwrap.dedent(UNVIRTUAL["while not done"]))
@@ -332,6 +333,7 @@ def test_a_busy_wait_runs_in_real_time(forkserver: ForkServer, tmp_path: Path) -
         assert len(recording.twists().t) == len(recording.scans())
 
 
+@pytest.mark.long
 def test_a_node_that_hangs_in_real_time_too_has_hung(
     forkserver: ForkServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
