@@ -5,7 +5,7 @@ import signal
 
 import numpy as np
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 from grader.link.link import MAX_OUTPUT
 from grader.trial.virtual_time import Limits

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
-from conftest import PREAMBLE, RunNode, short
+from node_runs import PREAMBLE, RunNode, short
 
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
