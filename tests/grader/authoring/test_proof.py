@@ -1,8 +1,8 @@
 """Every solution, right or wrong, gets what it says it deserves.
 
 `make test` and `make test-long` together take all solutions of exercise 1; of the others the
-reference, the skeleton, a variant, and enough mutants for every check to have killed one. Of these
-`make test` takes one of each kind, and in two exercises the mutants for every check. `make prove`
+reference, the skeleton, two variants, and enough mutants for every check to have killed one. Of
+these `make test` takes one of each kind, and in two exercises the mutants for every check. `make prove`
 takes all solutions.
 """
 
@@ -27,7 +27,7 @@ from grader.link.pool import ForkServerPool
 
 IN_FULL = ("obstacle_avoidance",)  # all solutions
 EVERY_CHECK = ("obstacle_avoidance", "goal_seeking")  # `make test` sees each check kill a mutant
-VARIANTS = 1
+VARIANTS = 2
 CLAIMS = {exercise.slug: list(claims(exercise)) for exercise in all_exercises()}
 
 
