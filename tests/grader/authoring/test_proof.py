@@ -2,8 +2,8 @@
 
 `make test` and `make test-long` together take all solutions of exercise 1; of the others the
 reference, the skeleton, two variants, and enough mutants for every check to have killed one. Of
-these `make test` takes one of each kind, and in two exercises the mutants for every check. `make prove`
-takes all solutions.
+these `make test` takes one of each kind, and in two exercises the mutants for every check.
+`make prove` takes all solutions.
 """
 
 from pathlib import Path
