@@ -56,7 +56,7 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20 --variants 0
 
 attacks: $(VENV)/.dev ## every attack with all checks; what opens without each layer (docs/attacks.md)
-	COURSE_ATTACKS=full $(PYTEST) tests/attacks tests/grader/host/test_sandbox.py
+	COURSE_ATTACKS=full $(PYTEST) tests/attacks tests/grader/host/test_kernel_filters.py tests/grader/host/test_landlock.py
 	$(BIN)/python tests/attacks/layers.py --write
 
 site: $(VENV)/.dev ## build the lesson as a site into build/site
