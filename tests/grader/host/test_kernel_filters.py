@@ -176,6 +176,28 @@ def test_limits_of_its_own_only() -> None:
     assert said == "'EPERM'"
 
 
+@filters
+def test_no_file_is_emptied_by_its_path(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("kept")
+    assert filtered(lambda: error_of(lambda: os.truncate(file, 0))) == "'EPERM'"
+    assert file.read_text() == "kept"
+
+    def through_a_descriptor() -> None:
+        with file.open("r+") as opened:
+            opened.truncate(2)
+
+    assert filtered(lambda: error_of(through_a_descriptor)) == "'fine'"
+    assert file.read_text() == "ke"
+
+
+@filters
+def test_nobody_outlives_his_judge() -> None:
+    prctl, name = sandbox.PRCTL[COLUMN], 15  # PR_SET_NAME, which threads use
+    said = filtered(lambda: [call(prctl, sandbox.PR_SET_PDEATHSIG, 0), call(prctl, name, b"node")])
+    assert said == f"[{errno.EPERM}, 0]"
+
+
 SOCKETS = {
     "TCP": (socket.AF_INET, socket.SOCK_STREAM, 0),
     "TCP, not blocking": (socket.AF_INET, socket.SOCK_STREAM | socket.SOCK_NONBLOCK, 0),
