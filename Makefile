@@ -4,11 +4,12 @@ VENV := .venv
 DEEP := .venv-deep
 BIN := $(VENV)/bin
 PIP := $(BIN)/pip --disable-pip-version-check --quiet
+PYTEST := $(BIN)/pytest -n auto --dist worksteal
 REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-deep lint format prove attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
+.PHONY: help setup grade test test-long test-all test-deep lint format prove attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -18,8 +19,13 @@ setup: $(VENV)/.course ## make .venv with the command `course`
 grade: $(VENV)/.course ## set up, grade a reference solution, print the table, write report.html
 	$(BIN)/course grade obstacle_avoidance $(SOLUTION) --field --report $(REPORT)
 
-test: $(VENV)/.dev ## set up, run the tests
-	$(BIN)/pytest -n auto --dist worksteal
+test: $(VENV)/.dev ## set up, run the tests but for those that take long
+	$(PYTEST) -m "not long"
+
+test-long: $(VENV)/.dev ## run the tests that take long: most of the proof, attacks, nbgrader, JupyterLab
+	$(PYTEST) -m long
+
+test-all: test test-long ## both, as CI does
 
 test-deep: $(DEEP)/.deep ## make .venv-deep with PyTorch and Keras, run what needs them
 	$(DEEP)/bin/pytest -m deep
@@ -50,7 +56,7 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20 --variants 0
 
 attacks: $(VENV)/.dev ## every attack with all checks; what opens without each layer (docs/attacks.md)
-	COURSE_ATTACKS=full $(BIN)/pytest -n auto --dist worksteal tests/attacks tests/grader/host/test_sandbox.py
+	COURSE_ATTACKS=full $(PYTEST) tests/attacks tests/grader/host/test_kernel_filters.py tests/grader/host/test_landlock.py
 	$(BIN)/python tests/attacks/layers.py --write
 
 site: $(VENV)/.dev ## build the lesson as a site into build/site
@@ -59,7 +65,7 @@ site: $(VENV)/.dev ## build the lesson as a site into build/site
 	@echo "open build/site/index.html"
 
 notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with 12 students in all exercises
-	COURSE_NOTEBOOKS=full $(BIN)/pytest -n auto --dist worksteal tests/notebooks \
+	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks \
 	  tests/browser/test_jupyterlab.py tests/browser/test_formgrader.py
 
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour; goes on where it was)

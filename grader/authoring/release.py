@@ -209,7 +209,10 @@ def _is_public(path: str, left_out: set[str]) -> bool:
 def _pyproject(text: str) -> str:
     """Return the students' pyproject.toml: without the settings of development tools."""
     kept = re.split(r"(?m)^(?=\[)", text)
-    ours = ("[tool.ruff", "[tool.mypy", "[[tool.mypy", "[tool.pytest")
+    ours = (
+        "[tool.importlinter", "[[tool.importlinter", "[tool.mypy", "[[tool.mypy", "[tool.pytest",
+        "[tool.ruff",
+    )  # fmt: skip
     return "".join(part for part in kept if not part.startswith(ours))
 
 

@@ -1,7 +1,7 @@
 """Hostile submissions gain nothing, honest ones lose nothing; both are graded for real.
 
-`make test` looks at the scenario in which points are cheapest; `COURSE_ATTACKS=full` (`make
-attacks`) runs every check.
+`make test` takes one hostile submission of each family, `make test-long` the others, in the
+scenario in which points are cheapest; `COURSE_ATTACKS=full` (`make attacks`) runs every check.
 """
 
 import io
@@ -37,6 +37,11 @@ from sim.scenario import load_scenario
 
 NEXT = load_scenario("avoid_zones")
 BENCHES = ("clear_zone", "slow_zone", "stop_zone", "infinite_readings", "invalid_readings", "blind")
+FAMILIES = ("escape", "exhaust", "feedback", "forge", "read", "topics")
+QUICK = (  # in `make test`
+    *("escape_ctypes_calls", "exhaust_disk", "feedback_html", "forge_completed"),
+    *("read_solutions", "topics_ground_truth"),
+)
 FEEDBACK = [path for path in HOSTILE if path.stem.startswith("feedback_")]
 
 
@@ -76,9 +81,21 @@ def test_there_are_enough_of_both() -> None:
     assert len(HOSTILE) >= 45
     assert len(HONEST) >= 15
     assert all(claim(path).outcomes for path in HOSTILE)
+    assert {path.stem.partition("_")[0] for path in HOSTILE} == set(FAMILIES)
 
 
-@pytest.mark.parametrize("path", HOSTILE, ids=named)
+def test_make_test_tries_every_family() -> None:
+    assert set(QUICK) <= {path.stem for path in HOSTILE}
+    assert [name.partition("_")[0] for name in QUICK] == list(FAMILIES)
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=named(path), marks=() if path.stem in QUICK else pytest.mark.long)
+        for path in HOSTILE
+    ],
+)
 def test_a_hostile_submission_gains_nothing(
     path: Path, arena: Arena, forkserver: ForkServer, digest: str, honest_points: int
 ) -> None:

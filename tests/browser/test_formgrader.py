@@ -23,7 +23,6 @@ from nbgrader_kit import (
     make_course,
     nbgrader,
     released,
-    slow,
     solution,
     total,
 )
@@ -32,7 +31,7 @@ from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
 from grader.notebook.build import ASSIGNMENT
 
-pytestmark = slow
+pytestmark = pytest.mark.long
 NAME = "01_loop"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"

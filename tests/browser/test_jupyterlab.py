@@ -19,13 +19,13 @@ pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `no
 pytest.importorskip("matplotlib", reason="matplotlib is not installed (the extra `notebooks`)")
 
 from lab_server import Server, Tab, picture, serving, tab, wait_until
-from nbgrader_kit import cell_named, fill, make_course, released, slow, solution, source_of
+from nbgrader_kit import cell_named, fill, make_course, released, solution, source_of
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
 from grader.nbgrader.cells import wanted
 
-pytestmark = slow
+pytestmark = pytest.mark.long
 NAME = "01_loop"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"

@@ -12,11 +12,9 @@ import pytest
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import SOLUTIONS, find_exercise
-from grader.recording import bag
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
-NODES = ROOT / "tests" / "nodes"
 SHORT = ("--scenario", "demo_wall", "--duration", "0.5")
 
 
@@ -325,6 +323,7 @@ def test_settings_of_pytest_do_not_disturb() -> None:
     assert (done.code, done.err) == (0, "")
 
 
+@pytest.mark.long
 def test_a_seed_changes_the_worlds() -> None:
     only = ("--only", "wiring", "--json", "-")
     seeds = [
@@ -342,67 +341,3 @@ def test_a_closed_pipe_is_no_crash() -> None:
     )  # fmt: skip
 
     assert done.stderr == ""
-
-
-# --- drive ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("node", "type"),
-    [
-        ("turtlebot3_burger", "geometry_msgs/msg/Twist "),
-        ("turtlebot3_burger_stamped", "geometry_msgs/msg/TwistStamped "),
-    ],
-)
-def test_other_peoples_nodes_drive(node: str, type: str, tmp_path: Path) -> None:
-    done = course(
-        "drive", NODES / f"{node}.py", "--scenario", "demo_wall", "--lidar", "lds01",
-        "--bag", tmp_path / "bag", "--report", tmp_path / "drive.html",
-    )  # fmt: skip
-    drive = bag.load(tmp_path / "bag")
-
-    assert (done.code, done.err) == (0, "")
-    assert f"-> /cmd_vel  {type}" in done.out
-    assert "<- /scan  sensor_msgs/msg/LaserScan  best_effort" in done.out
-    assert "TOUCHED" not in done.out
-    assert "WARNING" not in done.out
-    assert not drive.truth.contact.any()
-    assert drive.truth.x[-1] - drive.truth.x[0] > 2.0
-    assert drive.truth.v[-1] == pytest.approx(0.0, abs=1e-6)
-    assert 0.2 < drive.truth.clearance[-1] < 0.5
-    assert {len(scan.ranges) for scan in drive.scans()} == {360}
-    assert (tmp_path / "drive.html").stat().st_size > 10_000
-
-
-def test_goals_parameters_and_seed_of_a_drive(tmp_path: Path) -> None:
-    node = tmp_path / "node.py"
-    node.write_text(
-        "import rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import PoseStamped\n"
-        "rclpy.init()\nnode = Node('listener')\n"
-        "print(*(node.declare_parameter(*p).value for p in (('gain', 1.0), ('name', ''))))\n"
-        "node.create_subscription(PoseStamped, 'goal_pose', lambda _: None, 10)\nrclpy.spin(node)\n"
-    )
-    done = course(
-        "drive", node, "--scenario", "demo_open", "--duration", "2", "--goal", "5", "-3",
-        "--goal", "0.5", "0", "--param", "gain:=0.25", "--param", "name:=two words",
-        "--seed", "7", "--bag", tmp_path / "bag",
-    )  # fmt: skip
-    drive = bag.load(tmp_path / "bag")
-
-    assert (done.code, done.err) == (0, "")
-    goals = drive.goals()
-    assert [goals.t.tolist(), goals.x.tolist(), goals.y.tolist()] == [[0.5, 1.5], [5, 0.5], [-3, 0]]
-    assert [line.text for line in drive.log] == ["0.25 two words"]
-    assert drive.duration_s == 2.0
-    assert f"seed {drive.seed}" in done.out
-
-
-def test_a_drive_that_ends_early_says_why(tmp_path: Path) -> None:
-    node = tmp_path / "node.py"
-    node.write_text("def main():\n    raise RuntimeError('as I said')\nmain()\n")
-    done = course("drive", node, *SHORT)
-
-    assert (done.code, done.err) == (1, "")
-    assert "exception: RuntimeError: as I said (line 2, in main)" in done.out
-    assert "created no publisher" in done.out
-    assert str(tmp_path) not in done.out.split("What happened")[1]

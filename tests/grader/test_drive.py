@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 from grader.drive import arguments_of, print_summary, scenario_for
 from grader.errors import InputError

@@ -9,7 +9,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -21,7 +20,6 @@ import grader.drive
 from grader.cli import cli
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
-from sim.messages import EPOCH_NS
 
 ELISION = "…"
 NEEDS = ("numpy", "sklearn", "skl2onnx", "onnxruntime")
@@ -83,12 +81,6 @@ def same(expected: str, actual: str) -> None:
         hits = [hit for hit in hits if not last or hit + len(piece) == len(lines)]
         assert hits, f"not printed: {piece}\nprinted:\n" + "\n".join(lines)
         at = hits[0] + len(piece)
-
-
-@pytest.fixture(scope="module")
-def forkserver() -> Iterator[ForkServer]:
-    with ForkServer(EPOCH_NS) as forkserver:
-        yield forkserver
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if snippets(page)], ids=lambda p: p.stem)

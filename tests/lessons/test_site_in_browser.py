@@ -122,6 +122,7 @@ def test_pages_can_be_read(context: Any, site: Path, scheme: str, width: int) ->
     assert (background == "rgb(255, 255, 255)") == (scheme == "light")
 
 
+@pytest.mark.long
 def test_every_other_page_opens_without_a_complaint(context: Any, site: Path) -> None:
     """Each exercise's page too. Those with replays: tests/browser/test_pitfall_pages.py."""
     page = context.new_page()

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from grader.exercises import all_exercises
 from processes import NODES, Process, Town
+
+from grader.course.exercises import all_exercises
 
 PROGRAMS = [(e, file) for e in all_exercises() for file in e.files if "train" not in file]
 REFERENCES = [exercise.solutions / file for exercise, file in PROGRAMS]

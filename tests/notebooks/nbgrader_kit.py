@@ -1,6 +1,5 @@
 """A course in a temporary folder, nbgrader's own commands, and students who hand notebooks in."""
 
-import fcntl
 import json
 import os
 import shutil
@@ -12,14 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import nbformat
-import pytest
 
 from grader.course.exercises import ROOT
 from grader.nbgrader.cells import definition
 from grader.notebook.build import ASSIGNMENT, NOTEBOOKS, SOURCES
 
 FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"
-slow = pytest.mark.skipif(not FULL, reason="takes a minute: make notebooks")
+MadeOnce = Callable[[str, Callable[[Path], object]], Path]  # of tests/conftest.py
 
 Cell = dict[str, Any]
 
@@ -33,21 +31,6 @@ join notebook on submitted_notebook.notebook_id = notebook.id
 join submitted_assignment on submitted_notebook.assignment_id = submitted_assignment.id
 """
 Grades = dict[tuple[str, str, str], tuple[float | None, bool]]  # student, notebook, cell
-
-
-def shared(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:
-    """Return a folder that is made once, whichever of pytest's workers comes first."""
-    base = factory.getbasetemp()
-    root = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-    folder = root / name
-    with (root / f"{name}.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (folder / "made").exists():
-            shutil.rmtree(folder, ignore_errors=True)
-            folder.mkdir()
-            make(folder)
-            (folder / "made").touch()
-    return folder
 
 
 def nbgrader(folder: Path, *arguments: str, ok: bool = True, **variables: str) -> str:

@@ -12,13 +12,12 @@ import pytest
 from nbclient import NotebookClient
 from nbgrader_kit import (
     FULL,
+    MadeOnce,
     cell_named,
     fill,
     make_course,
     nbgrader,
     released,
-    shared,
-    slow,
     solution,
     source_of,
 )
@@ -43,9 +42,9 @@ def stored(name: str) -> Any:
 
 
 @pytest.fixture(scope="module")
-def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def course(made_once: MadeOnce) -> Path:
     """The whole course, released."""
-    return shared(tmp_path_factory, "whole-course", lambda folder: make_course(folder, ALL))
+    return made_once("whole-course", lambda folder: make_course(folder, ALL))
 
 
 # --- made from elsewhere -------------------------------------------------------------------
@@ -251,6 +250,7 @@ def test_with_the_solutions_every_check_passes(course: Path, tmp_path: Path, nam
         assert not skipped or lacks, text
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name", RUN)
 def test_with_the_skeletons_it_runs_and_fails_kindly(
@@ -266,7 +266,7 @@ def test_with_the_skeletons_it_runs_and_fails_kindly(
         assert re.search(r"FAIL|skip    ", text), text
 
 
-@slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", RUN)
 def test_nbgraders_validation_agrees(course: Path, tmp_path: Path, name: str) -> None:
     (tmp_path / "nbgrader_config.py").write_text("c = get_config()\nc.Execute.timeout = 300\n")

@@ -6,13 +6,12 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from nbgrader_kit import slow
 
 from grader.authoring.leaks import leaks
 from grader.authoring.pitfalls import PITFALLS
 from grader.course.exercises import ROOT, all_exercises
 
-pytestmark = slow
+pytestmark = pytest.mark.long
 
 
 def course_release(folder: Path) -> None:

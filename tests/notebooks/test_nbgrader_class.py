@@ -1,6 +1,6 @@
 """Twelve students through nbgrader's commands: the gradebook says what `course grade` says.
 
-`make test` grades exercise 1 for all, and two more for some. COURSE_NOTEBOOKS=full: all nine.
+`make test-long` grades exercise 1 for all, and two more for some. COURSE_NOTEBOOKS=full: all nine.
 """
 
 import copy
@@ -18,6 +18,7 @@ import pytest
 from nbgrader_kit import (
     FULL,
     Grades,
+    MadeOnce,
     autograded,
     cell_named,
     code,
@@ -27,7 +28,6 @@ from nbgrader_kit import (
     make_course,
     nbgrader,
     released,
-    shared,
     solution,
     source_of,
     total,
@@ -44,6 +44,7 @@ from grader.nbgrader.points import points_of
 from grader.notebook.build import ASSIGNMENT, SOURCES, TEXTS, asked_by
 from sim.messages import EPOCH_NS
 
+pytestmark = pytest.mark.long
 EXERCISES = {
     "01_loop": ["1"], "02_trained_model": ["2", "7"], "03_state": ["3", "4"],
     "04_real_time": ["5", "6", "9"], "05_formats": ["8"],
@@ -200,8 +201,8 @@ def grade_all(folder: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return shared(tmp_path_factory, "students", grade_all)
+def course(made_once: MadeOnce) -> Path:
+    return made_once("students", grade_all)
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from nbgrader_kit import (
+    MadeOnce,
     autograded,
     cell_named,
     fill,
@@ -18,8 +19,6 @@ from nbgrader_kit import (
     marks_by_hand,
     nbgrader,
     released,
-    shared,
-    slow,
     solution,
     total,
 )
@@ -33,7 +32,7 @@ from grader.nbgrader import configure, judge
 from grader.nbgrader.judge import Verdict
 from grader.notebook.build import ASSIGNMENT
 
-pytestmark = slow
+pytestmark = pytest.mark.long
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
 EVIL = "Because. <script>steal()</script> [x](javascript:steal())"
@@ -79,8 +78,8 @@ def grade_one(course: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def bad_days(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return shared(tmp_path_factory, "bad-days", grade_one)
+def bad_days(made_once: MadeOnce) -> Path:
+    return made_once("bad-days", grade_one)
 
 
 @pytest.fixture

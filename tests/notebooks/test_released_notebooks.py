@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from nbgrader_kit import make_course, shared
+from nbgrader_kit import MadeOnce, make_course
 
 from grader.authoring.handouts import made_by, notebooks, without
 from grader.authoring.leaks import leaks
@@ -18,9 +18,9 @@ RUBRIC = re.compile(r"(?m)^\| \d \| (.{20,}?) *\|$")
 
 
 @pytest.fixture(scope="module")
-def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def course(made_once: MadeOnce) -> Path:
     """The whole course, released: the same as tests/notebooks/test_course.py's."""
-    return shared(tmp_path_factory, "whole-course", lambda folder: make_course(folder, ALL))
+    return made_once("whole-course", lambda folder: make_course(folder, ALL))
 
 
 @pytest.fixture(scope="module")

@@ -117,7 +117,9 @@ CALLS = {  # name: number on x86_64, on arm64
     "semget": (64, 190), "sethostname": (170, 161),
     "setns": (308, 268), "setpgid": (109, 154), "setsid": (112, 157),
     "settimeofday": (164, 170), "shmget": (29, 194), "swapon": (167, 224),
-    "syslog": (103, 116), "tkill": (200, 130), "umount2": (166, 39), "unshare": (272, 97),
+    "syslog": (103, 116), "tkill": (200, 130),
+    "truncate": (76, 45),  # by path, which Landlock minds only since ABI 3
+    "umount2": (166, 39), "unshare": (272, 97),
     "userfaultfd": (323, 282), "vfork": (58, NONE),
 }  # fmt: skip
 PRETENDED = {  # to work: they reach what is others' past Landlock, and libraries use them
@@ -130,6 +132,7 @@ PRETENDED = {  # to work: they reach what is others' past Landlock, and librarie
     "setxattrat": (463, 463), "utime": (132, NONE), "utimensat": (280, 88), "utimes": (235, NONE),
 }  # fmt: skip
 PRLIMIT = (302, 261)
+PRCTL = (157, 167)
 CLONE, CLONE3, KILL, TGKILL = (56, 220), (435, 435), (62, 129), (234, 131)
 SOCKET, CONNECT, FCNTL, IOCTL = (41, 198), (42, 203), (72, 25), (16, 29)
 OWNERSHIP = ((FCNTL, (8, 10, 15, 1026)), (IOCTL, (0x8901, 0x8902)))  # F_SETOWN …: signals by I/O
@@ -196,6 +199,7 @@ def _filter(datagrams: bool) -> list[Instruction]:
     for numbers, commands in OWNERSHIP:
         program += _unless_second(numbers[column], commands)
     program += _only_if(PRLIMIT[column], JUMP_EQUAL, 0)  # its own
+    program += _unless_first(PRCTL[column], PR_SET_PDEATHSIG)  # it ends with its judge
     program += _only_datagrams(column) if datagrams else _only_netlink(column)
     return [*program, (RETURN, 0, 0, ALLOW)]
 
@@ -210,6 +214,17 @@ def _only_if(number: int, test: int, constant: int) -> list[Instruction]:
         (JUMP_EQUAL, 0, 4, number),
         (LOAD, 0, 0, FIRST),
         (test, 1, 0, constant),
+        _refuse(errno.EPERM),
+        (LOAD, 0, 0, NUMBER),
+    ]
+
+
+def _unless_first(number: int, constant: int) -> list[Instruction]:
+    """Refuse a call if its first argument is this."""
+    return [
+        (JUMP_EQUAL, 0, 4, number),
+        (LOAD, 0, 0, FIRST),
+        (JUMP_EQUAL, 0, 1, constant),
         _refuse(errno.EPERM),
         (LOAD, 0, 0, NUMBER),
     ]

@@ -14,10 +14,14 @@ from sim.scenario import load_scenario
 from sim.simulation import Simulation
 
 EXERCISES = [exercise.slug for exercise in all_exercises()]
+QUICK = ("obstacle_avoidance", "trend_memory")  # in `make test`
 OTHER = 12_345  # a seed
 
 
-@pytest.mark.parametrize("slug", EXERCISES)
+@pytest.mark.parametrize(
+    "slug",
+    [pytest.param(slug, marks=() if slug in QUICK else pytest.mark.long) for slug in EXERCISES],
+)
 def test_a_student_gets_full_marks_in_worlds_of_their_own(slug: str) -> None:
     (reference,) = right_solutions(slug, variants=False)
     student = EXERCISES.index(slug)  # another one in each exercise

@@ -14,11 +14,20 @@ from grader.authoring.listings import (
     section,
 )
 
+QUICK = ("obstacle_avoidance",)  # in `make test`
+
 
 @pytest.mark.parametrize(
     ("number", "listing"),
-    list(enumerate(LISTINGS, 1)),
-    ids=[listing.file.removesuffix(".py") for listing in LISTINGS],
+    [
+        pytest.param(
+            number,
+            listing,
+            id=listing.file.removesuffix(".py"),
+            marks=() if listing.exercise in QUICK else pytest.mark.long,
+        )
+        for number, listing in enumerate(LISTINGS, 1)
+    ],
 )
 def test_the_page_has_the_score_and_every_message(number: int, listing: Listing) -> None:
     assert section(number, listing) in PAGE.read_text("utf-8")

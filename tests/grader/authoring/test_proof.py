@@ -1,11 +1,11 @@
 """Every solution, right or wrong, gets what it says it deserves.
 
-All solutions of exercise 1; of the others the reference, a variant, and enough mutants for
-every check to have killed one. `make prove` takes all of them, and more time.
+`make test` and `make test-long` together take all solutions of exercise 1; of the others the
+reference, the skeleton, two variants, and enough mutants for every check to have killed one. Of
+these `make test` takes one of each kind, and in two exercises the mutants for every check.
+`make prove` takes all solutions.
 """
 
-import contextlib
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -23,19 +23,16 @@ from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
 from grader.grading.grading import Grading
 from grader.grading.plugin import CheckResult
-from grader.link.hosts import ForkServer
-from sim.messages import EPOCH_NS
+from grader.link.pool import ForkServerPool
 
-IN_FULL = ("obstacle_avoidance",)
-VARIANTS = 1
-ALL = [claim for exercise in all_exercises() for claim in claims(exercise)]
+IN_FULL = ("obstacle_avoidance",)  # all solutions
+EVERY_CHECK = ("obstacle_avoidance", "goal_seeking")  # `make test` sees each check kill a mutant
+VARIANTS = 2
+CLAIMS = {exercise.slug: list(claims(exercise)) for exercise in all_exercises()}
 
 
-def enough(exercise: Exercise) -> list[Claim]:
+def enough(every: list[Claim]) -> list[Claim]:
     """Some right solutions, and mutants for all checks that any mutant fails."""
-    every = list(claims(exercise))
-    if exercise.slug in IN_FULL:
-        return every
     variants = [claim for claim in every if claim.kind == "variant"]
     chosen = [claim for claim in every if claim.kind not in ("variant", "mutant")]
     chosen += variants[:VARIANTS]
@@ -47,37 +44,51 @@ def enough(exercise: Exercise) -> list[Claim]:
     return chosen
 
 
-CHOSEN = [claim for exercise in all_exercises() for claim in enough(exercise)]
+def quick(slug: str, every: list[Claim]) -> list[Claim]:
+    """Those of `make test`: one of each kind at least."""
+    provable = [claim for claim in enough(every) if not claim.lacks]
+    if slug in EVERY_CHECK:
+        return provable
+    return list({claim.kind: claim for claim in reversed(provable)}.values())
 
 
-@pytest.fixture(scope="module")
-def forkservers(forkserver: ForkServer) -> Iterator[Callable[[Exercise], ForkServer]]:
-    """One fork server for each set of libraries that take long to import."""
-    warm = {(): forkserver}
-    with contextlib.ExitStack() as stack:
-
-        def forkserver_for(exercise: Exercise) -> ForkServer:
-            libraries = exercise.libraries
-            if libraries not in warm:
-                warm[libraries] = stack.enter_context(ForkServer(EPOCH_NS, libraries=libraries))
-            return warm[libraries]
-
-        yield forkserver_for
+CHOSEN = [
+    claim
+    for slug, every in CLAIMS.items()
+    for claim in (every if slug in IN_FULL else enough(every))
+]
+QUICK = {claim.name for slug, every in CLAIMS.items() for claim in quick(slug, every)}
 
 
-@pytest.mark.parametrize("claim", CHOSEN, ids=lambda claim: claim.name)
-def test_claims_hold(claim: Claim, forkservers: Callable[[Exercise], ForkServer]) -> None:
+@pytest.mark.parametrize(
+    "claim",
+    [
+        pytest.param(claim, id=claim.name, marks=() if claim.name in QUICK else pytest.mark.long)
+        for claim in CHOSEN
+    ],
+)
+def test_claims_hold(claim: Claim, forkservers: ForkServerPool) -> None:
     if claim.lacks:
         pytest.skip(f"not proven: {claim.lacks}")
-    grading = grade_claim(claim, forkservers(claim.exercise))
+    grading = grade_claim(claim, forkservers.of(claim.exercise.libraries))
     assert objections(claim, grading) == []
     if lacking := unproven(claim, grading):
         pytest.skip(f"proven but for {lacking}: a library is not installed (make test-deep)")
 
 
 @pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
-def test_there_are_solutions_of_every_kind(exercise: object) -> None:
-    kinds = {claim.kind for claim in ALL if claim.exercise == exercise}
+def test_make_test_grades_solutions_of_every_kind(exercise: Exercise) -> None:
+    every = CLAIMS[exercise.slug]
+    ours = [claim for claim in every if claim.name in QUICK]
+    assert {claim.kind for claim in ours} == {"reference", "skeleton", "variant", "mutant"}
+    if exercise.slug in EVERY_CHECK:
+        checks = set().union(*(claim.fails for claim in every))
+        assert set().union(*(claim.fails for claim in ours)) == checks
+
+
+@pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
+def test_there_are_solutions_of_every_kind(exercise: Exercise) -> None:
+    kinds = {claim.kind for claim in CLAIMS[exercise.slug]}
     assert kinds == {"reference", "skeleton", "variant", "mutant"}
 
 

@@ -26,14 +26,16 @@ from grader.course.submission import find_submission
 from grader.host.frames import Tensor
 from grader.link.hosts import ForkServer
 from grader.link.log import LogLine
+from grader.link.pool import ForkServerPool
 from grader.recording import Endpoint, ModelAnswers, Outcome, Recording, ScriptRun
 from grader.report.page import json_text
 from grader.trial.trials import NodeTrials
-from sim.messages import EPOCH_NS, STRING, TWIST, Message, decode, encode, typestore
+from sim.messages import STRING, TWIST, Message, decode, encode, typestore
 
 Spoil = Callable[[Recording, random.Random], Recording]
 EXAMPLES = int(os.environ.get("COURSE_HOSTILE_EXAMPLES", "20"))  # for each exercise
 EXERCISES = [exercise.slug for exercise in all_exercises()]
+QUICK = ("obstacle_avoidance", "goal_seeking")  # in `make test`
 
 FLOATS = (float("nan"), float("inf"), float("-inf"), 1e308, -1e308, 5e-324, -0.0, 2.0**63)
 INTS = (0, 1, -1, 127, 255, 2**31 - 1, 2**32 - 1, -(2**31))
@@ -367,13 +369,17 @@ def verdict(check: Callable[..., None], recordings: list[Recording]) -> str:
     return ""
 
 
-@pytest.mark.parametrize("slug", EXERCISES)
-def test_no_message_breaks_a_check(slug: str, pytestconfig: pytest.Config) -> None:
+@pytest.mark.parametrize(
+    "slug",
+    [pytest.param(slug, marks=() if slug in QUICK else pytest.mark.long) for slug in EXERCISES],
+)
+def test_no_message_breaks_a_check(
+    slug: str, forkservers: ForkServerPool, pytestconfig: pytest.Config
+) -> None:
     pytestconfig.addinivalue_line("markers", "check: a check of the grader")
     exercise = next(exercise for exercise in all_exercises() if exercise.slug == slug)
     checks = [check for check in core_checks(exercise) if is_judged_here(check)]
-    with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
-        recorded = recordings_of(exercise, forkserver, checks)
+    recorded = recordings_of(exercise, forkservers.of(exercise.libraries), checks)
 
     @settings(
         derandomize=True,

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 from grader.checks.commands import (
     answers,

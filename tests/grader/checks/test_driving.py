@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 from grader.checks.driving import path_length, require_no_contact
 from grader.checks.moments import first_contact

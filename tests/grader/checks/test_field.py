@@ -4,7 +4,7 @@ import importlib
 from typing import Any
 
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 from grader.checks.field import BY_ANGLE, FieldSuite
 from grader.checks.verdict import CheckFailed, fail

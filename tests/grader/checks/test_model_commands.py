@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 from grader.checks.commands import answers
 from grader.checks.model_commands import (

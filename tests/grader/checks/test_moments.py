@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import PREAMBLE, RunNode, short
+from node_runs import PREAMBLE, RunNode, short
 
 from grader.authoring.mutants import find_mutant
 from grader.checks.moments import came_to_rest, first_asked, first_contact

@@ -1,7 +1,7 @@
 """Each way in which a node may not be wired has its own diagnosis."""
 
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 from grader.checks.verdict import CheckFailed
 from grader.checks.wiring import require_alive, require_wiring

@@ -18,6 +18,7 @@ from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 
+pytestmark = pytest.mark.long
 SUBMISSIONS = {  # the reference, or the name of a mutant
     ("ada", "obstacle_avoidance"): "obstacle_avoidance_agent.py",
     ("ben", "obstacle_avoidance"): "drives_blind",

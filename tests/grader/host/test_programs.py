@@ -5,7 +5,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
-from conftest import PREAMBLE, short
+from node_runs import PREAMBLE, short
 
 from grader.course.submission import Submission
 from grader.link.hosts import ForkServer

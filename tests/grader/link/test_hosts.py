@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from conftest import PREAMBLE, RunNode, short
+from node_runs import PREAMBLE, RunNode, short
 
 from grader.course.submission import Submission
 from grader.errors import GraderError
@@ -305,7 +305,7 @@ if os.getuid() == 0:
     os.setresgid(65534, 65534, 65534)
     os.setresuid(65534, 65534, 65534)
 import tempfile
-from conftest import PREAMBLE, short
+from node_runs import PREAMBLE, short
 from grader.host.sandbox.layers import CALLS, LAYERS
 from grader.link.hosts import ForkServer
 from grader.course.submission import Submission

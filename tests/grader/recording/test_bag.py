@@ -7,10 +7,10 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
-from conftest import short
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
+from node_runs import short
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 

@@ -34,7 +34,13 @@ def busy_machine() -> Iterator[None]:
             loop.wait()
 
 
-@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize(
+    "node",
+    [
+        pytest.param(node, marks=() if node == "the reference" else pytest.mark.long)
+        for node in NODES
+    ],
+)
 def test_six_runs_are_one(node: str, forkserver: ForkServer) -> None:
     submission, scenario = Submission(Path(NODES[node])), load_scenario("avoid_store")
     quiet = [run_trial(submission, scenario, forkserver) for _ in range(3)]

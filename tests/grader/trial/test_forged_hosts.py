@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import short
 from fake_host import FakeHost, frame, settled
+from node_runs import short
 
 from grader.course.submission import Submission
 from grader.host.frames import (

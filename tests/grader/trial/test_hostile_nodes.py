@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 from grader.trial import recorder, staging, virtual_time
 from grader.trial.virtual_time import Limits

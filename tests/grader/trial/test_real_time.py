@@ -1,29 +1,23 @@
 """Nodes in real time, on DDS. What they do is asserted; how fast the machine is, never."""
 
-import os
 import textwrap
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
 import numpy as np
 import pytest
-from conftest import PREAMBLE, RunNode, short
+from node_runs import PREAMBLE, short
 
-from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
-from grader.errors import GraderError
-from grader.grading.grading import grade_submission
 from grader.host.real_time.robot import _moment
 from grader.host.robot_ends import Heard
 from grader.link.hosts import ForkServer
 from grader.recording import Recording, bag
-from grader.trial.real_time import _LiveTrial, run_live_trial
+from grader.trial.real_time import run_live_trial
 from grader.trial.real_time_hosts import LiveHosts
-from grader.trial.trials import NodeTrials
-from grader.trial.virtual_time import Limits
-from sim.messages import EPOCH_NS, STRING, Message, decode
+from sim.messages import EPOCH_NS, STRING, decode
 from sim.scenario import ProgramSpec, Scenario, ScriptEvent
 
 RunLive = Callable[..., Recording]
@@ -269,197 +263,3 @@ def test_a_live_recording_survives_a_bag(run_live: RunLive, tmp_path: Path) -> N
     assert again.live == recording.live
     assert again.live is not None and again.live.reason == "because"
     assert [scan.stamp for scan in again.scans()] == [scan.stamp for scan in recording.scans()]
-
-
-# --- what virtual time can't carry ---------------------------------------------------------------
-
-UNVIRTUAL = {
-    "EventsExecutor": """
-        from rclpy.experimental.events_executor import EventsExecutor
-        rclpy.init(); executor = EventsExecutor(); executor.add_node(Echo()); executor.spin()
-    """,
-    "while not done": """
-        rclpy.init(); node = Echo()
-        threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
-        while not getattr(node, 'done', False): pass
-    """,
-}
-
-
-@pytest.mark.parametrize("style", UNVIRTUAL)
-def test_what_virtual_time_cannot_carry_is_noticed(style: str, run_node: RunNode) -> None:
-    recording = run_node(UNVIRTUAL[style], limits=Limits(start=1.0, step=1.0, total=5.0))
-    assert recording.outcome.kind in ("real_time", "hung")
-
-
-def test_it_is_graded_in_real_time_and_the_report_says_so(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
-    exercise = find_exercise("obstacle_avoidance")
-    source = (exercise.solutions / exercise.files[0]).read_text()
-    spin = "        rclpy.spin(node)\n"
-    assert spin in source
-    own = """\
-        from rclpy.experimental.events_executor import EventsExecutor
-        executor = EventsExecutor()
-        executor.add_node(node)
-        executor.spin()
-"""
-    file = tmp_path / exercise.files[0]
-    file.write_text(source.replace(spin, own))
-    grading = grade_submission(
-        exercise, Submission(file), forkserver, file=file.name, only=["clear_zone"]
-    )
-
-    outcomes = {check.id: check.outcome for check in grading.checks}
-    assert "fail" not in outcomes.values()
-    assert outcomes["wiring"] == "pass"
-    (note,) = grading.as_dict()["notes"]
-    assert "ran in real time" in note
-    assert all(recording.live is not None for recording in grading.recordings)
-
-
-def test_a_busy_wait_runs_in_real_time(forkserver: ForkServer, tmp_path: Path) -> None:
-    file = tmp_path / "node.py"
-    file.write_text(PREAMBLE + textwrap.dedent(UNVIRTUAL["while not done"]))
-    limits = Limits(start=1.0, step=1.0, total=5.0)
-    with NodeTrials(Submission(file), forkserver, limits=limits) as trials:
-        first, second = trials.get("avoid_infinity"), trials.get("avoid_blind")
-
-    for recording in (first, second):
-        assert recording.outcome.completed
-        assert recording.live is not None and "without letting time pass" in recording.live.reason
-        assert len(recording.twists().t) == len(recording.scans())
-
-
-def test_a_node_that_hangs_in_real_time_too_has_hung(
-    forkserver: ForkServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("grader.trial.real_time.HUNG_AFTER", 0.5)
-    exercise = find_exercise("obstacle_avoidance")
-    file = tmp_path / exercise.files[0]
-    file.write_text(
-        PREAMBLE
-        + textwrap.dedent("""
-        class Stuck(Echo):
-            def on_scan(self, scan):
-                while True: pass
-        rclpy.init(); rclpy.spin(Stuck())
-        """)
-    )
-    grading = grade_submission(
-        exercise, Submission(file), forkserver, file=file.name, only=["wiring"]
-    )
-
-    (check,) = grading.checks
-    assert (check.outcome, check.actual) == ("fail", "hung")
-    assert grading.as_dict()["notes"] == []
-
-
-def test_wait_for_message_is_virtual(run_node: RunNode) -> None:
-    recording = run_node("""
-        from rclpy.wait_for_message import wait_for_message
-        rclpy.init(); node = Node('patient')
-        print(wait_for_message(LaserScan, node, '/scan')[0], time.monotonic())
-        print(wait_for_message(LaserScan, node, '/other', time_to_wait=0.5), time.monotonic())
-        rclpy.spin(Echo())
-    """)
-
-    assert recording.outcome.completed
-    assert [line.text for line in recording.log] == ["True 1000.013", "(False, None) 1000.513"]
-    assert len(recording.twists().t) == len(recording.scans()) - 6
-
-
-def test_a_node_that_never_gets_started_is_not_run_again_and_again(
-    forkserver: ForkServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("grader.trial.real_time_hosts.START_LIMIT", 0.5)
-    file = tmp_path / "node.py"
-    file.write_text("while True: pass")
-    with NodeTrials(Submission(file), forkserver, limits=Limits(start=0.5, step=1.0)) as trials:
-        first = trials.get("avoid_infinity")
-        monkeypatch.setattr("grader.trial.trials.run_trial", None)
-        second = trials.get("avoid_blind")
-
-    assert [first.outcome.kind, second.outcome.kind] == ["hung", "hung"]
-    assert second.duration_s == 0.0
-
-
-def test_the_judge_gives_its_priority_back(run_live: RunLive) -> None:
-    before = os.sched_getscheduler(0), os.sched_getparam(0)
-    run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
-    assert (os.sched_getscheduler(0), os.sched_getparam(0)) == before
-
-
-def test_a_killed_node_has_died_and_the_robot_comes_to_rest(run_live: RunLive) -> None:
-    recording = run_live("""
-        class Shot(Echo):
-            scans = 0
-            def on_scan(self, scan):
-                twist = Twist(); twist.linear.x = 0.3; self.publisher.publish(twist)
-                self.scans += 1
-                if self.scans == 8: os.kill(os.getpid(), 9)
-        rclpy.init(); rclpy.spin(Shot())
-    """, short(4.0))  # fmt: skip
-
-    truth, robot = recording.truth, recording.scenario.robot
-    assert (recording.outcome.kind, "signal 9" in recording.outcome.text) == ("died", True)
-    assert truth.v.max() > 0.1
-    still_driven = recording.twists().t[-1] + robot.command_timeout
-    rest = still_driven + 0.3 / robot.max_acceleration + 0.05
-    assert np.all(truth.v[truth.t / 1e9 > rest] == 0.0)
-    assert truth.v[-1] == 0.0
-
-
-def test_a_killed_robot_is_no_verdict_on_the_node(
-    run_live: RunLive, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    transmit = _LiveTrial._transmit
-    sent = []
-
-    def shot(trial: _LiveTrial, messages: Sequence[Message]) -> None:
-        transmit(trial, messages)
-        sent.append(messages)
-        if len(sent) == 5:
-            trial.hosts.radio._host.kill()
-
-    monkeypatch.setattr(_LiveTrial, "_transmit", shot)
-    with pytest.raises(GraderError, match="the robot's radio has died"):
-        run_live("rclpy.init(); rclpy.spin(Echo())", short(5.0))
-
-
-AUTOGROUP = Path("/proc/self/autogroup")
-
-
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root may go before others")
-@pytest.mark.skipif(not AUTOGROUP.exists(), reason="this kernel has no autogroups")
-def test_robot_and_node_go_before_the_programs_of_other_sessions(
-    run_live: RunLive, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    transmit = _LiveTrial._transmit
-    groups = {}
-
-    def looking(trial: _LiveTrial, messages: Sequence[Message]) -> None:
-        transmit(trial, messages)
-        for host in (trial.hosts.radio._host, trial.hosts.programs[0].host):
-            groups[host.pid] = Path(f"/proc/{host.pid}/autogroup").read_text().split()[-2:]
-
-    mine = AUTOGROUP.read_text()
-    monkeypatch.setattr(_LiveTrial, "_transmit", looking)
-    run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
-    assert list(groups.values()) == [["nice", "-20"]] * 2
-    assert AUTOGROUP.read_text() == mine
-
-
-def test_what_a_constructor_says_to_nobody_is_on_the_record(run_live: RunLive) -> None:
-    recording = run_live("""
-        class Hasty(Echo):
-            def __init__(self):
-                super().__init__()
-                twist = Twist(); twist.linear.x = 0.25; self.publisher.publish(twist)
-        rclpy.init(); rclpy.spin(Hasty())
-    """)
-
-    twists = recording.twists()
-    assert (twists.t[0], twists.linear_x[0]) == (0.0, 0.25)
-    assert len(twists.t) == 11

@@ -3,7 +3,7 @@
 import textwrap
 
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 
 def test_a_program_that_sleeps_before_it_spins_misses_nothing(run_node: RunNode) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
-from conftest import RunNode, short
+from node_runs import RunNode, short
 
 from grader.course.submission import Submission
 from grader.recording import Recording
