@@ -121,6 +121,22 @@ def test_every_clock_of_rclpy_is_virtual(run_node: RunNode, clock: str) -> None:
     assert said(recording) == ["True 0.1 True", "0.25 0.5 0.75"]
 
 
+@pytest.mark.parametrize("clock", CLOCKS.values(), ids=CLOCKS)
+def test_a_busy_wait_on_a_clock_of_rclpy_ends(run_node: RunNode, clock: str) -> None:
+    recording = run_node(f"""
+        import rclpy.clock
+        from rclpy.duration import Duration
+        rclpy.init(); node = Echo(); clock = {clock}
+        rclpy.spin_once(node)
+        start = time.monotonic(); end = clock.now() + Duration(seconds=0.05)
+        while clock.now() < end: pass
+        print(round(time.monotonic() - start, 2))
+        rclpy.spin(node)
+    """)
+    assert recording.outcome.completed, recording.outcome
+    assert said(recording) == ["0.05"]
+
+
 def test_sleeping_on_a_clock_is_refused_as_usual(run_node: RunNode) -> None:
     recording = run_node("""
         from rclpy.clock import Clock
