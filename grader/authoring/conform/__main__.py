@@ -17,11 +17,15 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
+import msgspec
+
 from grader.authoring.conform import nodes, suites
 from grader.authoring.conform.review import Difference, Review, differences, read_list, review
 from grader.errors import GraderError, InputError
 from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
+
+KEPT = Path("build/conform")  # what was found, in full
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -53,10 +57,7 @@ def run_suite(suite: str, checkout: Path | None, chosen: Sequence[str] = ()) -> 
             plain |= real.outcomes
             inside |= virtual.outcomes
             texts |= real.texts | {t: text for t, text in virtual.texts.items() if text}
-    found = differences(plain, inside, texts)
-    result = review(found, plain.keys() | inside.keys(), read_list(suite))
-    _print(plain, inside, result)
-    return 0 if result.passed else 1
+    return _judge(suite, plain, inside, texts)
 
 
 def run_nodes(checkouts: Sequence[Path]) -> int:
@@ -71,7 +72,18 @@ def run_nodes(checkouts: Sequence[Path]) -> int:
             plain[node.name], inside[node.name] = nodes.compared(both)
             texts[node.name] = _other_words(both)
             print(f"{node.name:100} {plain[node.name]:30} {inside[node.name]}", flush=True)
-    result = review(differences(plain, inside, texts), plain, read_list("nodes"))
+    return _judge("nodes", plain, inside, texts)
+
+
+def _judge(
+    suite: str, plain: dict[str, str], inside: dict[str, str], texts: dict[str, str]
+) -> int:
+    """Keep what was found, print what the list says of it, return the exit status."""
+    found = differences(plain, inside, texts)
+    KEPT.mkdir(parents=True, exist_ok=True)
+    kept = {"plain": plain, "inside": inside, "differences": found}
+    (KEPT / f"{suite}.json").write_bytes(msgspec.json.format(msgspec.json.encode(kept)))
+    result = review(found, plain.keys() | inside.keys(), read_list(suite))
     _print(plain, inside, result)
     return 0 if result.passed else 1
 
