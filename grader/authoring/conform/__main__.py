@@ -75,9 +75,7 @@ def run_nodes(checkouts: Sequence[Path]) -> int:
     return _judge("nodes", plain, inside, texts)
 
 
-def _judge(
-    suite: str, plain: dict[str, str], inside: dict[str, str], texts: dict[str, str]
-) -> int:
+def _judge(suite: str, plain: dict[str, str], inside: dict[str, str], texts: dict[str, str]) -> int:
     """Keep what was found, print what the list says of it, return the exit status."""
     found = differences(plain, inside, texts)
     KEPT.mkdir(parents=True, exist_ok=True)

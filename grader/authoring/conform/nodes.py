@@ -1,4 +1,4 @@
-"""Run nodes from elsewhere in plain Python and in a host, and compare how they end and what they say.
+"""Run nodes from elsewhere in plain Python and in a host; compare how they end and what they say.
 
 A node is a file that imports rclpy and has a `main`, or that is a script. It is started as
 `ros2 run` does it: its package is imported and `main()` called. A client that needs a server has it

@@ -121,5 +121,7 @@ class Rosout:
 
 def is_on(context: Any) -> bool:
     """Tell whether the command line of a context leaves /rosout on."""
-    flags = [word for word in getattr(context, "_course_arguments", ()) if word in (ENABLE, DISABLE)]
+    flags = [
+        word for word in getattr(context, "_course_arguments", ()) if word in (ENABLE, DISABLE)
+    ]
     return not flags or flags[-1] == ENABLE
