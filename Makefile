@@ -9,7 +9,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-long test-all test-deep lint format prove attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
+.PHONY: help setup grade test test-long test-all test-deep lint format prove conform attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -48,6 +48,15 @@ format: $(VENV)/.dev ## let ruff format and fix what it can
 
 prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which check kills which
 	$(BIN)/python -m grader.authoring.proof
+
+# Checkouts: ros2/rclpy at the tag of the installed wheels; repositories with nodes
+RCLPY ?=
+NODES ?=
+conform: $(VENV)/.dev ## is virtual time like time? RCLPY=… NODES="…" (docs/virtual-time.md)
+	$(PIP) install --constraint constraints.txt 'ros-jazzy-test-msgs==2.0.3'
+	$(BIN)/python -m grader.authoring.conform cpython
+	$(if $(RCLPY),$(BIN)/python -m grader.authoring.conform rclpy $(RCLPY))
+	$(if $(NODES),$(BIN)/python -m grader.authoring.conform nodes $(NODES))
 
 bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lidar.py

@@ -189,6 +189,7 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
     trial.bridge = bridge.Bridge(start.offers)
     trial.bridge.install()
     trial.clocks = executors.install(kernel, epoch, trial.bridge)
+    trial.bridge.tell_rosout(trial.clocks.now)
     executors.refuse_real_time(trial.leave_for_real_time)
     _steer_init()
     trial.mark()
@@ -212,6 +213,7 @@ def _steer_init() -> None:
 
     def quiet_init(self: Any, args: Any = None, **kwargs: Any) -> Any:
         arguments = list(sys.argv if args is None else args)
+        self._course_arguments = tuple(arguments)
         arguments += ["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"]
         return init(self, arguments, **kwargs)
 

@@ -7,6 +7,7 @@ the student's constructor.
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import rclpy.node
@@ -24,6 +25,7 @@ from .frames import Offer
 DEPTH = 5_000  # messages a subscription holds: more than MAX_PUBLISHED, and Fast DDS's most
 ROBOT_DEPTH = 10
 ROBOT_NODE = "mock_robot"
+PARAMETER_EVENTS = "/parameter_events"
 
 
 class Heard(NamedTuple):
@@ -36,6 +38,15 @@ class Heard(NamedTuple):
     data: bytes  # CDR
 
 
+class _RobotNode(rclpy.node.Node):  # type: ignore[misc]
+    """A node that tells nobody of its parameters: a student's node may come before it."""
+
+    def create_publisher(self, msg_type: Any, topic: str, *args: Any, **kwargs: Any) -> Any:
+        if topic == PARAMETER_EVENTS:
+            return SimpleNamespace(publish=lambda event: None)
+        return super().create_publisher(msg_type, topic, *args, **kwargs)
+
+
 class RobotEnds:
     """Subscriptions to what students publish, publishers of what the robot offers."""
 
@@ -43,7 +54,7 @@ class RobotEnds:
         self._offers = offers
         self._listeners: dict[str, tuple[str, Any, Any]] = {}
         self._speakers: dict[str, Any] = {}
-        self._node = rclpy.node.Node(
+        self.node = _RobotNode(
             ROBOT_NODE,
             context=context,
             use_global_arguments=False,
@@ -57,7 +68,7 @@ class RobotEnds:
         if topic in self._listeners:
             return
         qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
-        listener = self._node.create_subscription(msg_type, topic, lambda _: None, qos, raw=True)
+        listener = self.node.create_subscription(msg_type, topic, lambda _: None, qos, raw=True)
         self._listeners[topic] = (type_name(msg_type), msg_type, listener)
 
     def hears(self, topic: str) -> bool:
@@ -76,7 +87,7 @@ class RobotEnds:
         )
         qos = QoSProfile(depth=ROBOT_DEPTH, reliability=reliability)
         if topic not in self._speakers:
-            self._speakers[topic] = self._node.create_publisher(msg_type, topic, qos)
+            self._speakers[topic] = self.node.create_publisher(msg_type, topic, qos)
         verdict, reason = qos_check_compatible(qos, theirs)
         if verdict != QoSCompatibility.ERROR:
             return ""
@@ -105,7 +116,7 @@ class RobotEnds:
 
     def close(self) -> None:
         """Take all ends out of the graph."""
-        self._node.destroy_node()
+        self.node.destroy_node()
         self._listeners.clear()
         self._speakers.clear()
 

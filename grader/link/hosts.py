@@ -142,7 +142,7 @@ class ForkServer:
                 stdin=subprocess.DEVNULL,
                 stdout=self._log,
                 stderr=self._log,
-                env=self._environment(),
+                env=self.environment,
                 cwd="/",
                 start_new_session=self._kind == LIVE,  # Linux weighs CPU time by session
             )
@@ -250,7 +250,9 @@ class ForkServer:
         # -s, -B: nothing from the user's site, no files beside the sources
         return [sys.executable, "-s", "-B", "-X", "utf8", "-c", boot]
 
-    def _environment(self) -> dict[str, str]:
+    @property
+    def environment(self) -> dict[str, str]:
+        """The environment variables of its hosts."""
         return {
             "PATH": "/usr/bin:/bin",
             "LANG": "C.UTF-8",

@@ -6,6 +6,7 @@ taken at once, in the order of its source timestamps.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import rclpy.context
@@ -14,6 +15,8 @@ from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, repo
 from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, Published
 from ..robot_ends import Heard, RobotEnds
 from . import graph
+from .rosout import TOPIC as ROSOUT
+from .rosout import Rosout
 
 
 class Bridge:
@@ -23,6 +26,7 @@ class Bridge:
         self._offers = {offer.topic: offer for offer in offers}
         self._ends: dict[Any, RobotEnds] = {}  # by context
         self._last_words: list[Heard] = []  # from contexts that have been shut down
+        self.rosout: Rosout | None = None
         self._endpoints: list[EndpointReport] = []
         self.published: list[Published] = []
         self.changes = 0  # goes up when endpoints appear
@@ -37,6 +41,11 @@ class Bridge:
         cls: Any = rclpy.context.Context
         for name in ("shutdown", "try_shutdown"):
             setattr(cls, name, self._leaving_first(getattr(cls, name)))
+
+    def tell_rosout(self, now: Callable[[], Any]) -> None:
+        """Let programs listen to what nodes log; `now` returns the ROS time."""
+        self.rosout = Rosout(now, lambda context: self._ends_in(context).node)
+        self.rosout.install()
 
     def collect(self, now: int) -> None:
         """Take what the student's nodes published; it gets the time `now` [ns]."""
@@ -74,6 +83,9 @@ class Bridge:
         self.changes += 1
         mismatch = ""
         match kind:
+            case "subscription" if endpoint.topic_name == ROSOUT and self.rosout:
+                self.rosout.listened_to(node.context)
+                return
             case "publisher" | "subscription" if endpoint.topic_name in HIDDEN_TOPICS:
                 return
             case "publisher":
@@ -103,6 +115,8 @@ class Bridge:
         """A context that is shut down takes the robot's ends with it; another may follow."""
 
         def leave_and_shutdown(context: Any) -> None:
+            if self.rosout:
+                self.rosout.leave(context)
             ends = self._ends.pop(context, None)
             if ends is not None:
                 self._last_words += ends.take()

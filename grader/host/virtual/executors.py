@@ -11,6 +11,7 @@ import collections
 import functools
 import inspect
 import os
+import time
 import weakref
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
@@ -30,7 +31,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.time import Time
 
 from .bridge import Bridge
-from .clock import STEADY_START, real_time_ns
+from .clock import real_time_ns
 from .kernel import IDLE_STEP, Kernel, Waiters
 
 YIELDS = 10  # of a coroutine at one moment, after which it costs time to give way
@@ -291,6 +292,7 @@ def _install_tasks(kernel: Kernel) -> None:
 def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
     clock_cls: Any = rclpy.clock.Clock
     make, real_now = clock_cls.__new__, clock_cls.now
+    wall, steady = time.time_ns, time.monotonic_ns  # virtual by now; a busy wait on them ends
 
     def virtual_new(cls: Any, **kwargs: Any) -> Any:
         clock = make(cls, **kwargs)
@@ -299,10 +301,10 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
         return clock
 
     def virtual_now(self: Any) -> Any:
+        now = steady() if self.clock_type == ClockType.STEADY_TIME else wall()
         if self.clock_type == ClockType.ROS_TIME:
             return real_now(self)
-        start = clocks._epoch if self.clock_type == ClockType.SYSTEM_TIME else STEADY_START
-        return Time(nanoseconds=start + kernel.now, clock_type=self.clock_type)
+        return Time(nanoseconds=now, clock_type=self.clock_type)
 
     def virtual_sleep_until(self: Any, until: Any, context: Any = None) -> bool:
         context = context or rclpy.utilities.get_default_context()

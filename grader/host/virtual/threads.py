@@ -15,8 +15,11 @@ import multiprocessing.connection
 import os
 import queue
 import selectors
+import sys
 import threading
+import traceback
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 from . import clock
@@ -83,6 +86,9 @@ class Lock:
         self.release()
 
 
+Lock.__module__, Lock.__name__, Lock.__qualname__ = "_thread", "lock", "lock"  # as Python's
+
+
 def install(kernel: Kernel, epoch: int) -> None:
     """Replace the blocking primitives of this process by those of `kernel`."""
     _install_threads(kernel)
@@ -130,17 +136,27 @@ def _install_threads(kernel: Kernel) -> None:
 
     def virtual_is_alive(self: Any) -> bool:
         thread = getattr(self, "_virtual", None)
-        return bool(self._started.is_set()) and not (thread is not None and thread.done)
+        if thread is None or not thread.done:
+            return bool(self._started.is_set())
+        join(self)  # it has nothing left to do; from now on its repr says "stopped"
+        return False
 
     def virtual_start_new_thread(
         function: Callable[..., object], args: tuple[Any, ...] = (), kwargs: Any = None
     ) -> int:
         thread = kernel.add()
         keywords = kwargs or {}
+
+        def body() -> None:
+            try:
+                function(*args, **keywords)
+            except SystemExit:
+                pass
+            except BaseException as error:
+                _tell_unraisable(error, function)
+
         try:
-            return _real_start_new_thread(
-                _run, (kernel, thread, lambda: function(*args, **keywords))
-            )
+            return _real_start_new_thread(_run, (kernel, thread, body))
         except BaseException:
             kernel.forget(thread)
             raise
@@ -148,6 +164,20 @@ def _install_threads(kernel: Kernel) -> None:
     cls.start, cls.join, cls.is_alive = virtual_start, virtual_join, virtual_is_alive
     cls._bootstrap = virtual_bootstrap
     _thread.start_new_thread = virtual_start_new_thread
+
+
+def _tell_unraisable(error: BaseException, function: Callable[..., object]) -> None:
+    """Tell of an exception in a thread without a `Thread`, as Python would without `_run`."""
+    trace = error.__traceback__ and error.__traceback__.tb_next
+    told = "Exception ignored in thread started by"
+    if sys.unraisablehook is sys.__unraisablehook__:  # it takes no arguments but Python's own
+        print(f"{told}: {function!r}", file=sys.stderr)
+        traceback.print_exception(type(error), error, trace)
+        return
+    arguments: Any = SimpleNamespace(
+        exc_type=type(error), exc_value=error, exc_traceback=trace, err_msg=told, object=function
+    )
+    sys.unraisablehook(arguments)
 
 
 def _install_locks(kernel: Kernel) -> None:

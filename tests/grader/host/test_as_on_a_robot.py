@@ -121,6 +121,22 @@ def test_every_clock_of_rclpy_is_virtual(run_node: RunNode, clock: str) -> None:
     assert said(recording) == ["True 0.1 True", "0.25 0.5 0.75"]
 
 
+@pytest.mark.parametrize("clock", CLOCKS.values(), ids=CLOCKS)
+def test_a_busy_wait_on_a_clock_of_rclpy_ends(run_node: RunNode, clock: str) -> None:
+    recording = run_node(f"""
+        import rclpy.clock
+        from rclpy.duration import Duration
+        rclpy.init(); node = Echo(); clock = {clock}
+        rclpy.spin_once(node)
+        start = time.monotonic(); end = clock.now() + Duration(seconds=0.05)
+        while clock.now() < end: pass
+        print(round(time.monotonic() - start, 2))
+        rclpy.spin(node)
+    """)
+    assert recording.outcome.completed, recording.outcome
+    assert said(recording) == ["0.05"]
+
+
 def test_sleeping_on_a_clock_is_refused_as_usual(run_node: RunNode) -> None:
     recording = run_node("""
         from rclpy.clock import Clock
@@ -251,3 +267,57 @@ def test_matched_events_tell_of_others_only(run_node: RunNode) -> None:
         for _ in range(4): rclpy.spin_once(node, timeout_sec=0.1)
     """)
     assert said(recording) == ["cmd_vel 1 1 1", "mine 1 1 1"]
+
+
+ROSOUT = """
+    from rcl_interfaces.msg import Log
+    from rclpy.node import Node
+    rclpy.init({arguments}); node = Node({node})
+    node.get_logger().info('before')
+    heard = []
+    node.create_subscription(Log, '/rosout', heard.append, 10)
+    node.get_logger().get_child('part').warning('after')
+    rclpy.logging.get_logger('{name}.other').info('of no node')
+    for _ in range(4): rclpy.spin_once(node, timeout_sec=0.01)
+    for log in heard:
+        age = node.get_clock().now().nanoseconds - rclpy.time.Time.from_msg(log.stamp).nanoseconds
+        print(log.name, log.level, log.msg, log.function, 0 <= age < 1e9)
+    rclpy.spin(node)
+"""
+
+
+def test_what_nodes_log_is_heard_on_rosout(run_node: RunNode) -> None:
+    recording = run_node(ROSOUT.format(arguments="", node="'talker'", name="talker"))
+    assert recording.outcome.completed, recording.outcome
+    assert said(recording) == [
+        "talker 20 before <module> True",
+        "talker.part 30 after <module> True",
+    ]
+
+
+@pytest.mark.parametrize(
+    "arguments, node",
+    [
+        ("args=['--ros-args', '--disable-rosout-logs']", "'talker'"),
+        ("", "'talker', enable_rosout=False"),
+    ],
+)
+def test_rosout_can_be_switched_off(run_node: RunNode, arguments: str, node: str) -> None:
+    recording = run_node(ROSOUT.format(arguments=arguments, node=node, name="talker"))
+    assert recording.outcome.completed, recording.outcome
+    assert said(recording) == []
+
+
+def test_the_robot_tells_nobody_of_its_parameters(run_node: RunNode) -> None:
+    recording = run_node("""
+        from rcl_interfaces.msg import ParameterEvent
+        from rclpy.node import Node
+        rclpy.init(); first = Node('first'); told = []
+        first.create_subscription(ParameterEvent, '/parameter_events', told.append, 10)
+        second = Echo('second'); second.declare_parameter('p', 1)
+        for _ in range(9): rclpy.spin_once(first, timeout_sec=0.01)
+        print(sorted({event.node for event in told}))
+        rclpy.spin(second)
+    """)
+    assert recording.outcome.completed, recording.outcome
+    assert said(recording) == ["['/second']"]

@@ -146,6 +146,30 @@ def test_a_thread_starts_once() -> None:
     ]
 
 
+def test_a_thread_that_has_ended_says_so() -> None:
+    assert run("""
+        thread = threading.Thread(target=time.sleep, args=(0.01,), name='nap')
+        for wait in (0, 0.005, 0.01):
+            if wait: time.sleep(wait)
+            say(*repr(thread).split()[1:2], thread.is_alive())
+            if not wait: thread.start()
+    """) == [[0.0, "initial)>", False], [0.005, "started", True], [0.015, "stopped", False]]
+
+
+def test_an_exception_in_a_bare_thread_names_its_function() -> None:
+    assert run("""
+        import _thread
+        told = []
+        def task(): raise ValueError('no')
+        sys.unraisablehook = told.append
+        _thread.start_new_thread(task, ())
+        _thread.start_new_thread(sys.exit, (3,))
+        time.sleep(0.01)
+        say(len(told), told[0].object is task, told[0].err_msg, str(told[0].exc_value),
+            told[0].exc_traceback.tb_frame.f_code is task.__code__)
+    """) == [[0.01, 1, True, "Exception ignored in thread started by", "no", True]]
+
+
 def test_locks_refuse_what_pythons_refuse() -> None:
     assert run("""
         lock = threading.Lock()

@@ -1,0 +1,134 @@
+"""Two places to run a program in: plain Python, in real time, and a host, in virtual time."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.host.frames import Ended, ProgramStart, Run, Settled, Start
+from grader.link.hosts import ForkServer
+from grader.link.link import HostDied, HostForged, HostHung, Link
+from sim.messages import EPOCH_NS
+
+SECOND = 1_000_000_000  # [ns]
+SILENCE = 120.0  # [s] without progress after which a plain run is ended
+STEP_LIMIT = 60.0  # [s] of wall time for one virtual second
+DOMAIN = 77  # of DDS: plain runs hear nobody else on this machine
+
+Progress = Callable[[], int]  # goes up while a run gets on
+
+
+@dataclass(frozen=True)
+class Ran:
+    """How a run ended."""
+
+    kind: str  # as in `Ended`, or "hung", "died", "stuck", "time"
+    text: str
+    said: str = ""  # on stdout and stderr
+
+
+def run_inside(
+    forkserver: ForkServer,
+    folder: Path,
+    programs: Sequence[ProgramStart],
+    seconds: float,
+    progress: Progress = lambda: 0,
+) -> Ran:
+    """Run programs in a host, without a robot, until `seconds` [s] have gone by since progress."""
+    with forkserver.host(folder) as host:
+        link = Link(host)
+        try:
+            kind, text = _conduct(link, programs, round(seconds), progress)
+        except HostHung as hung:
+            kind, text = "hung", hung.stacks
+        except HostDied:
+            kind, text = "died", host.wait(1.0)
+        except HostForged as forged:
+            kind, text = "forged", str(forged)
+        return Ran(kind, text, "\n".join(line.text for line in link.log()))
+
+
+def _conduct(
+    link: Link, programs: Sequence[ProgramStart], seconds: int, progress: Progress
+) -> tuple[str, str]:
+    start = Start(tuple(programs), EPOCH_NS, seed=1, offers=(), lead=1)
+    answer: object = link.start(start, STEP_LIMIT)[0]
+    now, left, seen = 0, seconds, progress()
+    while isinstance(answer, Settled):
+        if progress() > seen:
+            left, seen = seconds, progress()
+        if left == 0:
+            return "time", f"{seconds} s have gone by"
+        if now and not answer.spinning and not answer.asleep:
+            return "stuck", "nothing in it can ever run again"
+        now, left = now + 1, left - 1
+        answer = link.run(Run(now * SECOND), STEP_LIMIT)[0]
+    assert isinstance(answer, Ended), answer
+    return answer.kind, f"{answer.text}\n{answer.detail}"
+
+
+def run_plain(
+    forkserver: ForkServer,
+    folder: Path,
+    commands: Sequence[Sequence[str]],
+    seconds: float = SILENCE,
+    progress: Progress = lambda: 0,
+) -> Ran:
+    """Run programs as processes until the first ends, or until `seconds` [s] without progress."""
+    with contextlib.ExitStack() as stack:
+        log = stack.enter_context((folder / "plain.log").open("w+"))
+        processes = [
+            stack.enter_context(_process(forkserver, folder, command, log.fileno()))
+            for command in commands
+        ]
+        kind, text = _await(processes, seconds, progress)
+        log.seek(0)
+        return Ran(kind, text, log.read())
+
+
+@contextlib.contextmanager
+def _process(
+    forkserver: ForkServer, folder: Path, command: Sequence[str], log: int
+) -> Iterator[subprocess.Popen[bytes]]:
+    environment = {
+        **forkserver.environment,
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": str(DOMAIN),
+        "ROS_LOG_DIR": str(folder),
+        "HOME": str(folder),
+        "PYTHONPATH": os.pathsep.join(map(str, forkserver.ros.python_path)),
+    }
+    process = subprocess.Popen(
+        [sys.executable, "-s", "-B", "-X", "utf8", *command],
+        cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+        start_new_session=True,
+    )  # fmt: skip
+    try:
+        yield process
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _await(
+    processes: Sequence[subprocess.Popen[bytes]], seconds: float, progress: Progress
+) -> tuple[str, str]:
+    seen, end = progress(), time.monotonic() + seconds
+    while time.monotonic() < end:
+        for process in processes:
+            status = process.poll()
+            if status is not None:
+                kind = "returned" if status == 0 else "exited" if status > 0 else "died"
+                return kind, str(status)
+        if progress() > seen:
+            seen, end = progress(), time.monotonic() + seconds
+        time.sleep(0.05)
+    return "time", f"{seconds} s have gone by"

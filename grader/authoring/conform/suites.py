@@ -1,0 +1,139 @@
+"""Run the modules of a suite of tests in both places; say how each test ended."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grader.authoring.conform import places, run_tests
+from grader.authoring.conform.places import Ran
+from grader.errors import InputError
+from grader.host.frames import ProgramStart
+from grader.link.hosts import ForkServer
+
+RUNNER = Path(run_tests.__file__)
+VIRTUAL_SILENCE = 300.0  # [s] without progress, after which a test in a host is said to hang
+ATTEMPTS = 3  # at tests that fail in plain Python: real time fails by chance
+CPYTHON = (  # modules of the package `test`
+    "test_threading", "test_threading_local", "test_thread", "test_threadsignals", "test_queue",
+    "test_sched", "test_time", "test_datetime", "test_asyncio", "test_concurrent_futures",
+    "test_context", "test_contextlib_async", "test_signal", "test_selectors", "test_timeit",
+)  # fmt: skip
+PLAIN, INSIDE = "plain", "inside"
+
+Place = Callable[[Path, str, str, Callable[[], int]], Ran]
+
+
+@dataclass
+class Outcomes:
+    """How each test of a module ended, in one place."""
+
+    outcomes: dict[str, str] = field(default_factory=dict)  # by test
+    texts: dict[str, str] = field(default_factory=dict)  # why it failed or was skipped
+
+
+def rclpy_modules(checkout: Path) -> list[str]:
+    """Return the modules of rclpy's tests.
+
+    Raises
+    ------
+    InputError
+        It is no checkout of rclpy.
+    """
+    modules = sorted((checkout / "rclpy" / "test").glob("test_*.py"))
+    if not modules:
+        raise InputError(f"{checkout}: expected a checkout of ros2/rclpy, with rclpy/test in it")
+    return [f"test/{module.name}" for module in modules]
+
+
+def cpython_modules() -> list[str]:
+    """Return those modules of CPython's tests that this interpreter brings."""
+    if importlib.util.find_spec("test.support") is None:
+        raise InputError(f"{sys.executable} comes without CPython's tests (the package `test`)")
+    found: list[str] = []
+    for name in CPYTHON:
+        spec = importlib.util.find_spec(f"test.{name}")
+        if spec is None:
+            continue
+        folders = spec.submodule_search_locations or []
+        parts = sorted(path.stem for folder in folders for path in Path(folder).glob("test_*.py"))
+        found += [f"test.{name}.{part}" for part in parts] or [f"test.{name}"]
+    return found
+
+
+def run_module(
+    suite: str, module: str, forkserver: ForkServer, checkout: Path | None
+) -> tuple[Outcomes, Outcomes]:
+    """Run a module in plain Python and inside a host."""
+
+    def plain(folder: Path, suite: str, module: str, progress: Callable[[], int]) -> Ran:
+        command = [str(folder / RUNNER.name), suite, module]
+        return places.run_plain(forkserver, folder, [command], progress=progress)
+
+    def inside(folder: Path, suite: str, module: str, progress: Callable[[], int]) -> Ran:
+        programs = [ProgramStart(str(folder / RUNNER.name), (suite, module))]
+        return places.run_inside(forkserver, folder, programs, VIRTUAL_SILENCE, progress)
+
+    real = _run(plain, suite, module, checkout)
+    for _ in range(ATTEMPTS - 1):
+        failed = {test for test, outcome in real.outcomes.items() if outcome not in GOOD}
+        if not failed:
+            break
+        again = _run(plain, suite, module, checkout)
+        for test in failed & again.outcomes.keys():
+            real.outcomes[test] = again.outcomes[test]
+    return real, _run(inside, suite, module, checkout)
+
+
+GOOD = (run_tests.PASSED, run_tests.SKIPPED)
+
+
+def _run(place: Place, suite: str, module: str, checkout: Path | None) -> Outcomes:
+    """Run a module, anew after each test that hangs or ends the process."""
+    with tempfile.TemporaryDirectory(prefix="conform-") as name:
+        folder = Path(name)
+        shutil.copy(RUNNER, folder)
+        if checkout is not None:
+            shutil.copytree(checkout / "rclpy" / "test", folder / "test")
+            (folder / "test" / "__init__.py").write_text("")  # it looks for a build of rclpy
+        results = folder / run_tests.RESULTS
+
+        def progress() -> int:
+            return results.stat().st_size if results.exists() else 0
+
+        while True:
+            before = progress()
+            ran = place(folder, suite, module, progress)
+            found = _read(results)
+            unfinished = [t for t, o in found.outcomes.items() if o == run_tests.STARTED]
+            if not unfinished or progress() == before:
+                break
+            with results.open("a") as lines:
+                for test in unfinished:
+                    line = {"test": test, "outcome": ran.kind, "text": f"{ran.text} {ran.said}"}
+                    lines.write(json.dumps(line) + "\n")
+        found = _read(results)
+        if not found.outcomes:
+            found.outcomes[module] = ran.kind
+            found.texts[module] = f"{ran.text} {ran.said}"[-run_tests.TEXT :]
+        return found
+
+
+def _read(results: Path) -> Outcomes:
+    outcomes = Outcomes()
+    for line in _lines(results):
+        outcomes.outcomes[line["test"]] = line["outcome"]
+        outcomes.texts[line["test"]] = line["text"]
+    return outcomes
+
+
+def _lines(results: Path) -> Iterator[dict[str, str]]:
+    if results.exists():
+        for line in results.read_text("utf-8").splitlines():
+            yield json.loads(line)

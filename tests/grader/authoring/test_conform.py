@@ -1,0 +1,166 @@
+"""The command that compares virtual time with time: what it finds, and what it makes of it."""
+
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from grader.authoring.conform import nodes, places, suites
+from grader.authoring.conform.__main__ import main
+from grader.authoring.conform.review import (
+    LIST,
+    Difference,
+    Entry,
+    Reviewed,
+    differences,
+    read_list,
+    review,
+)
+from grader.errors import InputError
+from grader.host.frames import ProgramStart
+from grader.link.hosts import ForkServer
+
+TESTS = """
+import os, threading, time
+def test_same(): time.sleep(0.01)
+def test_other(): assert time.time() > 1.75e9  # a host's time begins in 2023
+def test_dies(): os._exit(3)
+def test_after(): assert threading.current_thread() is threading.main_thread()
+"""
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """Something like a checkout of rclpy."""
+    tests = tmp_path / "rclpy" / "test"
+    tests.mkdir(parents=True)
+    (tests / "test_few.py").write_text(TESTS)
+    return tmp_path
+
+
+def test_each_test_is_run_in_both_places(checkout: Path, forkserver: ForkServer) -> None:
+    assert suites.rclpy_modules(checkout) == ["test/test_few.py"]
+    plain, inside = suites.run_module("rclpy", "test/test_few.py", forkserver, checkout)
+    assert list(plain.outcomes.items()) == [
+        ("test/test_few.py::test_same", "passed"),
+        ("test/test_few.py::test_other", "passed"),
+        ("test/test_few.py::test_dies", "exited"),
+        ("test/test_few.py::test_after", "passed"),
+    ]
+    assert inside.outcomes == plain.outcomes | {
+        "test/test_few.py::test_other": "failed",
+        "test/test_few.py::test_dies": "died",
+    }
+    assert "1.75" in inside.texts["test/test_few.py::test_other"]
+
+
+@pytest.mark.parametrize(
+    "source, kind",
+    [
+        ("import threading; threading.Event().wait()", "stuck"),
+        ("import time\nwhile True: time.sleep(0.5)", "time"),
+    ],
+)
+def test_a_wait_without_end_is_said(source: str, kind: str, forkserver: ForkServer) -> None:
+    with tempfile.TemporaryDirectory() as name:  # not tmp_path, which is closed to a host
+        program = Path(name) / "waits.py"
+        program.write_text(source)
+        ran = places.run_inside(forkserver, Path(name), [ProgramStart(str(program))], 5)
+    assert ran.kind == kind
+
+
+ENTRY = Entry(("a*", "b"), "because")
+
+
+def test_a_listed_difference_is_meant_and_another_is_not() -> None:
+    found = differences(
+        {"a1": "passed", "a2": "passed", "b": "passed", "c": "passed", "d": "passed"},
+        {"a1": "failed", "a2": "passed", "b": "failed", "c": "failed"},
+        {"c": "why"},
+    )
+    assert found == [
+        Difference("a1", "passed", "failed"),
+        Difference("b", "passed", "failed"),
+        Difference("c", "passed", "failed", "why"),
+        Difference("d", "passed", "absent"),
+    ]
+    result = review(found, "abcd", Reviewed(meant=(ENTRY,)))
+    assert [difference.test for difference, _ in result.meant] == ["a1", "b"]
+    assert result.unlisted == found[2:]
+    assert not result.passed
+    assert review(found[:2], "ab", Reviewed(meant=(ENTRY,))).passed
+
+
+def test_a_listed_difference_has_to_be_of_the_listed_kind() -> None:
+    hangs = Difference("b", "passed", "hung")
+    assert review([hangs], ["b"], Reviewed(meant=(ENTRY,))).unlisted == [hangs]
+
+
+def test_what_no_longer_differs_must_leave_the_list() -> None:
+    result = review([Difference("b", "passed", "failed")], ["a1", "b"], Reviewed(meant=(ENTRY,)))
+    assert result.stale == ["a*"]
+    assert not result.passed
+    flaky = Entry(("a*", "b"), "because", flaky=True)
+    assert review([], ["a1", "b"], Reviewed(meant=(flaky,))).passed
+    assert review([], ["c"], Reviewed(meant=(ENTRY,))).passed  # they have not been run
+
+
+def test_a_known_defect_fails_the_command() -> None:
+    result = review([Difference("b", "passed", "failed")], ["b"], Reviewed(defects=(ENTRY,)))
+    assert len(result.defects) == 1
+    assert not result.passed
+
+
+@pytest.mark.parametrize("suite", ["rclpy", "cpython", "nodes"])
+def test_the_list_gives_each_reason_and_knows_no_defect(suite: str) -> None:
+    reviewed = read_list(suite)
+    assert reviewed.meant
+    assert not reviewed.defects
+    for entry in reviewed.meant:
+        assert len(entry.reason) > 20, entry
+        assert entry.tests, entry
+    patterns = [pattern for entry in reviewed.meant for pattern in entry.tests]
+    assert len(patterns) == len(set(patterns))
+
+
+def test_a_list_of_another_form_is_refused(tmp_path: Path) -> None:
+    wrong = tmp_path / LIST.name
+    wrong.write_text('[[rclpy.meant]]\ntests = ["a"]\n')
+    with pytest.raises(InputError, match="reason"):
+        read_list("rclpy", wrong)
+
+
+NODE = """
+import rclpy
+from pack.part import NAME
+from rclpy.node import Node
+
+def main():
+    rclpy.init()
+    node = Node(NAME)
+    clock, log = node.get_clock(), node.get_logger()
+    node.create_timer(0.5, lambda: log.info(f'at {clock.now().nanoseconds}'))
+    rclpy.spin(node)
+"""
+
+
+def test_nodes_are_found_and_behave_the_same(tmp_path: Path, forkserver: ForkServer) -> None:
+    package = tmp_path / "pack" / "pack"
+    package.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (package / "part.py").write_text("NAME = 'n'\n")
+    (package / "ticks.py").write_text(NODE)
+    (package / "wishes.py").write_text("import rclpy, no_such_thing\ndef main(): pass\n")
+    found = list(nodes.find_nodes(tmp_path))
+    assert [node.file.name for node in found] == ["ticks.py", "wishes.py"]
+    ticks, wishes = (nodes.run_node(node, found, forkserver) for node in found)
+    assert nodes.compared(ticks) == ("runs", "runs")
+    assert ticks["inside"].said == {"at #"}
+    assert nodes.compared(wishes) == ("lacks no_such_thing", "lacks no_such_thing")
+
+
+def test_a_folder_without_rclpy_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["rclpy", str(tmp_path)]) == 2
+    assert "expected a checkout of ros2/rclpy" in capsys.readouterr().err
