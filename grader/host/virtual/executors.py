@@ -299,6 +299,7 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
         return clock
 
     def virtual_now(self: Any) -> Any:
+        kernel.charge()
         if self.clock_type == ClockType.ROS_TIME:
             return real_now(self)
         start = clocks._epoch if self.clock_type == ClockType.SYSTEM_TIME else STEADY_START
