@@ -19,20 +19,24 @@ class Meter:
 
     def __init__(self) -> None:
         self._since = cpu_time_ns()
+        self._left = 0  # [ns] used before that
 
     def restart(self) -> None:
-        """Forget what was used: it was the host's own work."""
+        """Leave out what was used since the last reading: it was the host's own work."""
         self._since = cpu_time_ns()
 
     def whole(self) -> int:
-        """Return the whole grains used [ns], as due; what is left over stays on the meter."""
-        used = cpu_time_ns() - self._since
-        due = used - used % GRAIN
-        self._since += due
-        return due
+        """Return the whole grains that are due [ns]; what is left over is due later."""
+        used = self._used()
+        self._left = used % GRAIN
+        return used - self._left
 
     def rounded(self) -> int:
-        """Return what was used, to the nearest grain [ns]; the meter starts anew."""
-        used = cpu_time_ns() - self._since
-        self.restart()
+        """Return what is due, to the nearest grain [ns]; nothing is left over."""
+        used, self._left = self._used(), 0
         return (used + GRAIN // 2) // GRAIN * GRAIN
+
+    def _used(self) -> int:
+        now = cpu_time_ns()
+        used, self._since = self._left + now - self._since, now
+        return used

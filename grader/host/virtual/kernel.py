@@ -333,10 +333,8 @@ class Kernel:
     def _pay(self, due: int) -> bool:
         """Let the time [ns] go by that computing took; True if the world acted meanwhile.
 
-        What the program said while it computed, it said at the end.
+        What the program said while it computed, it said at the end; that is taken now.
         """
-        if not due:
-            return False
         self.computing = True
         end = self.now + due
         acted = False
