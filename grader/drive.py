@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -14,9 +16,10 @@ from rich.markup import escape
 
 from grader.course.submission import Submission
 from grader.errors import InputError
+from grader.host.frames import MAX_STDIN
 from grader.link.hosts import ForkServer
 from grader.models.files import OWN
-from grader.recording import Endpoint, Recording
+from grader.recording import Endpoint, Recording, account_of, costs_of
 from grader.report.terminal import printable
 from grader.trial.trials import mixed_seed
 from grader.trial.virtual_time import run_trial
@@ -26,6 +29,7 @@ from sim.scenario import Scenario, ScriptEvent, load_scenario
 
 FIRST_GOAL = 0.5  # [s]
 PARAMETER = re.compile(r"[A-Za-z_][\w.]*:=.+")
+REMAPPING = re.compile(r"[^\s:]+(:[^\s:=]+)?:=\S+")  # FROM:=TO, also NODE:FROM:=TO
 LAST_LINES = 12  # of a traceback
 
 
@@ -74,8 +78,19 @@ def scenario_for(
     return msgspec.structs.replace(scenario, **changes)
 
 
-def arguments_of(params: Sequence[str]) -> list[str]:
-    """Return the command line arguments that set ROS parameters given as NAME:=VALUE.
+def arguments_of(
+    params: Sequence[str], remappings: Sequence[str] = (), params_files: Sequence[Path] = ()
+) -> list[str]:
+    """Return the command line that sets ROS parameters and remaps names.
+
+    Parameters
+    ----------
+    params
+        Each NAME:=VALUE.
+    remappings
+        Each FROM:=TO.
+    params_files
+        YAML files; they must lie in the node's folder under their names (see `drive_node`).
 
     Raises
     ------
@@ -85,8 +100,52 @@ def arguments_of(params: Sequence[str]) -> list[str]:
     for param in params:
         if not PARAMETER.fullmatch(param):
             raise InputError(f"--param {param!r}: expected NAME:=VALUE, such as max_speed:=0.3")
-    flags = [word for param in params for word in ("-p", param)]
+    for rule in remappings:
+        if not REMAPPING.fullmatch(rule):
+            raise InputError(f"-r {rule!r}: expected FROM:=TO, such as /scan:=/lidar/scan")
+    flags = [word for rule in remappings for word in ("-r", rule)]
+    flags += [word for file in params_files for word in ("--params-file", file.name)]
+    flags += [word for param in params for word in ("-p", param)]
     return ["--ros-args", *flags] if flags else []
+
+
+def read_params_files(paths: Sequence[Path], taken: Sequence[str]) -> dict[str, bytes]:
+    """Return the parameter files to put beside the node: name and content.
+
+    Raises
+    ------
+    InputError
+        One can't be read, or two files would have the same name there; `taken` are the node's.
+    """
+    found: dict[str, bytes] = {}
+    for path in paths:
+        if path.name in (*found, *taken):
+            raise InputError(f"--params-file {path}: another file has the same name; rename it")
+        found[path.name] = _content(path, "--params-file")
+    return found
+
+
+def read_stdin(source: str | None) -> bytes:
+    """Return what the node is to read from stdin: a file's content; "-": what comes in here.
+
+    Raises
+    ------
+    InputError
+        The file can't be read, or it is too long.
+    """
+    if source is None:
+        return b""
+    data = sys.stdin.buffer.read() if source == "-" else _content(Path(source), "--stdin")
+    if len(data) > MAX_STDIN:
+        raise InputError(f"--stdin {source}: {len(data)} bytes, expected at most {MAX_STDIN}")
+    return data
+
+
+def _content(path: Path, option: str) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{option} {path}: {error.strerror}") from None
 
 
 def drive_node(
@@ -96,8 +155,13 @@ def drive_node(
     *,
     seed: int | None = None,
     arguments: Sequence[str] = (),
+    files: Mapping[str, bytes] | None = None,
+    stdin: bytes = b"",
+    charge_compute: bool = False,
 ) -> Recording:
     """Run the node once; the robot also understands TwistStamped.
+
+    `files` (name and content) are laid beside the node; the rest is as in `run_trial`.
 
     If a scenario uses the student's own model, it is taken from the node's folder.
     """
@@ -110,12 +174,15 @@ def drive_node(
         seed=mixed_seed(scenario.seed, seed),
         arguments=arguments,
         stamped=True,
-        files={path.name: path.read_bytes() for path in beside if path.is_file()},
+        files={path.name: path.read_bytes() for path in beside if path.is_file()}
+        | dict(files or {}),
+        stdin=stdin,
+        charge_compute=charge_compute,
     )
 
 
-def print_summary(recording: Recording, *, file: str) -> None:
-    """Print the topics that the node used and what happened."""
+def print_summary(recording: Recording, *, file: str, charged: bool = False) -> None:
+    """Print which topics the node used and what happened; `charged`: computing took time."""
     console = Console(highlight=False)
     say = console.print
     say(f"[bold]{escape(file)}[/] in [bold]{recording.name}[/], seed {recording.seed}")
@@ -129,6 +196,13 @@ def print_summary(recording: Recording, *, file: str) -> None:
         say(f"  {escape(printable(line, console))}")
     for line in recording.outcome.detail.splitlines()[-LAST_LINES:]:
         say(f"    {escape(printable(line, console))}", style="dim")
+    costs = costs_of(recording)
+    for line in account_of(costs) if costs else ():
+        say(f"  {line}")
+    if charged:
+        say(
+            "  Computing took time in this drive (--charge-compute): the run depends on the machine"
+        )
 
 
 def _topic_lines(recording: Recording) -> list[str]:

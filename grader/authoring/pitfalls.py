@@ -185,6 +185,7 @@ def replay(pitfall: Pitfall, recording: Recording) -> str:
     shown = replay_payload(recording, moments)
     for line in shown["log"]:
         line["text"] = LIBRARIES.sub("", line["text"].replace(f"{ROOT}/", ""))
+    shown["compute"] = []  # of this machine, and beside the page's point
     payload = {
         "grading": None, "replays": [shown], "title": shown["title"],
         "generated_by": GENERATED_BY, "embedded": True,

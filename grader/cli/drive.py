@@ -14,6 +14,7 @@ Examples:
   course drive my_agent.py --scenario demo_wall
   course drive my_agent.py --scenario demo_wall --lidar lds01 --report drive.html
   course drive seeker.py --scenario demo_open --goal 5 3 --goal 0 0 --param gain:=0.5
+  course drive slow_agent.py --scenario demo_wall --charge-compute
 """
 
 
@@ -27,6 +28,17 @@ Examples:
     help="Send this goal [m]; several are spread over the drive.",
 )  # fmt: skip
 @click.option("--param", "params", multiple=True, metavar="NAME:=VALUE", help="A ROS parameter.")
+@click.option("-r", "remappings", multiple=True, metavar="FROM:=TO", help="Remap a name.")
+@click.option(
+    "--params-file", "params_files", multiple=True, type=click.Path(path_type=Path),
+    help="ROS parameters in YAML; the file is copied beside the node.",
+)  # fmt: skip
+@click.option("--stdin", metavar="FILE|-", help="What the node reads from stdin, as by input().")
+@click.option(
+    "--charge-compute", is_flag=True,
+    help="Computing takes time: the node's CPU time is added to the clock, in ms. Runs then depend "
+    "on the machine, so no grading does it.",
+)  # fmt: skip
 @click.option("--seed", type=click.IntRange(0, 10**6), help="Vary world and noise.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
 @click.option("--bag", type=click.Path(path_type=Path), help="Save the drive as a bag.")
@@ -37,26 +49,42 @@ def drive(
     duration: float | None,
     goals: tuple[tuple[float, float], ...],
     params: tuple[str, ...],
+    remappings: tuple[str, ...],
+    params_files: tuple[Path, ...],
+    stdin: str | None,
+    charge_compute: bool,
     seed: int | None,
     report: Path | None,
     bag: Path | None,
 ) -> int:
     """Run any rclpy node in the mock robot, without grading."""
+    from grader import drive as driving  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
-    from grader.drive import arguments_of, drive_node, print_summary, scenario_for  # noqa: PLC0415
 
-    arguments = arguments_of(params)
-    chosen = scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
+    arguments = driving.arguments_of(params, remappings, params_files)
+    chosen = driving.scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
     own = [program.file for program in chosen.program if not program.supplied]
     submission = find_submission(file, others=[name for name in own if name])
+    taken = [path.name for path in (submission.path, *submission.others)]
+    files = driving.read_params_files(params_files, taken)
+    text = driving.read_stdin(stdin)
     check_writable(report)
     with start_forkserver() as forkserver:
-        recording = drive_node(submission, chosen, forkserver, seed=seed, arguments=arguments)
+        recording = driving.drive_node(
+            submission,
+            chosen,
+            forkserver,
+            seed=seed,
+            arguments=arguments,
+            files=files,
+            stdin=text,
+            charge_compute=charge_compute,
+        )
     if bag is not None:
         from grader.recording.bag import save  # noqa: PLC0415
 
         save(recording, bag)
-    print_summary(recording, file=str(file))
+    driving.print_summary(recording, file=str(file), charged=charge_compute)
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
     return FULL if recording.outcome.completed else LESS

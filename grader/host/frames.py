@@ -18,6 +18,7 @@ MAX_UNHEARD = 10  # in a pulse: messages of a start-up, before DDS has found it 
 MAX_UNHEARD_BYTES = 100_000  # of one of them; a larger one is not told of
 MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
+MAX_STDIN = 1024 * 1024  # [bytes]
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
 LENGTH = struct.Struct("<I")
@@ -62,6 +63,8 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     offers: tuple[Offer, ...]
     domain: int = 0  # of DDS; for a host in real time
     lead: Annotated[int, msgspec.Meta(ge=0, le=MAX_LEAD)] = 0  # [ns] to begin before the scenario
+    charge_compute: bool = False  # CPU time costs virtual time; never so in a grading
+    stdin: Annotated[bytes, msgspec.Meta(max_length=MAX_STDIN)] = b""  # what the programs may read
 
 
 class Run(msgspec.Struct, frozen=True, tag="run"):

@@ -13,7 +13,7 @@ import types
 from collections.abc import Iterator
 from pathlib import Path
 
-from . import libraries, randomness
+from . import hints, libraries, randomness
 from .frames import ProgramStart, Start
 from .virtual.session import Session
 
@@ -24,6 +24,7 @@ def run(session: Session, start: Start) -> None:
     """Run the programs to their end and report it; a node that spins for ever never returns."""
     randomness.seed(start.seed)
     sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
+    hints.tell_of_shell_commands()
     if len(start.programs) == 1 and start.programs[0].start == 0:
         session.begin(start.lead)
         session.end(*run_file(start.programs[0]))
@@ -109,7 +110,15 @@ def _exception_text(error: BaseException, file: str) -> str:
     own = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == file]
     where = f" (line {own[-1].lineno}, in {own[-1].name})" if own else ""
     message = _first_line(error)
-    return f"{type(error).__name__}{': ' if message else ''}{message}{where}"
+    said = f"{type(error).__name__}{': ' if message else ''}{message}{where}"
+    return f"{said}; {advice}" if (advice := _advice(error)) else said
+
+
+def _advice(error: BaseException) -> str:
+    try:
+        return hints.hint(error)
+    except Exception:  # the exception is the student's, and may be anything
+        return ""
 
 
 def _first_line(error: BaseException) -> str:

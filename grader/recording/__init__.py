@@ -1,5 +1,6 @@
 """What happened in one trial: the one thing that checks and reports see."""
 
+from grader.recording.costs import Costs, account_of, costs_of
 from grader.recording.recording import COMPLETED, Compute, Endpoint, Live, Outcome, Recording
 from grader.recording.training import ModelAnswers, ScriptRun, Training
 from grader.recording.views import Floats, Goals, Odom, Scan, Twists
@@ -7,6 +8,7 @@ from grader.recording.views import Floats, Goals, Odom, Scan, Twists
 __all__ = [
     "COMPLETED",
     "Compute",
+    "Costs",
     "Endpoint",
     "Floats",
     "Goals",
@@ -19,4 +21,6 @@ __all__ = [
     "ScriptRun",
     "Training",
     "Twists",
+    "account_of",
+    "costs_of",
 ]

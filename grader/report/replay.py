@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grader.recording import account_of, costs_of
+
 if TYPE_CHECKING:
     from grader.recording import Recording, Scan
     from sim.layout import Cart
@@ -56,6 +58,7 @@ def replay_payload(recording: Recording, moments: Sequence[Mapping[str, Any]]) -
         "scans": _scans(recording.scans()),
         "goals": _goals(recording),
         "log": _log(recording),
+        "compute": _compute(recording),
         "outcome": {
             "kind": recording.outcome.kind,
             "text": recording.outcome.text,
@@ -189,6 +192,11 @@ def _goals(recording: Recording) -> list[JsonDict]:
         {"t": _number(t, 3), "x": _number(x, 3), "y": _number(y, 3)}
         for t, x, y in zip(goals.t, goals.x, goals.y, strict=True)
     ]
+
+
+def _compute(recording: Recording) -> list[str]:
+    costs = costs_of(recording)
+    return account_of(costs) if costs else []
 
 
 def _log(recording: Recording) -> list[JsonDict]:

@@ -29,7 +29,7 @@ from grader.trial.endings import (
     without_folder,
 )
 from grader.trial.recorder import Flood, Recorder
-from grader.trial.staging import Stage, check_folder, stage
+from grader.trial.staging import check_folder, stage
 from sim.messages import EPOCH_NS, Message
 from sim.scenario import Scenario
 from sim.simulation import Simulation
@@ -56,6 +56,8 @@ def run_trial(
     limits: Limits | None = None,
     stamped: bool = False,
     files: Mapping[str, bytes] | None = None,
+    charge_compute: bool = False,
+    stdin: bytes = b"",
 ) -> Recording:
     """Run a student's file in a scenario and return what happened.
 
@@ -69,6 +71,10 @@ def run_trial(
         The robot takes TwistStamped as well as Twist.
     files
         Further files that the node finds in its working folder: name and content.
+    charge_compute
+        The CPU time of the node costs virtual time: for practice, never for a grading.
+    stdin
+        What the node's programs may read from stdin.
 
     Raises
     ------
@@ -86,8 +92,17 @@ def run_trial(
             forkserver.host(staged.folder) as host,
         ):
             trial = _Trial(simulation, Recorder(stamped=stamped), host)
+            start = Start(
+                staged.programs,
+                EPOCH_NS,
+                simulation.seed,
+                staged.offers,
+                lead=lead,
+                charge_compute=charge_compute,
+                stdin=stdin,
+            )
             try:
-                outcome = trial.conduct(staged, limits or Limits(), lead)
+                outcome = trial.conduct(staged.folder, start, limits or Limits())
             except _Early as early:
                 lead = early.lead
                 continue
@@ -114,22 +129,21 @@ class _Trial:
         self._spun = False
         self._stuck: float | None = None  # [s] since when nothing in the node can ever run again
 
-    def conduct(self, staged: Stage, limits: Limits, lead: int) -> Outcome:
-        """Run the trial to its end, with the node `lead` [ns] ahead; say how it ended."""
+    def conduct(self, folder: Path, start: Start, limits: Limits) -> Outcome:
+        """Run the trial to its end, with the node in this folder; say how it ended."""
         recorder, simulation, end = self._recorder, self._simulation, self._simulation.end
-        start = Start(staged.programs, EPOCH_NS, simulation.seed, staged.offers, lead=lead)
         clock_end = time.perf_counter() + limits.total
         try:
             first, cost = self._link.start(start, limits.start)
             if isinstance(first, Slept):
-                raise HostForged("a second early start") if lead else _Early(first.lead)
+                raise HostForged("a second early start") if start.lead else _Early(first.lead)
             answer: Settled | Ended = first
             pending = self._take(answer, cost, began=0, agreed=0)
             while isinstance(answer, Settled) and simulation.now < end:
                 if time.perf_counter() > clock_end:
                     raise HostHung("")
                 if len(recorder.compute) % LOOK_EVERY == 0:
-                    check_folder(staged.folder)
+                    check_folder(folder)
                 began = simulation.now
                 self._at = began / 1e9
                 until = min(simulation.next_event() or end, end)

@@ -224,7 +224,8 @@ def test_with_motion_a_jump_plays_the_second_before(open_page: Open) -> None:
 
 
 def test_the_account_tells_the_run(open_page: Open) -> None:
-    page = open_page(payloads.drive_page())
+    said = "Compute: 0.4 ms a message (p50)"
+    page = open_page(payloads.page([{**payloads.wall_run(), "compute": [said]}]))
     account = page.locator(".account-list").inner_text().replace("\u00a0", " ")
     for part in (
         "The robot starts at (0.00, 0.00), heading 0°.",
@@ -232,6 +233,7 @@ def test_the_account_tells_the_run(open_page: Open) -> None:
         "Contact: the robot touches something",
         "The scenario ran to its end.",
         "Check failed: Closer than 0.5 m the robot stands still.",
+        said,
     ):
         assert part in account
 

@@ -1,13 +1,28 @@
 """Driving any node: the scenario with changes, and the summary."""
 
+import io
+import sys
+import textwrap
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
-from node_runs import RunNode, short
+from node_runs import PREAMBLE, RunNode, short
 
-from grader.drive import arguments_of, print_summary, scenario_for
+from grader.course.submission import Submission
+from grader.drive import (
+    arguments_of,
+    drive_node,
+    print_summary,
+    read_params_files,
+    read_stdin,
+    scenario_for,
+)
 from grader.errors import InputError
-from grader.recording import Outcome, Recording
+from grader.host.frames import MAX_STDIN
+from grader.link.hosts import ForkServer
+from grader.recording import Outcome, Recording, costs_of
 from sim.scenario import load_scenario
 
 
@@ -130,3 +145,184 @@ def test_a_node_that_never_started(drive: Recording, capsys: pytest.CaptureFixtu
     said = summary(nothing, capsys)
 
     assert "the node created no publisher and no subscription" in said
+
+
+def test_remappings_and_parameter_files_become_arguments() -> None:
+    assert arguments_of(["a:=1"], ["/scan:=/lidar", "__node:=me"], [Path("x/p.yaml")]) == [
+        "--ros-args", "-r", "/scan:=/lidar", "-r", "__node:=me",
+        "--params-file", "p.yaml", "-p", "a:=1",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("rule", ["", "/scan", "/scan:=", ":=/scan", "/scan=/lidar", "a b:=c"])
+def test_malformed_remappings(rule: str) -> None:
+    with pytest.raises(InputError, match="expected FROM:=TO"):
+        arguments_of([], [rule])
+
+
+def test_parameter_files_that_cannot_be_laid_beside_the_node(tmp_path: Path) -> None:
+    for folder in "ab":
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "p.yaml").write_text("x: 1")
+    here, there = tmp_path / "a/p.yaml", tmp_path / "b/p.yaml"
+
+    assert read_params_files([here], ["node.py"]) == {"p.yaml": b"x: 1"}
+    with pytest.raises(InputError, match="same name"):
+        read_params_files([here, there], [])
+    with pytest.raises(InputError, match="same name"):
+        read_params_files([here], ["p.yaml"])
+    with pytest.raises(InputError, match="No such file"):
+        read_params_files([tmp_path / "none.yaml"], [])
+
+
+def test_what_is_to_be_read_from_stdin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "typed.txt"
+    file.write_bytes(b"0.3\n")
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(b"0.4\n")))
+
+    assert read_stdin(None) == b""
+    assert read_stdin(str(file)) == b"0.3\n"
+    assert read_stdin("-") == b"0.4\n"
+    with pytest.raises(InputError, match="No such file"):
+        read_stdin(str(tmp_path / "none"))
+    file.write_bytes(b"x" * (MAX_STDIN + 1))
+    with pytest.raises(InputError, match="expected at most"):
+        read_stdin(str(file))
+
+
+def drive_file(tmp_path: Path, forkserver: ForkServer, source: str, **options: object) -> Recording:
+    file = tmp_path / "foreign.py"
+    file.write_text(PREAMBLE + textwrap.dedent(source), "utf-8")
+    return drive_node(Submission(file), short(1.0), forkserver, **options)  # type: ignore[arg-type]
+
+
+def test_a_node_with_foreign_topics_and_a_parameter_file(
+    tmp_path: Path, forkserver: ForkServer
+) -> None:
+    recording = drive_file(
+        tmp_path,
+        forkserver,
+        """
+        class Foreign(Echo):
+            def __init__(self):
+                Node.__init__(self, 'foreign')
+                speed = self.declare_parameter('speed', 0.0).value
+                self.twist = Twist(); self.twist.linear.x = speed
+                self.publisher = self.create_publisher(Twist, 'robot/drive', 10)
+                self.create_subscription(LaserScan, '/lidar', self.on_scan, 10)
+            def on_scan(self, scan):
+                self.publisher.publish(self.twist)
+        rclpy.init(); rclpy.spin(Foreign())
+        """,
+        arguments=arguments_of(
+            [], ["robot/drive:=/cmd_vel", "/lidar:=/scan"], [Path("elsewhere/p.yaml")]
+        ),
+        files={"p.yaml": b"foreign:\n  ros__parameters:\n    speed: 0.25\n"},
+    )
+
+    assert recording.outcome.completed, recording.outcome
+    assert set(recording.twists().linear_x) == {0.25}
+    assert len(recording.twists().t) == 10
+
+
+ASKS = """
+rclpy.init(); node = Echo()
+print('said', input('speed? '), sys.stdin.readline().strip())
+rclpy.spin(node)
+"""
+
+
+def test_a_node_that_asks_for_input(tmp_path: Path, forkserver: ForkServer) -> None:
+    recording = drive_file(tmp_path, forkserver, ASKS, stdin="0.3\nfäst\n".encode())
+
+    assert recording.outcome.completed, recording.outcome
+    assert recording.log[0].text == "speed? said 0.3 fäst"
+
+
+def test_a_node_that_asks_and_gets_no_input(tmp_path: Path, forkserver: ForkServer) -> None:
+    outcome = drive_file(tmp_path, forkserver, ASKS).outcome
+
+    assert outcome.kind == "exception"
+    assert outcome.text.startswith("EOFError: EOF when reading a line")
+    assert "--stdin FILE" in outcome.text
+
+
+COMPUTES = """
+class Computes(Echo):
+    def on_scan(self, scan):
+        {before}
+        end = time.process_time() + 0.3
+        while time.process_time() < end:
+            pass
+        {after}
+        super().on_scan(scan)
+rclpy.init(); rclpy.spin(Computes())
+"""
+SILENT = {"before": "", "after": ""}
+MEASURES = {"before": "began = time.perf_counter()", "after": "print(time.perf_counter() - began)"}
+ROS_TIME = {
+    "before": "began = self.get_clock().now()",
+    "after": "print((self.get_clock().now() - began).nanoseconds / 1e9)",
+}
+
+
+def test_computing_costs_no_time(
+    tmp_path: Path, forkserver: ForkServer, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording = drive_file(tmp_path, forkserver, COMPUTES.format(**MEASURES))
+    costs = costs_of(recording)
+    said = summary(recording, capsys)
+
+    assert len(recording.twists().t) == 10
+    assert {line.text for line in recording.log} == {"0.0"}
+    assert costs is not None
+    assert 0.29 < costs.p50 <= costs.p99 <= costs.worst
+    assert (costs.late, costs.period, costs.keeps_up) == (10, 0.1, False)
+    assert "/cmd_vel geometry_msgs/msg/Twist reliable 10 messages (10.0 Hz)" in said
+    assert "the lidar's period is 100 ms WARNING: the node can't keep up" in said
+    assert "of 10 scans a second" in said
+
+
+@pytest.mark.parametrize("reads", [SILENT, MEASURES, ROS_TIME], ids=["silent", "steady", "ros"])
+def test_computing_costs_time_if_charged(
+    tmp_path: Path, forkserver: ForkServer, reads: dict[str, str]
+) -> None:
+    recording = drive_file(tmp_path, forkserver, COMPUTES.format(**reads), charge_compute=True)
+    t = recording.twists().t
+
+    assert recording.outcome.completed, recording.outcome
+    assert len(recording.times("/scan")) == 10
+    assert len(t) in (2, 3)
+    first, *between = np.diff(t, prepend=recording.times("/scan")[0]).round(6)
+    assert first >= 0.3
+    assert all(span >= 0.3 for span in between)
+    assert all(round(float(line.text), 6) >= 0.3 for line in recording.log)
+    assert len(recording.log) >= (0 if reads is SILENT else 2)
+
+
+def test_a_sleep_begins_after_what_was_computed(tmp_path: Path, forkserver: ForkServer) -> None:
+    recording = drive_file(
+        tmp_path,
+        forkserver,
+        COMPUTES.format(before="", after="time.sleep(0.2)"),
+        charge_compute=True,
+    )
+
+    assert round(recording.twists().t[0] - recording.times("/scan")[0], 6) >= 0.5
+
+
+def test_only_the_computing_of_the_scenario_is_charged(
+    tmp_path: Path, forkserver: ForkServer, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its start-up is not, nor is what the host does between the node's callbacks."""
+    start_up = "end = time.process_time() + 0.5\nwhile time.process_time() < end: pass\n"
+    recording = drive_file(
+        tmp_path, forkserver, start_up + "rclpy.init(); rclpy.spin(Echo())", charge_compute=True
+    )
+    lag = recording.twists().t - recording.times("/scan")
+    capsys.readouterr()
+    print_summary(recording, file="echo.py", charged=True)
+
+    assert len(lag) == 10
+    assert (lag < 0.05).all()
+    assert "--charge-compute" in capsys.readouterr().out

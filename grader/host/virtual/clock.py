@@ -46,6 +46,7 @@ class Clock:
 
     def _read(self) -> int:
         kernel = self._kernel
+        kernel.charge()
         if kernel.now != self._moment:
             self._moment, self._readings = kernel.now, 0
         self._readings += 1

@@ -301,6 +301,7 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
         return clock
 
     def virtual_now(self: Any) -> Any:
+        kernel.charge()
         now = steady() if self.clock_type == ClockType.STEADY_TIME else wall()
         if self.clock_type == ClockType.ROS_TIME:
             return real_now(self)

@@ -16,6 +16,8 @@ import itertools
 from collections.abc import Callable, Iterator
 from typing import TypeVar
 
+from .charge import Meter
+
 Result = TypeVar("Result")
 
 IDLE_POLLS = 3  # looks with a timeout of zero in which nothing happens ...
@@ -90,6 +92,8 @@ class Kernel:
         self._sequence = itertools.count()
         self.threads = {real_get_ident(): VirtualThread()}
         self.program: object = None  # whose thread holds the baton
+        self.meter: Meter | None = None  # if computing costs time
+        self.computing = False  # time goes by for what a thread has computed
 
     # --- for the threads -------------------------------------------------------------------------
 
@@ -99,7 +103,13 @@ class Kernel:
 
     def after(self, seconds: float) -> int:
         """Return the time [ns] that is `seconds` from now; any wait at all takes 1 ns."""
+        self.charge()
         return self.now + (max(1, round(seconds * 1e9)) if seconds > 0 else 0)
+
+    def charge(self) -> None:
+        """Let time catch up with what was computed, if that costs time."""
+        if self.meter is not None and not self.computing:
+            self._pay(self.meter.whole())
 
     def park(self, deadline: int | None = None, waiters: Waiters | None = None) -> bool:
         """Give the baton away until woken (True) or until the deadline [ns] (False).
@@ -178,6 +188,7 @@ class Kernel:
         thread = self.me()
         while True:
             self._let_others_run(thread)
+            self.charge()
             thread.seen = self.epoch
             self.looks += 1
             result = look()
@@ -294,7 +305,15 @@ class Kernel:
 
     def _advance(self) -> None:
         """Move time: to the next wake-up, or to the world's next event."""
+        news = self.meter is not None and self._pay(self.meter.rounded())
         self.world.settled()
+        if news:
+            return  # pollers look first
+        self._go_on()
+        if self.meter is not None:
+            self.meter.restart()
+
+    def _go_on(self) -> None:
         while self._timed and self._timed[0][2].ticket != self._timed[0][3]:
             heapq.heappop(self._timed)
         until = self.world.until
@@ -310,6 +329,26 @@ class Kernel:
         else:
             self._move_to(until)
             self.world.exchange()
+
+    def _pay(self, due: int) -> bool:
+        """Let the time [ns] go by that computing took; True if the world acted meanwhile.
+
+        What the program said while it computed, it said at the end; that is taken now.
+        """
+        self.computing = True
+        end = self.now + due
+        acted = False
+        while end > self.world.until:
+            self._move_to(self.world.until)
+            self.world.exchange()
+            self.epoch += 1
+            acted = True
+        self._move_to(end)
+        self.world.settled()
+        self.computing = False
+        if self.meter is not None:
+            self.meter.restart()
+        return acted
 
     def _move_to(self, time: int) -> None:
         if time > self.now:

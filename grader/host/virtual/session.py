@@ -15,6 +15,7 @@ import msgspec
 from ..frames import MARK, MAX_LEAD, MAX_PUBLISHED, Run, Settled, Slept, Start
 from ..wire import Wire, ended, flush_output
 from . import kernel as kernel_module
+from .charge import Meter
 
 FLOODED = f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time"
 
@@ -31,6 +32,7 @@ class Session(kernel_module.World):
         self.bridge: Any = None
         self.clocks: Any = None
         self.programs: Any = None  # if there are several
+        self.charge_compute = False  # from the scenario's start on
 
     def start(self) -> Start:
         """Return the judge's first frame."""
@@ -79,7 +81,7 @@ class Session(kernel_module.World):
             Settled(
                 now=self.kernel.now,
                 spinning=self.kernel.waiting or self.kernel.looks > self._looks,
-                asleep=self.kernel.asleep,
+                asleep=self.kernel.asleep or self.kernel.computing,
                 published=bridge.take(),
                 endpoints=bridge.new_endpoints(),
             )
@@ -91,6 +93,8 @@ class Session(kernel_module.World):
         for delivery in run.deliver:
             bridge.deliver(delivery.topic, delivery.data)
         self.until = run.until
+        if self.charge_compute and self.kernel.meter is None:
+            self.kernel.meter = Meter()
 
     def end(self, kind: str, text: str, detail: str = "") -> None:
         """Say that the student's program is over."""

@@ -13,7 +13,12 @@ function accountOf(replay) {
     ...startEvents(replay), ...commandEvents(replay), ...stopEvents(replay), ...closestEvent(replay),
     ...contactEvents(replay), ...goalEvents(replay), ...momentEvents(replay),
   ].sort((a, b) => a.t - b.t);
-  return [...events, endEvent(replay)];
+  return [...events, endEvent(replay), ...computeEvents(replay)];
+}
+
+/** What computing cost: of the whole run, so it comes last. */
+function computeEvents({ compute, duration }) {
+  return compute.map((text) => ({ t: duration, kind: 'compute', text: `${text}.` }));
 }
 
 function startEvents(replay) {

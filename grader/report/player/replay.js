@@ -124,6 +124,7 @@ function toReplay(source) {
       { t: toNumber(goal.t), x: toNumber(goal.x), y: toNumber(goal.y) })).filter(inTime),
     log: toArray(raw.log).map((line) => (
       { t: toNumber(line.t), level: text(line.level).toLowerCase(), text: text(line.text) })),
+    compute: toArray(raw.compute).map(text),
     outcome: { kind: text(outcome.kind), text: text(outcome.text), at: toNumber(outcome.at),
       detail: text(outcome.detail) },
     moments: toMoments(raw.moments, duration),

@@ -1,0 +1,135 @@
+"""Say what to do about an exception that comes from where a node runs, not from its own code.
+
+A package of ROS that is not installed, a call that the sandbox refuses, a program that wants to be
+typed to: Python's own words for these (`[Errno 1] Operation not permitted`) help nobody.
+"""
+
+from __future__ import annotations
+
+import errno
+import functools
+import os
+import re
+import socket
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from pathlib import PurePath
+from typing import Any
+
+DISTRO = "jazzy"
+
+# Modules of ROS 2 that PyPI does not have, and the apt package of each without "ros-jazzy-".
+ONLY_APT = {name: name.replace("_", "-") for name in (
+    "ackermann_msgs", "camera_info_manager", "control_msgs", "cv_bridge", "diagnostic_updater",
+    "example_interfaces", "geographic_msgs", "image_geometry", "image_transport",
+    "interactive_markers", "irobot_create_msgs", "joint_state_publisher", "joy", "laser_geometry",
+    "launch", "launch_ros", "launch_testing", "map_msgs", "message_filters", "moveit_msgs",
+    "nav2_msgs", "nav2_simple_commander", "ros2bag", "rosbag2_py", "rosidl_runtime_py",
+    "sensor_msgs_py", "slam_toolbox", "teleop_twist_keyboard", "tf2_geometry_msgs", "tf2_kdl",
+    "tf2_msgs", "tf2_py", "tf2_sensor_msgs", "tf_transformations", "turtlebot3_msgs", "turtlesim",
+    "vision_msgs",
+)} | {"tf2_ros": "tf2-ros-py"}  # fmt: skip
+
+# Modules of ROS 2 that are on PyPI, in one family with the wheels of rclpy.
+WHEELS = frozenset((
+    "action_msgs", "actionlib_msgs", "ament_index_python", "builtin_interfaces", "diagnostic_msgs",
+    "geometry_msgs", "lifecycle_msgs", "nav_msgs", "rcl_interfaces", "rosgraph_msgs", "sensor_msgs",
+    "service_msgs", "shape_msgs", "std_msgs", "std_srvs", "stereo_msgs", "test_msgs",
+    "trajectory_msgs", "type_description_interfaces", "unique_identifier_msgs",
+    "visualization_msgs",
+))  # fmt: skip
+
+OF_ROS_1 = {"rospy": "rclpy", "roslib": "rclpy", "tf": "tf2_ros", "actionlib": "rclpy.action"}
+INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
+
+PROCESSES = "a node is one process here and may start no other: let a thread do it, or do without"
+NETWORK = "a node has no network here: what it needs has to lie in a file beside it"
+FILES = "a node may use the files in its own folder only, besides the libraries that it imports"
+KEYBOARD = (
+    "nobody types to a node here: `course drive --stdin FILE` gives it something to read; what is "
+    "handed in takes a ROS parameter instead"
+)
+STARTERS = ("subprocess.py", "popen_fork.py", "popen_spawn_posix.py", "popen_forkserver.py",
+            "forkserver.py", "resource_tracker.py", "pty.py")  # fmt: skip
+NOT_RUN = 127 << 8  # what os.system returns where no shell could be started
+STARTS = re.compile(r"\b(fork|forkpty|posix_spawnp?|spawn[lv]p?e?|exec[lv]p?e?)\s*\(")
+
+
+def hint(error: BaseException) -> str:
+    """Return what to do about an exception, in a sentence; "" if it is the program's own."""
+    if isinstance(error, ModuleNotFoundError):
+        return missing_package((error.name or "").partition(".")[0])
+    if isinstance(error, EOFError):
+        return KEYBOARD if "reading a line" in str(error) else ""
+    for cause in _causes(error):
+        if isinstance(cause, OSError):
+            said = _refusal(cause)
+            if said:
+                return said
+    return ""
+
+
+def missing_package(name: str) -> str:
+    """Say where a module of ROS that is not installed comes from; "" if it isn't one of ROS."""
+    if name in OF_ROS_1:
+        return f"{name} belongs to ROS 1; in ROS 2 it is {OF_ROS_1[name]}"
+    if name in WHEELS:
+        package = f"ros-{DISTRO}-{name.replace('_', '-')}"
+        return f"`pip install {package}`, or with ROS 2 from apt `sudo apt install {package}`"
+    if name in ONLY_APT:
+        return (
+            f"{name} is part of ROS 2, but pip has no package of it: on Ubuntu "
+            f"`sudo apt install ros-{DISTRO}-{ONLY_APT[name]}`, then "
+            f"`source /opt/ros/{DISTRO}/setup.bash` before `course`"
+        )
+    if INTERFACES.fullmatch(name):
+        return (
+            f"{name} looks like a package of ROS interfaces: build it with colcon and source its "
+            "setup.bash before `course`"
+        )
+    return ""
+
+
+def _causes(error: BaseException) -> Iterator[BaseException]:
+    """Yield the exception and what it came from; libraries wrap what the system said."""
+    seen: set[int] = set()
+    cause: BaseException | None = error
+    while cause is not None and id(cause) not in seen:
+        seen.add(id(cause))
+        yield cause
+        reason = getattr(cause, "reason", None)  # of urllib's URLError
+        inner = reason if isinstance(reason, BaseException) else None
+        cause = cause.__cause__ or cause.__context__ or inner
+
+
+def _refusal(error: OSError) -> str:
+    """Say what the sandbox keeps a node from, if this is what it says about it."""
+    if isinstance(error, socket.gaierror):
+        return NETWORK
+    if error.errno not in (errno.EPERM, errno.EACCES):
+        return ""
+    frames = traceback.extract_tb(error.__traceback__)
+    files = {PurePath(frame.filename).name for frame in frames}
+    if files.intersection(STARTERS) or (frames and STARTS.search(frames[-1].line or "")):
+        return PROCESSES
+    if "socket.py" in files or (frames and "socket" in (frames[-1].line or "")):
+        return NETWORK
+    return FILES if error.filename is not None else ""
+
+
+def tell_of_shell_commands() -> None:
+    """Let `os.system` say that it can't do anything: it only returns a number."""
+    module: Any = os
+    module.system = _telling(os.system)
+
+
+def _telling(system: Callable[[Any], int]) -> Callable[[Any], int]:
+    @functools.wraps(system)
+    def run(command: Any) -> int:
+        status = system(command)
+        if status in (-1, NOT_RUN):
+            print(f"os.system({command!r}) returned {status}: {PROCESSES}", file=sys.stderr)
+        return status
+
+    return run

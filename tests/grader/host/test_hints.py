@@ -1,0 +1,140 @@
+"""What is said about exceptions that come from where a node runs."""
+
+import importlib.util
+import re
+import urllib.error
+
+import pytest
+from conftest import RunNode
+
+from grader.host.hints import (
+    FILES,
+    KEYBOARD,
+    NETWORK,
+    ONLY_APT,
+    PROCESSES,
+    WHEELS,
+    hint,
+    missing_package,
+)
+
+REFUSED = {
+    "subprocess": ("import subprocess; subprocess.run(['echo', 'hi'])", PROCESSES),
+    "os.popen": ("os.popen('echo hi')", PROCESSES),
+    "os.fork": ("os.fork()", PROCESSES),
+    "multiprocessing": (
+        "import multiprocessing; multiprocessing.Process(target=print).start()",
+        PROCESSES,
+    ),
+    "a pool of processes": (
+        """
+        from concurrent.futures import ProcessPoolExecutor
+        with ProcessPoolExecutor(1) as pool:
+            pool.submit(pow, 2, 3).result()
+        """,
+        PROCESSES,
+    ),
+    "a socket": ("import socket; socket.socket()", NETWORK),
+    "a download": (
+        "import urllib.request; urllib.request.urlopen('http://example.com')",
+        NETWORK,
+    ),
+    "a file elsewhere": ("open('/tmp/x', 'w')", FILES),
+    "input": ("input('speed? ')", KEYBOARD),
+    "an exception from another": (
+        """
+        try:
+            os.fork()
+        except OSError:
+            raise RuntimeError('no child')
+        """,
+        PROCESSES,
+    ),
+}
+
+
+@pytest.mark.parametrize(("source", "advice"), REFUSED.values(), ids=REFUSED)
+def test_what_the_sandbox_refuses(run_node: RunNode, source: str, advice: str) -> None:
+    outcome = run_node(source).outcome
+
+    assert outcome.kind == "exception"
+    assert outcome.text.endswith(f"; {advice}")
+    assert re.search(r"\(line \d+, in <module>\)", outcome.text)
+
+
+def test_a_shell_command_says_that_it_did_nothing(run_node: RunNode) -> None:
+    recording = run_node("print(os.system('clear')); rclpy.init(); rclpy.spin(Echo())")
+    said = [(line.level, line.text) for line in recording.log]
+
+    assert recording.outcome.completed
+    assert ("stdout", "32512") in said
+    assert ("stderr", f"os.system('clear') returned 32512: {PROCESSES}") in said
+
+
+OWN = {
+    "a value": "int('x')",
+    "a file that is not there": "open('no_such_file')",
+    "an import of one's own": "import no_such_module",
+    "an end of a file": "import pickle, io; pickle.load(io.BytesIO(b''))",
+    "a refusal of one's own": "raise PermissionError('not you')",
+    "an exception that can't be shown": """
+        class Odd(OSError):
+            errno = property(lambda self: 1 / 0)
+        raise Odd
+    """,
+}
+
+
+@pytest.mark.parametrize("source", OWN.values(), ids=OWN)
+def test_exceptions_of_the_program_itself_get_no_advice(run_node: RunNode, source: str) -> None:
+    outcome = run_node(source).outcome
+
+    assert outcome.kind == "exception"
+    assert outcome.text.endswith("in <module>)")
+
+
+def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:
+    outcome = run_node("from no_such_robot_msgs.msg import State").outcome
+
+    assert "No module named 'no_such_robot_msgs'" in outcome.text
+    assert "build it with colcon" in outcome.text
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("tf2_ros", "`sudo apt install ros-jazzy-tf2-ros-py`"),
+        ("message_filters", "`sudo apt install ros-jazzy-message-filters`"),
+        ("sensor_msgs_py", "`sudo apt install ros-jazzy-sensor-msgs-py`"),
+        ("example_interfaces", "`sudo apt install ros-jazzy-example-interfaces`"),
+        ("tf2_msgs", "`sudo apt install ros-jazzy-tf2-msgs`"),
+        ("test_msgs", "`pip install ros-jazzy-test-msgs`"),
+        ("tf", "in ROS 2 it is tf2_ros"),
+        ("rospy", "in ROS 2 it is rclpy"),
+        ("pizza_interfaces", "build it with colcon"),
+    ],
+)
+def test_where_a_package_comes_from(name: str, advice: str) -> None:
+    assert advice in missing_package(name)
+
+
+@pytest.mark.parametrize("name", ["", "torch", "msgs", "interfaces", "my_helper", "cv2"])
+def test_packages_that_are_not_of_ros(name: str) -> None:
+    assert missing_package(name) == ""
+
+
+def test_no_package_is_said_to_be_both_on_pip_and_not() -> None:
+    assert not WHEELS & set(ONLY_APT)
+
+
+def test_what_is_said_to_be_in_the_wheels_is_there() -> None:
+    """All of them but the tests' own messages come with the extra `ros`."""
+    missing = {name for name in WHEELS if importlib.util.find_spec(name) is None}
+    assert missing <= {"test_msgs"}
+
+
+def test_causes_that_go_in_a_circle() -> None:
+    first, second = OSError(1, "a"), OSError(1, "b")
+    first.__cause__, second.__cause__ = second, first
+    assert hint(first) == ""
+    assert hint(urllib.error.URLError(first)) == ""
