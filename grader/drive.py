@@ -96,8 +96,9 @@ def drive_node(
     *,
     seed: int | None = None,
     arguments: Sequence[str] = (),
+    stamped: bool = True,
 ) -> Recording:
-    """Run the node once; the robot also takes TwistStamped.
+    """Run the node once; `stamped`: the robot also takes TwistStamped.
 
     Where a scenario wants the student's own model, the one that lies beside the node is taken.
     """
@@ -109,7 +110,7 @@ def drive_node(
         forkserver,
         seed=mixed_seed(scenario.seed, seed),
         arguments=arguments,
-        stamped=True,
+        stamped=stamped,
         files={path.name: path.read_bytes() for path in beside if path.is_file()},
     )
 
@@ -125,7 +126,7 @@ def print_summary(recording: Recording, *, file: str) -> None:
         say(f"  {escape(printable(line, console))}")
     say()
     say("[bold]What happened[/]")
-    for line in _event_lines(recording):
+    for line in event_lines(recording):
         say(f"  {escape(printable(line, console))}")
     for line in recording.outcome.detail.splitlines()[-LAST_LINES:]:
         say(f"    {escape(printable(line, console))}", style="dim")
@@ -158,7 +159,8 @@ def _topic_line(end: Endpoint, counts: Counter[str], duration: float) -> str:
     return line
 
 
-def _event_lines(recording: Recording) -> list[str]:
+def event_lines(recording: Recording) -> list[str]:
+    """Return what happened, a line each."""
     truth = recording.truth
     lines = [f"{recording.duration_s:.1f} s simulated; {_ending(recording)}"]
     if len(truth.t):

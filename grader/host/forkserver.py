@@ -66,7 +66,7 @@ TYPE_SUPPORT = (  # the types of every node and of the exercises: their C librar
 )
 
 
-NODES, SCRIPTS, LIVE = "nodes", "scripts", "live"
+NODES, SCRIPTS, LIVE, TESTS = "nodes", "scripts", "live", "tests"
 
 
 class Child(NamedTuple):
@@ -93,11 +93,12 @@ def serve(
     """
     may_mount = sandbox_layers.begin(layers)
     body: Body = scripts.serve
-    if kind == NODES:
+    if kind in (NODES, TESTS):
         kernel = kernel_module.Kernel()
         threads.install(kernel, epoch)
         _warm_up()
-        body = functools.partial(_run_student, kernel, epoch)
+        run = _run_student if kind == NODES else _run_test
+        body = functools.partial(run, kernel, epoch)
     elif kind == LIVE:
         _warm_up(virtual=False)
         body = _run_live
@@ -194,6 +195,13 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
     trial.mark()
     program.run(trial, start)
     os._exit(0)
+
+
+def _run_test(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_out: int) -> None:
+    from .testing import session  # noqa: PLC0415  (rclpy and pytest are imported by now)
+
+    _steer_init()
+    session.serve(kernel, epoch, link_in, link_out)
 
 
 def _run_live(link_in: int, link_out: int) -> None:
