@@ -3,7 +3,7 @@
 It has imported rclpy and the common interfaces (never called `rclpy.init`, started no thread) and
 holds no secret. The judge sends one request per trial, with the descriptors of the link; the answer
 is the child's pidfd, later its wait status. A fork server for scripts, which return, has neither
-rclpy nor virtual time.
+rclpy nor virtual time; one for tests has both, and pytest.
 """
 
 from __future__ import annotations
@@ -97,8 +97,10 @@ def serve(
         kernel = kernel_module.Kernel()
         threads.install(kernel, epoch)
         _warm_up()
-        run = _run_student if kind == NODES else _run_test
-        body = functools.partial(run, kernel, epoch)
+        body = functools.partial(_run_student, kernel, epoch)
+        if kind == TESTS:
+            body = functools.partial(_run_test, kernel, epoch)
+            _warm_up_pytest()
     elif kind == LIVE:
         _warm_up(virtual=False)
         body = _run_live
@@ -241,6 +243,12 @@ def _warm_up(*, virtual: bool = True) -> None:
         from .virtual import bridge, executors, session  # noqa: F401, PLC0415
     else:
         from .real_time import node  # noqa: F401, PLC0415
+
+
+def _warm_up_pytest() -> None:
+    from .testing import session  # noqa: PLC0415
+
+    session.warm_up()
 
 
 def _import(libraries: Sequence[str]) -> None:

@@ -48,14 +48,14 @@ def drive(request: pytest.FixtureRequest) -> Drive:
     """Run a node in the mock robot: `run = drive("my_agent.py", scenario="avoid_wall")`."""
     processes: Processes | None = request.config.pluginmanager.get_plugin(PROCESSES)
     if processes is None:
-        pytest.fail("drive has a virtual time of its own: leave virtual_time out of this test")
+        pytest.fail("drive has a time of its own: use it without virtual_time", pytrace=False)
     return processes.drives_in(request.path.parent)
 
 
 @pytest.fixture
 def virtual_time() -> None:
     """Run this test in virtual time: `with virtual_time() as world:`."""
-    pytest.fail("virtual_time is for functions and methods that pytest itself collects")
+    pytest.fail("virtual_time is for tests that pytest itself runs", pytrace=False)
 
 
 class Processes:

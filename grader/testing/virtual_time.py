@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import select
 import sys
 import time
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 
@@ -27,7 +28,6 @@ from sim.messages import EPOCH_NS
 LIMIT = 60.0  # [s] of virtual time
 PATIENCE = 120.0  # [s] of real time
 START = 10.0  # [s] to send the order
-WARM = ("pytest", "_pytest.fixtures", "_pytest.assertion.rewrite")
 # reports, caches and measurements are of the pytest outside
 UNUSED = ("terminal", "cacheprovider", "junitxml", "pastebin", "pytest_cov")
 CHANGED: dict[str, Any] = {  # pytest-xdist's workers are outside, too, and so is the debugger
@@ -37,6 +37,9 @@ CHANGED: dict[str, Any] = {  # pytest-xdist's workers are outside, too, and so i
     "tx": [],
     "usepdb": False,
 }
+
+
+OF_PYTEST = re.compile(r'  File "(.*/(_pytest|pluggy|grader/host)/|<)')
 
 
 class TestHosts:
@@ -64,7 +67,7 @@ class TestHosts:
         try:
             order, patience = _order(item)
             if self._forkserver is None:
-                self._forkserver = ForkServer(EPOCH_NS, kind=TESTS, libraries=WARM, layers=())
+                self._forkserver = ForkServer(EPOCH_NS, kind=TESTS, layers=())
             with fresh_folder() as folder, self._forkserver.host(folder) as host:
                 return _TestLink(host, item).conduct(order, patience)
         except (InputError, GraderError) as error:
@@ -84,7 +87,8 @@ class _TestLink(Channel):
         try:
             problem = self._wait(order, patience)
         except HostHung:
-            problem = f"the test still runs after {patience:g} s of real time\n\n{self.stacks()}"
+            stacks = "\n".join(filter(_is_theirs, self.stacks().splitlines()))
+            problem = f"the test still runs after {patience:g} s of real time\n\n{stacks}"
         except HostDied:
             problem = died_text(self._host.wait(GRACE)).replace("the node's", "the test's")
         except HostForged as error:
@@ -94,8 +98,7 @@ class _TestLink(Channel):
             sys.stdout.write("".join(f"{line.text}\n" for line in said))
         if problem or not self._reports:
             text = problem or "the test was not found in its own process"
-            last = [(f"Captured {line.level}", f"{line.text}\n") for line in said][-20:]
-            self._reports.append(_failure(self._item, text, last))
+            self._reports.append(_failure(self._item, text))
         return self._reports
 
     def _wait(self, order: RunTest, patience: float) -> str:
@@ -135,6 +138,7 @@ def _order(item: pytest.Item) -> tuple[RunTest, float]:
     options["rootdir"] = str(config.rootpath)
     options["inifilename"] = str(config.inipath) if config.inipath else None
     options["basetemp"] = None
+    options.pop("file_or_dir", None)
     _, _, within = item.nodeid.partition("::")
     worker = getattr(config, "workerinput", {"workerid": "virtual_time", "workercount": 1})
     order = RunTest(
@@ -170,18 +174,18 @@ def _report(item: pytest.Item, text: str) -> pytest.TestReport:
     hook = item.config.hook
     report: pytest.TestReport = hook.pytest_report_from_serializable(config=item.config, data=data)
     report.nodeid = item.nodeid
+    if isinstance(report.longrepr, list):  # JSON has no tuples
+        report.longrepr = tuple(report.longrepr)
+    report.sections = [(heading, said) for heading, said in report.sections]
+    report.user_properties = [(name, value) for name, value in report.user_properties]
     return report
 
 
-def _failure(
-    item: pytest.Item, text: str, sections: list[tuple[str, str]] | None = None
-) -> pytest.TestReport:
-    return pytest.TestReport(
-        item.nodeid,
-        item.location,
-        dict.fromkeys(item.keywords, 1),
-        "failed",
-        text,
-        "call",
-        sections or (),
-    )
+def _failure(item: pytest.Item, text: str) -> pytest.TestReport:
+    keywords: dict[str, Literal[1]] = dict.fromkeys(item.keywords, 1)
+    return pytest.TestReport(item.nodeid, item.location, keywords, "failed", text, "call")
+
+
+def _is_theirs(line: str) -> bool:
+    """Tell whether a line of a stack is not of what runs the test."""
+    return not OF_PYTEST.match(line)

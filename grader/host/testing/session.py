@@ -6,14 +6,14 @@ and no sandbox.
 
 from __future__ import annotations
 
+import contextlib
 import faulthandler
 import json
 import os
 import signal
 import sys
 import traceback
-from collections.abc import Generator, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -26,9 +26,14 @@ from ..wire import Wire, ended
 from .alone import Alone, StandIn
 from .world import VirtualTime
 
-OURS = Path(__file__).parents[1]  # grader/host
 NAME = "course-host"  # of the plug-in below; the one outside asks for it
 FROM_THE_USER = ("PATH", "HOME", "TMPDIR", "LANG")  # else the fork server's settings go first
+
+
+def warm_up() -> None:
+    """Load pytest with the plug-ins that are installed: most of what a test costs."""
+    with contextlib.suppress(Exception):
+        pytest.main(["--collect-only", "-p", "no:terminal", "-p", "no:cacheprovider", os.devnull])
 
 
 def serve(kernel: Kernel, epoch: int, read_fd: int, write_fd: int) -> None:
@@ -42,6 +47,7 @@ def serve(kernel: Kernel, epoch: int, read_fd: int, write_fd: int) -> None:
     kernel.world = alone = Alone(kernel, order.limit, _complain)
     alone.clocks = executors.install(kernel, epoch, StandIn())
     randomness.seed(order.seed)
+    _hide_our_frames()
     try:
         _run(order, Inside(wire, alone))
         last = ended("returned", "")
@@ -62,15 +68,6 @@ class Inside:
     def virtual_time(self) -> Iterator[VirtualTime]:
         """Run this test in virtual time: `with virtual_time() as world:`."""
         yield VirtualTime(self._alone)
-
-    @pytest.hookimpl(wrapper=True, tryfirst=True)
-    def pytest_runtest_makereport(self, call: Any) -> Generator[None, Any, Any]:
-        """Leave our own frames out of tracebacks."""
-        if call.excinfo is not None:
-            kept = call.excinfo.traceback.filter(lambda frame: OURS not in frame.path.parents)
-            if kept:
-                call.excinfo.traceback = kept
-        return (yield)
 
     def pytest_runtest_logreport(self, report: Any) -> None:
         """Hand a report on."""
@@ -107,6 +104,12 @@ def _move_in(order: RunTest) -> None:
     sys.path += [path for path in order.path if path not in sys.path]
 
 
+def _hide_our_frames() -> None:
+    """Leave this package out of the tracebacks that pytest shows: it asks a module's globals."""
+    for name, module in sys.modules.items():
+        if name.startswith("grader.host."):
+            module.__dict__["__tracebackhide__"] = True
+
+
 def _complain(text: str) -> None:
-    __tracebackhide__ = True
     pytest.fail(text)

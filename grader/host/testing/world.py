@@ -56,10 +56,8 @@ class Heard(Sequence[Any]):
 
     def take(self) -> None:
         """Take what has come by now."""
-        if self._subscription.handle is None:
-            return
-        kind = self._subscription.msg_type
-        with self._subscription.handle as handle:
+        handle, kind = self._subscription.handle, self._subscription.msg_type
+        with handle:
             while (taken := handle.take_message(kind, False)) is not None:
                 self._messages.append(taken[0])
                 self._times.append(self._now())
