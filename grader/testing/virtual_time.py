@@ -30,6 +30,7 @@ PATIENCE = 120.0  # [s] of real time
 START = 10.0  # [s] to send the order
 # reports, caches and measurements are of the pytest outside
 UNUSED = ("terminal", "cacheprovider", "junitxml", "pastebin", "pytest_cov")
+IMPORTED_EARLY = "ignore::pytest.PytestAssertRewriteWarning"  # plug-ins that the host itself uses
 CHANGED: dict[str, Any] = {  # pytest-xdist's workers are outside, too, and so is the debugger
     "numprocesses": None,
     "maxprocesses": None,
@@ -135,6 +136,7 @@ def _order(item: pytest.Item) -> tuple[RunTest, float]:
         limit, patience = _seconds(**mark.kwargs) if not mark.args else _seconds(*mark.args)
     options = {k: v for k, v in vars(config.option).items() if _plain(v)} | CHANGED
     options["plugins"] = [*options.get("plugins", []), *(f"no:{name}" for name in UNUSED)]
+    options["pythonwarnings"] = [*(options.get("pythonwarnings") or []), IMPORTED_EARLY]
     options["rootdir"] = str(config.rootpath)
     options["inifilename"] = str(config.inipath) if config.inipath else None
     options["basetemp"] = None
