@@ -158,8 +158,9 @@ def drive_node(
     files: Mapping[str, bytes] | None = None,
     stdin: bytes = b"",
     charge_compute: bool = False,
+    stamped: bool = True,
 ) -> Recording:
-    """Run the node once; the robot also understands TwistStamped.
+    """Run the node once; `stamped`: the robot also understands TwistStamped.
 
     `files` (name and content) are laid beside the node; the rest is as in `run_trial`.
 
@@ -173,7 +174,7 @@ def drive_node(
         forkserver,
         seed=mixed_seed(scenario.seed, seed),
         arguments=arguments,
-        stamped=True,
+        stamped=stamped,
         files={path.name: path.read_bytes() for path in beside if path.is_file()}
         | dict(files or {}),
         stdin=stdin,
@@ -192,7 +193,7 @@ def print_summary(recording: Recording, *, file: str, charged: bool = False) -> 
         say(f"  {escape(printable(line, console))}")
     say()
     say("[bold]What happened[/]")
-    for line in _event_lines(recording):
+    for line in event_lines(recording):
         say(f"  {escape(printable(line, console))}")
     for line in recording.outcome.detail.splitlines()[-LAST_LINES:]:
         say(f"    {escape(printable(line, console))}", style="dim")
@@ -232,7 +233,8 @@ def _topic_line(end: Endpoint, counts: Counter[str], duration: float) -> str:
     return line
 
 
-def _event_lines(recording: Recording) -> list[str]:
+def event_lines(recording: Recording) -> list[str]:
+    """Return what happened, a line each."""
     truth = recording.truth
     lines = [f"{recording.duration_s:.1f} s simulated; {_ending(recording)}"]
     if len(truth.t):

@@ -1,6 +1,6 @@
 """Entry of the fork server, started by the judge only.
 
-python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts|live LAYER,… [LIBRARY …]
+python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts|live|tests LAYER,… [LIBRARY …]
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 It has imported rclpy and the common interfaces (never called `rclpy.init`, started no thread) and
 holds no secret. The judge sends one request per trial, with the descriptors of the link; the answer
 is the child's pidfd, later its wait status. A fork server for scripts, which return, has neither
-rclpy nor virtual time.
+rclpy nor virtual time; one for tests has both, and pytest.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ TYPE_SUPPORT = (  # the types of every node and of the exercises: their C librar
 )
 
 
-NODES, SCRIPTS, LIVE = "nodes", "scripts", "live"
+NODES, SCRIPTS, LIVE, TESTS = "nodes", "scripts", "live", "tests"
 
 
 class Child(NamedTuple):
@@ -93,11 +93,14 @@ def serve(
     """
     may_mount = sandbox_layers.begin(layers)
     body: Body = scripts.serve
-    if kind == NODES:
+    if kind in (NODES, TESTS):
         kernel = kernel_module.Kernel()
         threads.install(kernel, epoch)
         _warm_up()
         body = functools.partial(_run_student, kernel, epoch)
+        if kind == TESTS:
+            body = functools.partial(_run_test, kernel, epoch)
+            _warm_up_pytest()
     elif kind == LIVE:
         _warm_up(virtual=False)
         body = _run_live
@@ -212,6 +215,13 @@ def _give_input(data: bytes) -> None:
     os.close(descriptor)
 
 
+def _run_test(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_out: int) -> None:
+    from .testing import session  # noqa: PLC0415  (rclpy and pytest are imported by now)
+
+    _steer_init()
+    session.serve(kernel, epoch, link_in, link_out)
+
+
 def _run_live(link_in: int, link_out: int) -> None:
     from .real_time import node  # noqa: PLC0415  (rclpy is imported by now)
 
@@ -250,6 +260,12 @@ def _warm_up(*, virtual: bool = True) -> None:
         from .virtual import bridge, executors, session  # noqa: F401, PLC0415
     else:
         from .real_time import node  # noqa: F401, PLC0415
+
+
+def _warm_up_pytest() -> None:
+    from .testing import session  # noqa: PLC0415
+
+    session.warm_up()
 
 
 def _import(libraries: Sequence[str]) -> None:

@@ -7,7 +7,7 @@ the typed structures below, so a frame of another shape is refused, not interpre
 from __future__ import annotations
 
 import struct
-from typing import Annotated
+from typing import Annotated, Any
 
 import msgspec
 
@@ -215,6 +215,25 @@ class Predicted(msgspec.Struct, frozen=True, tag="predicted"):
     values: bytes = b""  # float64
 
 
+class RunTest(msgspec.Struct, frozen=True, tag="run_test"):
+    """Run one test of pytest's in virtual time; it is the user's own."""
+
+    test: str  # its node id, with an absolute path
+    options: dict[str, Any]  # of pytest's command line
+    worker: dict[str, Any]  # what pytest-xdist tells its workers
+    folder: str
+    environment: dict[str, str]
+    path: tuple[str, ...]  # of modules
+    limit: Nanoseconds  # [ns] of virtual time
+    seed: int = 0
+
+
+class Reported(msgspec.Struct, frozen=True, tag="reported"):
+    """One of the test's reports, as JSON."""
+
+    report: str
+
+
 class Request(msgspec.Struct, frozen=True):
     """What the judge asks for: a host in this folder, as this user (0: the judge's own)."""
 
@@ -242,21 +261,23 @@ class Slept(msgspec.Struct, frozen=True, tag="slept"):
     lead: Annotated[int, msgspec.Meta(gt=0, le=MAX_LEAD)]  # [ns]
 
 
-ToHost = Start | Run | Script | LoadModels | Predict | TuneIn | Meet | Transmit
+ToHost = Start | Run | Script | LoadModels | Predict | TuneIn | Meet | Transmit | RunTest
 ToJudge = Settled | Ended | Slept  # from a host that runs nodes
 FromLive = Pulse | Ended  # from a host that runs a node in real time
 FromRadio = Tuned | HeardNow
 FromScript = Ended | Loaded | Predicted  # from a host that runs scripts
+FromTest = Reported | Ended  # from a host that runs a test
 
 _encoder = msgspec.msgpack.Encoder()
 _to_host: msgspec.msgpack.Decoder[ToHost] = msgspec.msgpack.Decoder(ToHost)
 _to_judge: msgspec.msgpack.Decoder[ToJudge] = msgspec.msgpack.Decoder(ToJudge)
 _from_script: msgspec.msgpack.Decoder[FromScript] = msgspec.msgpack.Decoder(FromScript)
+_from_test: msgspec.msgpack.Decoder[FromTest] = msgspec.msgpack.Decoder(FromTest)
 _from_live: msgspec.msgpack.Decoder[FromLive] = msgspec.msgpack.Decoder(FromLive)
 _from_radio: msgspec.msgpack.Decoder[FromRadio] = msgspec.msgpack.Decoder(FromRadio)
 
 
-def encode(frame: ToHost | ToJudge | FromScript | FromLive | FromRadio) -> bytes:
+def encode(frame: ToHost | ToJudge | FromScript | FromTest | FromLive | FromRadio) -> bytes:
     """Return the frame with its length in front.
 
     Raises
@@ -289,6 +310,11 @@ def decode_to_judge(body: bytes | bytearray) -> ToJudge:
 def decode_from_script(body: bytes | bytearray) -> FromScript:
     """Decode what a host that runs scripts said; it raises as `decode_to_judge` does."""
     return _from_script.decode(body)
+
+
+def decode_from_test(body: bytes | bytearray) -> FromTest:
+    """Decode what a host that runs a test said; it raises as `decode_to_judge` does."""
+    return _from_test.decode(body)
 
 
 def decode_from_live(body: bytes | bytearray) -> FromLive:

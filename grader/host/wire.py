@@ -13,6 +13,7 @@ from .frames import (
     FromLive,
     FromRadio,
     FromScript,
+    FromTest,
     ToHost,
     ToJudge,
     decode_to_host,
@@ -34,7 +35,7 @@ class Wire:
         (length,) = LENGTH.unpack(self._read_exactly(LENGTH.size))
         return decode_to_host(self._read_exactly(length))
 
-    def send(self, frame: ToJudge | FromScript | FromLive | FromRadio) -> None:
+    def send(self, frame: ToJudge | FromScript | FromTest | FromLive | FromRadio) -> None:
         """Send a frame, after all that was printed before it."""
         flush_output()
         data = memoryview(encode(frame))

@@ -40,7 +40,7 @@ LAYER_TEXTS = {
     FILES: "no files but its own (Landlock)",
     CALLS: "no programs, processes or sockets (seccomp)",
 }
-NODES, SCRIPTS, LIVE = "nodes", "scripts", "live"  # what a fork server's hosts do
+NODES, SCRIPTS, LIVE, TESTS = "nodes", "scripts", "live", "tests"  # what a fork server's hosts do
 NO_GPU = {"CUDA_VISIBLE_DEVICES": ""}  # the same run on every machine
 LEARNING = {  # for whoever imports Keras
     "KERAS_BACKEND": "torch",
@@ -106,7 +106,8 @@ class ForkServer:
     libraries
         Modules that are imported before hosts are forked, because they take long.
     kind
-        What its hosts run: nodes in virtual time, scripts that return, or nodes in real time.
+        What its hosts run: nodes in virtual time, scripts that return, nodes in real time, or tests
+        in virtual time.
     layers
         Of isolation, those that its hosts put on if the machine has them; all by default.
     """

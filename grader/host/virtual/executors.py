@@ -15,7 +15,7 @@ import time
 import weakref
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Protocol
 
 import rclpy.clock
 import rclpy.executors
@@ -30,11 +30,22 @@ from rclpy.exceptions import InvalidHandle, NotInitializedException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.time import Time
 
-from .bridge import Bridge
 from .clock import real_time_ns
 from .kernel import IDLE_STEP, Kernel, Waiters
 
 YIELDS = 10  # of a coroutine at one moment, after which it costs time to give way
+
+
+class Graph(Protocol):
+    """What executors ask of the endpoints that exist; the bridge knows."""
+
+    @property
+    def changes(self) -> int:
+        """Goes up when endpoints appear."""
+
+    @property
+    def parameters_in_use(self) -> bool:
+        """Some node asks for another's parameters."""
 
 
 class RosClocks:
@@ -83,7 +94,7 @@ def _set(clock: Any, now: Any) -> None:
         clock.handle.set_ros_time_override(now._time_handle)
 
 
-def install(kernel: Kernel, epoch: int, bridge: Bridge) -> RosClocks:
+def install(kernel: Kernel, epoch: int, bridge: Graph) -> RosClocks:
     """Replace the waiting parts of rclpy; return the clocks, which must follow the kernel."""
     _install_entities(bridge)
     clocks = RosClocks(kernel, epoch)
@@ -104,7 +115,7 @@ def refuse_real_time(leave: Callable[[str], None]) -> None:
     )
 
 
-def _install_wait(kernel: Kernel, bridge: Bridge) -> None:
+def _install_wait(kernel: Kernel, bridge: Graph) -> None:
     """Let executors wait in the kernel. They look with a timeout of zero, as often as needed."""
     cls: Any = rclpy.executors.Executor
     wait = cls.wait_for_ready_callbacks
@@ -240,7 +251,7 @@ def _next_timer(kernel: Kernel, nodes: Any) -> int | None:
     return min((kernel.now + ns for ns in remaining if ns is not None and ns > 0), default=None)
 
 
-def _install_entities(bridge: Bridge) -> None:
+def _install_entities(bridge: Graph) -> None:
     """Spare executors what can't become ready: half of the cost of a look.
 
     Nobody outside the process reaches a node's parameter services, so without a client inside they

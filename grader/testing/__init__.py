@@ -1,0 +1,1 @@
+"""Students' own tests: pytest's fixtures `drive` and `virtual_time`."""

@@ -1,0 +1,147 @@
+"""The fixture `drive`: nodes in the mock robot, and what a failed test says of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pytest
+
+from grader.course.submission import find_submission
+from grader.drive import drive_node, scenario_for
+from grader.errors import GraderError, InputError
+from grader.link.hosts import ForkServer
+from grader.testing.run import Run, write_replays
+from grader.trial.staging import parameter_arguments
+from sim.messages import EPOCH_NS
+from sim.scenario import Scenario
+
+LONGEST = 150  # [characters] of a replay's file name
+
+Section = tuple[str, str]  # of pytest's report: heading, text
+
+
+class Drive:
+    """What the fixture gives to the tests of one folder."""
+
+    def __init__(self, drives: Drives, folder: Path) -> None:
+        self._drives = drives
+        self._folder = folder
+
+    def __call__(
+        self,
+        file: str | Path,
+        *,
+        scenario: str | Path,
+        seed: int | None = None,
+        lidar: str | None = None,
+        duration: float | None = None,
+        goals: Sequence[tuple[float, float]] = (),
+        parameters: Mapping[str, str | bool | int | float] | None = None,
+        stamped: bool = False,
+    ) -> Run:
+        """Run a node in a scenario, in virtual time, and return what happened.
+
+        Parameters
+        ----------
+        file
+            The node's program; a relative path begins at the test's folder.
+        scenario
+            A scenario of the course by its name, or a TOML file by its path (ends in `.toml`).
+        seed
+            Varies the noise, and the layout within the scenario's bounds.
+        lidar
+            Another profile: default, lds01, lds02 or wide.
+        duration
+            Another duration [s].
+        goals
+            (x, y) [m] to send on /goal_pose in place of the scenario's own.
+        parameters
+            ROS parameters by name.
+        stamped
+            The robot takes TwistStamped on /cmd_vel, too.
+        """
+        __tracebackhide__ = True
+        try:
+            chosen = self._scenario(scenario, lidar, duration, goals)
+            others = [spec.file for spec in chosen.program if spec.file and not spec.supplied]
+            recording = drive_node(
+                find_submission(self._folder / file, others=others),
+                chosen,
+                self._drives.forkserver,
+                seed=seed,
+                arguments=parameter_arguments(parameters or {}),
+                stamped=stamped,
+            )
+        except (InputError, GraderError) as error:
+            problem = str(error).removeprefix("--")  # `--duration`, as on a command line
+        else:
+            run = Run(recording, str(file))
+            self._drives.runs.append(run)
+            return run
+        pytest.fail(f"drive: {problem}")
+
+    def _scenario(
+        self,
+        scenario: str | Path,
+        lidar: str | None,
+        duration: float | None,
+        goals: Sequence[tuple[float, float]],
+    ) -> Scenario:
+        if isinstance(scenario, Path) or scenario.endswith(".toml"):
+            scenario = str(self._folder / scenario)
+        return scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
+
+
+class Drives:
+    """The drives of one run of pytest; they share a warm process, which starts with the first."""
+
+    def __init__(self) -> None:
+        self.runs: list[Run] = []  # of the present test
+        self._forkserver: ForkServer | None = None
+
+    @property
+    def forkserver(self) -> ForkServer:
+        """The process that runs the nodes."""
+        if self._forkserver is None:
+            self._forkserver = ForkServer(EPOCH_NS)
+        return self._forkserver
+
+    def for_folder(self, folder: Path) -> Drive:
+        """Return the fixture for tests in a folder."""
+        return Drive(self, folder)
+
+    def begin(self) -> None:
+        """Forget the runs of the test before."""
+        self.runs = []
+
+    def explain(self, item: pytest.Item, folder: Path) -> list[Section]:
+        """Write the replay of a failed test's runs; return what the failure says of them."""
+        given = getattr(item, "funcargs", {}).values()  # a fixture may have driven for more tests
+        runs = [*self.runs, *(v for v in given if isinstance(v, Run) and v not in self.runs)]
+        if not runs:
+            return []
+        said = [line for run in runs for line in run.summary()]
+        try:
+            path = _place(folder, item)
+            write_replays(path, runs, f"{item.name} failed")
+            said.append(f"Replay: {path}")
+        except OSError as error:
+            said.append(f"No replay: {error.filename or folder}: {error.strerror}")
+        return [("what the robot did", "\n".join(said))]
+
+    def close(self) -> None:
+        """End the process."""
+        if self._forkserver is not None:
+            self._forkserver.__exit__()
+
+
+def _place(folder: Path, item: pytest.Item) -> Path:
+    """Return where a test's replay belongs; git leaves a folder of ours alone."""
+    if not folder.exists():
+        folder.mkdir(parents=True)
+        ours = folder.parent if folder.parent.name == ".course" else folder
+        (ours / ".gitignore").write_text("*\n", "utf-8")
+    name = item.nodeid.rsplit("/", maxsplit=1)[-1].replace(".py::", "-").replace("::", "-")
+    return folder / f"{re.sub(r'[^A-Za-z0-9_.=-]+', '_', name)[:LONGEST].strip('_')}.html"
