@@ -33,7 +33,7 @@ KEPT = {
 }
 SINGLE = (
     "LICENSE", "LICENSE-lessons.md", "constraints.txt",
-    "docs/students.md", "docs/live-robot.md",
+    "docs/students.md", "docs/testing-your-node.md", "docs/live-robot.md",
     "docs/images/notebook-dark.png", "docs/images/notebook-light.png",
     "docs/images/notebook-wrong.png",
 )  # fmt: skip

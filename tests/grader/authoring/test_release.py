@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from collections.abc import Collection
 from pathlib import Path
@@ -53,13 +54,27 @@ def test_students_get_what_they_need(released: Path) -> None:
 
 def test_students_get_their_documents_and_no_other(released: Path) -> None:
     there = {path for path in files(released) if path.startswith("docs/") and path.endswith(".md")}
-    assert there == {"docs/students.md", "docs/live-robot.md"}
+    assert there == {"docs/students.md", "docs/testing-your-node.md", "docs/live-robot.md"}
+
+
+def test_students_get_the_fixtures_of_pytest(released: Path) -> None:
+    settings = tomllib.loads((released / "pyproject.toml").read_text("utf-8"))
+    (module,) = settings["project"]["entry-points"]["pytest11"].values()
+    assert (released / module.replace(".", "/")).with_suffix(".py").is_file()
+    ours = {path.relative_to(ROOT).as_posix() for path in ROOT.glob("grader/**/testing/*.py")}
+    assert len(ours) > 8
+    assert ours <= files(released)
 
 
 @pytest.mark.parametrize("exercises", [(), ("goal_seeking",)])
 def test_links_of_students_documents_stay_inside(exercises: tuple[str, ...]) -> None:
     given = contents(exercises)
-    for page in ("README.md", "docs/students.md", "docs/live-robot.md"):
+    for page in (
+        "README.md",
+        "docs/students.md",
+        "docs/testing-your-node.md",
+        "docs/live-robot.md",
+    ):
         text = given[page].decode("utf-8")
         for link in re.findall(r'\]\((?!https?:)([^)#]+)|(?:src|srcset)="([^"]+)"', text):
             target = os.path.normpath(Path(page).parent / "".join(link))

@@ -1,0 +1,82 @@
+"""docs/testing-your-node.md: its tests pass for the reference, and fail for wrong nodes."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from outside import AGENT, pytest_in
+
+from grader.authoring.mutants import find_mutant
+from grader.course.exercises import ROOT, find_exercise
+
+PAGE = (ROOT / "docs/testing-your-node.md").read_text("utf-8")
+BLOCKS = re.findall(r"(?ms)^```python\n(.*?)^```$", PAGE)
+DRIVEN, SHARED, AROUND, CLOCK = BLOCKS
+KILLS = {  # as the page says
+    "brakes_too_late": "test_stops_in_front_of_a_wall",
+    "latched_stop": "test_drives_on_when_the_cart_has_passed",
+    "two_twists_per_scan": "test_answers_each_scan_once",
+}
+DIGESTS = """
+def test_digests(drive, record_property):
+    for scenario in ("avoid_wall", "avoid_cart"):
+        run = drive("my_agent.py", scenario=scenario)
+        record_property(scenario, run.digest())
+        record_property(f"{scenario} messages", len(run.messages("/cmd_vel")))
+"""
+
+
+def test_the_first_test_file_has_about_ten_lines() -> None:
+    assert sum(bool(line.strip()) for line in DRIVEN.splitlines()) == 10
+
+
+def test_every_test_of_the_page_passes_for_the_reference(tmp_path: Path) -> None:
+    shutil.copy(AGENT, tmp_path / "my_agent.py")
+    for number, block in enumerate(BLOCKS):
+        (tmp_path / f"test_{number}.py").write_text(block, "utf-8")
+    session = pytest_in(tmp_path)
+    assert session.code == 0, session.output
+    assert len(session.tests) == PAGE.count("\ndef test_") == 7
+    assert not (tmp_path / ".course").exists()  # replays are of failures
+
+
+def test_wrong_nodes_fail_the_test_that_the_page_names(tmp_path: Path) -> None:
+    exercise = find_exercise("obstacle_avoidance")
+    for mutant in KILLS:
+        folder = tmp_path / mutant
+        folder.mkdir()
+        (folder / "my_agent.py").write_text(find_mutant(exercise, mutant).text, "utf-8")
+        (folder / "test_agent.py").write_text(DRIVEN, "utf-8")
+    session = pytest_in(tmp_path, "--import-mode=importlib")
+    assert session.code == 1
+    failed = {name for name, outcome in session.outcomes().items() if outcome == "failed"}
+    assert failed == {f"{mutant}.test_agent.{test}" for mutant, test in KILLS.items()}
+    assert len(session.tests) == 3 * len(KILLS)
+    for test in KILLS.values():
+        replay = tmp_path / ".course" / "replays" / f"test_agent-{test}.html"
+        assert f"Replay: {replay}" in session.output
+        page = replay.read_text("utf-8")
+        assert f"<title>{test} failed" in page
+    quoted = re.findall(r"(?m)^  nearest to an obstacle: .*$", PAGE)
+    assert len(quoted) == 1
+    assert quoted[0] in session.output
+
+
+def test_two_runs_have_equal_recordings(tmp_path: Path) -> None:
+    shutil.copy(AGENT, tmp_path / "my_agent.py")
+    (tmp_path / "test_digests.py").write_text(DIGESTS, "utf-8")
+    first, second = (
+        pytest_in(tmp_path).tests["test_digests.test_digests"].properties for _ in range(2)
+    )
+    assert first == second
+    assert first["avoid_wall"] != first["avoid_cart"]
+    assert first["avoid_cart messages"] == "170"
+
+
+@pytest.mark.parametrize("name", ["drive", "virtual_time"])
+def test_pytest_lists_the_fixtures(tmp_path: Path, name: str) -> None:
+    session = pytest_in(tmp_path, "--fixtures")
+    assert re.search(rf"(?m)^{name}\b.*grader/testing/plugin\.py", session.output), session.output
