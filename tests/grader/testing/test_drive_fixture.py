@@ -92,7 +92,11 @@ TESTS = """
         kept = drive("stamped.py", scenario="demo_open", duration=2.0, parameters={"speed": 0.3})
         assert kept.truth.x[-1] == pytest.approx(kept.truth.x[0])
         run = drive(
-            "stamped.py", scenario="demo_open", duration=2.0, parameters={"speed": 0.3}, stamped=True
+            "stamped.py",
+            scenario="demo_open",
+            duration=2.0,
+            parameters={"speed": 0.3},
+            stamped=True,
         )
         assert run.truth.v[-1] == pytest.approx(0.3)
 
