@@ -2,7 +2,7 @@
 
 The profiles `default` and `wide` follow REP-117: +inf = nothing within range, -inf = something
 closer than the sensor can measure, NaN = erroneous. The drivers of the TurtleBot 3's LDS sensors do
-not: they send 0.0 for both.
+not: they send 0.0 for both. Noise, dropped beams and lost scans are in `sim/faults.py`.
 
 ========  =====  ==============  ======  ============  =========  ========
 profile   beams  angles [°]      [Hz]    range [m]     no return  too near

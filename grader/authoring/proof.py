@@ -5,7 +5,8 @@ they fail (see `grader.authoring.mutants`). Checks skipped through `needs` are n
 checks are only judged when all of the core passed, so a mutant names either kind. A variant that
 claims the badge says so in its docstring: `field: all`.
 
-`python -m grader.authoring.proof [EXERCISE …]` prints which mutant is killed by which check.
+`python -m grader.authoring.proof [EXERCISE …]` prints which mutant is killed by which check;
+`--only NAME` proves one.
 
 Of an exercise with several files, a variant is a folder with some of them, or one file that says
 which it stands for (`file: detection_client.py`; the first by default). Those that it lacks are the
@@ -14,6 +15,7 @@ reference's.
 
 from __future__ import annotations
 
+import argparse
 import ast
 import contextlib
 import re
@@ -27,6 +29,7 @@ from grader.authoring.mutants import mutants, stands_for, submission_of
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.installed import why_not
 from grader.course.submission import Submission, find_submission
+from grader.errors import InputError
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import FAIL, UNAVAILABLE
 from grader.link.hosts import ForkServer
@@ -178,9 +181,18 @@ class Tally:
         return self.uncaught + self.unneeded + self.other
 
 
-def main(names: list[str]) -> int:
+def main(arguments: list[str]) -> int:
     """Print the table of the exercises named (all by default); 1 if anything is wrong."""
-    exercises = [find_exercise(name) for name in names] or all_exercises()
+    parser = argparse.ArgumentParser(prog="proof", description="Prove the graders.")
+    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="name or number; or all")
+    parser.add_argument("--only", metavar="NAME", help="prove one solution or mutant")
+    options = parser.parse_args(arguments)
+    try:
+        exercises = [find_exercise(name) for name in options.exercises] or all_exercises()
+        if options.only:
+            return _prove_one(options.only, exercises)
+    except InputError as error:
+        parser.error(str(error))
     tallies = []
     for exercise in exercises:
         with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
@@ -195,6 +207,23 @@ def main(names: list[str]) -> int:
     _print_list("Checks that no mutant needs", [x for t in tallies for x in t.unneeded])
     bad = [line for tally in tallies for line in tally.objections]
     print(f"\n{len(bad)} objections" + "".join(f"\n  {line}" for line in bad))
+    return 1 if bad else 0
+
+
+def _prove_one(name: str, exercises: list[Exercise]) -> int:
+    """Prove the solutions and mutants of this name; 1 if anything is said against them."""
+    chosen = [claim for exercise in exercises for claim in claims(exercise) if claim.stem == name]
+    if not chosen:
+        raise InputError(f"no solution or mutant is called {name!r} in these exercises")
+    bad = 0
+    for claim in chosen:
+        with ForkServer(EPOCH_NS, libraries=claim.exercise.libraries) as forkserver:
+            grading = grade_claim(claim, forkserver)
+        failed = sorted(check.id for check in grading.checks if check.outcome == FAIL)
+        print(f"{claim.name}: {grading.score} points; fails {', '.join(failed) or 'nothing'}")
+        against = objections(claim, grading)
+        print("".join(f"  ! {line}\n" for line in against), end="")
+        bad += bool(against)
     return 1 if bad else 0
 
 

@@ -122,14 +122,30 @@ def _require_end(recording: Recording, wanted: _Wanted) -> None:
         _fail_type(recording, wanted, here[0])
     if not any(end.matched for end in typed):
         end = typed[0]
+        expected, advice = _qos_advice(end)
         fail(
             f"the {wanted.kind} of {wanted.name} and the robot cannot talk: "
             "their QoS does not match",
-            expected="a profile that the robot's can serve, such as a plain depth of 10",
+            expected=expected,
             actual=f"{end.reliability}, {end.durability}, depth {end.depth}: {end.mismatch}",
             recording=recording,
-            help="ROS 2 says so only in a warning of the log. Compare with `ros2 topic info -v`.",
+            help=f"{advice} ROS 2 says so only in a warning of the log.",
         )
+
+
+def _qos_advice(end: Endpoint) -> tuple[str, str]:
+    """Return which profile the robot can serve, and what to do about this one."""
+    if "reliab" in end.mismatch:
+        return (
+            "a subscription that also takes best effort: this robot's driver offers no more",
+            "`qos_profile_sensor_data` takes both kinds; a plain depth asks for reliable.",
+        )
+    if "durab" in end.mismatch:
+        return (
+            "a volatile subscription: the robot keeps no old messages",
+            "`qos_profile_sensor_data` or a plain depth is volatile.",
+        )
+    return "a profile that the robot can serve", "Compare the two ends with `ros2 topic info -v`."
 
 
 def _fail_missing(recording: Recording, wanted: _Wanted, every: list[Endpoint]) -> None:

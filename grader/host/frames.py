@@ -239,7 +239,7 @@ class Request(msgspec.Struct, frozen=True):
 
     folder: str
     uid: int
-    layers: tuple[str, ...]  # of isolation, by their names in `isolation.py`
+    layers: tuple[str, ...]  # of isolation, by their names in `sandbox/layers.py`
     priority: bool = False  # it goes before others on the machine from its start on
 
 

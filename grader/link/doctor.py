@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from grader.errors import GraderError, InputError
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
+from grader.host.sandbox.limits import MAX_DESCRIPTORS, MAX_FILE, MAX_MEMORY
 from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
 
@@ -28,7 +29,8 @@ NEEDS: Mapping[str, str] = {  # a layer: what a machine must have for it
     CALLS: "seccomp filters, on x86_64 or arm64",
 }
 KEEPS: Mapping[str, str] = {
-    LIMITS: "core dumps, files over 64 MiB, more than 256 descriptors, more than 4 GiB of memory",
+    LIMITS: f"core dumps, files over {MAX_FILE >> 20} MiB, more than {MAX_DESCRIPTORS} "
+    f"descriptors, more than {MAX_MEMORY >> 30} GiB of memory",
     USER: "signals to the grader and to other students' nodes, files that are not for everybody",
     MOUNTS: "/tmp, and shared memory of other programs",
     NETWORK: "the network, this machine's own services too",

@@ -54,7 +54,7 @@ LIVE_DDS = {  # it never leaves the machine
     "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
     "FASTRTPS_DEFAULT_PROFILES_FILE": str(ROOT / "grader" / "host" / "real_time" / "live.xml"),
 }
-START_LIMIT = 60.0  # [s] for the imports of a cold machine
+FORK_SERVER_START = 60.0  # [s] for the imports of a cold machine
 
 
 @dataclass
@@ -276,7 +276,7 @@ class ForkServer:
         with self._lock:
             if self._ready:
                 return
-            self._control.settimeout(START_LIMIT)
+            self._control.settimeout(FORK_SERVER_START)
             try:
                 hello = msgspec.json.decode(self._control.recv(4096), type=Hello)
             except (OSError, msgspec.DecodeError) as error:

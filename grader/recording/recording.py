@@ -55,7 +55,7 @@ class Outcome:
 
     @property
     def completed(self) -> bool:
-        """The node lived to the end."""
+        """The node ran to the end."""
         return self.kind == COMPLETED
 
 

@@ -44,11 +44,12 @@ from grader.link.scratch import prefix
 from grader.trial.endings import NEVER_SPUN
 from grader.trial.recorder import MAX_ENDPOINTS, Flood
 from grader.trial.staging import Stage
+from grader.trial.virtual_time import Limits
 from sim.messages import EMPTY, OFFERED, empty
 
 GO = Offer("/probe/go", EMPTY, True)  # tells programs of ours that time begins
 SEND_LIMIT = 5.0  # [s] for a frame to a host
-START_LIMIT = 20.0  # [s] for a program to begin to spin: imports, models
+START_LIMIT = Limits.start  # [s] for a program to begin to spin: imports, models
 LEAST_WORK = 0.01  # [s] of CPU time: a program that starts up takes more
 IDLE_START = 3.0  # [s] without CPU time after which a program won't begin to spin any more
 MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together

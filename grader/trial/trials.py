@@ -39,7 +39,7 @@ class Trials(Protocol):
     """A source of recordings, by the name of the scenario."""
 
     def prepare(self, scenarios: Sequence[str]) -> None:
-        """Say which will be asked for."""
+        """Announce the trials that will be needed."""
 
     def get(self, scenario: str) -> Recording:
         """Return a recording; NoRecording if there can be none."""

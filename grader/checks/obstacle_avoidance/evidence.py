@@ -43,7 +43,7 @@ def require_reaction(recording: Recording) -> None:
         actual=", ".join(f"always {speed:.2f} m/s" for speed in said) or "nothing on /cmd_vel",
         at=next((answer.scan.t for answer in found if not _is_right(answer)), None),
         recording=recording,
-        help="Get clear_zone, slow_zone and stop_zone right first.",
+        help="Does the decision get the distance of this scan, and does what it returns get out?",
     )
 
 

@@ -13,7 +13,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from ..frames import Request
-from . import kernel_filters, users
+from . import kernel_filters, limits, users
 
 LIMITS, USER, MOUNTS, NETWORK, FILES, CALLS = (
     "limits", "user", "mounts", "network", "files", "calls",
@@ -59,7 +59,7 @@ def enter(request: Request, *, datagrams: bool) -> None:
     if MOUNTS in request.layers:
         users.private_mounts(folder, needed_paths())
         os.chdir(folder)
-    users.set_limits()
+    limits.set_limits()
     if USER in request.layers:
         users.drop_to(request.uid)
     elif os.getuid() != 0:

@@ -1,6 +1,6 @@
-"""What a host may use: limits and an unprivileged user.
+"""Who a host runs as, and what it sees: an unprivileged user, mounts and a network of its own.
 
-What the kernel offers to everybody is in `sandbox.py`; who puts on what, in `isolation.py`.
+`kernel_filters.py` has what Linux offers without root; `layers.py` decides which layers are put on.
 """
 
 from __future__ import annotations
@@ -20,12 +20,6 @@ from pathlib import Path
 # Users that exist only while something runs, by the convention of systemd's DynamicUser=. Each host
 # is another one: it can't signal or trace its neighbours, and its limit on processes is its own.
 USERS = range(61184, 65520)
-LIMITS = {
-    resource.RLIMIT_CORE: 0,
-    resource.RLIMIT_FSIZE: 64 * 1024 * 1024,  # [bytes] of one file
-    resource.RLIMIT_NOFILE: 256,
-    resource.RLIMIT_AS: 4 * 1024 * 1024 * 1024,  # [bytes] address space: numeric libraries map much
-}
 MAX_PROCESSES = 512  # threads count too; of the unprivileged user as a whole
 PRIORITY = -20  # nice value
 SLICE = 100_000  # [ns] of CPU at a time: who asks for little is woken at once (Linux 6.12)
@@ -36,12 +30,6 @@ SIOCGIFFLAGS, SIOCSIFFLAGS, IFF_UP = 0x8913, 0x8914, 1
 SHM_SIZE = "64m"
 ROUNDS = 100
 MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18
-
-
-def set_limits() -> None:
-    """Lower the limits of this process for good."""
-    for limit, value in LIMITS.items():
-        resource.setrlimit(limit, (value, value))
 
 
 def take_priority() -> None:
@@ -92,7 +80,7 @@ def drop_to(uid: int) -> None:
 
 
 def drop_capabilities() -> None:
-    """Give up for good what `own_user` gave."""
+    """Drop all capabilities for good."""
     header, nothing = struct.pack("Ii", CAPABILITY_VERSION, 0), bytes(24)
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.capset(header, nothing):

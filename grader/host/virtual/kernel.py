@@ -257,12 +257,12 @@ class Kernel:
 
     @property
     def waiting(self) -> bool:
-        """Some executor or event loop waits for work."""
+        """Whether an executor or event loop is waiting for work."""
         return any(thread.ticket == ticket for thread, ticket in self.pollers)
 
     @property
     def asleep(self) -> bool:
-        """Some thread waits for a time."""
+        """Whether a thread is waiting for a time."""
         return any(thread.ticket == ticket for _, _, thread, ticket in self._timed)
 
     def _let_others_run(self, thread: VirtualThread) -> None:

@@ -130,5 +130,5 @@ class Session(kernel_module.World):
         self._starting, self.until = False, 0
 
     def _time(self) -> int:
-        """Return the scenario's time [ns]; it stands at 0 until the program has started."""
+        """Return the scenario's time [ns]; it stays at 0 until the program has started."""
         return 0 if self._starting else max(0, self.kernel.now)

@@ -16,6 +16,7 @@ from grader.authoring.proof import (
     claims,
     complete,
     grade_claim,
+    main,
     objections,
     unproven,
 )
@@ -212,3 +213,23 @@ def test_a_file_that_stands_for_none(pair: Exercise) -> None:
     path.write_text('"""Wrong.\n\nfile: clients.py\n"""')
     with pytest.raises(GraderError, match=r"stands for clients\.py; expected one of server\.py"):
         claim_of(pair, "variant", path)
+
+
+def test_one_mutant_can_be_proven_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["obstacle_avoidance", "--only", "wrong_topic"]) == 0
+    assert (
+        capsys.readouterr().out == "obstacle_avoidance/mutant/wrong_topic: 0 points; fails wiring\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [(["nope"], "unknown exercise 'nope'"), (["1", "--only", "nope"], "is called 'nope'")],
+)
+def test_what_can_not_be_proven_is_said_in_a_line(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
