@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -63,6 +64,11 @@ QUOTED = [Path(mutant).name for pitfall in PITFALLS for mutant in pitfall.caught
 
 def named(value: object) -> str:
     return value.name if isinstance(value, Pitfall) else str(value)
+
+
+def unless_quick(slug: str) -> Any:
+    """Leave what takes long to `make test-long`."""
+    return () if slug == "obstacle_avoidance" else pytest.mark.long
 
 
 each_wrong = pytest.mark.parametrize(("pitfall", "node"), WRONG, ids=named)
@@ -231,10 +237,7 @@ def different_texts() -> Iterator[tuple[str, str]]:
 
 @pytest.mark.parametrize(
     ("exercise", "node"),
-    [
-        pytest.param(slug, node, marks=() if slug == "obstacle_avoidance" else pytest.mark.long)
-        for slug, node in different_texts()
-    ],
+    [pytest.param(slug, node, marks=unless_quick(slug)) for slug, node in different_texts()],
 )
 def test_no_published_node_passes(forkserver: ForkServer, exercise: str, node: str) -> None:
     """What is lost in some checks cannot be won in the others."""
@@ -289,7 +292,10 @@ def failed(grading: Grading) -> set[str]:
 # --- the pages ------------------------------------------------------------------------------------
 
 
-@each_pitfall
+@pytest.mark.parametrize(
+    "pitfall",
+    [pytest.param(p, id=p.name, marks=unless_quick(p.exercise)) for p in PITFALLS],
+)
 def test_what_is_made_is_up_to_date(forkserver: ForkServer, pitfall: Pitfall) -> None:
     for file, text in made(forkserver, [pitfall]):
         assert file.read_text("utf-8") == text, (
