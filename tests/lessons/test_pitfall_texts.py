@@ -72,7 +72,17 @@ def page_of(pitfall: Pitfall) -> str:
 # --- the pages ------------------------------------------------------------------------------------
 
 
-@each_pitfall
+@pytest.mark.parametrize(
+    "pitfall",
+    [
+        pytest.param(
+            pitfall,
+            id=pitfall.name,
+            marks=() if pitfall.exercise == "obstacle_avoidance" else pytest.mark.long,
+        )
+        for pitfall in PITFALLS
+    ],
+)
 def test_what_is_made_is_up_to_date(forkserver: ForkServer, pitfall: Pitfall) -> None:
     for file, text in made(forkserver, [pitfall]):
         assert file.read_text("utf-8") == text, (

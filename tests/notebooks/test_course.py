@@ -234,6 +234,7 @@ def complaints(notebook: Any) -> list[str]:
     ]
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")  # jupyter_client's, about its own transports
 @pytest.mark.parametrize("name", RUN)
 def test_with_the_solutions_every_check_passes(course: Path, tmp_path: Path, name: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,13 @@ from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Problem
 
 AGENT = "obstacle_avoidance_agent.py"
 RIGHT = SOLUTIONS / "obstacle_avoidance" / AGENT
+
+
+@pytest.fixture(scope="module")
+def forkservers() -> Iterator[ForkServerPool]:
+    """A pool of their own: after a fault the judge ends all of its fork servers."""
+    with ForkServerPool() as found:
+        yield found
 
 
 def replays(page: str) -> list[dict[str, Any]]:
