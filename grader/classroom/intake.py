@@ -23,7 +23,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
 from grader.course.submission import read_regular_file
-from grader.errors import InputError
+from grader.errors import InputError, is_disk_full
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 MAX_MEMBERS = 5_000  # of an archive
@@ -159,6 +159,8 @@ def _student(name: str, path: Path, room: Path) -> Student:
     except _Refused as refused:
         return Student(name, room, f"{path.name}: {refused}")
     except Exception as error:  # whatever a malicious file makes zipfile and tarfile raise
+        if is_disk_full(error):  # not the archive's fault, which is limited
+            raise
         kind = type(error).__name__
         text = f"{path.name}: a broken archive ({kind}: {str(error)[:200]}); ask for another copy"
         return Student(name, room, " ".join(text.split()))
