@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import sqlite3
 from collections.abc import Iterator
 
 from sim.errors import InputError
 
 __all__ = ["DiskFull", "GraderError", "InputError", "is_disk_full", "naming_a_full_disk"]
 
+SQLITE_FULL = 13  # https://sqlite.org/rescode.html#full
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT)
 
 
@@ -31,7 +31,7 @@ def is_disk_full(error: BaseException | None) -> bool:
             return True
         if isinstance(error, OSError) and error.errno in NO_SPACE:
             return True
-        if getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL:
+        if getattr(error, "sqlite_errorcode", None) == SQLITE_FULL:
             return True
         error = error.__cause__ or error.__context__
     return False
