@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
-from grader.course.submission import read_regular_file
+from grader.course.submission import open_regular_file, read_regular_file
 from grader.errors import InputError, is_disk_full
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
@@ -202,6 +202,11 @@ def _plain(name: str) -> str:
 
 
 def _inventory(folder: Path, there: Sequence[Path]) -> str:
+    links = any(entry.is_symlink() for entry in folder.iterdir())
+    return _listed(folder, there) + (" (links are not followed)" if links else "")
+
+
+def _listed(folder: Path, there: Sequence[Path]) -> str:
     if not there:
         return "there are no files"
     names = [str(path.relative_to(folder)) for path in there]
@@ -271,7 +276,7 @@ def _inside(room: Path, name: str) -> Path | None:
 
 
 def _zip(archive: Path) -> Generator[tuple[str, IO[bytes]], None, None]:
-    with zipfile.ZipFile(archive) as opened:
+    with open_regular_file(archive) as file, zipfile.ZipFile(file) as opened:
         members = opened.infolist()
         if len(members) > MAX_MEMBERS:
             raise _Refused(f"over {MAX_MEMBERS:,} files; not unpacked")
@@ -285,7 +290,7 @@ def _zip(archive: Path) -> Generator[tuple[str, IO[bytes]], None, None]:
 
 def _tar(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], None, None]:
     with contextlib.ExitStack() as stack:
-        packed: Any = stack.enter_context(archive.open("rb"))
+        packed: Any = stack.enter_context(open_regular_file(archive))
         if not archive.name.lower().endswith(".tar"):
             packed = stack.enter_context(gzip.GzipFile(fileobj=packed))
         counted: Any = _Counted(packed, _Allowance(2 * MAX_UNPACKED))
