@@ -14,13 +14,14 @@ import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from grader.course.submission import Submission
+from grader.course.submission import Submission, file_beside, read_regular_file
 from grader.errors import InputError
 from grader.host.frames import MAX_STDIN
 from grader.link.hosts import ForkServer
 from grader.models.files import OWN
 from grader.recording import Endpoint, Recording, account_of, costs_of
 from grader.report.terminal import printable
+from grader.trial.training import MAX_FILE
 from grader.trial.trials import mixed_seed
 from grader.trial.virtual_time import run_trial
 from sim.lidar import PROFILES
@@ -167,7 +168,7 @@ def drive_node(
     If a scenario uses the student's own model, it is taken from the node's folder.
     """
     own = [name for name, model in scenario.node.models.items() if model.probe == OWN]
-    beside = [submission.path.with_name(name) for name in own]
+    beside = [file for name in own if (file := file_beside(submission.path, name)) is not None]
     return run_trial(
         submission,
         scenario,
@@ -175,8 +176,7 @@ def drive_node(
         seed=mixed_seed(scenario.seed, seed),
         arguments=arguments,
         stamped=stamped,
-        files={path.name: path.read_bytes() for path in beside if path.is_file()}
-        | dict(files or {}),
+        files={path.name: read_regular_file(path, MAX_FILE) for path in beside} | dict(files or {}),
         stdin=stdin,
         charge_compute=charge_compute,
     )

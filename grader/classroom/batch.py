@@ -6,7 +6,9 @@ import contextlib
 import fcntl
 import os
 import shutil
+import tempfile
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from grader.classroom.candidates import enter_candidates
@@ -14,19 +16,31 @@ from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import RegradeRun
-from grader.classroom.results import ResultOptions, write_results
+from grader.classroom.results import Missing, ResultOptions, write_results
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.store import Store
-from grader.errors import GraderError
+from grader.errors import GraderError, naming_a_full_disk
 from grader.link.scratch import sweep
 
 STORE = "store.sqlite"
+NO_SPACE = (
+    "the disk is full, so the batch has stopped. Free some space where {out} is, and in "
+    "{temporary}, and run the same command again: it goes on where it was"
+)
 UNPACKED = ".unpacked"  # archives, during a run
+
+
+@dataclass(frozen=True)
+class GradedClass:
+    """What a batch came to."""
+
+    results: list[StoredResult]
+    missing: list[Missing]  # parts of the report that could not be made
 
 
 def autograde(
     submissions: Path, out: Path, options: Options, progress: Progress, *, regrade: bool = False
-) -> list[StoredResult]:
+) -> GradedClass:
     """Grade every submission that is new or changed; return all results.
 
     May be killed at any moment and called again: it continues where it stopped. With `regrade` only
@@ -38,7 +52,16 @@ def autograde(
         The submissions can't be read, or code would run without isolation.
     GraderError
         Another batch works on `out`, or no worker can be started.
+    DiskFull
+        No space was left; what is graded is stored, and what is written is whole.
     """
+    with naming_a_full_disk(NO_SPACE.format(out=out, temporary=tempfile.gettempdir())):
+        return _autograde(submissions, out, options, progress, regrade=regrade)
+
+
+def _autograde(
+    submissions: Path, out: Path, options: Options, progress: Progress, *, regrade: bool
+) -> GradedClass:
     out.mkdir(parents=True, exist_ok=True)
     scratch, parts = out / UNPACKED, out / RECORDINGS / PARTS
     with _locked(out), Store(out / STORE) as store, _emptied(scratch), _emptied(parts):
@@ -59,8 +82,7 @@ def autograde(
             sources={key: candidate.read_if_possible() for key, candidate in candidates.items()},
             workers=options.workers,
         )
-        write_results(results, out, wanted)
-        return results
+        return GradedClass(results, write_results(results, out, wanted).missing)
 
 
 @contextlib.contextmanager

@@ -1,12 +1,13 @@
 """Known solutions graded along with the class: they show whether the grader still judges right.
 
 A right solution must pass, and a wrong one must fail exactly the checks it names. If one does not,
-everything graded since the last good round is suspect and is graded again.
+everything graded since the last good round is suspect and is graded again. A machine that stalls
+is another matter: it says nothing about the grader, and the canary is judged again, alone.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from grader.authoring.proof import Claim, claims
@@ -51,6 +52,7 @@ class CanaryRounds:
     trusted: bool = False  # the last round was good
     graded: int = 0  # units since the last round
     strikes: int = 0  # bad rounds in a row
+    unconfirmed: bool = False  # the machine stalled in the last round, even with nothing else on it
     requested: bool = False  # a unit could not be judged: the grader may be at fault
     waiting: list[Canary] = field(default_factory=list)  # in this round
     running: dict[Key, Canary] = field(default_factory=dict)  # in this round
@@ -70,7 +72,16 @@ class CanaryRounds:
     def begin(self, confirms: list[Key]) -> None:
         """Begin a round; if it is good, it confirms these units."""
         self.waiting, self.confirms, self.drifts = list(self.canaries), confirms, []
-        self.graded, self.requested = 0, False
+        self.graded, self.requested, self.unconfirmed = 0, False, False
+
+    @property
+    def alone(self) -> bool:
+        """The next canary has to wait until nothing else runs."""
+        return bool(self.waiting) and self.waiting[0].unit.alone
+
+    def again(self, canary: Canary) -> None:
+        """Have a canary judged again with nothing else running: the machine stalled."""
+        self.waiting.append(replace(canary, unit=replace(canary.unit, alone=True)))
 
     def next(self) -> Unit:
         """Return the next canary of the round."""

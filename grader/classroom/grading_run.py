@@ -5,19 +5,21 @@ from __future__ import annotations
 import io
 import shutil
 import tarfile
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from grader.classroom import engine
-from grader.classroom.canaries import MAX_STRIKES, CanaryRounds, canaries_of
+from grader.classroom.canaries import MAX_STRIKES, Canary, CanaryRounds, canaries_of
 from grader.classroom.candidates import Candidate
 from grader.classroom.engine import WorkerDied
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
 from grader.classroom.store import Key, Store
-from grader.classroom.work import Unit, UnitResult, unjudged
+from grader.classroom.work import Unit, UnitResult, stalled, unjudged
 from grader.course.exercises import Exercise
-from grader.errors import InputError
+from grader.errors import DiskFull, InputError, is_disk_full
+from grader.link.scratch import has_space
 
 MAX_DEATHS = 3  # of a unit's workers; then it is left to a person
 MAX_UNSURE = 2  # gradings that could not judge
@@ -85,6 +87,8 @@ class GradingRun:
 
     def _next(self, busy: bool) -> Unit | None:
         """Return what to run next, canaries first; None if nothing may start now."""
+        if busy and any(rounds.alone for rounds in self._rounds.values()):
+            return None
         waiting = self._waiting()
         return self._next_canary(waiting) or self._next_submission(waiting, busy)
 
@@ -96,9 +100,9 @@ class GradingRun:
                 continue
             queued = any(key[1] == slug for key in waiting)
             running = any(key[1] == slug for key in self._running)
-            unverified = self._store.unverified(slug)
+            unverified = [] if rounds.unconfirmed else self._store.unverified(slug)
             if (queued and rounds.due) or (unverified and not queued and not running):
-                rounds.begin(unverified)
+                rounds.begin(self._store.unverified(slug))
                 return rounds.next()
         return None
 
@@ -107,7 +111,8 @@ class GradingRun:
             rounds = self._rounds.get(key[1])
             if rounds is not None and not rounds.trusted:
                 continue
-            alone = self._store.counts(key).deaths >= MAX_DEATHS - 1
+            counts = self._store.counts(key)
+            alone = counts.deaths >= MAX_DEATHS - 1 or counts.unsure > 0
             if alone and busy:
                 return None
             unit = self._unit(key, alone=alone)
@@ -120,7 +125,7 @@ class GradingRun:
         try:
             files = candidate.read()
         except OSError as error:
-            self._store.hold(key, f"a file that can't be read any more ({error.strerror})")
+            self._hold(key, f"a file that can't be read any more ({error.strerror})")
             return None
         bag_folder = ""
         if self._options.bags and not self._options.dask:
@@ -137,22 +142,47 @@ class GradingRun:
             self._canary_done(unit, result)
             return
         self._running.discard(unit.key)
+        try:
+            self._submission_done(unit, result)
+        except Exception as error:  # of one result; the others are not held up
+            if is_disk_full(error):
+                raise
+            self._hold(
+                unit.key, f"the result could not be stored ({type(error).__name__}: {error})"
+            )
+
+    def _submission_done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
         if isinstance(result, WorkerDied):
             self._died(unit, result)
             return
+        if result.disk_full:
+            self._stop_if_disk_full(unit)
         problem = result.problem if result.grading is None else unjudged(result.grading)
         rounds = self._rounds.get(unit.exercise)
         if problem:
-            if rounds is not None:
-                rounds.requested = True  # was it the submission, or the machine?
+            if rounds is not None and not stalled(result.grading):
+                rounds.requested = True  # was it the submission, or the grader?
             if self._store.requeue(unit.key, unsure=True).unsure < MAX_UNSURE:
-                self._tell(unit, f"will retry: {problem}", over=False)
+                self._tell(unit, f"will retry, alone, at the end: {problem}", over=False)
                 return
         self._finish(unit, result, problem)
         if rounds is not None:
             rounds.graded += 1
+            rounds.unconfirmed = False
             if rounds.strikes >= MAX_STRIKES:  # it ran on the grader that failed
                 self._store.hold(unit.key, "the grader could not be trusted while it ran")
+
+    def _stop_if_disk_full(self, unit: Unit) -> None:
+        """Stop if there is still no space; else the unit itself may have taken it.
+
+        Raises
+        ------
+        DiskFull
+            The disk is full with the unit over: the next one would end as it did.
+        """
+        if not self._options.dask and not has_space(self._out, Path(tempfile.gettempdir())):
+            self._store.requeue(unit.key)
+            raise DiskFull("no space is left")
 
     def _finish(self, unit: Unit, result: UnitResult, problem: str) -> None:
         self._store.finish(
@@ -174,9 +204,11 @@ class GradingRun:
         if counts.deaths < MAX_DEATHS:
             self._tell(unit, f"will retry: {why}", over=False)
             return
-        problem = f"{why}, {counts.deaths} times, at last with no other unit running"
-        self._store.hold(unit.key, problem)
-        self._tell(unit, f"held: {problem}")
+        self._hold(unit.key, f"{why}, {counts.deaths} times, at last with no other unit running")
+
+    def _hold(self, key: Key, problem: str) -> None:
+        self._store.hold(key, problem)
+        self._progress.done(*key, f"held: {problem}")
 
     def _store_bags(self, unit: Unit, result: UnitResult) -> str | None:
         """Move the recordings to their place, which comes before the result is stored."""
@@ -206,6 +238,9 @@ class GradingRun:
         canary = rounds.running.pop(unit.key)
         if isinstance(result, WorkerDied):
             result = UnitResult(None, f"could not be graded: {result}")
+        if stalled(result.grading):
+            self._canary_stalled(canary, rounds)
+            return
         drift = canary.drift(result.grading, result.problem)
         self._store.canary(unit.key, result.grading, drift, result.cpu_s)
         if drift:
@@ -213,10 +248,26 @@ class GradingRun:
         if not rounds.in_round:
             self._end_round(unit.exercise, rounds)
 
+    def _canary_stalled(self, canary: Canary, rounds: CanaryRounds) -> None:
+        """Judge a canary again, alone; a machine that stalls even so is no reason for distrust."""
+        name, slug = canary.unit.student.lstrip("."), canary.unit.exercise
+        if not canary.unit.alone:
+            rounds.again(canary)
+            return
+        rounds.unconfirmed = True
+        self._remark(
+            f"{slug}: the machine stalled twice while the known solution {name} was graded, at "
+            "last with nothing else running. So it does not confirm what was graded; the next run "
+            "tries again."
+        )
+        if not rounds.in_round:
+            self._end_round(slug, rounds)
+
     def _end_round(self, slug: str, rounds: CanaryRounds) -> None:
         if not rounds.drifts:
             rounds.trusted, rounds.strikes = True, 0
-            self._store.verify(rounds.confirms)
+            if not rounds.unconfirmed:
+                self._store.verify(rounds.confirms)
             return
         rounds.trusted = False
         rounds.strikes += 1
@@ -236,7 +287,7 @@ class GradingRun:
             rounds.canaries, rounds.trusted = [], False
             self._remark(f"{slug}: {why}, {rounds.strikes} times in a row; held for a person.")
         for key in dict.fromkeys(hopeless):
-            self._store.hold(key, f"the grader could not be trusted: {why}")
+            self._hold(key, f"the grader could not be trusted: {why}")
 
     def _remark(self, text: str) -> None:
         self._store.note(text)

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
-from grader.course.submission import read_regular_file
-from grader.errors import InputError
+from grader.course.submission import open_regular_file, read_regular_file
+from grader.errors import InputError, is_disk_full
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 MAX_MEMBERS = 5_000  # of an archive
@@ -159,6 +159,8 @@ def _student(name: str, path: Path, room: Path) -> Student:
     except _Refused as refused:
         return Student(name, room, f"{path.name}: {refused}")
     except Exception as error:  # whatever a malicious file makes zipfile and tarfile raise
+        if is_disk_full(error):  # not the archive's fault, which is limited
+            raise
         kind = type(error).__name__
         text = f"{path.name}: a broken archive ({kind}: {str(error)[:200]}); ask for another copy"
         return Student(name, room, " ".join(text.split()))
@@ -200,6 +202,11 @@ def _plain(name: str) -> str:
 
 
 def _inventory(folder: Path, there: Sequence[Path]) -> str:
+    links = any(entry.is_symlink() for entry in folder.iterdir())
+    return _listed(folder, there) + (" (links are not followed)" if links else "")
+
+
+def _listed(folder: Path, there: Sequence[Path]) -> str:
     if not there:
         return "there are no files"
     names = [str(path.relative_to(folder)) for path in there]
@@ -269,7 +276,7 @@ def _inside(room: Path, name: str) -> Path | None:
 
 
 def _zip(archive: Path) -> Generator[tuple[str, IO[bytes]], None, None]:
-    with zipfile.ZipFile(archive) as opened:
+    with open_regular_file(archive) as file, zipfile.ZipFile(file) as opened:
         members = opened.infolist()
         if len(members) > MAX_MEMBERS:
             raise _Refused(f"over {MAX_MEMBERS:,} files; not unpacked")
@@ -283,7 +290,7 @@ def _zip(archive: Path) -> Generator[tuple[str, IO[bytes]], None, None]:
 
 def _tar(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], None, None]:
     with contextlib.ExitStack() as stack:
-        packed: Any = stack.enter_context(archive.open("rb"))
+        packed: Any = stack.enter_context(open_regular_file(archive))
         if not archive.name.lower().endswith(".tar"):
             packed = stack.enter_context(gzip.GzipFile(fileobj=packed))
         counted: Any = _Counted(packed, _Allowance(2 * MAX_UNPACKED))

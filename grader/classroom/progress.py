@@ -2,31 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from grader.classroom.row import GRADED, HELD, StoredResult
+from grader.classroom.row import GRADED, HELD
+from grader.report.terminal import printable
+
+if TYPE_CHECKING:
+    from grader.classroom.batch import GradedClass
 
 MOST_HELD = 20  # lines at the end
 
 
-def summary(results: Sequence[StoredResult], out: Path) -> tuple[str, int]:
+def summary(graded_class: GradedClass, out: Path) -> tuple[str, int]:
     """Return what the instructor reads at the end, and how many results are held for a person."""
-    ours = [result for result in results if not result.canary]
+    ours = [result for result in graded_class.results if not result.canary]
     held = [result for result in ours if result.state == HELD]
     graded = sum(result.state == GRADED for result in ours)
     lines = [f"{graded} graded, {len(held)} held for a person. Open {out / 'class.html'}"]
-    lines += [f"  held: {r.student}  {r.exercise}  {r.problem}" for r in held[:MOST_HELD]]
+    for one in held[:MOST_HELD]:
+        problem = " ".join(one.problem.split())
+        lines.append(f"  held: {one.student}  {one.exercise}  {problem}")
     if len(held) > MOST_HELD:
         lines.append(f"  and {len(held) - MOST_HELD} more, in the class report")
+    missing = graded_class.missing
+    if missing:
+        lines.append("The grader could not write all of it. Missing, as the class report says:")
+        lines += [f"  missing: {each}" for each in missing[:MOST_HELD]]
+    if len(missing) > MOST_HELD:
+        lines.append(f"  and {len(missing) - MOST_HELD} more, in the class report")
     return "\n".join(lines), len(held)
+
+
+def say(console: Console, text: str) -> None:
+    """Print lines that may quote what students wrote: no escape sequences, nothing unprintable."""
+    for line in text.splitlines():
+        console.print(printable(line, console), markup=False, highlight=False, soft_wrap=True)
 
 
 class Progress(Protocol):
@@ -36,7 +53,10 @@ class Progress(Protocol):
         """`total` units are to be graded."""
 
     def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
-        """A unit has come back; unless it is `over`, it will run again."""
+        """A unit has come back; unless it is `over`, it will run again.
+
+        One that is graded again, because the grader was not to be trusted, comes back twice.
+        """
 
     def say(self, text: str) -> None:
         """Something else happened."""
@@ -47,7 +67,8 @@ class ConsoleProgress:
 
     def __init__(self, console: Console) -> None:
         self._console = console
-        self._total = self._over = 0
+        self._total = 0
+        self._over: set[tuple[str, str]] = set()  # each unit counts once
         self._bar: Bar | None = None
         self._task: Any = None
 
@@ -76,12 +97,14 @@ class ConsoleProgress:
 
     def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
         """Print a line."""
-        self._over += over
+        if over:
+            self._over.add((student, exercise))
         shown = "".join(c if c.isprintable() else "?" for c in student)
-        self.say(f"{self._over:4}/{self._total}  {shown}  {exercise}  {outcome}")
+        line = f"{len(self._over):4}/{self._total}  {shown}  {exercise}  {outcome}"
+        self.say(" ".join(line.split("\n")))
         if self._bar is not None:
-            self._bar.update(self._task, completed=self._over, description=escape(exercise))
+            self._bar.update(self._task, completed=len(self._over), description=escape(exercise))
 
     def say(self, text: str) -> None:
         """Print a line above the bar."""
-        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+        say(self._console, text)

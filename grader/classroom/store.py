@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from grader.classroom.row import GRADED, HELD, RUNNING, WAITING, StoredResult
-from grader.errors import InputError
+from grader.errors import InputError, is_disk_full
 
 SCHEMA = 1
 MEASURED = re.compile(r"[\d.]+ ms")  # a computing time, never a scenario's
@@ -76,6 +76,8 @@ class Store:
                 self._db.execute(f"PRAGMA user_version={SCHEMA}")
         except sqlite3.DatabaseError as error:
             self._db.close()
+            if is_disk_full(error):
+                raise
             raise InputError(f"{path}: expected the store of a graded class ({error})") from None
 
     def __enter__(self) -> Store:
@@ -102,7 +104,14 @@ class Store:
             self._db.execute(
                 "INSERT OR REPLACE INTO units (student, exercise, input_hash, state, problem,"
                 " verified, finished) VALUES (?, ?, ?, ?, ?, ?, ?)",
-                (*key, input_hash, state, problem, int(bool(problem)), _now() if problem else ""),
+                (
+                    *key,
+                    input_hash,
+                    state,
+                    _text(problem),
+                    int(bool(problem)),
+                    _now() if problem else "",
+                ),
             )
 
     def keep_only(self, keys: Iterable[Key], exercises: Iterable[str]) -> int:
@@ -159,7 +168,7 @@ class Store:
                 (
                     HELD if problem else GRADED,
                     None if grading is None else json.dumps(grading),
-                    problem, recordings, cpu_s, wall_s, worker, _now(), *key,
+                    _text(problem), recordings, cpu_s, wall_s, worker, _now(), *key,
                 ),
             )  # fmt: skip
 
@@ -179,7 +188,7 @@ class Store:
             self._db.execute(
                 "UPDATE units SET state=?, problem=?, finished=?, verified=1"
                 " WHERE student=? AND exercise=?",
-                (HELD, problem, _now(), *key),
+                (HELD, _text(problem), _now(), *key),
             )
 
     def regraded(self, key: Key, grading: dict[str, Any], problem: str, input_hash: str) -> None:
@@ -188,8 +197,8 @@ class Store:
             self._db.execute(
                 "UPDATE units SET state=?, grading=?, problem=?, input_hash=?, finished=?"
                 " WHERE student=? AND exercise=?",
-                (HELD if problem else GRADED, json.dumps(grading), problem, input_hash, _now(),
-                 *key),
+                (HELD if problem else GRADED, json.dumps(grading), _text(problem), input_hash,
+                 _now(), *key),
             )  # fmt: skip
 
     def canary(self, key: Key, grading: dict[str, Any] | None, problem: str, cpu_s: float) -> None:
@@ -199,7 +208,14 @@ class Store:
                 "INSERT OR REPLACE INTO units (student, exercise, canary, input_hash, state,"
                 " attempts, grading, problem, cpu_s, finished, verified)"
                 " VALUES (?, ?, 1, '', ?, 1, ?, ?, ?, ?, 1)",
-                (*key, HELD if problem else GRADED, json.dumps(grading), problem, cpu_s, _now()),
+                (
+                    *key,
+                    HELD if problem else GRADED,
+                    json.dumps(grading),
+                    _text(problem),
+                    cpu_s,
+                    _now(),
+                ),
             )
 
     def verify(self, keys: Iterable[Key]) -> None:
@@ -221,15 +237,15 @@ class Store:
     def note(self, text: str) -> None:
         """Keep a remark for the report."""
         with self._change():
-            self._db.execute("INSERT OR IGNORE INTO notes (text) VALUES (?)", (text,))
+            self._db.execute("INSERT OR IGNORE INTO notes (text) VALUES (?)", (_text(text),))
 
     def notes(self) -> list[str]:
         """Return the remarks."""
         return [row[0] for row in self._db.execute("SELECT text FROM notes ORDER BY id")]
 
     def waiting(self) -> list[Key]:
-        """Return what is in the queue, by exercise; units that killed a worker come last."""
-        return self._keys(f"state='{WAITING}' AND canary=0", "deaths, exercise, student")
+        """Return the queue, by exercise; what killed a worker or could not be judged comes last."""
+        return self._keys(f"state='{WAITING}' AND canary=0", "deaths, unsure, exercise, student")
 
     def unverified(self, exercise: str) -> list[Key]:
         """Return what was graded since the last good canary."""
@@ -272,10 +288,16 @@ class Store:
         self._db.execute("BEGIN IMMEDIATE")
         try:
             yield
+            self._db.execute("COMMIT")
         except BaseException:
-            self._db.execute("ROLLBACK")
+            if self._db.in_transaction:  # SQLite itself rolls back when the disk is full
+                self._db.execute("ROLLBACK")
             raise
-        self._db.execute("COMMIT")
+
+
+def _text(told: str) -> str:
+    """Return text that can be stored: names of files need not be UTF-8, and SQLite's text is."""
+    return told.encode("utf-8", "replace").decode("utf-8")
 
 
 def _now() -> str:

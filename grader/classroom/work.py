@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from grader.course.exercises import Exercise, find_exercise
+from grader.errors import is_disk_full
 from grader.grading.grading import grade
 from grader.grading.handed_in import grade_files, reason_of
 from grader.link.scratch import fresh_folder
@@ -58,6 +59,7 @@ class UnitResult:
 
     grading: dict[str, Any] | None
     problem: str = ""  # why there is no grading; never the student's fault
+    disk_full: bool = False  # that is why
     bags: bytes = b""  # a tar file, if the unit named no folder
     cpu_s: float = 0.0  # [s] of the worker and its descendants
     wall_s: float = 0.0  # [s]
@@ -101,6 +103,12 @@ def unjudged(grading: dict[str, Any]) -> str:
     return f"could not judge {', '.join(c['id'] for c in bad)}: {bad[0]['message']}"
 
 
+def stalled(grading: dict[str, Any] | None) -> bool:
+    """Tell whether the machine's stalls are all that kept checks from judging."""
+    outcomes = {check["outcome"] for check in grading["checks"]} if grading else set()
+    return "inconclusive" in outcomes and "error" not in outcomes
+
+
 def _grade(unit: Unit) -> UnitResult:
     try:
         exercise = find_exercise(unit.exercise)
@@ -121,7 +129,7 @@ def _grade(unit: Unit) -> UnitResult:
             packed = b"" if here or not unit.bags else _packed(folder)
         return UnitResult(_portable(grading), bags=packed)
     except Exception as error:  # the grader's own fault costs a student nothing, nor the class
-        return UnitResult(None, reason_of(error))
+        return UnitResult(None, reason_of(error), disk_full=is_disk_full(error))
 
 
 def _judge_saved(exercise: Exercise, unit: Unit) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from grader.cli.results import FULL, LESS
+from grader.cli.results import FAULT, FULL, LESS
 
 EXAMPLES = """\b
 Examples:
@@ -55,7 +55,7 @@ def autograde(
 
     from grader.classroom.batch import autograde as grade_class  # noqa: PLC0415
     from grader.classroom.options import Options  # noqa: PLC0415
-    from grader.classroom.progress import ConsoleProgress, summary  # noqa: PLC0415
+    from grader.classroom.progress import ConsoleProgress, say, summary  # noqa: PLC0415
     from grader.classroom.results import ResultOptions  # noqa: PLC0415
     from grader.course.students import read_secret  # noqa: PLC0415
 
@@ -65,7 +65,9 @@ def autograde(
     )
     console = Console()
     with ConsoleProgress(console) as progress:
-        results = grade_class(submissions, out, chosen, progress, regrade=regrade)
-    lines, held = summary(results, out)
-    console.print(lines, markup=False, highlight=False, soft_wrap=True)
+        graded = grade_class(submissions, out, chosen, progress, regrade=regrade)
+    lines, held = summary(graded, out)
+    say(console, lines)
+    if graded.missing:
+        return FAULT
     return LESS if held else FULL

@@ -47,15 +47,16 @@ def grade(
 ) -> int:
     """Grade a node: EXERCISE by name or number, FILE or a FOLDER that holds it.
 
+    FILE may be a link; links in the FOLDER, or beside the FILE, are refused.
+
     Exit code 0: full core score. 1: less. 2: wrong usage, or the grader's own fault.
     """
     from grader.course.exercises import find_exercise  # noqa: PLC0415
-    from grader.course.submission import find_submission  # noqa: PLC0415
+    from grader.course.submission import file_beside, find_submission  # noqa: PLC0415
 
     chosen = find_exercise(exercise)
-    first = file.with_name(chosen.files[0])
-    if file.name in chosen.files[1:] and first.is_file():
-        file = first  # whichever file is given, the exercise's first one is the node
+    if file.name in chosen.files[1:] and file_beside(file, chosen.files[0]) is not None:
+        file = file.with_name(chosen.files[0])  # whichever is given, the first one is the node
     submission = find_submission(file, chosen.files[0], chosen.files[1:])
     if student is not None or secret is not None:
         seed = _student_seed(student, secret, chosen.slug, seed)

@@ -16,7 +16,7 @@ import msgspec
 from grader.course.exercises import Exercise
 from grader.course.installed import COURSE
 from grader.course.submission import Submission
-from grader.errors import GraderError
+from grader.errors import DiskFull, GraderError, is_disk_full
 from grader.grading.plugin import (
     ERROR,
     INCONCLUSIVE,
@@ -29,7 +29,7 @@ from grader.grading.plugin import (
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.progress import OnProgress, ignore
-from grader.trial.trials import NodeTrials, Trials
+from grader.trial.trials import NodeTrials, TrialFault, Trials
 
 ATTEMPTS = 2
 REPORTED_PACKAGES = (
@@ -56,6 +56,8 @@ class Grading:
     checks: tuple[CheckResult, ...]
     recordings: tuple[Recording, ...]
     isolation: str = ""
+    faults: tuple[TrialFault, ...] = ()  # trials in which the grader failed
+    trial_notes: tuple[str, ...] = ()
 
     @property
     def score(self) -> int:
@@ -88,13 +90,16 @@ class Grading:
 
     def notes(self) -> list[str]:
         """Return what else a reader of the score should know, one sentence each."""
+        told = [f"{_sentence(fault)}. The score is provisional." for fault in self.faults]
+        told += self.trial_notes
         real = [recording for recording in self.recordings if recording.live is not None]
         reason = next((r.live.reason for r in real if r.live is not None and r.live.reason), "")
         if not reason:
-            return []
+            return told
         return [
+            *told,
             f"{len(real)} of {len(self.recordings)} trials ran in real time, with a robot that "
-            f"runs by the clock: {reason}. The checks are the same."
+            f"runs by the clock: {reason}. The checks are the same.",
         ]
 
     def as_dict(self) -> dict[str, Any]:
@@ -134,6 +139,8 @@ def grade(
         `only` names a check that doesn't exist.
     GraderError
         The checks can't be run.
+    DiskFull
+        No space was left for a trial.
     """
     import pytest  # noqa: PLC0415  (0.1 s)
 
@@ -144,6 +151,9 @@ def grade(
         raise KeyboardInterrupt
     if plugin.fault is not None:
         raise plugin.fault
+    faults = tuple(trials.faults())
+    if full := next(filter(is_disk_full, faults), None):
+        raise DiskFull(f"the disk is full: {full}") from full
     if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED) or not plugin.results:
         raise GraderError(f"the checks of {exercise.slug} can't be run (pytest: {code!r})")
     return Grading(
@@ -153,6 +163,8 @@ def grade(
         checks=tuple(plugin.results.values()),
         recordings=tuple(trials.recordings()),
         isolation=isolation,
+        faults=faults,
+        trial_notes=tuple(trials.notes()),
     )
 
 
@@ -210,6 +222,11 @@ def versions() -> dict[str, str]:
         with contextlib.suppress(importlib.metadata.PackageNotFoundError):
             found[name] = importlib.metadata.version(name)
     return found
+
+
+def _sentence(fault: TrialFault) -> str:
+    text = str(fault)
+    return text[0].upper() + text[1:]
 
 
 def _passed(checks: list[CheckResult]) -> bool:

@@ -78,7 +78,7 @@ def grade_files(
                     (folder / name).write_bytes(data)
                 first, *others = exercise.files
                 main = next(name for name in exercise.files if name in files)
-                return grade_submission(
+                grading = grade_submission(
                     exercise,
                     find_submission(folder / main, first, others),
                     forkserver,
@@ -87,7 +87,10 @@ def grade_files(
                     seed=seed,
                     bags=bags,
                     tier=tier,
-                ).as_dict()
+                )
+                if grading.faults:
+                    _forkservers.close()  # the fault may be theirs, and would be the next one's
+                return grading.as_dict()
         except Exception as error:
             _forkservers.close()  # its state is unknown
             raise GraderError(reason_of(error)) from error

@@ -23,7 +23,7 @@ from grader.checks.verdict import CheckFailed, Inconclusive, inconclusive
 from grader.errors import GraderError, InputError
 from grader.recording import Recording
 from grader.trial.progress import CHECK, OnProgress, ignore
-from grader.trial.trials import NoRecording, Trials
+from grader.trial.trials import NoRecording, TrialFault, Trials
 
 PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
 UNAVAILABLE = "unavailable"  # a library that the check requires is not installed here
@@ -88,6 +88,7 @@ class CheckPlugin:
         self._on_progress = on_progress
         self._checks: dict[str, Check] = {}  # by node id
         self._lacks: dict[str, str] = {}  # by check id: the libraries that are not installed
+        self._spared: set[str] = set()  # checks not judged since the grader failed in a trial
         self.results: dict[str, CheckResult] = {}  # by check id
         self.fault: Exception | None = None  # why the checks could not be collected
         self.interrupted = False  # by the person at the keyboard
@@ -127,6 +128,8 @@ class CheckPlugin:
             result = self.results[need]
             if result.outcome == UNAVAILABLE:
                 raise _Unavailable(result.message)
+            if need in self._spared:  # by a trial of its own: this check has others
+                continue
             if result.outcome in UNJUDGED:
                 inconclusive(f"not judged, because “{result.title}” could not be judged")
             if result.outcome != PASS:
@@ -147,7 +150,10 @@ class CheckPlugin:
         if call.when == "teardown" or check.id in self.results:
             return
         if call.excinfo is not None:
-            self.results[check.id] = _judge(check, self._excused(check, call.excinfo.value))
+            error = call.excinfo.value
+            self.results[check.id] = _judge(check, self._excused(check, error))
+            if isinstance(error, TrialFault):
+                self._spared.add(check.id)
         elif call.when == "call":
             self.results[check.id] = _result(check, PASS)
         self._on_progress(CHECK, len(self.results), len(self._checks))
@@ -250,6 +256,8 @@ def _judge(check: Check, error: BaseException) -> CheckResult:
             return _result(check, UNAVAILABLE, message=str(error))
         case _Unmet() | NoRecording():
             return _result(check, SKIP, message=str(error))
+        case TrialFault():
+            return _result(check, ERROR, message=str(error))
         case _:
             said = f"{type(error).__name__}: {error}"
             return _result(check, ERROR, message=f"the grader failed here: {said}")

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from . import hints, libraries, randomness
 from .frames import ProgramStart, Start
+from .source import compiled
 from .virtual.session import Session
 
 OURS = Path(__file__).parent
@@ -49,7 +50,7 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
     libraries.hide(program.hides)
     sys.argv = [program.file, *program.arguments]
     try:
-        code = compile(Path(program.file).read_bytes(), program.file, "exec")
+        code = compiled(program.file)
     except (SyntaxError, ValueError) as error:  # ValueError: null bytes
         return "syntax_error", _syntax_error_text(error), _own_traceback(error)
     linecache.checkcache(program.file)

@@ -13,6 +13,9 @@ from pathlib import Path
 
 from grader.host.sandbox.users import USERS
 
+MIN_SPACE = 16 * 1024 * 1024  # [bytes] that a grading needs; the recordings of one take 1 to 5 MiB
+MIN_FILES = 200  # that a grading makes
+
 _OURS = re.compile(r"course-([0-9]+)-.*")
 
 
@@ -41,6 +44,16 @@ def fresh_folder() -> Iterator[Path]:
     finally:
         with contextlib.suppress(OSError):
             remove(folder)
+
+
+def has_space(*folders: Path) -> bool:
+    """Tell whether a grading may still be written to each of these folders."""
+    found = [os.statvfs(folder) for folder in folders]
+    return all(
+        each.f_bavail * each.f_frsize >= MIN_SPACE
+        and (each.f_favail >= MIN_FILES or not each.f_files)
+        for each in found
+    )
 
 
 def remove(top: Path) -> None:

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import importlib.util
 import math
-import os
-import stat
 import time
 import zlib
 from collections.abc import Iterator
@@ -21,7 +19,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from grader.course.submission import Submission
+from grader.course.submission import Submission, read_regular_file
 from grader.errors import GraderError
 from grader.host.frames import Ended, Loaded, LoadModels, Predict, Predicted, Script
 from grader.link.hosts import ForkServer, HostProcess
@@ -171,15 +169,10 @@ def _conduct(link: Link, host: HostProcess, order: Script, limit: float) -> Outc
 def _take_file(path: Path) -> bytes | None:
     """Return what the script wrote; None unless it is an ordinary file of ordinary size."""
     try:
-        fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+        content = read_regular_file(path, MAX_FILE)
     except OSError:
         return None
-    status = os.fstat(fd)
-    if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_FILE:
-        os.close(fd)
-        return None
-    with os.fdopen(fd, "rb") as file:
-        return file.read(MAX_FILE)
+    return content if len(content) <= MAX_FILE else None
 
 
 # --- its models ----------------------------------------------------------------------------------

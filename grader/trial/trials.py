@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import threading
 from collections.abc import Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -14,6 +15,7 @@ from typing import Protocol
 
 from grader.course import installed
 from grader.course.submission import Submission
+from grader.errors import GraderError, is_disk_full
 from grader.link.hosts import ForkServer
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
@@ -28,11 +30,25 @@ from sim.simulation import Simulation
 
 REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
 BUSY_WAIT = "a loop in the node waits without letting time pass (such as `while not done: pass`)"
+MAX_SAID = 200  # [characters] of an error in a message
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
 
 
 class NoRecording(Exception):
     """There is no recording of this scenario, and none can be made."""
+
+
+class TrialFault(GraderError):
+    """The grader failed in one trial; the others say as much as before."""
+
+    def __init__(self, scenario: str, error: Exception) -> None:
+        said = " ".join(str(error).split())[:MAX_SAID]
+        kind = type(error).__name__
+        super().__init__(
+            f"the grader failed in the trial {scenario} ({kind}{': ' if said else ''}{said}); "
+            "that is not the node's fault"
+        )
+        self.scenario = scenario
 
 
 class Trials(Protocol):
@@ -42,10 +58,16 @@ class Trials(Protocol):
         """Announce the trials that will be needed."""
 
     def get(self, scenario: str) -> Recording:
-        """Return a recording; NoRecording if there can be none."""
+        """Return a recording; NoRecording if there can be none, TrialFault if making it failed."""
 
     def recordings(self) -> list[Recording]:
-        """Return all that were asked for, in order."""
+        """Return all that were asked for and could be made, in order."""
+
+    def faults(self) -> list[TrialFault]:
+        """Return the trials in which the grader failed."""
+
+    def notes(self) -> list[str]:
+        """Return what else a reader of the score should know of the trials, a sentence each."""
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
         """Say which libraries are missing to record these scenarios; empty if none is."""
@@ -65,6 +87,7 @@ class NodeTrials:
     _futures: dict[str, Future[Recording]] = field(default_factory=dict)
     _trained: dict[str, Future[Trained]] = field(default_factory=dict)
     _seeds: dict[str, int] = field(default_factory=dict)  # by scenario
+    _unsaved: list[str] = field(default_factory=list)  # sentences
 
     def __post_init__(self) -> None:
         self._pool = ThreadPoolExecutor(
@@ -88,12 +111,12 @@ class NodeTrials:
 
     def prepare(self, scenarios: Sequence[str]) -> None:
         """Start the trials in the background; trainings first, because others wait for them."""
+        new = [name for name in dict.fromkeys(scenarios) if name not in self._futures]
         # read here: several threads that build msgspec's type tables at once crash Python
-        new = {name: load_scenario(name) for name in scenarios if name not in self._futures}
-        for needed in dict.fromkeys(t for scenario in new.values() for t in _trainings(scenario)):
-            self._train(needed)
-        for name, scenario in new.items():
-            self._futures[name] = self._pool.submit(self._run, scenario)
+        loaded = {name: self._load(name) for name in new}
+        for name, scenario in loaded.items():
+            if scenario is not None:
+                self._futures[name] = self._pool.submit(self._run, scenario)
         for name in new:  # when all are there: their number is told too
             self._futures[name].add_done_callback(self._tell)
 
@@ -104,7 +127,16 @@ class NodeTrials:
 
     def recordings(self) -> list[Recording]:
         """Return the recordings made, in order."""
-        return [future.result() for future in self._futures.values() if not future.cancelled()]
+        return [future.result() for future in self._over() if future.exception() is None]
+
+    def faults(self) -> list[TrialFault]:
+        """Return the trials in which the grader failed, in order."""
+        found = (future.exception() for future in self._over())
+        return [error for error in found if isinstance(error, TrialFault)]
+
+    def notes(self) -> list[str]:
+        """Say what was not saved."""
+        return list(self._unsaved)
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
         """Say which of the libraries are not installed here; empty if all are."""
@@ -115,6 +147,22 @@ class NodeTrials:
         if scenario.name not in self._seeds:
             self._seeds[scenario.name] = trial_seed(scenario, self.seed)
         return self._seeds[scenario.name]
+
+    def _over(self) -> list[Future[Recording]]:
+        """Return what was asked for, when its trial is over."""
+        return [future for future in self._futures.values() if not future.cancelled()]
+
+    def _load(self, name: str) -> Scenario | None:
+        """Read a scenario and start its trainings; if that fails, so does its trial alone."""
+        try:
+            scenario = load_scenario(name)
+            for needed in _trainings(scenario):
+                self._train(needed)
+        except Exception as error:
+            self._futures[name] = Future()
+            self._futures[name].set_exception(TrialFault(name, error))
+            return None
+        return scenario
 
     def _tell(self, _: Future[Recording]) -> None:
         futures = list(self._futures.values())
@@ -133,11 +181,26 @@ class NodeTrials:
         )
 
     def _run(self, scenario: Scenario) -> Recording:
-        recording = self._drive_or_train(scenario)
-        if self.bags is not None:
-            folder = bag.save(recording, self.bags / scenario.name)
-            recording = with_bag(recording, folder)
-        return recording
+        try:
+            recording = self._drive_or_train(scenario)
+            return recording if self.bags is None else self._saved(recording, self.bags)
+        except Exception as error:  # ours: whatever a node does is an outcome
+            raise TrialFault(scenario.name, error) from error
+
+    def _saved(self, recording: Recording, bags: Path) -> Recording:
+        """Save a recording; one that can't be saved is judged all the same."""
+        place = bags / recording.name
+        try:
+            return with_bag(recording, bag.save(recording, place))
+        except Exception as error:
+            if is_disk_full(error):
+                raise
+            shutil.rmtree(place, ignore_errors=True)
+            self._unsaved.append(
+                f"The trial {recording.name} could not be saved ({type(error).__name__}): it has "
+                "no replay and can't be judged again."
+            )
+            return recording
 
     def _drive_or_train(self, scenario: Scenario) -> Recording:
         if scenario.training is not None:
@@ -233,6 +296,14 @@ class SavedTrials:
     def recordings(self) -> list[Recording]:
         """Return all recordings."""
         return list(self._recordings.values())
+
+    def faults(self) -> list[TrialFault]:
+        """Return none: nothing runs."""
+        return []
+
+    def notes(self) -> list[str]:
+        """Return none: nothing runs."""
+        return []
 
 
 def with_bag(recording: Recording, folder: Path) -> Recording:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from urllib.parse import quote
 
 from grader.classroom.results.charts import sparkline
 from grader.classroom.results.clean import folder_name, one_line
-from grader.classroom.results.exercise_section import exercise_section
+from grader.classroom.results.exercise_section import exercise_section, lost_section
 from grader.classroom.results.items import Distribution, distribution
 from grader.classroom.results.marks import Task, is_graded, is_held, points_of, why_held
+from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.page import Element, document, el, name, section, table
 from grader.classroom.results.words import NOTHING, moment, plural, points
@@ -28,23 +29,43 @@ Results = Sequence[StoredResult]
 Scores = Mapping[str, Distribution]  # by exercise
 
 
-def class_page(results: Results, tasks: Sequence[Task], options: ResultOptions) -> str:
-    """Return the report's HTML."""
-    scores = {task.slug: distribution(_of(results, task), task) for task in tasks}
+def class_page(
+    results: Results,
+    tasks: Sequence[Task],
+    options: ResultOptions,
+    absent: Sequence[Missing] = (),
+    parts: Parts | None = None,
+) -> str:
+    """Return the report's HTML.
+
+    Parameters
+    ----------
+    absent
+        Other parts of the results that could not be made: the page names them.
+    parts
+        Notes the sections that can't be made; a sentence takes the place of each.
+    """
+    parts = parts or Parts()
+    scores = {task.slug: _scores(results, task, parts) for task in tasks}
     held = [result for result in results if is_held(result)]
     return document(
         f"{options.title}: class report",
-        _top(results, held, tasks, options),
+        parts.made(
+            "the head of class.html",
+            lambda: _top(results, held, tasks, options),
+            lambda _: el("header", el("h1", "Class report"), class_="top"),
+        ),
         el(
             "main",
-            _held(held, tasks),
-            _overview(results, tasks, scores),
+            _absent(absent) if absent else None,
+            _section(parts, "held", "Held for you", lambda: _held(held, tasks)),
+            _section(parts, "overview", "Overview", lambda: _overview(results, tasks, scores)),
             [
-                exercise_section(_of(results, task), task, scores[task.slug], options)
+                exercise_section(_of(results, task), task, scores[task.slug], options, parts)
                 for task in tasks
             ],
-            _students(results, tasks),
-            _notes(results, options),
+            _section(parts, "students", "Students", lambda: _students(results, tasks)),
+            _section(parts, "notes", "Notes of the batch", lambda: _notes(results, options)),
         ),
         el(
             "footer",
@@ -83,6 +104,39 @@ def _top(results: Results, held: Results, tasks: Sequence[Task], options: Result
            aria_label="Sections"),
         class_="top",
     )  # fmt: skip
+
+
+def bare_page(absent: Sequence[Missing]) -> str:
+    """Return what takes the place of a report that could not be made at all."""
+    return document("class report", el("main", _absent(absent)))
+
+
+def _section(parts: Parts, id_: str, heading: str, make: Callable[[], Element]) -> Element:
+    """Return a section; if it can't be made, one that says so."""
+    return parts.made(
+        f"the section “{heading}” of class.html",
+        make,
+        lambda lost: lost_section(id_, heading, lost),
+    )
+
+
+def _scores(results: Results, task: Task, parts: Parts) -> Distribution:
+    return parts.made(
+        f"the distribution of scores of {task.heading}",
+        lambda: distribution(_of(results, task), task),
+        lambda _: distribution([], task),
+    )
+
+
+def _absent(absent: Sequence[Missing]) -> Element:
+    return section(
+        "missing",
+        "Not all results could be written",
+        "The grader failed in the parts below; everything else is complete, and no points are "
+        "lost. Run the same command again. If a part stays away, report it with its line.",
+        el("ul", [el("li", el("span", str(each), dir="auto")) for each in absent], class_="notes"),
+        class_="is-held",
+    )
 
 
 # --- held for a person ---------------------------------------------------------------------

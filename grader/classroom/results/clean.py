@@ -19,6 +19,7 @@ _UNSEEN = re.compile(
 # What may begin a formula in a spreadsheet (OWASP, "CSV Injection"), full-width forms included.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20", "|", "%")
 _FOLDER = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")
+_DIGESTED = re.compile(r".*-[0-9a-f]{10}")  # as if it had been made safe
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?$")  # on Windows
 
 
@@ -53,8 +54,9 @@ def cell(text: object) -> str:
 
 def folder_name(name: str) -> str:
     """Return a folder name for any name: the name itself if it is safe, else a safe, unique one."""
-    fits = len(name.encode("utf-8", "replace")) <= MAX_FOLDER
-    if fits and _FOLDER.fullmatch(name) and not name.endswith(".") and not _RESERVED.match(name):
+    fits = len(name.encode("utf-8", "replace")) <= MAX_FOLDER and not name.endswith(".")
+    clear = not _RESERVED.match(name) and not _DIGESTED.fullmatch(name)
+    if fits and clear and _FOLDER.fullmatch(name):
         return name
     digest = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:10]
     plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from grader.classroom.results.charts import failures, histogram
 from grader.classroom.results.clean import one_line
 from grader.classroom.results.items import ENOUGH, Distribution, Item, item_analysis
 from grader.classroom.results.marks import Task, is_graded
+from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import ResultOptions, Sources
 from grader.classroom.results.page import Element, el, name, section, table
 from grader.classroom.results.similarity import Group, similar_groups
@@ -16,27 +17,46 @@ from grader.classroom.row import StoredResult
 from grader.course.exercises import EXERCISES
 
 SLOWEST = 5
+LOST = "The grader could not make this part ({}). The others are complete."
 FEW = " With {} these figures are mostly chance, so they are not interpreted here."
 
 Results = Sequence[StoredResult]
 
 
 def exercise_section(
-    results: Results, task: Task, scores: Distribution, options: ResultOptions
+    results: Results, task: Task, scores: Distribution, options: ResultOptions, parts: Parts
 ) -> Element:
-    """Return the section of the class report about one exercise."""
+    """Return the section of the class report about one exercise; each part stands for itself."""
     graded = [result for result in results if is_graded(result)]
     if not graded:
         return section(f"exercise-{task.folder}", task.heading, "No grading counts yet.")
-    items = item_analysis(graded)
+
+    def part(heading: str, make: Callable[[], Element | None]) -> Element | None:
+        name = f"“{heading}” of {task.heading} in class.html"
+        return parts.made(name, make, lambda lost: _lost_part(heading, lost))
+
     return section(
         f"exercise-{task.folder}",
         task.heading,
         "",
-        el("div", _scores(scores), _slowest(graded), class_="pair"),
-        _checks(items, len(graded)),
-        _similar(results, options.sources, task),
+        el(
+            "div",
+            part("Scores", lambda: _scores(scores)),
+            part("Slowest gradings", lambda: _slowest(graded)),
+            class_="pair",
+        ),
+        part("Checks", lambda: _checks(item_analysis(graded), len(graded))),
+        part("Nearly the same", lambda: _similar(results, options.sources, task)),
     )
+
+
+def lost_section(id_: str, heading: str, lost: Missing) -> Element:
+    """Return what takes the place of a section that could not be made."""
+    return section(id_, heading, LOST.format(lost.why), class_="is-held")
+
+
+def _lost_part(heading: str, lost: Missing) -> Element:
+    return el("div", el("h3", heading), el("p", LOST.format(lost.why), class_="is-warn"))
 
 
 def _scores(scores: Distribution) -> Element:

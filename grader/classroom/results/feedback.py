@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
+from grader.classroom.results import words
 from grader.classroom.results.clean import one_line
 from grader.classroom.results.marks import Task, checks_of, is_graded, is_held, points_of
 from grader.classroom.results.page import Element, document, el, name, table
@@ -15,6 +16,10 @@ from grader.recording import Recording
 from grader.report.page import page_html, page_payload
 
 WAITING = "Not graded yet."
+LOST = (
+    "The grader could not make the page with your checks. That is its own fault, and your points "
+    "count. Ask your instructor for the details."
+)
 HELD = "A person has to look at this one; it has no score yet, and nothing is lost."
 
 
@@ -26,6 +31,19 @@ def exercise_page(
     recordings = runs_for_students(_recordings(bags), hidden) if bags else []
     title = f"{task.title}: {one_line(result.student, 60)}"
     return page_html(page_payload(grading, recordings, title))
+
+
+def lost_page(result: StoredResult, task: Task) -> str:
+    """Return what takes the place of a page that could not be made."""
+    return document(
+        f"{task.title}: {one_line(result.student, 60)}",
+        el(
+            "main",
+            el("h1", task.heading),
+            el("p", LOST, class_="lead"),
+            el("p", "Your points: ", words.points(points_of(result, task)), "."),
+        ),
+    )
 
 
 def wants_bags(hidden: Collection[str]) -> bool:

@@ -6,58 +6,118 @@ import contextlib
 import hashlib
 import json
 import multiprocessing
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
-from grader.classroom.results.class_page import class_page
+from grader.classroom.results.class_page import bare_page, class_page
 from grader.classroom.results.clean import folder_name
-from grader.classroom.results.feedback import exercise_page, index_page, wants_bags
+from grader.classroom.results.feedback import (
+    exercise_page,
+    index_page,
+    lost_page,
+    wants_bags,
+)
 from grader.classroom.results.gradebooks import canvas_csv, moodle_csv, scores_csv
 from grader.classroom.results.gradescope import results_json
+from grader.classroom.results.items import item_analysis
 from grader.classroom.results.junit import junit_xml
 from grader.classroom.results.marks import Task, is_graded, tasks_of
+from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import ResultOptions
-from grader.classroom.row import StoredResult
+from grader.classroom.row import HELD, StoredResult
 from grader.report.page import json_text, page_html
 
+CLASS_PAGE = "class.html"
 PAGES = ".pages.json"  # hashes of what each feedback page was made from
 MANY = 20  # pages; for fewer, starting more processes does not pay
 BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 
 
+@dataclass(frozen=True)
+class Written:
+    """What was written, and what could not be made."""
+
+    files: list[Path]
+    missing: list[Missing]
+
+
 def write_results(
     results: Sequence[StoredResult], out: Path, options: ResultOptions | None = None
-) -> list[Path]:
-    """Write the class report, feedback, gradebooks and JUnit XML into `out`; return the files.
+) -> Written:
+    """Write the class report, feedback, gradebooks and JUnit XML into `out`.
 
     The same results give the same files. Each file is replaced atomically, so nobody reads half of
-    one.
+    one. A file or a section that can't be made costs only itself: class.html names it.
+
+    Raises
+    ------
+    OSError
+        A full disk, or a folder that can't be written.
     """
     options = options or ResultOptions()
-    known = sorted(
-        (result for result in results if not result.canary),
-        key=lambda result: (result.student, result.exercise),
-    )
+    parts = Parts()
+    known = [_sound(result, parts) for result in results if not result.canary]
     tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
     order = {task.slug: index for index, task in enumerate(tasks)}
     known.sort(key=lambda result: (result.student, order[result.exercise]))
-    written = [
-        _write(out / "class.html", class_page(known, tasks, options)),
-        _write(out / "scores.csv", BOM + scores_csv(known, tasks)),
-        _write(out / "canvas.csv", canvas_csv(known, tasks)),
-        _write(out / "moodle.csv", moodle_csv(known, tasks)),
-        _write(out / "junit.xml", junit_xml(known, tasks)),
-    ]
+    texts: dict[str, Callable[[], str]] = {
+        "scores.csv": lambda: BOM + scores_csv(known, tasks),
+        "canvas.csv": lambda: canvas_csv(known, tasks),
+        "moodle.csv": lambda: moodle_csv(known, tasks),
+        "junit.xml": lambda: junit_xml(known, tasks),
+    }
+    written = [_write_class_page(known, tasks, out, options, parts)]
+    for name, make in texts.items():
+        (out / name).unlink(missing_ok=True)  # an older one would be taken for this run's
+        with parts.part(name):
+            written.append(_write(out / name, make()))
     pages = _Pages(out / PAGES)
     due: list[_Page] = []
-    for student, mine in groupby(known, key=lambda result: result.student):
-        written += _write_student(student, list(mine), tasks, out, options, pages, due)
-    _make(due, options.workers)
-    pages.save()
-    return written
+    for student, each in groupby(known, key=lambda result: result.student):
+        written += _write_student(student, list(each), tasks, out, options, pages, due, parts)
+    for page, lost in _make(due, options.workers):
+        parts.missing += lost
+        pages.forget(page)
+    with parts.part("the list of pages that are up to date"):
+        pages.save()
+    if parts.missing:
+        _write_class_page(known, tasks, out, options, parts)  # again: it names what is missing
+    return Written(written, parts.missing)
+
+
+def _sound(result: StoredResult, parts: Parts) -> StoredResult:
+    """Return the result if its figures can be read; held, without them, if not."""
+    name = f"the grading of {result.student} in {result.exercise}"
+    with parts.part(name):
+        task = Task(result.exercise, 0, "", 1.0)
+        scores_csv([result], [task])
+        junit_xml([result], [task])
+        item_analysis([result])
+        results_json([result], [task], frozenset())
+        return result
+    problem = f"the stored grading can't be read ({parts.missing[-1].why})"
+    return replace(result, state=HELD, grading=None, problem=problem)
+
+
+def _write_class_page(
+    results: Sequence[StoredResult],
+    tasks: Sequence[Task],
+    out: Path,
+    options: ResultOptions,
+    parts: Parts,
+) -> Path:
+    """Write class.html; if it can't be made as a whole, a bare page with what is missing."""
+    own = Parts()
+    text = own.made(
+        CLASS_PAGE,
+        lambda: class_page(results, tasks, options, parts.missing, own),
+        lambda _: bare_page([*parts.missing, *own.missing]),
+    )
+    parts.missing += [each for each in own.missing if each not in parts.missing]
+    return _write(out / CLASS_PAGE, text)
 
 
 @dataclass(frozen=True)
@@ -70,20 +130,66 @@ class _Page:
     hidden: frozenset[str]
     bags: Path | None
 
-    def make(self) -> None:
-        _write(self.path, exercise_page(self.result, self.task, self.hidden, self.bags))
+    def made_of(self) -> tuple[object, ...]:
+        """Return all that the page depends on."""
+        one = self.result
+        told = (one.student, self.task.title, one.grading, one.file_names, one.finished)
+        return (*told, sorted(self.hidden), None if self.bags is None else _state(self.bags))
+
+    @property
+    def name(self) -> str:
+        return f"the feedback page of {self.result.student} in {self.task.heading}"
+
+    def make(self) -> list[Missing]:
+        """Write the page, without its replays if they can't be made; return what is missing."""
+        parts = Parts()
+        with parts.part(f"the replays of {self.name.removeprefix('the ')}"):
+            _write(self.path, exercise_page(self.result, self.task, self.hidden, self.bags))
+            return []
+        with parts.part(self.name):
+            _write(self.path, exercise_page(self.result, self.task, self.hidden, None))
+            return parts.missing[:1]
+        return self.give_up(parts.missing[-1])
+
+    def give_up(self, lost: Missing) -> list[Missing]:
+        """Put a page that says so in the place of one that can't be made, or of an older one."""
+        _write(self.path, lost_page(self.result, self.task))
+        return [lost]
 
 
-def _make(pages: Sequence[_Page], workers: int) -> None:
-    """Make the pages, in several processes if there are many."""
-    if workers == 1 or len(pages) < MANY:
-        for page in pages:
-            page.make()
-        return
+def _make(pages: Sequence[_Page], workers: int) -> Iterator[tuple[Path, list[Missing]]]:
+    """Make the pages, in several processes if there are many; return those that miss something."""
+    left = list(pages)
+    if workers > 1 and len(pages) >= MANY:
+        yield from _made_by_processes(left, workers)
+    for page in left:
+        if lost := page.make():
+            yield page.path, lost
+
+
+def _made_by_processes(left: list[_Page], workers: int) -> Iterator[tuple[Path, list[Missing]]]:
+    """Make the pages of the list, and leave none in it; one may cost its process its life."""
+    suspects: list[_Page] = []
     # spawned: this process may have threads, of Dask or the progress bar
     with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
-        for _ in pool.map(_Page.make, pages, chunksize=4):
-            pass
+        tasks = [(page, pool.submit(page.make)) for page in left]
+        left.clear()
+        for page, task in tasks:
+            try:
+                lost = task.result()
+            except BrokenExecutor:
+                suspects.append(page)
+                continue
+            if lost:
+                yield page.path, lost
+    for page in suspects:  # alone, so that the others come through
+        with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+            try:
+                lost = pool.submit(page.make).result()
+            except BrokenExecutor:
+                lost = page.give_up(Missing(page.name, "its process died while making it"))
+        if lost:
+            yield page.path, lost
 
 
 class _Pages:
@@ -101,6 +207,10 @@ class _Pages:
         text = json.dumps([self._look, *made_of], sort_keys=True, default=str)
         self._now[name] = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
         return page.is_file() and self._before.get(name) == self._now[name]
+
+    def forget(self, page: Path) -> None:
+        """Have the page made again in the next run."""
+        self._now.pop(page.relative_to(self._file.parent).as_posix(), None)
 
     def save(self) -> None:
         """Store the hashes, after the pages are written."""
@@ -122,35 +232,42 @@ def _write_student(
     options: ResultOptions,
     pages: _Pages,
     due: list[_Page],
+    parts: Parts,
 ) -> list[Path]:
     by_slug = {task.slug: task for task in tasks}
     folder = out / "feedback" / folder_name(student)
-    text = index_page(student, results, tasks, options.title)
-    written = [_write(folder / "index.html", text)]
+    written = []
+    with parts.part(f"the first page of the feedback of {student}"):
+        text = index_page(student, results, tasks, options.title)
+        written.append(_write(folder / "index.html", text))
     for result in results:
         task = by_slug[result.exercise]
         page = folder / f"{task.folder}.html"
         if not is_graded(result):
             page.unlink(missing_ok=True)  # from an earlier run; it no longer counts
             continue
-        bags = None
-        if options.replays and result.recordings is not None and wants_bags(options.hidden):
-            bags = out / result.recordings  # an absolute path stays itself
-        bags = bags if bags is not None and bags.is_dir() else None
         written.append(page)
-        hidden = sorted(options.hidden)
-        made_of = (student, task.title, result.grading, result.file_names, result.finished)
-        if not pages.is_fresh(page, *made_of, hidden, None if bags is None else _state(bags)):
-            due.append(_Page(page, result, task, options.hidden, bags))
+        wanted = _Page(page, result, task, options.hidden, _bags(result, out, options))
+        if not pages.is_fresh(page, *wanted.made_of()):
+            due.append(wanted)
     handed_in = out / "gradescope" / folder_name(student) / "results.json"
-    final = results_json(results, tasks, options.hidden)
-    if final is None:
-        handed_in.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):  # it is missing, or holds other files
-            handed_in.parent.rmdir()
-    else:
-        written.append(_write(handed_in, json_text(final)))
+    with parts.part(f"the Gradescope results of {student}"):
+        final = results_json(results, tasks, options.hidden)
+        if final is not None:
+            written.append(_write(handed_in, json_text(final)))
+            return written
+    handed_in.unlink(missing_ok=True)
+    with contextlib.suppress(OSError):  # it is missing, or holds other files
+        handed_in.parent.rmdir()
     return written
+
+
+def _bags(result: StoredResult, out: Path, options: ResultOptions) -> Path | None:
+    """Return the folder of the recordings to replay on a student's page, if there are any."""
+    if not options.replays or result.recordings is None or not wants_bags(options.hidden):
+        return None
+    bags = out / result.recordings  # an absolute path stays itself
+    return bags if bags.is_dir() else None
 
 
 def _state(bags: Path) -> list[tuple[str, int, int]]:
@@ -163,5 +280,9 @@ def _state(bags: Path) -> list[tuple[str, int, int]]:
 def _write(path: Path, text: str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
-    part.write_bytes(text.encode("utf-8", "replace"))
-    return part.replace(path)
+    try:
+        part.write_bytes(text.encode("utf-8", "replace"))
+        return part.replace(path)
+    except OSError:  # a full disk: half a file would only take more of it
+        part.unlink(missing_ok=True)
+        raise

@@ -270,7 +270,8 @@ def test_links_out_of_a_folder_are_not_followed(handed_in: Path, tmp_path: Path)
 
     eve, mallory = find_students(handed_in, tmp_path / "scratch")
 
-    assert "there are no files" in find_files(eve, [AGENT]).problem
+    problem = find_files(eve, [AGENT]).problem
+    assert problem == f"expected a file {AGENT}; there are no files (links are not followed)"
     assert "link" in mallory.problem
     with pytest.raises(OSError):
         read_regular_file(handed_in / "eve" / AGENT)

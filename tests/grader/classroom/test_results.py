@@ -416,7 +416,7 @@ def test_what_half_the_class_has_is_common_ground() -> None:
 def whole(tmp_path: Path) -> tuple[Path, list[Path]]:
     results, options = classes.whole_class()
     results.append(replace(results[0], student="canary/mutant", canary=True))
-    return tmp_path, write_results(results, tmp_path, options)
+    return tmp_path, write_results(results, tmp_path, options).files
 
 
 def test_everything_is_written_below_out(whole: tuple[Path, list[Path]]) -> None:
@@ -489,7 +489,7 @@ def test_pages_are_made_again_only_for_another_result(tmp_path: Path) -> None:
 
     def written_again(one: StoredResult, hide: str = "nothing") -> bool:
         os.utime(page, (0, 0))
-        assert page in write_results([one], tmp_path, ResultOptions(hide=hide))
+        assert page in write_results([one], tmp_path, ResultOptions(hide=hide)).files
         return page.stat().st_mtime > 0
 
     write_results([right("ada")], tmp_path)

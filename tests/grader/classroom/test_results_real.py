@@ -75,7 +75,7 @@ def payload(page: Path) -> dict[str, object]:
 
 def test_a_class_gets_its_pages_with_replays(graded: tuple[Path, list[StoredResult]]) -> None:
     out, results = graded
-    written = write_results(results, out, ResultOptions(hide="field"))
+    written = write_results(results, out, ResultOptions(hide="field")).files
     page = payload(out / "feedback" / "ben" / "obstacle_avoidance.html")
     replays = page["replays"]
     assert isinstance(replays, list)

@@ -1,11 +1,12 @@
 """Which file is the submission, and what is wrong with it before it runs."""
 
 import os
+import socket
 from pathlib import Path
 
 import pytest
 
-from grader.course.submission import MAX_SIZE, Submission, find_submission
+from grader.course.submission import MAX_SIZE, Submission, find_submission, read_regular_file
 from grader.errors import InputError
 
 
@@ -155,3 +156,75 @@ def test_problems_are_the_students(content: bytes, problem: str, agent: Path) ->
 def test_a_sparse_file_is_not_read(agent: Path) -> None:
     os.truncate(agent, 10**12)
     assert "1,000,000,000,000 bytes" in find_submission(agent).problem
+
+
+# --- links: nobody's file but the one that was handed in ---------------------------------------
+
+
+@pytest.fixture
+def ben(tmp_path: Path) -> Path:
+    """A folder of Ben's; beside it Ada's, with an answer, and a secret of the instructor's."""
+    for name, text in (("ada/agent.py", "ada"), ("ada/client.py", "ada"), ("secret.txt", "word")):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (tmp_path / "ben").mkdir()
+    return tmp_path / "ben"
+
+
+@pytest.mark.parametrize("target", ["../ada/agent.py", "../secret.txt", "../nothing", "agent.py"])
+def test_a_link_in_a_folder_is_refused(target: str, ben: Path) -> None:
+    (ben / "agent.py").symlink_to(target)
+    said = refused(ben, "agent.py")
+    assert "agent.py: a link, which is not followed" in said
+    assert "ada/" not in said
+    assert "word" not in said
+
+
+def test_a_link_to_a_folder_is_refused(ben: Path) -> None:
+    (ben / "agent.py").symlink_to("../ada", target_is_directory=True)
+    assert "a link, which is not followed" in refused(ben, "agent.py")
+
+
+@pytest.mark.parametrize("given", [".", "agent.py"])
+def test_a_link_beside_the_file_is_refused(given: str, ben: Path) -> None:
+    (ben / "agent.py").write_text("ben")
+    (ben / "client.py").symlink_to("../ada/client.py")
+    with pytest.raises(InputError, match=r"client\.py: a link"):
+        find_submission(ben / given, "agent.py", ("client.py",))
+
+
+def test_a_link_of_ones_own_to_a_file_or_a_folder_is_followed(ben: Path) -> None:
+    (ben / "agent.py").write_text("ben")
+    (ben / "client.py").write_text("ben, too")
+    folder = ben.parent / "mine"
+    folder.symlink_to(ben, target_is_directory=True)
+    submission = find_submission(folder, "agent.py", ("client.py",))
+    with submission.folder() as copy:
+        assert (copy / "agent.py").read_text() == "ben"
+        assert (copy / "client.py").read_text() == "ben, too"
+
+
+def test_what_becomes_a_link_after_it_was_found_is_not_copied(ben: Path) -> None:
+    for name in ("agent.py", "client.py"):
+        (ben / name).write_text("ben")
+    submission = find_submission(ben, "agent.py", ("client.py",))
+    (ben / "client.py").unlink()
+    (ben / "client.py").symlink_to("../ada/client.py")
+    with pytest.raises(OSError), submission.folder():
+        pytest.fail("copied")
+
+
+@pytest.mark.parametrize("kind", ["pipe", "socket", "folder", "device"])
+def test_what_is_no_file_is_not_opened(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "socket":
+        with socket.socket(socket.AF_UNIX) as server:
+            server.bind(str(path))
+    else:
+        path = Path("/dev/zero")
+    with pytest.raises(OSError):
+        read_regular_file(path)

@@ -1,5 +1,6 @@
 """Checks that are not checks of anything, to see how they are run and what becomes of them."""
 
+import errno
 import itertools
 import json
 import os
@@ -11,11 +12,11 @@ import pytest
 
 from grader.course import exercises
 from grader.course.exercises import Exercise
-from grader.errors import GraderError, InputError
+from grader.errors import DiskFull, GraderError, InputError
 from grader.grading.grading import Grading, grade
 from grader.grading.plugin import MAX_MESSAGE
 from grader.recording import Live, Recording
-from grader.trial.trials import NoRecording
+from grader.trial.trials import NoRecording, TrialFault
 
 PREAMBLE = """\
 import os, sys
@@ -47,6 +48,8 @@ class FakeTrials:
 
     def get(self, scenario: str) -> Recording:
         self.asked.append(scenario)
+        if isinstance(self._fault, TrialFault) and scenario != self._fault.scenario:
+            return FakeRecording(scenario)  # type: ignore[return-value]
         if self._fault is not None:
             raise self._fault
         if scenario == "none":
@@ -54,6 +57,12 @@ class FakeTrials:
         return FakeRecording(scenario)  # type: ignore[return-value]
 
     def recordings(self) -> list[Recording]:
+        return []
+
+    def faults(self) -> list[TrialFault]:
+        return [self._fault] if isinstance(self._fault, TrialFault) else []
+
+    def notes(self) -> list[str]:
         return []
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
@@ -256,6 +265,45 @@ def test_a_fault_of_the_trials_is_an_error(run: Run) -> None:
     assert set(outcomes(grading).values()) == {"error", "inconclusive"}
     assert grading.checks[0].message == "the grader failed here: GraderError: no host"
     assert (grading.score, grading.max_score) == (0, 0)
+
+
+def test_a_fault_in_one_trial_is_an_error_of_the_checks_that_need_it_only(run: Run) -> None:
+    fault = TrialFault("a", KeyError("two\nlines"))
+    grading = run(CHAIN.format(scenario="a", body="pass"), FakeTrials(fault))
+
+    assert outcomes(grading) == {
+        "first": "error", "second": "pass", "third": "pass", "alone": "pass",
+    }  # fmt: skip
+    assert grading.checks[0].message.startswith("the grader failed in the trial a (KeyError: ")
+    assert "\n" not in grading.checks[0].message
+    result = grading.as_dict()
+    assert (result["score"], result["max_score"], result["provisional"]) == (3, 3, True)
+    (note,) = result["notes"]
+    assert "trial a (KeyError" in note
+    assert note.endswith("The score is provisional.")
+
+
+def test_a_check_of_two_trials_is_an_error_if_one_of_them_is(run: Run) -> None:
+    source = """
+        @check(points=1, scenarios=("a", "b"))
+        def test_both(recordings):
+            '''Both.'''
+        @check(points=1, scenarios=("b",))
+        def test_one(recordings):
+            '''One.'''
+            fail("no")
+    """
+    grading = run(source, FakeTrials(TrialFault("a", ValueError())))
+
+    assert outcomes(grading) == {"both": "error", "one": "fail"}
+    assert "(ValueError)" in grading.checks[0].message
+
+
+def test_a_trial_that_fills_the_disk_ends_the_grading(run: Run) -> None:
+    fault = TrialFault("a", OSError())
+    fault.__cause__ = OSError(errno.ENOSPC, "No space left on device")
+    with pytest.raises(DiskFull, match="trial a"):
+        run(CHAIN.format(scenario="a", body="pass"), FakeTrials(fault))
 
 
 # --- field checks --------------------------------------------------------------------------------

@@ -1,13 +1,16 @@
-"""The trials of one grading: how often each of their robots is built."""
+"""The trials of one grading: how often robots are built, and what a fault of ours costs."""
 
 from collections import Counter
+from pathlib import Path
 
 import pytest
 
-from grader.course.exercises import SOLUTIONS
+from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.course.submission import Submission
+from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
-from grader.trial.trials import NodeTrials, trial_seed
+from grader.trial import trials as trials_module
+from grader.trial.trials import NodeTrials, TrialFault, trial_seed
 from sim import simulation
 from sim.robot import Robot
 from sim.scenario import load_scenario
@@ -45,3 +48,68 @@ def test_a_graded_trial_builds_one_simulation(
 def test_choosing_a_seed_builds_none(builds: Counter[tuple[float, float, float]]) -> None:
     assert trial_seed(load_scenario(CLUTTERED), 7) != load_scenario(CLUTTERED).seed
     assert not builds
+
+
+# --- a fault of ours -------------------------------------------------------------------------
+
+
+@pytest.fixture
+def fault(monkeypatch: pytest.MonkeyPatch) -> str:
+    """Make the grader fail in one scenario."""
+    real = trials_module.run_trial
+
+    def fails(submission, scenario, *rest, **options):
+        if scenario.name == "avoid_zones":
+            raise ZeroDivisionError("of ours")
+        return real(submission, scenario, *rest, **options)
+
+    monkeypatch.setattr(trials_module, "run_trial", fails)
+    return "avoid_zones"
+
+
+def test_a_fault_in_one_trial_leaves_the_others(forkserver: ForkServer, fault: str) -> None:
+    with NodeTrials(Submission(REFERENCE), forkserver) as trials:
+        trials.prepare([fault, "avoid_wall"])
+        with pytest.raises(TrialFault, match=r"trial avoid_zones \(ZeroDivisionError: of ours\)"):
+            trials.get(fault)
+        assert trials.get("avoid_wall").outcome.completed
+        assert [recording.name for recording in trials.recordings()] == ["avoid_wall"]
+        assert [each.scenario for each in trials.faults()] == [fault]
+
+
+def test_a_scenario_that_can_not_be_read_is_a_fault_of_its_own(forkserver: ForkServer) -> None:
+    with NodeTrials(Submission(REFERENCE), forkserver) as trials:
+        trials.prepare(["nowhere", "avoid_wall"])
+        with pytest.raises(TrialFault, match="trial nowhere"):
+            trials.get("nowhere")
+        assert trials.get("avoid_wall").outcome.completed
+
+
+def test_the_grading_goes_on(forkserver: ForkServer, fault: str) -> None:
+    exercise = find_exercise("obstacle_avoidance")
+    grading = grade_submission(exercise, Submission(REFERENCE), forkserver, file="x.py")
+    by_outcome = Counter(check.outcome for check in grading.checks)
+
+    assert by_outcome.keys() == {"pass", "error"}
+    assert 0 < grading.score == grading.max_score < 100
+    assert grading.as_dict()["provisional"]
+    assert all(fault in c.message for c in grading.checks if c.outcome == "error")
+    assert "ZeroDivisionError" in grading.notes()[0]
+
+
+def test_what_can_not_be_saved_is_judged_all_the_same(
+    forkserver: ForkServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def half(recording, place):
+        place.mkdir(parents=True)
+        (place / "metadata.yaml").touch()
+        raise TypeError("odd")
+
+    monkeypatch.setattr(trials_module.bag, "save", half)
+    with NodeTrials(Submission(REFERENCE), forkserver, bags=tmp_path) as trials:
+        recording = trials.get("avoid_wall")
+        assert recording.outcome.completed
+        assert not recording.bag
+        (note,) = trials.notes()
+    assert "avoid_wall could not be saved (TypeError)" in note
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,118 @@
+"""A class graded by a fake judge: what the tests of the batch share."""
+
+import contextlib
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Future
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grader.authoring.proof import claims
+from grader.classroom import engine
+from grader.classroom.batch import autograde
+from grader.classroom.options import Options
+from grader.classroom.row import StoredResult
+from grader.classroom.work import Unit, UnitResult
+from grader.course.exercises import find_exercise
+from grader.grading.handed_in import isolation_problem
+
+SLUG = "obstacle_avoidance"
+FILE = "obstacle_avoidance_agent.py"
+MUTANT_FAILS = next(c for c in claims(find_exercise(SLUG)) if c.kind == "mutant").fails
+
+Judge = Callable[[Unit], UnitResult]
+
+
+class Quiet:
+    """A progress display that writes down what it is told."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    def begin(self, total: int) -> None:
+        self.lines.append(f"{total} to grade")
+
+    def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
+        self.lines.append(f"{student}: {outcome}")
+
+    def say(self, text: str) -> None:
+        self.lines.append(text)
+
+
+class FakeWorkers:
+    """Runs the fake judge on the spot."""
+
+    local, slots = True, 2
+
+    def __init__(self, judge: Judge, refusal: str = "") -> None:
+        self.judge = judge
+        self.refusal = refusal
+        self.seen: list[Unit] = []
+
+    def submit(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        if task is isolation_problem:
+            future.set_result(self.refusal)
+            return future
+        (unit,) = arguments
+        self.seen.append(unit)
+        if unit.bag_folder:
+            Path(unit.bag_folder, "trial").mkdir(exist_ok=True)
+        try:
+            future.set_result(self.judge(unit))
+        except BrokenExecutor as error:
+            future.set_exception(error)
+        return future
+
+    @property
+    def students(self) -> list[str]:
+        return [unit.student for unit in self.seen if not unit.canary]
+
+
+def grading(*failed: str, outcome: str = "fail", score: int = 100) -> dict[str, Any]:
+    checks = [
+        {"id": name, "kind": "core", "outcome": outcome, "points": 0, "max_points": 5,
+         "title": name, "message": "because", "expected": "", "actual": "", "time": None,
+         "help": "", "scenario": None}
+        for name in failed
+    ]  # fmt: skip
+    return {
+        "exercise": SLUG, "file": FILE, "tier": 1, "score": score, "max_score": 100,
+        "provisional": False, "field_ready": None, "isolation": "all", "notes": [],
+        "checks": checks, "recordings": [], "versions": {"python": "3"},
+    }  # fmt: skip
+
+
+def fair(unit: Unit) -> UnitResult:
+    return UnitResult(grading(*MUTANT_FAILS) if unit.student == ".mutant" else grading())
+
+
+@pytest.fixture
+def handed_in(tmp_path: Path) -> Path:
+    for name in ("ann", "bob", "eve"):
+        (tmp_path / "in" / name).mkdir(parents=True)
+        (tmp_path / "in" / name / FILE).write_text(f"# {name}\n")
+    return tmp_path / "in"
+
+
+@pytest.fixture
+def grade_class(
+    handed_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., tuple[dict[str, StoredResult], FakeWorkers, Quiet]]:
+    def grade(
+        judge: Judge = fair, *, regrade: bool = False, refusal: str = "", **options: Any
+    ) -> tuple[dict[str, StoredResult], FakeWorkers, Quiet]:
+        workers, quiet = FakeWorkers(judge, refusal), Quiet()
+
+        @contextlib.contextmanager
+        def fake_workers(*_: object) -> Iterator[FakeWorkers]:
+            yield workers
+
+        monkeypatch.setattr(engine, "open_workers", fake_workers)
+        options.setdefault("exercises", (SLUG,))
+        options.setdefault("canaries", 0)
+        graded = autograde(handed_in, tmp_path / "out", Options(**options), quiet, regrade=regrade)
+        return {r.student: r for r in graded.results if not r.canary}, workers, quiet
+
+    return grade
