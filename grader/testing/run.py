@@ -66,7 +66,7 @@ class Run:
         """The outcome in one line."""
         outcome = self.outcome
         if outcome.completed:
-            return f"the node lived to the end, {self.duration:.1f} s"
+            return f"the node ran to the end, {self.duration:.1f} s"
         return f"{outcome.kind.replace('_', ' ')} at {outcome.at:.1f} s: {outcome.text}"
 
     @property
