@@ -69,7 +69,12 @@ def test_students_get_the_fixtures_of_pytest(released: Path) -> None:
 @pytest.mark.parametrize("exercises", [(), ("goal_seeking",)])
 def test_links_of_students_documents_stay_inside(exercises: tuple[str, ...]) -> None:
     given = contents(exercises)
-    for page in ("README.md", "docs/students.md", "docs/testing-your-node.md", "docs/live-robot.md"):
+    for page in (
+        "README.md",
+        "docs/students.md",
+        "docs/testing-your-node.md",
+        "docs/live-robot.md",
+    ):
         text = given[page].decode("utf-8")
         for link in re.findall(r'\]\((?!https?:)([^)#]+)|(?:src|srcset)="([^"]+)"', text):
             target = os.path.normpath(Path(page).parent / "".join(link))
