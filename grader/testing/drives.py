@@ -143,5 +143,5 @@ def _place(folder: Path, item: pytest.Item) -> Path:
         folder.mkdir(parents=True)
         ours = folder.parent if folder.parent.name == ".course" else folder
         (ours / ".gitignore").write_text("*\n", "utf-8")
-    name = item.nodeid.rsplit("/", maxsplit=1)[-1].replace(".py::", "-").replace("::", "-")
+    name = f"{item.path.stem}-{item.nodeid.partition('::')[2]}"
     return folder / f"{re.sub(r'[^A-Za-z0-9_.=-]+', '_', name)[:LONGEST].strip('_')}.html"

@@ -125,7 +125,8 @@ class World:
     def run(self, *nodes: Any, until: float, executor: Any = None) -> None:
         """Let nodes spin until a time [s]; without nodes, let time pass.
 
-        They share an executor: a single-threaded one, if none is given. What they raise, it raises.
+        What is due at that time is done, too. The nodes share an executor: a single-threaded one,
+        if none is given. What they raise, it raises.
 
         Raises
         ------
@@ -144,6 +145,7 @@ class World:
         try:
             while rclpy.ok() and (left := end - self._kernel.now) > 0:
                 spinner.spin_once(timeout_sec=left / 1e9)
+            self._settle(spinner)
         finally:
             for node in nodes:
                 spinner.remove_node(node)
@@ -156,6 +158,16 @@ class World:
             heard.close()
         self._open = False
         self._alone.watchers.remove(self._take)
+
+    def _settle(self, spinner: Any) -> None:
+        """Let an executor do what there still is to do at this moment, threads of its own too."""
+        thread = self._kernel.me()
+        while rclpy.ok():
+            self._kernel.park(self._kernel.now)
+            thread.idle.pop(spinner, None)
+            spinner.spin_once(timeout_sec=0)
+            if spinner in thread.idle:  # it found nothing
+                return
 
     def _take(self) -> None:
         for heard in self._heard:

@@ -48,7 +48,8 @@ def pytest_in(folder: Path, *arguments: str) -> Session:
     """Run pytest there, with warnings as errors; nothing of this run's settings reaches it."""
     results = folder / "results.xml"
     env = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "PYTHONPATH"))}
-    command = [sys.executable, "-m", "pytest", "-W", "error", f"--junitxml={results}", *arguments]
+    written = [f"--junitxml={results}", "-o", "junit_family=xunit1"]  # which knows properties
+    command = [sys.executable, "-m", "pytest", "-W", "error", *written, *arguments]
     done = subprocess.run(
         command, cwd=folder, env=env, text=True, timeout=PATIENCE, check=False,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

@@ -1,0 +1,363 @@
+"""Tests in virtual time: the fixture, its world, and how such a test can end.
+
+grader/testing/virtual_time and grader/host/testing (alone, session, world) are tested here.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from outside import Session, pytest_in, write
+
+NODES = """
+    from rclpy.node import Node
+    from std_msgs.msg import String
+
+
+    class Ticker(Node):
+        '''Says "1", "2" … on /tick, twice a second, and hears /in.'''
+
+        def __init__(self):
+            super().__init__("ticker")
+            self.heard = []
+            self.publisher = self.create_publisher(String, "/tick", 10)
+            self.create_timer(0.5, self.tick)
+            self.create_subscription(String, "/in", self.on_in, 10)
+            self.count = 0
+
+        def tick(self):
+            self.count += 1
+            self.publisher.publish(String(data=str(self.count)))
+
+        def on_in(self, message):
+            now = self.get_clock().now().nanoseconds
+            self.heard.append((now % 10**11 / 1e9, message.data))
+    """
+CONFTEST = """
+    import pytest
+
+    ENTERED = []
+
+    @pytest.fixture(scope="module")
+    def of_the_module():
+        ENTERED.append("module")
+        yield ENTERED
+    """
+RIGHT = """
+    import asyncio
+    import datetime
+    import os
+    import queue
+    import random
+    import threading
+    import time
+
+    import pytest
+    import rclpy
+    from nodes import Ticker
+    from rclpy.executors import MultiThreadedExecutor
+    from std_msgs.msg import String
+
+
+    def test_before(of_the_module):
+        assert of_the_module == ["module"]
+
+
+    def test_world(virtual_time):
+        with virtual_time() as world:
+            heard = world.listen("/tick", String)
+            for k in range(3):
+                world.publish("/in", String(data=f"in {k}"), at=0.25 + k)
+            ticker = Ticker()
+            world.run(ticker, until=2.0)
+            assert (world.now, ticker.count) == (2.0, 4)
+            assert heard.times == [0.5, 1.0, 1.5, 2.0]
+            assert [message.data for message in heard] == ["1", "2", "3", "4"]
+            assert ticker.heard == [(0.25, "in 0"), (1.25, "in 1")]
+            world.publish("/in", String(data="now"))
+            world.run(ticker, until=3.0)
+        assert [said for _, said in ticker.heard] == ["in 0", "in 1", "now", "in 2"]
+        assert len(heard) == 6 and heard[-1].data == "6"
+
+
+    def test_a_message_is_sent_as_it_was(virtual_time):
+        with virtual_time() as world:
+            message = String(data="early")
+            world.publish("/in", message, at=1.0)
+            message.data = "late"
+            ticker = Ticker()
+            world.run(ticker, until=2.0)
+        assert ticker.heard == [(1.0, "early")]
+
+
+    def test_stamps(virtual_time):
+        with virtual_time() as world:
+            world.run(until=1.5)
+            now, then = world.stamp(), world.stamp(2.25)
+        assert (now.sec % 100, now.nanosec) == (1, 500_000_000)
+        assert (then.sec - now.sec, then.nanosec) == (1, 250_000_000)
+
+
+    def test_the_graph_has_the_nodes_and_nobody_else(virtual_time):
+        with virtual_time() as world:
+            ticker = Ticker()
+            assert ticker.get_node_names() == ["ticker"]
+            assert ticker.count_subscribers("/tick") == ticker.count_publishers("/in") == 0
+            world.listen("/tick", String)
+            assert sorted(ticker.get_node_names()) == ["test", "ticker"]
+            assert ticker.publisher.get_subscription_count() == 1
+
+
+    def test_a_whole_day_on_every_clock(virtual_time):
+        before = time.time(), time.monotonic(), datetime.datetime.now()
+        time.sleep(86_400.0)
+        assert time.time() - before[0] == time.monotonic() - before[1] == 86_400.0
+        assert datetime.datetime.now() - before[2] == datetime.timedelta(days=1)
+
+
+    test_a_whole_day_on_every_clock = pytest.mark.virtual_time(limit=90_000)(
+        test_a_whole_day_on_every_clock
+    )
+
+
+    @pytest.mark.virtual_time
+    def test_the_mark_is_enough():
+        began = time.monotonic()
+        asyncio.run(asyncio.sleep(7.0))
+        threading.Event().wait(3.0)
+        assert 10.0 <= time.monotonic() - began < 10.1  # a loop that begins or ends looks around
+
+
+    def test_blocks_one_after_another(virtual_time):
+        for _ in range(2):
+            with virtual_time() as world:
+                ticker = Ticker()
+                world.run(ticker, until=1.0)
+                assert (world.now, ticker.count) == (1.0, 2)
+            assert not rclpy.ok()
+
+
+    def test_parameters(virtual_time):
+        with virtual_time(args=["--ros-args", "-p", "speed:=0.5"]):
+            node = Ticker()
+            assert node.declare_parameter("speed", 0.1).value == 0.5
+
+
+    def test_an_executor_of_my_own(virtual_time):
+        with virtual_time() as world:
+            executor = MultiThreadedExecutor(4)
+            ticker = Ticker()
+            world.run(ticker, until=2.0, executor=executor)
+            assert ticker.count == 4
+            executor.shutdown()
+
+
+    def test_all_that_is_due_at_the_end_is_done(virtual_time):
+        with virtual_time() as world:
+            ticker, done = Ticker(), []
+            for k in range(5):
+                ticker.create_timer(1.0, lambda k=k: done.append(k))
+            world.publish("/in", String(data="in time"), at=1.0)
+            world.run(ticker, until=1.0)
+            assert (world.now, ticker.count, sorted(done)) == (1.0, 2, [0, 1, 2, 3, 4])
+            assert ticker.heard == [(1.0, "in time")]
+
+
+    class TestInAClass:
+        @pytest.mark.parametrize("text", ["a b", "c::d", "e/f"])
+        def test_with_fixtures(self, virtual_time, of_the_module, text, tmp_path, monkeypatch):
+            monkeypatch.setenv("HERE", text)
+            (tmp_path / "file").write_text(text)
+            assert os.environ["HERE"] == (tmp_path / "file").read_text()
+            assert of_the_module == ["module"]
+            assert os.environ["OF_THE_STUDENT"] == "yes"
+
+
+    @pytest.mark.skip(reason="later")
+    def test_skipped(virtual_time):
+        assert False
+
+
+    @pytest.mark.xfail(strict=True)
+    def test_expected_to_fail(virtual_time):
+        assert False
+
+
+    def test_the_same_in_every_run(virtual_time, record_property):
+        said, jobs = [], queue.Queue()
+
+        def work(name):
+            for _ in range(5):
+                time.sleep(random.random())
+                jobs.put((name, round(time.monotonic(), 9)))
+
+        with virtual_time() as world:
+            heard = world.listen("/tick", String)
+            threads = [threading.Thread(target=work, args=(k,)) for k in range(10)]
+            for thread in threads:
+                thread.start()
+            world.run(Ticker(), until=4.0, executor=MultiThreadedExecutor(4))
+            for thread in threads:
+                thread.join()
+        while not jobs.empty():
+            said.append(jobs.get())
+        assert len(said) == 50 and len({name for name, _ in said[:10]}) > 5
+        record_property("said", f"{said} {heard.times} {random.random()} {os.urandom(4).hex()}")
+
+
+    def test_after(of_the_module):
+        assert of_the_module == ["module"] and time.time() > 1.75e9
+    """
+WRONG = """
+    import os
+    import threading
+    import time
+
+    import pytest
+    import rclpy
+    from nodes import Ticker
+    from std_msgs.msg import String
+
+
+    def test_assertion(virtual_time):
+        with virtual_time() as world:
+            ticker = Ticker()
+            world.run(ticker, until=2.0)
+            print("counted", ticker.count)
+            assert ticker.count == 5
+
+
+    def test_callback(virtual_time):
+        with virtual_time() as world:
+            ticker = Ticker()
+            ticker.create_timer(0.1, lambda: 1 / 0)
+            world.run(ticker, until=2.0)
+
+
+    def test_never_ends(virtual_time):
+        with virtual_time():
+            rclpy.spin(Ticker())
+
+
+    def test_deadlock(virtual_time):
+        time.sleep(3.0)
+        lock = threading.Lock()
+        with lock:
+            lock.acquire()
+
+
+    @pytest.mark.virtual_time(patience=5.0)
+    def test_computes_for_ever():
+        while True:
+            pass
+
+
+    def test_dies(virtual_time):
+        os._exit(3)
+
+
+    def test_too_late(virtual_time):
+        with virtual_time() as world:
+            world.run(until=1.0)
+            world.publish("/in", String(), at=0.5)
+
+
+    def test_goes_back(virtual_time):
+        with virtual_time() as world:
+            world.run(until=1.0)
+            world.run(until=0.5)
+
+
+    def test_with_drive(virtual_time, drive):
+        pass
+
+
+    @pytest.mark.virtual_time(limit=-1)
+    def test_no_limit():
+        pass
+
+
+    def test_teardown(virtual_time, request):
+        request.addfinalizer(lambda: 1 / 0)
+    """
+SAID = {
+    "assertion": "assert 4 == 5",
+    "callback": "ZeroDivisionError",
+    "never_ends": "Failed: the test still runs after 60 s of virtual time, its limit",
+    "deadlock": "Failed: nothing can happen any more since 3 s: every thread waits",
+    "computes_for_ever": "the test still runs after 5 s of real time",
+    "dies": "the test's process ended by itself (exit code 3)",
+    "too_late": "ValueError: publish(at=0.5): it is 1 s already",
+    "goes_back": "ValueError: run(until=0.5): it is 1 s already",
+    "with_drive": "drive has a time of its own: use it without virtual_time",
+    "no_limit": "virtual_time: @pytest.mark.virtual_time(limit=-1): expected seconds",
+    "teardown": "ZeroDivisionError",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("student").resolve()
+    write(folder, nodes=NODES, conftest=CONFTEST, test_right=RIGHT, test_wrong=WRONG)
+    return folder
+
+
+def test_right_tests_pass_and_repeat(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OF_THE_STUDENT", "yes")
+    first, second = (pytest_in(folder, "test_right.py") for _ in range(2))
+    assert first.code == 0, first.output
+    others = {name: how for name, how in first.outcomes().items() if how != "passed"}
+    assert others == {
+        "test_right.test_skipped": "skipped",
+        "test_right.test_expected_to_fail": "skipped",
+    }
+    assert len(first.tests) == RIGHT.count("def test_") + 2
+    said, again = (
+        session.tests["test_right.test_the_same_in_every_run"].properties["said"]
+        for session in (first, second)
+    )
+    assert len(said) > 500
+    assert said == again
+
+
+@pytest.fixture(scope="module")
+def wrong(folder: Path) -> Session:
+    return pytest_in(folder, "test_wrong.py")
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_what_is_wrong_is_said(wrong: Session, name: str) -> None:
+    result = wrong.tests[f"test_wrong.test_{name}"]
+    assert result.outcome in ("failed", "error"), wrong.output
+    assert SAID[name] in result.text
+    assert "grader/host" not in result.text
+
+
+def test_every_wrong_test_is_tried() -> None:
+    assert WRONG.count("def test_") == len(SAID)
+
+
+def test_the_line_that_waits_is_shown(wrong: Session) -> None:
+    assert ">           lock.acquire()" in wrong.tests["test_wrong.test_deadlock"].text
+    assert "in test_computes_for_ever" in wrong.tests["test_wrong.test_computes_for_ever"].text
+
+
+def test_what_was_printed_is_shown(folder: Path, wrong: Session) -> None:
+    assert "counted 4" in wrong.output
+    session = pytest_in(folder, "-s", "test_wrong.py", "-k", "assertion")
+    assert "counted 4" in session.output
+
+
+def test_workers_of_xdist(folder: Path) -> None:
+    session = pytest_in(folder, "-n", "2", "test_right.py", "-k", "world or before or after")
+    assert set(session.outcomes().values()) == {"passed"}, session.output
+    assert len(session.tests) > 3
+
+
+def test_a_file_that_only_breaks_in_the_other_process(tmp_path: Path) -> None:
+    lines = ["import os, sys", "if 'grader.host.program' in sys.modules: raise OSError('not here')"]
+    write(tmp_path, test_it="\n".join([*lines, "def test_it(virtual_time): pass"]))
+    session = pytest_in(tmp_path)
+    assert session.outcomes() == {"test_it.test_it": "failed"}
+    assert "OSError: not here" in session.tests["test_it.test_it"].text
