@@ -17,7 +17,7 @@ import stat
 import tarfile
 import unicodedata
 import zipfile
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Container, Generator, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
@@ -33,6 +33,8 @@ SMALL = 4 * 1024 * 1024  # [bytes]
 MAX_DEPTH = 6  # folders below a student's
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NAME = 80  # [characters] of a student's id
+MARK = 6  # [characters] that tell two of one name apart
+MARKED = re.compile(rf"~[0-9a-f]{{{MARK},}}$", re.IGNORECASE)
 CHUNK = 64 * 1024  # [bytes]
 NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
 COPIED = re.compile(r"(\s*\(\d+\)|-\d+|\s+-?\s*copy)$", re.IGNORECASE)  # "agent (1).py", "agent-2"
@@ -138,12 +140,17 @@ def _stem(path: Path) -> str:
     return path.name[: -len(suffix)] if suffix and not path.is_dir() else path.name
 
 
-def _unique(name: str, original: str, taken: dict[str, Student]) -> str:
-    """Return the name, with a suffix if another student has it; the same suffix in every run."""
-    if name.casefold() not in taken:
+def _unique(name: str, original: str, taken: Container[str]) -> str:
+    """Return the name, marked if another student has it; the same mark in every run.
+
+    Who hands in a name that looks marked gets a mark, too: nobody can choose another's.
+    """
+    if not MARKED.search(name) and name.casefold() not in taken:
         return name
     digest = hashlib.sha256(original.encode("utf-8", "surrogateescape")).hexdigest()
-    return f"{name}~{digest[:6]}"
+    lengths = range(MARK, len(digest) + 1)  # of two files in a folder, the names differ
+    marked = (f"{name}~{digest[:length]}" for length in lengths)
+    return next(each for each in marked if each.casefold() not in taken)
 
 
 def _student(name: str, path: Path, room: Path) -> Student:

@@ -19,7 +19,7 @@ _UNSEEN = re.compile(
 # What may begin a formula in a spreadsheet (OWASP, "CSV Injection"), full-width forms included.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20", "|", "%")
 _FOLDER = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")
-_DIGESTED = re.compile(r".*-[0-9a-f]{10}")  # as if it had been made safe
+_DIGESTED = re.compile(r"(?i).*-[0-9a-f]{10}")  # as if it had been made safe
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?$")  # on Windows
 
 
