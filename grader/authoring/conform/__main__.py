@@ -47,7 +47,7 @@ def run_suite(suite: str, checkout: Path | None, chosen: Sequence[str] = ()) -> 
     plain: dict[str, str] = {}
     inside: dict[str, str] = {}
     texts: dict[str, str] = {}
-    with ForkServer(EPOCH_NS) as forkserver:
+    with ForkServer(EPOCH_NS, layers=suites.LAYERS[suite]) as forkserver:
         for module in modules:
             if chosen and not any(word in module for word in chosen):
                 continue
@@ -71,7 +71,7 @@ def run_nodes(checkouts: Sequence[Path]) -> int:
             both = nodes.run_node(node, found, forkserver)
             plain[node.name], inside[node.name] = nodes.compared(both)
             texts[node.name] = _other_words(both)
-            print(f"{node.name:100} {plain[node.name]:30} {inside[node.name]}", flush=True)
+            print(f"{plain[node.name]:32} {inside[node.name]:32} {node.name}", flush=True)
     return _judge("nodes", plain, inside, texts)
 
 

@@ -143,4 +143,4 @@ def _behaviour(ran: Ran) -> Behaviour:
         return Behaviour("runs", shapes)
     if ran.kind in ("returned", "exited") and not error:
         return Behaviour("ends", shapes)
-    return Behaviour(error[-1].split(" (line")[0] if error else ran.kind, frozenset())
+    return Behaviour(error[-1].split(":")[0] if error else ran.kind, frozenset())

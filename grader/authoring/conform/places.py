@@ -18,8 +18,8 @@ from grader.link.link import HostDied, HostForged, HostHung, Link
 from sim.messages import EPOCH_NS
 
 SECOND = 1_000_000_000  # [ns]
-SILENCE = 120.0  # [s] without progress after which a plain run is ended
-STEP_LIMIT = 60.0  # [s] of wall time for one virtual second
+SILENCE = 60.0  # [s] without progress after which a plain run is ended
+STEP_LIMIT = 20.0  # [s] of wall time for one virtual second
 DOMAIN = 77  # of DDS: plain runs hear nobody else on this machine
 
 Progress = Callable[[], int]  # goes up while a run gets on

@@ -20,6 +20,7 @@ from typing import Any
 
 RESULTS = Path("results.jsonl")
 STARTED, PASSED, FAILED, SKIPPED = "started", "passed", "failed", "skipped"
+LEFT_OUT = "ProcessPool"  # in names of tests: a host starts no processes
 TEXT = 600  # [characters] of why a test failed
 
 
@@ -131,7 +132,7 @@ def run_unittest(target: str, results: Results) -> None:
     suite = unittest.TestSuite(
         test
         for test in _flat(unittest.defaultTestLoader.loadTestsFromName(target))
-        if test.id() not in results.known
+        if test.id() not in results.known and LEFT_OUT not in test.id()
     )
     suite.run(UnittestResult(results))
 

@@ -8,6 +8,7 @@ ThreadPoolExecutor), the wait of an rclpy executor (executors.py), and the `sele
 
 from __future__ import annotations
 
+import _queue
 import _thread
 import collections
 import functools
@@ -188,7 +189,8 @@ def _install_locks(kernel: Kernel) -> None:
     module._CRLock = None  # RLock() is then the Python one, made of a Lock
     if hasattr(functools, "RLock"):  # until Python 3.11: the lock of cached_property
         functools.RLock = threading.RLock
-    queue.SimpleQueue = queue._PySimpleQueue  # type: ignore[attr-defined,misc]
+    native: Any = _queue
+    native.SimpleQueue = queue.SimpleQueue = queue._PySimpleQueue  # type: ignore[attr-defined,misc]
 
 
 def _install_select(kernel: Kernel) -> None:
