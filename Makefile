@@ -49,10 +49,10 @@ format: $(VENV)/.dev ## let ruff format and fix what it can
 prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which check kills which
 	$(BIN)/python -m grader.authoring.proof
 
-# Checkouts: ros2/rclpy at the tag of the installed wheels; repositories with nodes
+# A checkout of ros2/rclpy at the tag of the installed wheels; a folder of checkouts with nodes
 RCLPY ?=
 NODES ?=
-conform: $(VENV)/.dev ## is virtual time like time? RCLPY=… NODES="…" (docs/virtual-time.md)
+conform: $(VENV)/.dev ## is virtual time like time? RCLPY=… NODES=… (docs/virtual-time.md)
 	$(PIP) install --constraint constraints.txt 'ros-jazzy-test-msgs==2.0.3'
 	$(BIN)/python -m grader.authoring.conform cpython
 	$(if $(RCLPY),$(BIN)/python -m grader.authoring.conform rclpy $(RCLPY))

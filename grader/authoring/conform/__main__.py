@@ -2,11 +2,11 @@
 
     python -m grader.authoring.conform rclpy CHECKOUT [MODULE …]
     python -m grader.authoring.conform cpython [MODULE …]
-    python -m grader.authoring.conform nodes CHECKOUT …
+    python -m grader.authoring.conform nodes FOLDER
 
-The checkouts are of ros2/rclpy at the tag of the installed wheels, and of repositories with nodes
-(ros2/examples, ros2/demos, …). Exit status 1: something differs that the reviewed list does not
-know, or does no longer differ as the list says.
+The checkout is of ros2/rclpy at the tag of the installed wheels; the folder holds checkouts with
+nodes (ros2/examples, ros2/demos, …). Exit status 1: something differs that the reviewed list does
+not know, or no longer differs as the list says.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def main(arguments: Sequence[str]) -> int:
     options = _options(arguments)
     try:
         if options.suite == "nodes":
-            return run_nodes(options.paths)
+            return run_nodes(options.folder.resolve())
         checkout = Path(options.path).resolve() if options.suite == "rclpy" else None
         return run_suite(options.suite, checkout, options.modules)
     except (InputError, GraderError) as error:
@@ -48,6 +48,7 @@ def run_suite(suite: str, checkout: Path | None, chosen: Sequence[str] = ()) -> 
     inside: dict[str, str] = {}
     texts: dict[str, str] = {}
     with ForkServer(EPOCH_NS, layers=suites.LAYERS[suite]) as forkserver:
+        suites.check_unprivileged(forkserver)
         for module in modules:
             if chosen and not any(word in module for word in chosen):
                 continue
@@ -60,9 +61,9 @@ def run_suite(suite: str, checkout: Path | None, chosen: Sequence[str] = ()) -> 
     return _judge(suite, plain, inside, texts)
 
 
-def run_nodes(checkouts: Sequence[Path]) -> int:
-    """Run all nodes of some checkouts; print the table."""
-    found = [node for path in checkouts for node in nodes.find_nodes(path.resolve())]
+def run_nodes(folder: Path) -> int:
+    """Run all nodes of the checkouts in a folder; print the table."""
+    found = list(nodes.find_nodes(folder))
     plain: dict[str, str] = {}
     inside: dict[str, str] = {}
     texts: dict[str, str] = {}
@@ -123,7 +124,7 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     rclpy.add_argument("modules", nargs="*")
     kinds.add_parser("cpython").add_argument("modules", nargs="*")
     foreign = kinds.add_parser("nodes")
-    foreign.add_argument("paths", nargs="+", type=Path, help="folders with nodes")
+    foreign.add_argument("folder", type=Path, help="a folder with checkouts")
     return parser.parse_args(arguments)
 
 

@@ -81,16 +81,16 @@ class Behaviour:
     said: frozenset[str]  # lines, their numbers left out
 
 
-def find_nodes(checkout: Path) -> Iterator[Node]:
-    """Yield the nodes of a checkout, in order of their names."""
-    for file in sorted(checkout.rglob("*.py")):
-        name = file.relative_to(checkout)
+def find_nodes(folder: Path) -> Iterator[Node]:
+    """Yield the nodes of all checkouts in a folder, in order of their names."""
+    for file in sorted(folder.rglob("*.py")):
+        name = file.relative_to(folder)
         if file.name in NOT_NODES or not NOT_FOLDERS.isdisjoint(name.parts):
             continue
         text = file.read_text("utf-8")
         runnable = re.search(r"(?m)^def main\(|^if __name__ ==", text)
         if re.search(r"(?m)^\s*(import|from) rclpy\b", text) and runnable:
-            yield Node(f"{checkout.name}/{name.as_posix()}", file)
+            yield Node(name.as_posix(), file)
 
 
 def run_node(node: Node, others: Sequence[Node], forkserver: ForkServer) -> dict[str, Behaviour]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.host.frames import Ended, ProgramStart, Run, Settled, Start
+from grader.host.sandbox.users import never_gain_capabilities
 from grader.link.hosts import ForkServer
 from grader.link.link import HostDied, HostForged, HostHung, Link
 from sim.messages import EPOCH_NS
@@ -109,6 +110,8 @@ def _process(
         [sys.executable, "-s", "-B", "-X", "utf8", *command],
         cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
         start_new_session=True,
+        # CPython's tests of time would set the machine's clock. No thread has been started.
+        preexec_fn=never_gain_capabilities,  # noqa: PLW1509
     )  # fmt: skip
     try:
         yield process

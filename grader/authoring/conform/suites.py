@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import os
 import shutil
 import sys
 import tempfile
@@ -13,7 +14,7 @@ from pathlib import Path
 
 from grader.authoring.conform import places, run_tests
 from grader.authoring.conform.places import Ran
-from grader.errors import InputError
+from grader.errors import GraderError, InputError
 from grader.host.frames import ProgramStart
 from grader.host.sandbox import layers
 from grader.link.hosts import ForkServer
@@ -35,7 +36,11 @@ LEFT_OUT = {  # of test_asyncio
     "test_subprocess": "a host starts no processes",
 }  # fmt: skip
 # Asyncio's tests open sockets as they are imported, and many others start a Python of their own.
-LAYERS = {"rclpy": layers.LAYERS, "cpython": (layers.LIMITS, layers.MOUNTS, layers.NETWORK)}
+# Nothing less: as root, CPython's tests would set the machine's clock.
+LAYERS = {
+    "rclpy": layers.LAYERS,
+    "cpython": (layers.LIMITS, layers.USER, layers.MOUNTS, layers.NETWORK),
+}
 
 Place = Callable[[Path, str, str, Callable[[], int]], Ran]
 
@@ -76,6 +81,18 @@ def cpython_modules() -> list[str]:
         parts = [part for part in parts if part not in LEFT_OUT]
         found += [f"test.{name}.{part}" for part in parts] or [f"test.{name}"]
     return found
+
+
+def check_unprivileged(forkserver: ForkServer) -> None:
+    """Make sure that hosts are not root.
+
+    Raises
+    ------
+    GraderError
+        They would be.
+    """
+    if os.getuid() == 0 and layers.USER not in forkserver.layers:
+        raise GraderError("tests that are not ours would run as root; run this as another user")
 
 
 def run_module(

@@ -25,6 +25,7 @@ PRIORITY = -20  # nice value
 SLICE = 100_000  # [ns] of CPU at a time: who asks for little is woken at once (Linux 6.12)
 SCHED_SETATTR = 314  # the system call's number on x86-64
 CLONE_NEWNS, CLONE_NEWUSER, CLONE_NEWNET = 0x00020000, 0x10000000, 0x40000000
+PR_CAPBSET_DROP, MAX_CAPABILITIES = 24, 64
 CAPABILITY_VERSION = 0x20080522  # _LINUX_CAPABILITY_VERSION_3: two words of each set
 SIOCGIFFLAGS, SIOCSIFFLAGS, IFF_UP = 0x8913, 0x8914, 1
 SHM_SIZE = "64m"
@@ -85,6 +86,13 @@ def drop_capabilities() -> None:
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.capset(header, nothing):
         raise OSError(ctypes.get_errno(), "capset")
+
+
+def never_gain_capabilities() -> None:
+    """Let no program that this process becomes have a capability, not even as root."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    for capability in range(MAX_CAPABILITIES):
+        libc.prctl(PR_CAPBSET_DROP, capability, 0, 0, 0)  # no such one, or no right to: no matter
 
 
 def own_user() -> bool:

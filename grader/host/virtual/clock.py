@@ -6,6 +6,7 @@ stay real: they measure the processor, not the time of day.
 
 from __future__ import annotations
 
+import errno
 import os
 import queue
 import signal
@@ -107,6 +108,10 @@ def _install_clock_ids(module: Any, clock: Clock) -> None:
     def clock_gettime_ns(clk_id: int) -> int:
         return read[clk_id]() if clk_id in read else real_ns(clk_id)
 
+    def refused(clk_id: int, time: float) -> None:
+        raise PermissionError(errno.EPERM, os.strerror(errno.EPERM))
+
+    module.clock_settime = module.clock_settime_ns = refused  # the machine's clock is not ours
     module.clock_gettime_ns = clock_gettime_ns
     module.clock_gettime = lambda clk_id: clock_gettime_ns(clk_id) / 1e9
 

@@ -64,6 +64,17 @@ def test_clocks_of_the_processor_do_not_count_sleep() -> None:
     assert max(process, thread, by_id) < 100.0
 
 
+def test_nobody_sets_the_clock_of_the_machine() -> None:
+    assert (
+        run("""
+        for set_time in (time.clock_settime, time.clock_settime_ns):
+            try: set_time(time.CLOCK_MONOTONIC, 0)  # which no kernel would allow either
+            except OSError as error: say(type(error).__name__)
+    """)
+        == [[0.0, "PermissionError"]] * 2
+    )
+
+
 def test_waiting_for_a_date_ends() -> None:
     ((now,),) = run("""
         from datetime import datetime, timedelta
