@@ -37,6 +37,11 @@ def variables(domain: int, folder: Path) -> dict[str, str]:
     }
 
 
+def hear_ctrl_c() -> None:
+    """Take back that a shell's background jobs, and what they start, ignore SIGINT."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 class Process:
     """A program whose lines are heard as they come."""
 
@@ -49,6 +54,7 @@ class Process:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
+            preexec_fn=hear_ctrl_c,  # noqa: PLW1509  (it only sets a handler)
         )
         self.said: list[str] = []
         self._lines: queue.Queue[str | None] = queue.Queue()

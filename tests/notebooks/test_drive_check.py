@@ -26,6 +26,12 @@ def replays(said: Said) -> list[str]:
     ]
 
 
+def unmeasured(text: str) -> list[str]:
+    """Return the words of a summary, but for how long the machine took to compute."""
+    times = r"\d[\d.]* ms (a message|\(p99\)|at worst)"
+    return re.sub(times, r"… \1", " ".join(text.split())).split()
+
+
 def test_drive_says_what_course_drive_says(
     kernel: Kernel,
     folder: Path,
@@ -38,7 +44,7 @@ def test_drive_says_what_course_drive_says(
     monkeypatch.setenv("COLUMNS", "100")
     cli.main(["drive", str(folder / AGENT), "--scenario", "demo_wall"], standalone_mode=False)
     expected = capsys.readouterr().out.replace(str(folder / AGENT), AGENT)
-    assert said.text.split() == expected.split()
+    assert unmeasured(said.text) == unmeasured(expected)
     assert said.stderr == ""
     (page,) = replays(said)
     payload = json.loads(re.search(r'id="payload">(.*?)</script>', page)[1])  # type: ignore[index]

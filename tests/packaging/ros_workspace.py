@@ -104,6 +104,11 @@ def on_a_network_of_its_own() -> Iterator[dict[str, str]]:
         yield {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 
+def _hear_ctrl_c() -> None:
+    """Take back that a shell's background jobs, and what they start, ignore SIGINT."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @contextmanager
 def running(command: list[str], variables: Mapping[str, str], folder: Path) -> Iterator[None]:
     """Run a program in the background, and stop it in the end as Ctrl-C does.
@@ -113,7 +118,12 @@ def running(command: list[str], variables: Mapping[str, str], folder: Path) -> I
     log = folder / f"{sum(1 for _ in folder.iterdir())}.log"
     with log.open("w") as output:
         program = subprocess.Popen(
-            command, env=dict(variables), cwd=folder, stdout=output, stderr=output
+            command,
+            env=dict(variables),
+            cwd=folder,
+            stdout=output,
+            stderr=output,
+            preexec_fn=_hear_ctrl_c,  # noqa: PLW1509  (it only sets a handler)
         )
     try:
         yield

@@ -4,7 +4,7 @@ Each program here was also run on plain rclpy, where it says and does the same.
 """
 
 import pytest
-from conftest import RunNode
+from node_runs import RunNode
 
 from grader.recording import Recording
 

@@ -5,7 +5,7 @@ import re
 import urllib.error
 
 import pytest
-from conftest import RunNode
+from node_runs import RunNode
 
 from grader.host.hints import (
     FILES,
