@@ -321,3 +321,14 @@ def test_the_robot_tells_nobody_of_its_parameters(run_node: RunNode) -> None:
     """)
     assert recording.outcome.completed, recording.outcome
     assert said(recording) == ["['/second']"]
+
+
+def test_a_node_with_a_logger_of_its_own_can_be_destroyed(run_node: RunNode) -> None:
+    recording = run_node("""
+        from rclpy.node import Node
+        rclpy.init(); node = Node('mocked'); node.get_logger = lambda: None
+        node.destroy_node(); print('destroyed')
+        rclpy.spin(Echo())
+    """)
+    assert recording.outcome.completed, recording.outcome
+    assert said(recording) == ["destroyed"]
