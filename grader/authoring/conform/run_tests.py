@@ -120,6 +120,7 @@ def run_pytest(target: str, results: Results) -> None:
     """Run a file of tests that need pytest."""
     import pytest  # noqa: PLC0415  (plain unittests do without)
 
+    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # the tests bring what they need
     Path("pytest.ini").write_text("[pytest]\n", "utf-8")  # this folder is the root
     options = ["-q", "-s", "-c", "pytest.ini", "--confcutdir=."]
     options += ["-p", "no:cacheprovider", "-p", "no:faulthandler", "-p", "no:hypothesispytest"]

@@ -71,7 +71,7 @@ class Rosout:
         def created(node: Any, *args: Any, **kwargs: Any) -> None:
             create(node, *args, **kwargs)
             if kwargs.get("enable_rosout", True) and is_on(node.context):
-                node._course_logger = node.get_logger().name  # a program may put a mock in its place
+                node._course_logger = node.get_logger().name  # it may become a mock
                 self._contexts[node._course_logger] = node.context
 
         def destroyed(node: Any) -> None:
