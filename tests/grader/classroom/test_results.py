@@ -8,7 +8,6 @@ import io
 import json
 import math
 import os
-import random
 import re
 import statistics
 from dataclasses import replace
@@ -25,10 +24,7 @@ from grader.classroom.results.gradescope import results_json
 from grader.classroom.results.items import distribution, item_analysis, point_biserial
 from grader.classroom.results.junit import junit_xml
 from grader.classroom.results.marks import points_of, tasks_of, why_held
-from grader.classroom.results.similarity import NOISE, WINDOW, fingerprints, similar_groups, tokens
-from grader.classroom.results.withheld import for_students
 from grader.classroom.row import GRADED, HELD, RUNNING, StoredResult
-from grader.errors import InputError
 
 _CLASSES = Path(__file__).resolve().parents[2] / "browser" / "classes.py"
 _spec = importlib.util.spec_from_file_location("classes", _CLASSES)
@@ -239,60 +235,6 @@ def test_nothing_written_is_nan() -> None:
     assert "nan" not in scores_csv([odd], [task]).casefold()
 
 
-# --- what students don't see -----------------------------------------------------------------
-
-SECRET = check(
-    "b", "fail", 40, message="0.42 m ahead", expected="0.00 m/s", actual="0.50 m/s",
-    time=2.2, scenario="avoid_zones", help="compare with 0.5 m",
-)  # fmt: skip
-
-
-def hiding(hide: str) -> dict[str, Any]:
-    one = result("ada", check("a", "pass", 60), SECRET, check("f", "fail", 0, kind="field"))
-    assert one.grading is not None
-    runs = [
-        {"scenario": name, "title": name, "seed": 4711, "outcome": "completed", "bag": "/b"}
-        for name in ("avoid_zones", "avoid_field_lds01")
-    ]
-    one.grading.update(recordings=runs, field_ready=False)
-    return for_students(one.grading, ("agent.py",), ResultOptions(hide=hide).hidden)
-
-
-def test_students_never_see_the_instructors_paths() -> None:
-    shown = json.dumps(hiding("nothing"))
-    assert "/home/prof" not in shown
-    assert "/b" not in shown
-    assert "4711" in shown
-    assert "0.42 m ahead" in shown
-
-
-def test_hidden_field_checks_leave_no_trace() -> None:
-    shown = hiding("field")
-    assert [c["id"] for c in shown["checks"]] == ["a", "b"]
-    assert "field_lds01" not in json.dumps(shown)
-    assert shown["field_ready"] is None
-
-
-def test_hidden_worlds_have_neither_name_nor_seed() -> None:
-    shown = json.dumps(hiding("worlds"))
-    for word in ("4711", "avoid_zones", "avoid_field_lds01"):
-        assert word not in shown
-    assert "0.42 m ahead" in shown
-
-
-def test_hidden_details_leave_title_and_next_step() -> None:
-    shown = json.dumps(hiding("details,field"))
-    for word in ("4711", "avoid_", "0.42", "0.00 m/s", "0.50 m/s", "2.2", '"kind": "field"'):
-        assert word not in shown
-    assert "compare with 0.5 m" in shown
-    assert "The robot does b." in shown
-
-
-def test_an_unknown_word_to_hide_is_refused() -> None:
-    with pytest.raises(InputError, match=r"'detials'; did you mean details\?"):
-        ResultOptions(hide="field,detials")
-
-
 # --- the exercise itself -----------------------------------------------------------------------
 
 
@@ -349,64 +291,6 @@ def test_scores_fall_into_tenths() -> None:
     assert spread.bins == (2, 1, 0, 0, 0, 1, 0, 0, 0, 3)
     assert (spread.full, spread.median) == (2, 55)
     assert distribution([], tasks_of(graded)[0]).median is None
-
-
-# --- similar submissions ------------------------------------------------------------------------
-
-
-def renamed(source: bytes) -> bytes:
-    """Other names, comments and line breaks, the same program."""
-    text = re.sub(r"\bpart_(\d)", r"stage_\1", source.decode()).replace("scan", "reading")
-    return text.replace("# ", "# mine: ").replace("\n        ", "\n\n        ").encode()
-
-
-def test_renaming_hides_nothing_and_the_skeleton_is_no_similarity() -> None:
-    original, other = classes.program(3), classes.program(4)
-    texts = {
-        "ada": {"a.py": original},
-        "ben": {"a.py": renamed(original)},
-        "chen": {"a.py": other},
-        "dan": {"a.py": original + b"\n" + other[: len(other) // 9]},
-    }
-    groups = similar_groups(texts, {})
-    assert [group.students for group in groups] == [("ada", "ben", "dan")]
-    assert groups[0].similarity == 1.0
-    assert not groups[0].identical
-    del texts["dan"]  # what he added is a part of chen's
-    assert similar_groups(texts, {"a.py": original}) == []
-
-
-def test_winnowing_finds_every_match_that_is_long_enough() -> None:
-    chance = random.Random(4)
-    for _ in range(300):
-        shared = [str(chance.random()) for _ in range(NOISE + WINDOW - 1)]
-        one, other = (
-            [str(chance.random()) for _ in range(chance.randrange(60))]
-            + shared
-            + [str(chance.random()) for _ in range(chance.randrange(60))]
-            for _ in range(2)
-        )
-        assert fingerprints(one) & fingerprints(other)
-
-
-def test_the_courses_own_solutions_are_not_similar() -> None:
-    folder = Path(__file__).resolve().parents[3] / "solutions" / OBSTACLES
-    files = [folder / "obstacle_avoidance_agent.py", *sorted(folder.glob("variants/*.py"))]
-    texts = {file.stem: {"a.py": file.read_bytes()} for file in files}
-    assert len(texts) > 5
-    assert similar_groups(texts, {}) == []
-
-
-def test_what_is_not_python_is_compared_by_words() -> None:
-    for source in (b"", b"\x00\xff", b"def (", b"'''", b"\tif x:\n  y", b"# coding: nonsense\nx"):
-        assert isinstance(fingerprints(tokens(source)), frozenset)
-
-
-def test_what_half_the_class_has_is_common_ground() -> None:
-    shared = classes.program(3)
-    texts = {f"s{i}": {"a.py": shared + classes.program(100 + i)[17:]} for i in range(12)}
-    assert similar_groups(texts, {}) == []
-    assert len(similar_groups(dict(list(texts.items())[:2]), {})) <= 1
 
 
 # --- the whole -----------------------------------------------------------------------------------

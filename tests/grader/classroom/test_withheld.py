@@ -1,0 +1,103 @@
+"""What an instructor may keep from students, and what that leaves of a page."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grader.classroom.results import ResultOptions
+from grader.classroom.results.withheld import for_students
+from grader.classroom.row import StoredResult
+from grader.errors import InputError
+
+_CLASSES = Path(__file__).resolve().parents[2] / "browser" / "classes.py"
+_spec = importlib.util.spec_from_file_location("classes", _CLASSES)
+assert _spec and _spec.loader
+classes: Any = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(classes)
+
+OBSTACLES = "obstacle_avoidance"
+
+
+def check(id_: str, outcome: str, points: float = 10, **parts: Any) -> dict[str, Any]:
+    won = points if outcome == "pass" else 0
+    return {
+        "id": id_, "title": f"The robot does {id_}.", "kind": "core", "outcome": outcome,
+        "points": won, "max_points": points, "message": "", "expected": "", "actual": "",
+        "time": None, "help": "", "scenario": None, **parts,
+    }  # fmt: skip
+
+
+def result(student: str, *checks: dict[str, Any], **parts: Any) -> StoredResult:
+    judged = [c for c in checks if c["outcome"] not in ("error", "inconclusive", "unavailable")]
+    grading = {
+        "exercise": OBSTACLES,
+        "file": "/home/prof/in/agent.py",
+        "score": sum(c["points"] for c in checks),
+        "max_score": sum(c["max_points"] for c in judged),
+        "field_ready": None,
+        "checks": list(checks),
+        "recordings": [],
+        "versions": {"python": "3.11.2"},
+    }
+    return classes.stored(student, OBSTACLES, grading if checks else None, **parts)
+
+
+# --- text made harmless --------------------------------------------------------------------
+
+# --- what students don't see -----------------------------------------------------------------
+
+SECRET = check(
+    "b", "fail", 40, message="0.42 m ahead", expected="0.00 m/s", actual="0.50 m/s",
+    time=2.2, scenario="avoid_zones", help="compare with 0.5 m",
+)  # fmt: skip
+
+
+def hiding(hide: str) -> dict[str, Any]:
+    one = result("ada", check("a", "pass", 60), SECRET, check("f", "fail", 0, kind="field"))
+    assert one.grading is not None
+    runs = [
+        {"scenario": name, "title": name, "seed": 4711, "outcome": "completed", "bag": "/b"}
+        for name in ("avoid_zones", "avoid_field_lds01")
+    ]
+    one.grading.update(recordings=runs, field_ready=False)
+    return for_students(one.grading, ("agent.py",), ResultOptions(hide=hide).hidden)
+
+
+def test_students_never_see_the_instructors_paths() -> None:
+    shown = json.dumps(hiding("nothing"))
+    assert "/home/prof" not in shown
+    assert "/b" not in shown
+    assert "4711" in shown
+    assert "0.42 m ahead" in shown
+
+
+def test_hidden_field_checks_leave_no_trace() -> None:
+    shown = hiding("field")
+    assert [c["id"] for c in shown["checks"]] == ["a", "b"]
+    assert "field_lds01" not in json.dumps(shown)
+    assert shown["field_ready"] is None
+
+
+def test_hidden_worlds_have_neither_name_nor_seed() -> None:
+    shown = json.dumps(hiding("worlds"))
+    for word in ("4711", "avoid_zones", "avoid_field_lds01"):
+        assert word not in shown
+    assert "0.42 m ahead" in shown
+
+
+def test_hidden_details_leave_title_and_next_step() -> None:
+    shown = json.dumps(hiding("details,field"))
+    for word in ("4711", "avoid_", "0.42", "0.00 m/s", "0.50 m/s", "2.2", '"kind": "field"'):
+        assert word not in shown
+    assert "compare with 0.5 m" in shown
+    assert "The robot does b." in shown
+
+
+def test_an_unknown_word_to_hide_is_refused() -> None:
+    with pytest.raises(InputError, match=r"'detials'; did you mean details\?"):
+        ResultOptions(hide="field,detials")
