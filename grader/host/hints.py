@@ -132,4 +132,5 @@ def _telling(system: Callable[[Any], int]) -> Callable[[Any], int]:
             print(f"os.system({command!r}) returned {status}: {PROCESSES}", file=sys.stderr)
         return status
 
+    run.__module__ = "os"  # where pickle finds it
     return run

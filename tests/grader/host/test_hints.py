@@ -138,3 +138,11 @@ def test_causes_that_go_in_a_circle() -> None:
     first.__cause__, second.__cause__ = second, first
     assert hint(first) == ""
     assert hint(urllib.error.URLError(first)) == ""
+
+
+def test_os_system_is_still_found_by_pickle(run_node: RunNode) -> None:
+    recording = run_node("""
+        import pickle
+        print(pickle.loads(pickle.dumps(os.system)) is os.system)
+    """)
+    assert [line.text for line in recording.log if line.level == "stdout"] == ["True"]
