@@ -9,7 +9,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-long test-all test-deep lint format prove conform attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
+.PHONY: help setup grade test test-long test-all test-deep lint format prove conform wheel attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -22,7 +22,7 @@ grade: $(VENV)/.course ## set up, grade a reference solution, print the table, w
 test: $(VENV)/.dev ## set up, run the tests but for those that take long
 	$(PYTEST) -m "not long"
 
-test-long: $(VENV)/.dev ## run the tests that take long: most of the proof, attacks, nbgrader, JupyterLab
+test-long: $(VENV)/.dev ## run the tests that take long: most of the proof, attacks, browsers, DDS, nbgrader
 	$(PYTEST) -m long
 
 test-all: test test-long ## both, as CI does
@@ -52,16 +52,21 @@ prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which ch
 # A checkout of ros2/rclpy at the tag of the installed wheels; a folder of checkouts with nodes
 RCLPY ?=
 NODES ?=
-conform: $(VENV)/.dev ## is virtual time like time? RCLPY=… NODES=… (docs/virtual-time.md)
+conform: $(VENV)/.dev ## is virtual time like time, and portable like real? RCLPY=… NODES=…
 	$(PIP) install --constraint constraints.txt 'ros-jazzy-test-msgs==2.0.3'
 	$(BIN)/python -m grader.authoring.conform cpython
 	$(if $(RCLPY),$(BIN)/python -m grader.authoring.conform rclpy $(RCLPY))
 	$(if $(NODES),$(BIN)/python -m grader.authoring.conform nodes $(NODES))
+	$(BIN)/python -m grader.authoring.conform portable
+
+wheel: $(VENV)/.course ## build the wheel for every system into dist (docs/portable.md)
+	$(PIP) wheel --no-deps --wheel-dir dist .
 
 bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lidar.py
 	$(BIN)/python benchmarks/lockstep.py
 	$(BIN)/python benchmarks/determinism.py obstacle_avoidance goal_seeking
+	$(BIN)/python benchmarks/runtimes.py
 	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20 --variants 0
 
 attacks: $(VENV)/.dev ## every attack with all checks; what opens without each layer (docs/attacks.md)

@@ -17,16 +17,16 @@ from rich.markup import escape
 from grader.course.submission import Submission, file_beside, read_regular_file
 from grader.errors import InputError
 from grader.host.frames import MAX_STDIN
-from grader.link.hosts import ForkServer
+from grader.link.launcher import Launcher
 from grader.models.files import OWN
-from grader.recording import Endpoint, Recording, account_of, costs_of
+from grader.recording import Endpoint, Recording, account_of
 from grader.report.terminal import printable
 from grader.trial.training import MAX_FILE
 from grader.trial.trials import mixed_seed
 from grader.trial.virtual_time import run_trial
 from sim.lidar import PROFILES
 from sim.messages import CMD_VEL_TOPIC, TWIST_STAMPED
-from sim.scenario import Scenario, ScriptEvent, load_scenario
+from sim.scenario import Scenario, ScriptEvent, Transforms, load_scenario
 
 FIRST_GOAL = 0.5  # [s]
 PARAMETER = re.compile(r"[A-Za-z_][\w.]*:=.+")
@@ -59,7 +59,7 @@ def scenario_for(
         There is no such scenario or profile.
     """
     scenario = load_scenario(name)
-    changes: dict[str, object] = {}
+    changes: dict[str, object] = {"transforms": Transforms(enabled=True)}  # for nodes with tf2
     if lidar is not None:
         if lidar not in PROFILES:
             raise InputError(f"unknown lidar profile {lidar!r}; there are: {', '.join(PROFILES)}")
@@ -152,7 +152,7 @@ def _content(path: Path, option: str) -> bytes:
 def drive_node(
     submission: Submission,
     scenario: Scenario,
-    forkserver: ForkServer,
+    forkserver: Launcher,
     *,
     seed: int | None = None,
     arguments: Sequence[str] = (),
@@ -182,8 +182,11 @@ def drive_node(
     )
 
 
-def print_summary(recording: Recording, *, file: str, charged: bool = False) -> None:
-    """Print which topics the node used and what happened; `charged`: computing took time."""
+def print_summary(recording: Recording, *, file: str, practice: str = "") -> None:
+    """Print which topics the node used, what happened, and what computing cost.
+
+    `practice`: why a grading of it would be for practice only.
+    """
     console = Console(highlight=False)
     say = console.print
     say(f"[bold]{escape(file)}[/] in [bold]{recording.name}[/], seed {recording.seed}")
@@ -197,13 +200,10 @@ def print_summary(recording: Recording, *, file: str, charged: bool = False) -> 
         say(f"  {escape(printable(line, console))}")
     for line in recording.outcome.detail.splitlines()[-LAST_LINES:]:
         say(f"    {escape(printable(line, console))}", style="dim")
-    costs = costs_of(recording)
-    for line in account_of(costs) if costs else ():
+    for line in account_of(recording):
         say(f"  {line}")
-    if charged:
-        say(
-            "  Computing took time in this drive (--charge-compute): the run depends on the machine"
-        )
+    if practice:
+        say(f"  {practice}", style="yellow")
 
 
 def _topic_lines(recording: Recording) -> list[str]:

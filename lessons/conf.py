@@ -12,7 +12,14 @@ html_title = project
 author = "The authors of rclpy-agents-course"
 language = "en"
 
-extensions = ["myst_parser", "contract_role", "drawings", "offline_math", "course_links"]
+extensions = [
+    "myst_parser",
+    "contract_role",
+    "drawings",
+    "offline_math",
+    "course_links",
+    "accessible",
+]
 myst_enable_extensions = ["attrs_inline", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 nitpicky = True
@@ -23,6 +30,7 @@ exclude_patterns = ["quiz.md", "figures/**"]
 html_theme = "furo"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False

@@ -28,6 +28,8 @@ from strokes import (
     text,
 )  # fmt: skip
 
+from grader.course.generated import write_or_check
+
 FOLDER = Path(__file__).with_name("figures")
 NUMBERS = read()
 LEFT, SCALE, END = 20.0, 0.7, 600  # of timelines: x of time 0, units per ms, last time [ms]
@@ -286,19 +288,11 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 }
 
 
-def main() -> int:
+def main(arguments: list[str]) -> int:
     """Write the files; with `--check`, tell which are not what this program draws."""
-    FOLDER.mkdir(exist_ok=True)
-    stale = []
-    for name, draw in FIGURES.items():
-        file, drawn = FOLDER / f"{name}.svg", draw().svg(name)
-        if not file.is_file() or file.read_text("utf-8") != drawn:
-            stale.append(file.name)
-            if "--check" not in sys.argv:
-                file.write_text(drawn, "utf-8")
-    print("\n".join(stale))
-    return int(bool(stale) and "--check" in sys.argv)
+    drawn = ((FOLDER / f"{name}.svg", draw().svg(name)) for name, draw in FIGURES.items())
+    return write_or_check(drawn, "python lessons/figures.py", arguments)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -11,8 +11,15 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
+from sim.lidar import LidarProfile
+
 Angle = Annotated[float, Meta(ge=-180, le=180)]
 Offset = Annotated[float, Meta(ge=-3600, le=3600)]  # [s]
+EXACT = (0.5, 1.0)  # [m] thresholds of exercises: sent as they are ...
+NEAR = 0.008  # [m] ... and what else is to be seen, this much to either side
+BEYOND = 0.15  # share by which the other beams of a fill may reach beyond it ...
+AT_FILL = 1 / 3  # ... that are not at it
+ROOM = 0.05  # [m] a jittered reading stays away from the lidar's limits
 _TOLERANCE = 1e-6  # [°]; keeps the ends of an interval inside it despite rounding
 
 
@@ -36,15 +43,47 @@ class BenchScan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     stamp_offset: Offset = 0.0  # added to the header's stamp, as by a driver with a wrong clock [s]
 
 
-def bench_ranges(scan: BenchScan, angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the (n,) ranges [m] of a bench scan at these (n,) beam angles [rad]."""
+def bench_ranges(
+    scan: BenchScan,
+    profile: LidarProfile,
+    rng: np.random.Generator | None = None,
+    turned: float = 0.0,
+) -> NDArray[np.float64]:
+    """Return the (n,) ranges [m] of a bench scan at the beams of a lidar.
+
+    Parameters
+    ----------
+    rng
+        Draws a jitter: every finite reading moves a little, and background also reaches beyond its
+        fill. No two students see the same scan, and what is right for it stays the same kind of
+        thing: sectors, thresholds sent exactly, and readings that are no measurement don't move.
+    turned
+        How far the lidar's mount is turned to the left [rad].
+    """
     if scan.empty:
         return np.zeros(0)
-    degrees = np.degrees(angles)
-    ranges = np.full(len(angles), scan.fill)
+    degrees = np.degrees(profile.angles + turned)
+    ranges = np.full(len(degrees), scan.fill)
+    background = np.ones(len(degrees), bool)
     for patch in scan.patches:
-        ranges[_within(degrees, patch)] = patch.range
-    return ranges
+        inside = _within(degrees, patch)
+        ranges[inside] = patch.range
+        background[inside] = False
+    return ranges if rng is None else _jittered(ranges, background, profile, rng)
+
+
+def _jittered(
+    ranges: NDArray[np.float64],
+    background: NDArray[np.bool_],
+    profile: LidarProfile,
+    rng: np.random.Generator,
+) -> NDArray[np.float64]:
+    low, high = profile.range_min + ROOM, profile.range_max - ROOM
+    aside = rng.uniform(-NEAR, NEAR, len(ranges)) * ~np.isin(ranges, EXACT)
+    beyond = rng.uniform(0.0, BEYOND, len(ranges)) * (rng.random(len(ranges)) > AT_FILL)
+    moved = np.where(background, ranges * (1.0 + beyond), ranges) + aside
+    measured = (ranges >= low) & (ranges <= high)  # NaN is not, nor is inf
+    return np.where(measured, np.minimum(moved, high), ranges)
 
 
 def _within(degrees: NDArray[np.float64], patch: Patch) -> NDArray[np.bool_]:

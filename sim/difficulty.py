@@ -13,6 +13,7 @@ They take only static obstacles into account: carts are the same with every seed
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,6 @@ WAY = 6.0  # [m] to look ahead
 SURROUNDINGS = 4.0  # [m] around the start
 STEP = 0.1  # [m]
 ELBOW_ROOM = 0.15  # [m]
-CANDIDATES = 6  # seeds to choose from
 SCALE = (2.0, 0.5, 0.1, 0.5)  # differences of the four numbers that weigh the same
 
 
@@ -53,16 +53,15 @@ def difficulty(scenario: Scenario, seed: int) -> Difficulty:
     return Difficulty(free_way, width, _clutter(layout, radius), _tortuosity(scenario, layout))
 
 
-def comparable_seed(scenario: Scenario, seed: int) -> int:
-    """Return a seed, derived from `seed`, that makes the scenario about as hard as its own does.
+def comparable_seed(scenario: Scenario, seeds: Sequence[int]) -> int:
+    """Return which of the seeds makes the scenario most nearly as hard as its own does.
 
-    It is the closest of a few candidates; a scenario without random geometry keeps `seed`.
+    For a scenario without random geometry it is the first.
     """
     if not scenario.world.clutter and scenario.robot.start_jitter == (0.0, 0.0, 0.0):
-        return seed
+        return seeds[0]
     own = difficulty(scenario, scenario.seed)
-    candidates = [(seed + 7_919 * i) % 2**31 for i in range(CANDIDATES)]
-    return min(candidates, key=lambda candidate: own.distance(difficulty(scenario, candidate)))
+    return min(seeds, key=lambda seed: own.distance(difficulty(scenario, seed)))
 
 
 def _way_ahead(layout: Layout, radius: float) -> tuple[float, float]:

@@ -18,6 +18,14 @@ Floats = NDArray[np.float64]
 Pose = tuple[float, float, float]  # x [m], y [m], yaw [rad]
 
 
+def in_frame(frame: Pose, local: Pose) -> Pose:
+    """Return the pose [m, m, rad] of what is at `local` in the frame at `frame`."""
+    x, y, yaw = frame
+    dx, dy, turn = local
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return x + cos * dx - sin * dy, y + sin * dx + cos * dy, yaw + turn
+
+
 @dataclass(frozen=True, eq=False)
 class Cart:
     """A solid box that moves along waypoints; it rests before the first and after the last."""

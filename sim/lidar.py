@@ -2,7 +2,8 @@
 
 The profiles `default` and `wide` follow REP-117: +inf = nothing within range, -inf = something
 closer than the sensor can measure, NaN = erroneous. The drivers of the TurtleBot 3's LDS sensors do
-not: they send 0.0 for both. Noise, dropped beams and lost scans are in `sim/faults.py`.
+not: they send 0.0 for “no return” and for “too near”. How much noise a lidar has, and how many
+beams and scans it loses, is set by `Faults` in `sim/scenario.py`, and by each scenario's file.
 
 ========  =====  ==============  ======  ============  =========  ========
 profile   beams  angles [°]      [Hz]    range [m]     no return  too near
@@ -66,8 +67,8 @@ PROFILES: dict[str, LidarProfile] = {
 def readings(ranges: Floats, profile: LidarProfile) -> NDArray[np.float32]:
     """Return the (n,) float32 readings [m] for measured (n,) ranges [m] (inf: no return).
 
-    Ranges are rounded to 1 mm; one beyond the limits becomes what the profile sends for it. NaN
-    stays NaN.
+    Ranges are rounded to 1 mm; one outside the limits becomes the profile's value for it. NaN stays
+    NaN.
     """
     measured = np.rint(ranges * QUANTUM_PER_METRE)
     measured /= QUANTUM_PER_METRE

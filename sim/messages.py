@@ -25,6 +25,8 @@ GOAL_TOPIC = "/goal_pose"
 CMD_VEL_TOPIC = "/cmd_vel"
 CMD_VEL_RAW_TOPIC = "/cmd_vel_raw"
 E_STOP_TOPIC = "/e_stop"
+TF_TOPIC = "/tf"
+TF_STATIC_TOPIC = "/tf_static"
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -36,6 +38,7 @@ BOOL = "std_msgs/msg/Bool"
 STRING = "std_msgs/msg/String"
 UINT32 = "std_msgs/msg/UInt32"
 EMPTY = "std_msgs/msg/Empty"
+TF_MESSAGE = "tf2_msgs/msg/TFMessage"
 
 OFFERED = {  # what a scenario can have the robot send: topic → type
     SCAN_TOPIC: LASER_SCAN,
@@ -43,7 +46,10 @@ OFFERED = {  # what a scenario can have the robot send: topic → type
     GOAL_TOPIC: POSE_STAMPED,
     CMD_VEL_RAW_TOPIC: TWIST,
     E_STOP_TOPIC: BOOL,
+    TF_TOPIC: TF_MESSAGE,
+    TF_STATIC_TOPIC: TF_MESSAGE,
 }
+LATCHED = frozenset({TF_STATIC_TOPIC})  # sent once: who comes later hears the last message
 SENSORS = frozenset({SCAN_TOPIC, ODOM_TOPIC})  # the topics to which `[qos] sensors` applies
 
 LASER_FRAME = "laser"
@@ -121,15 +127,18 @@ def empty() -> bytes:
 def with_epoch(message: Message, epoch: int) -> Message:
     """Return the message of a scenario that starts at `epoch` [ns since 1970], not at EPOCH_NS.
 
-    Only the stamp of a header at the beginning of the message is changed.
+    Only the stamp of a header at the beginning of the message is changed, or of its one transform.
     """
     fields = typestore().fielddefs[message.type][1]
-    if not fields or fields[0][0] != "header":
+    at = _STAMP_AT
+    if message.type == TF_MESSAGE:
+        at += 4  # after the number of transforms
+    elif not fields or fields[0][0] != "header":
         return message
     data = bytearray(message.data)
-    seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_AT)
+    seconds, nanoseconds = _STAMP.unpack_from(data, at)
     stamp = seconds * 10**9 + nanoseconds - EPOCH_NS + epoch
-    _STAMP.pack_into(data, _STAMP_AT, *divmod(stamp, 10**9))
+    _STAMP.pack_into(data, at, *divmod(stamp, 10**9))
     return Message(message.topic, message.type, message.time, bytes(data))
 
 
@@ -144,8 +153,9 @@ def laser_scan(
     scan_time: float = 0.1,
     stamp: int | None = None,
     topic: str = SCAN_TOPIC,
+    frame_id: str = LASER_FRAME,
 ) -> Message:
-    """Return a sensor_msgs/LaserScan in frame `laser` with no intensities.
+    """Return a sensor_msgs/LaserScan with no intensities.
 
     Parameters
     ----------
@@ -159,10 +169,12 @@ def laser_scan(
         Limits of a valid reading [m].
     scan_time
         Between two scans [s].
+    frame_id
+        The frame in which its angles count.
     """
     beams = len(ranges)
     geometry = (angle_min, angle_increment, range_min, range_max, scan_time)
-    data = bytearray(_scan_template(beams, geometry))
+    data = bytearray(_scan_template(beams, geometry, frame_id))
     _write_stamp(data, time if stamp is None else stamp)
     end = len(data) - 4  # the empty intensities are one 4-byte length
     data[end - 4 * beams : end] = np.asarray(ranges, dtype="<f4").tobytes()
@@ -215,6 +227,33 @@ def pose_stamped(
     )
     value = types[POSE_STAMPED](header=_header(time, frame_id), pose=pose)
     return Message(topic, POSE_STAMPED, time, encode(value, POSE_STAMPED))
+
+
+def transform(
+    *,
+    time: int,
+    parent: str,
+    child: str,
+    x: float,
+    y: float,
+    yaw: float,
+    topic: str = TF_TOPIC,
+    stamp: int | None = None,
+) -> Message:
+    """Return a tf2_msgs/TFMessage: where the frame `child` is in `parent` [m, m, rad].
+
+    `time` and `stamp` are as in `odometry`.
+    """
+    types = typestore().types
+    value = types["geometry_msgs/msg/TransformStamped"](
+        header=_header(time if stamp is None else stamp, parent),
+        child_frame_id=child,
+        transform=types["geometry_msgs/msg/Transform"](
+            translation=types["geometry_msgs/msg/Vector3"](x=x, y=y, z=0.0),
+            rotation=_quaternion(yaw),
+        ),
+    )
+    return Message(topic, TF_MESSAGE, time, encode(types[TF_MESSAGE]([value]), TF_MESSAGE))
 
 
 def twist(
@@ -306,10 +345,12 @@ def _quaternion(yaw: float) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _scan_template(beams: int, geometry: tuple[float, float, float, float, float]) -> bytes:
+def _scan_template(
+    beams: int, geometry: tuple[float, float, float, float, float], frame_id: str
+) -> bytes:
     angle_min, angle_increment, range_min, range_max, scan_time = geometry
     value = typestore().types[LASER_SCAN](
-        header=_header(0, LASER_FRAME),
+        header=_header(0, frame_id),
         angle_min=angle_min,
         angle_max=angle_min + max(beams - 1, 0) * angle_increment,
         angle_increment=angle_increment,

@@ -40,7 +40,7 @@ def scenario_layout(scenario: Scenario, seed: int) -> Layout:
     if free <= 0.0 or is_inside(layout, (x, y)):
         raise InputError(
             f"{scenario.name or scenario.title}: robot.start: the robot would stand in something "
-            f"at ({x:.3g}, {y:.3g}) with seed {seed}; expected a free place of radius {spec.radius}"
+            f"at ({x:.3g}, {y:.3g}); expected a free place of radius {spec.radius}"
         )
     return layout
 

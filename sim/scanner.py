@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from sim.bench import bench_ranges
 from sim.caster import Caster, faces, static_faces
-from sim.faults import is_frozen, measured, speckle
-from sim.layout import Floats, Layout, Pose
+from sim.faults import is_frozen, measured, sensor_rng, speckle
+from sim.layout import Floats, Layout, Pose, in_frame
 from sim.lidar import PROFILES, bench_readings, readings
 from sim.messages import Message, laser_scan
 from sim.scenario import Scenario
@@ -20,15 +20,19 @@ class Scanner:
     ----------
     scenario, layout
         Profile, faults and bench; what can be seen.
-    rng
-        This sensor's own generator.
+    seed
+        With one that is not the scenario's own, the bench is jittered.
     """
 
-    def __init__(self, scenario: Scenario, layout: Layout, rng: np.random.Generator) -> None:
-        self._scenario, self._carts, self._rng = scenario, layout.carts, rng
+    def __init__(self, scenario: Scenario, layout: Layout, seed: int) -> None:
+        self._scenario, self._carts, self._seed = scenario, layout.carts, seed
+        self._rng = sensor_rng(seed, "lidar")
+        repeats = [scan.repeat for scan in scenario.bench]
+        self._entries = np.repeat(np.arange(len(repeats)), repeats)  # of the bench, by scan
         self._profile = profile = PROFILES[scenario.lidar.profile]
         self._scan_time = 1.0 / scan_rate(scenario)
         self._last: NDArray[np.float32] | None = None
+        self._mount = scenario.lidar.pose
         self._caster = Caster(
             static_faces(layout),
             beams=profile.beams,
@@ -38,7 +42,7 @@ class Scanner:
         )
 
     def scan(self, event: Event, pose: Pose) -> Message:
-        """Return the scan of this event, measured at the pose [m, m, rad]."""
+        """Return the scan of this event, measured with the robot at the pose [m, m, rad]."""
         profile = self._profile
         return laser_scan(
             time=event.delivery,
@@ -49,6 +53,7 @@ class Scanner:
             range_min=profile.range_min,
             range_max=profile.range_max,
             scan_time=self._scan_time,
+            frame_id=self._scenario.lidar.frame,
         )
 
     def _stamp_offset(self, event: Event) -> int:
@@ -59,14 +64,22 @@ class Scanner:
 
     def _readings(self, event: Event, pose: Pose) -> NDArray[np.float32]:
         if self._scenario.bench:
-            scan = self._scenario.bench_scans[event.index]
-            return bench_readings(bench_ranges(scan, self._profile.angles), self._profile)
+            return bench_readings(self._bench_ranges(event.index), self._profile)
         faults = self._scenario.faults
         if self._last is None or not is_frozen(event.time, faults):
-            ranges = self._caster.cast(*pose, moving=self._moving(event.time))
+            mounted = in_frame(pose, self._mount)
+            ranges = self._caster.cast(*mounted, moving=self._moving(event.time))
             ranges = measured(ranges, faults, self._rng)
             self._last = speckle(readings(ranges, self._profile), faults, self._rng)
         return self._last
+
+    def _bench_ranges(self, index: int) -> Floats:
+        """Return the (n,) ranges [m] of a bench scan; a repeated one is jittered once."""
+        entry, rng = int(self._entries[index]), None
+        if self._seed != self._scenario.seed:
+            rng = sensor_rng(self._seed, f"bench {entry}")
+        turned = self._mount[2]  # a bench counts from the robot's front
+        return bench_ranges(self._scenario.bench[entry], self._profile, rng, turned)
 
     def _moving(self, time: int) -> Floats | None:
         if not self._carts:

@@ -3,9 +3,9 @@
 The keys are the fields of the structs below. A scenario determines everything about a run except
 the node: the same scenario and seed give the same run, byte for byte.
 
-A file may begin with `extends = "slow_leader"`: it then starts from the tables of that scenario,
-which must not extend another, and its own keys override them. Tables are merged key by key; any
-other value, a list such as `[[script]]` too, replaces the inherited one as a whole. Title and
+A file may begin with `extends = "slow_leader"`: it then inherits that scenario's tables, and its
+own keys override them. That scenario must not extend a third. Tables are merged key by key; any
+other value, lists such as `[[script]]` included, replaces the inherited one as a whole. Title and
 description are not inherited.
 """
 
@@ -22,11 +22,13 @@ from msgspec import Meta
 from sim.bench import BenchScan
 from sim.errors import InputError
 from sim.lidar import PROFILES
+from sim.messages import LASER_FRAME
 from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown
 from sim.world import Degrees, Metres, World, load_world, world_from_doc, world_names
 
 SCENARIOS = Path(__file__).parent / "scenarios"
 EXTENDS = "extends"
+LIST = "course list --scenarios"
 _NOT_INHERITED = ("title", "description")
 MAX_BENCH_SCANS = 20_000
 _MAY_BE_INFINITE = (
@@ -42,6 +44,7 @@ _MAY_BE_INFINITE = (
 Probability = Annotated[float, Meta(ge=0, le=1)]
 Delay = Annotated[float, Meta(ge=0, le=10)]  # [s]
 Noise = Annotated[float, Meta(ge=0, le=10)]  # standard deviation
+Mount = Annotated[float, Meta(ge=-0.5, le=0.5)]  # from the robot's middle [m]
 Rate = Annotated[float, Meta(gt=0, le=200)]  # [Hz]
 Time = Annotated[float, Meta(gt=0, le=3600)]  # since the scenario's start [s]
 Scale = Annotated[float, Meta(gt=0, le=10)]
@@ -77,6 +80,13 @@ class LidarSpec(_Table, frozen=True):
     enabled: bool = True
     rate: Rate | None = None  # [Hz]; None: the profile's
     phase: Time = 0.013  # time of the first scan [s]
+    mount: tuple[Mount, Mount, Degrees] = (0.0, 0.0, 0.0)  # x [m], y [m], yaw [°] on the robot
+    frame: Annotated[str, Meta(pattern=r"^\w+$")] = LASER_FRAME  # `frame_id` of its scans
+
+    @property
+    def pose(self) -> tuple[float, float, float]:
+        """Where it is on the robot [m, m, rad]."""
+        return yaw_in_radians(self.mount)
 
     def __post_init__(self) -> None:
         """Refuse an unknown profile."""
@@ -97,11 +107,17 @@ class OdometrySpec(_Table, frozen=True):
     yaw_noise: Noise = 0.0  # of every reported yaw [rad]
 
 
-class Faults(_Table, frozen=True):
-    """[faults] What goes wrong in sensors and links; nothing by default."""
+class Transforms(_Table, frozen=True):
+    """[transforms] Where the robot is and how its lidar is mounted, for tf2."""
 
-    range_noise: Noise = 0.0  # of every reading [m]
-    range_bias: Annotated[float, Meta(ge=-10, le=10)] = 0.0  # added to every reading [m]
+    enabled: bool = False  # odom → base_link on /tf with each /odom, the lidar's on /tf_static
+
+
+class Faults(_Table, frozen=True):
+    """[faults] What goes wrong: noise of the lidar, lost messages, slip; nothing by default."""
+
+    range_noise: Noise = 0.0  # of the lidar: standard deviation of every reading [m]
+    range_bias: Annotated[float, Meta(ge=-10, le=10)] = 0.0  # of the lidar: added to every one [m]
     beam_dropout: Probability = 0.0  # that a beam sees nothing
     nan_speckle: Probability = 0.0  # that a beam reads NaN
     scan_latency: Delay = 0.0  # from measurement to delivery [s]
@@ -217,6 +233,7 @@ class Scenario(_Table, frozen=True, dict=True):
     robot: RobotSpec = RobotSpec()
     lidar: LidarSpec = LidarSpec()
     odometry: OdometrySpec = OdometrySpec()
+    transforms: Transforms = Transforms()
     faults: Faults = Faults()
     qos: Qos = Qos()
     node: NodeSpec = NodeSpec()
@@ -311,7 +328,7 @@ def _find(name_or_path: str | Path) -> Path:
         return Path(name_or_path)
     if path := _named(text):
         return path
-    raise InputError(f"no scenario is called '{text}'{nearest(text, scenario_names())}")
+    raise InputError(f"no scenario is called '{text}'{nearest(text, scenario_names(), LIST)}")
 
 
 def _named(name: str) -> Path | None:
@@ -342,7 +359,7 @@ def _base(name: Any, where: str) -> dict[str, Any]:
     at = f'{where}: {EXTENDS} = "{name}"'
     path = _named(name) if "/" not in name else None
     if path is None:
-        raise InputError(f"{at}: no scenario is called that{nearest(name, scenario_names())}")
+        raise InputError(f"{at}: no scenario is called that{nearest(name, scenario_names(), LIST)}")
     base = _parse(read_toml(path), str(path))
     if EXTENDS in base:
         what = "itself" if base[EXTENDS] == name else f"'{base[EXTENDS]}'"

@@ -13,6 +13,7 @@ from sim.faults import Times, deliveries, sensor_rng, survivors
 from sim.lidar import PROFILES
 from sim.scenario import RawCommands, Scenario
 
+STATIC_NS = 1_000_000  # when /tf_static is sent [ns]: before all sensors
 RAW_STREAM = 1_000_000  # messages of a stream at most: 3600 s at 200 Hz are 720,000
 
 
@@ -26,6 +27,8 @@ class Kind(IntEnum):
     ODOM = 4
     SCAN = 5
     RAW = 6
+    TRANSFORM = 7
+    STATIC_TRANSFORM = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +46,8 @@ def schedule(scenario: Scenario, seed: int) -> list[Event]:
     events = _scripted(scenario)
     if scenario.odometry.enabled:
         events += _odometry(scenario, seed)
+    if scenario.transforms.enabled:
+        events += _transforms(events)
     if scenario.lidar.enabled:
         events += _scans(scenario, seed)
     for index, stream in enumerate(scenario.raw):
@@ -86,6 +91,16 @@ def _odometry(scenario: Scenario, seed: int) -> list[Event]:
     times = _times(spec.phase, spec.rate, scenario.duration)
     times = times[survivors(times, faults.odom_loss, rng, ())]
     return _events(Kind.ODOM, times, deliveries(times, faults.odom_latency, 0.0, rng))
+
+
+def _transforms(odometry: list[Event]) -> list[Event]:
+    """Return a transform with each message of the odometry, and the lidar's at the beginning."""
+    moving = [
+        Event(event.time, Kind.TRANSFORM, event.index, event.delivery)
+        for event in odometry
+        if event.kind is Kind.ODOM
+    ]
+    return [*moving, Event(STATIC_NS, Kind.STATIC_TRANSFORM, 0, STATIC_NS)]
 
 
 def _scans(scenario: Scenario, seed: int) -> list[Event]:

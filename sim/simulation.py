@@ -9,6 +9,8 @@ Observations (messages that `advance` returns)
 |               |            | pose yaw, as a quaternion      | rad        | -π … π             |
 |               |            | twist linear.x, angular.z      | m/s, rad/s | ±0.5, ±1.9         |
 | PoseStamped   | /goal_pose | a goal of the script           | m, rad     | any, also nan, inf |
+| TFMessage     | /tf        | base_link in odom, as /odom    | m, rad     | any                |
+| TFMessage     | /tf_static | the lidar in base_link, once   | m, rad     | ±0.5, -π … π       |
 
 Actions (`commands` of `advance`)
 
@@ -50,12 +52,16 @@ from sim.clearance import clearance
 from sim.faults import sensor_rng
 from sim.layout import Floats, Layout, Pose
 from sim.messages import (
+    BASE_FRAME,
     CMD_VEL_RAW_TOPIC,
     E_STOP_TOPIC,
+    ODOM_FRAME,
+    TF_STATIC_TOPIC,
     Message,
     bool_,
     odometry,
     pose_stamped,
+    transform,
     twist,
 )
 from sim.odometry import Odometry
@@ -116,13 +122,14 @@ class Simulation:
             sensor_rng(self.seed, "odometry"),
             wheel_slip=slip,
         )
-        self._scanner = Scanner(scenario, self.layout, sensor_rng(self.seed, "lidar"))
+        self._scanner = Scanner(scenario, self.layout, self.seed)
         self._plan(schedule(scenario, self.seed))
         self._stepped = 0  # time that the physics has reached [ns]
         self._commands: list[tuple[int, float, float]] = []  # not yet in effect, by time
         self._command = (-(10**18), 0.0, 0.0)
         self._samples = [self._sample(contact=False)]
         self._touched = False
+        self._estimate = self.layout.start  # the last pose that the odometry measured
 
     @property
     def pose(self) -> Pose:
@@ -226,9 +233,22 @@ class Simulation:
         if event.kind is Kind.SCAN:
             return self._scanner.scan(event, pose)
         if event.kind is Kind.ODOM:
-            x, y, yaw = self._odometry.measure(pose)
+            self._estimate = x, y, yaw = self._odometry.measure(pose)
             v, w = self._odometry.speeds(*speeds)
             return odometry(time=event.delivery, stamp=event.time, x=x, y=y, yaw=yaw, v=v, w=w)
+        if event.kind is Kind.TRANSFORM:
+            x, y, yaw = self._estimate
+            return transform(
+                time=event.delivery, stamp=event.time, parent=ODOM_FRAME, child=BASE_FRAME,
+                x=x, y=y, yaw=yaw,
+            )  # fmt: skip
+        if event.kind is Kind.STATIC_TRANSFORM:
+            lidar = self.scenario.lidar
+            x, y, yaw = lidar.pose
+            return transform(
+                time=event.time, parent=BASE_FRAME, child=lidar.frame, x=x, y=y, yaw=yaw,
+                topic=TF_STATIC_TOPIC,
+            )  # fmt: skip
         if event.kind is Kind.RAW:
             stream = self.scenario.raw[event.index // RAW_STREAM]
             return twist(

@@ -35,6 +35,7 @@ _LENGTH = re.compile(r"Expected `array` of (?:at least )?length (?P<want>[<>=]* 
 _BOUND = re.compile(r"Expected `(?P<type>float|int)(?: \| null)?` [<>].*")
 _OURS = re.compile(r"(?P<key>\w+): (?P<what>.*)")  # a __post_init__ that names its field
 _MAX_BYTES = 4_000_000
+MANY = 12  # names: more would bury the message
 _MAX_SHOWN = 60  # characters of a value in an error
 
 
@@ -118,12 +119,17 @@ def convert(
     return value
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Return a hint such as "; did you mean 'hall'?", or all names when none is near."""
+def nearest(name: str, known: Iterable[str], command: str = "") -> str:
+    """Return a hint such as "; did you mean 'hall'?", or all names when none is near.
+
+    With a `command` that lists them, it stands in place of names that would fill a screen.
+    """
     names = sorted(known)
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     if close:
         return f"; did you mean '{close[0]}'?"
+    if command and len(names) > MANY:
+        return f"; `{command}` lists all {len(names)}"
     return f"; there is: {', '.join(names)}" if names else ""
 
 

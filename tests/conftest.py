@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,6 +18,16 @@ from grader.link.hosts import ForkServer
 from grader.link.pool import ForkServerPool
 
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]
+LONG = ("browser", "live")  # folders with what takes long by its nature: Chromium, DDS
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+CHROMIUM_ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--no-first-run",
+]
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -26,6 +37,15 @@ def pytest_xdist_auto_num_workers() -> int | None:
         return None  # pytest-xdist reads it
     cpus = len(os.sched_getaffinity(0))
     return cpus + cpus // 2
+
+
+@pytest.hookimpl(tryfirst=True)  # before `-m` selects
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave whole folders to `make test-long`."""
+    here = Path(__file__).parent
+    for item in items:
+        if item.path.is_relative_to(here) and item.path.relative_to(here).parts[0] in LONG:
+            item.add_marker(pytest.mark.long)
 
 
 @pytest.fixture(scope="session")
@@ -76,3 +96,37 @@ def build_site(folder: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 0, done.stderr
     (folder / "said.txt").write_text(done.stdout + done.stderr, "utf-8")
+
+
+# --- a browser -----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """A headless Chromium."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if path is None:
+        pytest.skip(f"no browser: none of {', '.join(CHROMIUM)} is on the PATH")
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=path, args=CHROMIUM_ARGUMENTS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="session")
+def axe() -> Callable[[Any], list[str]]:
+    """Return what axe-core has against a page: rule, how bad, where."""
+    package = pytest.importorskip("axe_playwright_python", reason="axe is not installed")
+    source = Path(package.__file__).with_name("axe.min.js").read_text("utf-8")
+
+    def violations(page: Any) -> list[str]:
+        page.evaluate(f"() => {{ {source} }}")
+        found = page.evaluate("axe.run(document, { resultTypes: ['violations'], iframes: false })")
+        return [
+            f"{rule['id']} ({rule['impact']}): {' '.join(map(str, node['target']))}"
+            for rule in found["violations"]
+            for node in rule["nodes"]
+        ]
+
+    return violations

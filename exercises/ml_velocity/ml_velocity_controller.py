@@ -50,7 +50,7 @@ class MlVelocityController(Node):
 
         Unpickling runs whatever code the file asks for: load only models that you made yourself.
         """
-        # TODO(task 2): unpickle the file. What if it is missing, or is no model?
+        # TODO(task 2): unpickle the file. What if it is missing, or not a model?
         return None
 
     def scan_callback(self, scan: LaserScan) -> None:

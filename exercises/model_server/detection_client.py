@@ -27,7 +27,7 @@ class DetectionClient(Node):
         super().__init__("detection_client")
         role: str = self.declare_parameter("role", "navigation").value
         self.beats = 0
-        self.request: Future | None = None  # the answer to come; None: nothing is asked
+        self.request: Future | None = None  # its answer is still to come; None: no open request
         self.asked_at = self.get_clock().now()
         self.heartbeat_publisher = self.create_publisher(UInt32, f"/{role}/heartbeat", 10)
         self.detection_publisher = self.create_publisher(String, f"/{role}/detection", 10)
@@ -39,7 +39,7 @@ class DetectionClient(Node):
         # TODO(task 5): count and publish.
 
     def ask_callback(self) -> None:
-        """Ask the server, unless it still owes an answer; after 1 s that one is given up."""
+        """Ask the server, unless a request is still open; give that one up after 1 s."""
         # TODO(task 6): call_async, and a callback for the answer. Never wait here.
         # TODO(task 7): at most one request at a time; give one up after PATIENCE.
 

@@ -27,7 +27,7 @@ STOP_DISTANCE = 0.5  # [m] nearer than this: no way ahead
 MAX_SPEED = 0.5  # [m/s]
 MAX_TURN_RATE = 1.9  # [rad/s]
 MAX_RISE = 0.045  # [m/s] that linear.x may rise in one tick: 0.9 m/s²
-REPORT_PERIOD = 1.0  # [s] a report at least so often
+REPORT_PERIOD = 1.0  # [s] report at least this often
 FRONT_HALF_ANGLE = math.pi / 2  # [rad] "ahead" is everything within ±90°
 
 
@@ -100,8 +100,8 @@ def is_finite(twist: Twist) -> bool:
 def decide(situation: Situation) -> Decision:
     """Return the command that is safe: the first rule that matches wins.
 
-    Faster by at most MAX_RISE than the last command (or than standstill, if that drove backwards);
-    slowing down, stopping and driving backwards are never delayed.
+    At most MAX_RISE faster than the last command (than standstill, if that one drove backwards).
+    Slowing down, stopping and driving backwards are never delayed.
     """
     # TODO(task 3): rules 1 to 4 stop the robot.
     # TODO(task 4): obstacle, limits, acceleration.

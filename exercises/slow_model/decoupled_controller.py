@@ -28,7 +28,7 @@ NEWEST_ONLY = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # 
 
 
 class Prediction(NamedTuple):
-    """What the model said, and how old the world was that it said it of."""
+    """What the model predicted, and from which scan."""
 
     speed: float  # [m/s], clipped
     stamp: Time  # of the scan
@@ -54,12 +54,13 @@ class DecoupledController(Node):
         model_path: str = self.declare_parameter("model_path", "velocity_model.pkl").value
         self.max_speed: float = self.declare_parameter("max_speed", 0.5).value  # [m/s]
         self.model = self.load_model(model_path)
-        # The only thing that both threads touch. It is replaced as a whole, so it needs no lock.
+        # The only thing that two threads share. It is replaced as a whole, so it needs no lock.
         self.prediction: Prediction | None = None
         self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         # TODO(task 2): subscribe to /scan (self.scan_callback), and create a timer that calls
         # self.control_callback every CONTROL_PERIOD seconds. Which callback groups do they need?
-        # Which depth does the subscription need, if no scan may wait behind another?
+        # Which depth does the subscription need, if no scan may wait behind another? (Or start
+        # a worker thread for the model here: then the default group will do.)
         self.get_logger().info("Decoupled controller started")
 
     def load_model(self, path: str) -> Any | None:
@@ -73,7 +74,7 @@ class DecoupledController(Node):
     def scan_callback(self, scan: LaserScan) -> None:
         """Inference: keep the model's clipped prediction for this scan. Takes 200 ms.
 
-        No model, a blind sector, a model that raises or says NaN: ``self.prediction = None``.
+        No model, a blind sector, a model that raises or returns NaN: ``self.prediction = None``.
         """
         # TODO(task 3): keep what self.choose_speed says in self.prediction, together with the
         # stamp of the *scan*.
@@ -101,7 +102,8 @@ def main(args: list[str] | None = None) -> None:
         # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         node = DecoupledController()
-        # TODO(task 2): this executor runs one callback at a time. Which one runs two?
+        # TODO(task 2): this executor runs one callback at a time, which is enough with a worker
+        # thread. Which one runs two?
         executor = rclpy.get_global_executor()
         executor.add_node(node)
         try:

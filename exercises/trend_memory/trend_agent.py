@@ -50,10 +50,10 @@ def front_distance(scan: LaserScan) -> float | None:
 def closing_speed(readings: Sequence[Reading]) -> float:
     """Return how fast the distance shrinks over these readings [m/s]; negative: it grows.
 
-    It is minus the slope of the line through (stamp, distance) that has the least squares.
+    It is minus the slope of the least-squares line through the points (stamp, distance).
 
     A stamp is about 1.7e9 s. Its square leaves no digits for milliseconds in a float, so count
-    the time from the middle of the readings.
+    the time from the mean of the stamps.
     """
     # TODO(task 3): fit the line; return minus its slope.
     return 0.0
@@ -99,8 +99,8 @@ class TrendAgent(Node):
         Parameters
         ----------
         stamp
-            When the scan was measured [s]. One that lies before the last one, or more than 1 s
-            after it, empties the memory first.
+            When the scan was measured [s]. A stamp before that of the previous scan, or more than
+            1 s after it, empties the memory first.
         distance
             To the nearest thing ahead [m]. None and ``inf`` are not remembered.
 

@@ -11,6 +11,7 @@ from collections import defaultdict
 
 from grader.authoring.proof import Claim, claims
 from grader.course.exercises import ROOT, Exercise, all_exercises
+from grader.course.generated import write_or_check
 
 PAGE = ROOT / "docs" / "mutants.md"
 HEAD = """\
@@ -19,8 +20,8 @@ HEAD = """\
 Every check of the course is proven by wrong solutions, *mutants*: nodes with one realistic mistake
 each, written as an edit of a right one in `solutions/<exercise>/mutants.toml`. `make prove` grades
 them all; each has to fail exactly the checks named here. (Checks that are skipped because one that
-they need failed are not listed.) `python -m grader.authoring.mutants <exercise> <mutant>` prints a
-whole one.
+they need failed are not listed.) `python -m grader.authoring.mutants <exercise> <mutant>` prints
+the complete program of one.
 
 This page is made from those files by `python -m grader.authoring.catalogue`.
 """
@@ -33,17 +34,8 @@ def catalogue() -> str:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the page, or with `--check` compare it; 1 if it is out of date."""
-    page = catalogue()
-    if "--check" in arguments:
-        if PAGE.is_file() and PAGE.read_text("utf-8") == page:
-            return 0
-        print(
-            f"{PAGE.relative_to(ROOT)} is out of date: run `python -m grader.authoring.catalogue`"
-        )
-        return 1
-    PAGE.write_text(page, "utf-8")
-    return 0
+    """Write the page, or with `--check` compare it; 1 if it is out of step."""
+    return write_or_check([(PAGE, catalogue())], "python -m grader.authoring.catalogue", arguments)
 
 
 def _section(exercise: Exercise) -> str:

@@ -19,7 +19,7 @@ import msgspec
 
 from grader.authoring.proof import Claim, claims, complete, objections
 from grader.course.exercises import find_exercise
-from grader.course.students import student_seed
+from grader.course.students import student_key
 from grader.course.submission import Submission
 from grader.grading.grading import Grading, grade
 from grader.grading.plugin import INCONCLUSIVE, PASS, SKIP
@@ -85,7 +85,7 @@ def _examine(
     field: bool,
 ) -> Verdict:
     begin = time.perf_counter()
-    seed = student_seed(SECRET, f"student {student}", claim.exercise.slug)
+    seed = student_key(SECRET, f"student {student}", claim.exercise.slug)
     judged = field and claim.field_ready
     stalls = 0
     while True:
@@ -179,7 +179,7 @@ class ThriftyTrials(NodeTrials):
         self.made.append(scenario.name)
         if not own:
             self.shared.add(recording)
-        elif scenario.training is None:
+        elif scenario.training is None and not scenario.bench:
             self.difficulties[scenario.name] = difficulty(scenario, seed)
         return recording
 

@@ -10,8 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from grader.authoring.mutants import CATALOGUE, mutants
-from grader.course.exercises import SOLUTIONS, all_exercises
+from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.nbgrader.cells import definition
+
+CHECKS = ROOT / "grader" / "checks"
+FEATURES = ROOT / "grader" / "models" / "features.py"
+GRADER = "grader/"  # of a release: checks belong there, and nowhere else
 
 Shingle = tuple[str, ...]
 SHINGLE = 6  # consecutive non-empty lines that nobody writes twice by chance
@@ -56,7 +60,8 @@ def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
     Searched for: the markers of solutions and hidden tests, and any run of SHINGLE lines of a
     solution, variant or mutant that the skeletons don't have. How a node begins and ends is no
     answer: every skeleton's `main` is finished, so what it says is not searched for, even if that
-    skeleton is not in the release.
+    skeleton is not in the release. The checks are released, because practice needs them; a piece of
+    one anywhere else in the release is a leak like any other.
     """
     given = set(_mains())
     for file in (folder / "exercises").rglob("*.py"):
@@ -67,13 +72,21 @@ def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
         for shingle in _secret_shingles(lines):
             if shingle not in given or _is_marked(lines):
                 secrets.setdefault(shingle, place)
+    for place, program in _checks():
+        for shingle in _secret_shingles(_lines(program)):
+            if shingle not in given:
+                secrets.setdefault(shingle, place)
     numbers = {exercise.slug: exercise.number for exercise in all_exercises()}
     found = []
     for text in _texts(folder):
         if any(MARK.match(line) for line in text.lines):
             found.append(Leak(text.place, "", ""))
         hits = (s for size in SIZES for s in _shingles(text.lines, size) if s in secrets)
-        first = {secrets[hit]: hit[0] for hit in reversed(list(hits))}
+        first = {
+            secrets[hit]: hit[0]
+            for hit in reversed(list(hits))
+            if not (text.place.startswith(GRADER) and secrets[hit].startswith(GRADER))
+        }
         for source, line in sorted(first.items()):
             of = PurePosixPath(source).parts[1]
             earlier = numbers.get(text.exercise, 0) > numbers.get(of, len(numbers))
@@ -86,6 +99,7 @@ def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
 
 def _texts(folder: Path) -> Iterator[_Text]:
     """Yield every text that a reader of the release sees, in the order of the files."""
+    owners = _owners()
     for file in sorted(folder.rglob("*")):
         if not file.is_file() or file.suffix not in READ:
             continue
@@ -97,13 +111,19 @@ def _texts(folder: Path) -> Iterator[_Text]:
                 shown = html.unescape(TAG.sub("", NUMBERS.sub("", _read(file))))
                 yield _Text(path.as_posix(), _lines(shown))
             case _:
-                of = path.parts[1] if path.parts[0] == "exercises" else ""
+                downloaded = owners.get(path.name, "") if "_downloads" in path.parts else ""
+                of = path.parts[1] if path.parts[0] == "exercises" else downloaded
                 yield _Text(path.as_posix(), _lines(_read(file)), of)
+
+
+def _owners() -> dict[str, str]:
+    """Return the slug of the exercise that each file belongs to."""
+    return {file: exercise.slug for exercise in all_exercises() for file in exercise.files}
 
 
 def _cells(place: str, notebook: str) -> Iterator[_Text]:
     """Yield the cells of a notebook (its JSON), with their outputs."""
-    owners = {file: exercise.slug for exercise in all_exercises() for file in exercise.files}
+    owners = _owners()
     for number, cell in enumerate(json.loads(notebook)["cells"], start=1):
         source = "".join(cell["source"])
         made = definition(source) if cell["cell_type"] == "code" else None
@@ -137,6 +157,12 @@ def _solutions(folder: Path) -> Iterator[tuple[str, str]]:
         catalogue = f"{folder.name}/{exercise.slug}/{CATALOGUE}"
         for mutant in mutants(exercise, folder / exercise.slug):
             yield f"{catalogue}: {mutant.name}", mutant.text
+
+
+def _checks() -> Iterator[tuple[str, str]]:
+    """Yield the path and the text of each file of the checks that knows what is right."""
+    for file in (*sorted(CHECKS.rglob("*.py")), FEATURES):
+        yield file.relative_to(ROOT).as_posix(), _read(file)
 
 
 def _mains() -> Iterator[Shingle]:

@@ -151,9 +151,11 @@ def section(number: int, listing: Listing) -> str:
     Raises
     ------
     GraderError
-        It fails other checks than those with advice.
+        It fails other checks than those with advice, or the machine was too busy to judge.
     """
     grading = grade_listing(listing)
+    if grading.faulty:
+        raise GraderError(f"{listing.file}: not all checks could be judged; run this once more")
     failed = [check for check in grading.checks if check.outcome == FAIL]
     if {check.id for check in failed} != set(listing.acts):
         found = ", ".join(check.id for check in failed)

@@ -6,7 +6,7 @@ checks are only judged when all of the core passed, so a mutant names either kin
 claims the badge says so in its docstring: `field: all`.
 
 `python -m grader.authoring.proof [EXERCISE …]` prints which mutant is killed by which check;
-`--only NAME` proves one.
+`--only NAME` proves one, `--workers N` says how many processes grade.
 
 Of an exercise with several files, a variant is a folder with some of them, or one file that says
 which it stands for (`file: detection_client.py`; the first by default). Those that it lacks are the
@@ -18,6 +18,7 @@ from __future__ import annotations
 import argparse
 import ast
 import contextlib
+import os
 import re
 import sys
 import tempfile
@@ -25,6 +26,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from grader.authoring.gradings import gradings
 from grader.authoring.mutants import mutants, stands_for, submission_of
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.installed import why_not
@@ -33,6 +35,7 @@ from grader.errors import InputError
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import FAIL, UNAVAILABLE
 from grader.link.hosts import ForkServer
+from grader.link.launcher import Launcher
 from sim.messages import EPOCH_NS
 
 SKELETON_POINTS = 10  # at most
@@ -103,7 +106,7 @@ def claim_of(exercise: Exercise, kind: str, path: Path) -> Claim:
     return Claim(exercise, kind, path.stem, files, about, field_ready=ready)
 
 
-def grade_claim(claim: Claim, forkserver: ForkServer) -> Grading:
+def grade_claim(claim: Claim, forkserver: Launcher) -> Grading:
     """Grade a solution with the core and the field checks."""
     with complete(claim) as submission:
         file = f"{claim.stem}.py"
@@ -186,6 +189,8 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="proof", description="Prove the graders.")
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="name or number; or all")
     parser.add_argument("--only", metavar="NAME", help="prove one solution or mutant")
+    cpus = len(os.sched_getaffinity(0))
+    parser.add_argument("--workers", type=int, default=cpus, help=f"processes; {cpus} by default")
     options = parser.parse_args(arguments)
     try:
         exercises = [find_exercise(name) for name in options.exercises] or all_exercises()
@@ -193,10 +198,12 @@ def main(arguments: list[str]) -> int:
             return _prove_one(options.only, exercises)
     except InputError as error:
         parser.error(str(error))
-    tallies = []
-    for exercise in exercises:
-        with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
-            tallies.append(_prove(exercise, forkserver))
+    if options.workers < 1:
+        parser.error(f"--workers {options.workers}: expected at least 1")
+    everything = {exercise: list(claims(exercise)) for exercise in exercises}
+    provable = [claim for each in everything.values() for claim in each if not claim.lacks]
+    graded = gradings(provable, options.workers)
+    tallies = [_prove(exercise, each, graded) for exercise, each in everything.items()]
     print(f"\n  {'exercise':24} killed  of")
     for tally in tallies:
         rest = f"  ({tally.in_part} claims not proven in full here)" if tally.in_part else ""
@@ -232,19 +239,20 @@ def _print_list(title: str, lines: list[str]) -> None:
     print("".join(f"  {line}\n" for line in lines), end="")
 
 
-def _prove(exercise: Exercise, forkserver: ForkServer) -> Tally:
+def _prove(exercise: Exercise, claimed: list[Claim], graded: Iterator[Grading]) -> Tally:
+    """Print a line for each claim; `graded` has the gradings of those that can be proven here."""
     tally = Tally(exercise.slug)
     used: set[str] = set()
     judged: set[str] = set()
     reasons: dict[str, None] = {}  # why checks can't be judged here
-    for claim in claims(exercise):
+    for claim in claimed:
         tally.mutants += claim.kind == "mutant"
         if claim.lacks:
             tally.in_part += 1
             reasons[claim.lacks] = None
             print(f"~ {claim.name:64}   -  not proven here", flush=True)
             continue
-        grading = grade_claim(claim, forkserver)
+        grading = next(graded)
         against = [f"{claim.name}: {line}" for line in objections(claim, grading)]
         absent = unavailable(grading)
         judged |= {check.id for check in grading.checks if check.id not in absent}

@@ -17,7 +17,7 @@ HAIR = 0.001  # [m] distances this near to a threshold may fall on either side, 
 @lru_cache(maxsize=4096)  # many checks look at the same scan
 def front_distance(scan: Scan, half_angle: float = FRONT_HALF_ANGLE) -> float | None:
     """Return the smallest usable distance within ±half_angle [°] of ahead [m]; None: blind."""
-    layout = len(scan.ranges), scan.angle_min, scan.angle_increment
+    layout = len(scan.ranges), scan.first_angle, scan.angle_increment
     ranges = scan.ranges[_ahead(*layout, half_angle)].astype(np.float64)
     limits = np.float32(scan.range_min), np.float32(scan.range_max)
     usable = ranges[np.isinf(ranges) | ((ranges >= limits[0]) & (ranges <= limits[1]))]
@@ -25,7 +25,7 @@ def front_distance(scan: Scan, half_angle: float = FRONT_HALF_ANGLE) -> float | 
 
 
 @lru_cache(maxsize=256)
-def _ahead(beams: int, angle_min: float, increment: float, half_angle: float) -> NDArray[np.bool_]:
+def _ahead(beams: int, first: float, increment: float, half_angle: float) -> NDArray[np.bool_]:
     """Return which beams of a lidar lie within ±half_angle [°] of ahead, (beams,)."""
-    degrees = np.degrees(angle_min + increment * np.arange(beams, dtype=float))
+    degrees = np.degrees(first + increment * np.arange(beams, dtype=float))
     return np.abs((degrees + 180.0) % 360.0 - 180.0) <= half_angle

@@ -71,9 +71,9 @@ def judged(recording: Recording, tag: str = "") -> list[Answer]:
     if not found:
         pairs = zip(recording.scans(), scenario.bench_scans, strict=False)
         fail(
-            f"no command has come by the scans “{tag}”",
+            f"no command came for the scans “{tag}”",
             expected="a Twist for each scan",
-            actual="none, until the end",
+            actual="none by the end",
             at=next((scan.t for scan, bench in pairs if not tag or tag in bench.tags), None),
             recording=recording,
             help="Publish once at the end of the scan callback, whatever the scan was.",

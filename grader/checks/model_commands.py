@@ -37,7 +37,7 @@ def require_speed(
     """
     if answer.speed is None:
         fail(
-            f"no command has come by {what}",
+            f"there was still no command after {what}",
             expected=f"a Twist with linear.x = {right} m/s",
             actual="nothing on /cmd_vel",
             at=answer.scan.t,
@@ -84,7 +84,7 @@ def require_error_log(recording: Recording, problem: str) -> None:
         actual=f"lines of level {levels} only" if levels else "an empty log",
         at=first_asked(recording),
         recording=recording,
-        help="A robot that silently stands still costs an afternoon; say which file is the cause.",
+        help="A robot that silently stands still costs an afternoon: log which file is the cause.",
     )
 
 

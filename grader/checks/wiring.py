@@ -129,7 +129,7 @@ def _require_end(recording: Recording, wanted: _Wanted) -> None:
             expected=expected,
             actual=f"{end.reliability}, {end.durability}, depth {end.depth}: {end.mismatch}",
             recording=recording,
-            help=f"{advice} ROS 2 says so only in a warning of the log.",
+            help=f"{advice} ROS 2 reports this only as a warning in the log.",
         )
 
 
@@ -188,5 +188,5 @@ def _fail_type(recording: Recording, wanted: _Wanted, end: Endpoint) -> None:
         expected=wanted.type,
         actual=end.type,
         recording=recording,
-        help="ROS 2 never connects two ends of different types, and says nothing about it.",
+        help="ROS 2 never connects two ends of different types, and does not report it.",
     )

@@ -72,13 +72,13 @@ def _autograde(
             store.retry_held()
         run = RegradeRun if regrade else GradingRun
         try:
-            run(store, out, candidates, options, progress).run()
+            notes = run(store, out, candidates, options, progress).run()
         finally:
             store.requeue_running()
         results = store.results()
         wanted = ResultOptions(
             hide=options.hide,
-            notes=[*store.notes(), *_version_notes(results)],
+            notes=[*store.notes(), *notes, *_version_notes(results)],
             sources={key: candidate.read_if_possible() for key, candidate in candidates.items()},
             workers=options.workers,
         )

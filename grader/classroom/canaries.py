@@ -1,8 +1,7 @@
 """Known solutions graded along with the class: they show whether the grader still judges right.
 
 A right solution must pass, and a wrong one must fail exactly the checks it names. If one does not,
-everything graded since the last good round is suspect and is graded again. A machine that stalls
-is another matter: it says nothing about the grader, and the canary is judged again, alone.
+everything graded since the last good round is suspect and is graded again (`trust`).
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from typing import Any
 
 from grader.authoring.proof import Claim, claims
 from grader.classroom.store import Key
-from grader.classroom.work import Unit
+from grader.classroom.work import Unit, unjudged
 from grader.course.exercises import Exercise
 
 REFERENCE, MUTANT = ".reference", ".mutant"  # no student's id begins with a dot
@@ -25,6 +24,15 @@ class Canary:
 
     unit: Unit
     fails: frozenset[str]  # checks; none for a right solution
+
+    @property
+    def name(self) -> str:
+        """What the instructor reads."""
+        return self.unit.student.lstrip(".")
+
+    def unjudged(self, grading: dict[str, Any] | None) -> bool:
+        """Tell whether the grader or the machine failed, so that there is no verdict."""
+        return grading is None or bool(unjudged(grading))
 
     def drift(self, grading: dict[str, Any] | None, problem: str) -> str:
         """Say how the outcome differs from the one it must have; "" if it doesn't."""
@@ -71,7 +79,12 @@ class CanaryRounds:
 
     def begin(self, confirms: list[Key]) -> None:
         """Begin a round; if it is good, it confirms these units."""
-        self.waiting, self.confirms, self.drifts = list(self.canaries), confirms, []
+        self.waiting, self.confirms, self.drifts = [], confirms, []
+        for canary in self.canaries:
+            if self.strikes:  # was it what ran beside it?
+                self.again(canary)
+            else:
+                self.waiting.append(canary)
         self.graded, self.requested, self.unconfirmed = 0, False, False
 
     @property
@@ -80,7 +93,7 @@ class CanaryRounds:
         return bool(self.waiting) and self.waiting[0].unit.alone
 
     def again(self, canary: Canary) -> None:
-        """Have a canary judged again with nothing else running: the machine stalled."""
+        """Have a canary judged with nothing else running."""
         self.waiting.append(replace(canary, unit=replace(canary.unit, alone=True)))
 
     def next(self) -> Unit:

@@ -11,7 +11,7 @@ from grader.classroom.intake import Found, find_files, find_students
 from grader.classroom.options import Options
 from grader.classroom.store import Key, Store
 from grader.course.exercises import Exercise, all_exercises, find_exercise
-from grader.course.students import student_seed
+from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 
@@ -23,7 +23,7 @@ class Candidate:
     student: str
     exercise: Exercise
     found: Found
-    seed: int | None
+    seed: Seed | None
     conditions: str  # fingerprint of the grader that would judge them
 
     def read(self) -> dict[str, bytes]:
@@ -105,7 +105,7 @@ def _find_candidates(submissions: Path, scratch: Path, options: Options) -> dict
             student,
             exercises[slug],
             each,
-            None if secret is None else student_seed(secret, student, slug),
+            None if secret is None else student_key(secret, student, slug),
             conditions[slug],
         )
         for (student, slug), each in found.items()

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from grader.course.exercises import ROOT, Exercise
+from grader.course.students import Seed
 from grader.grading.grading import versions
 
 SUFFIXES = {".py", ".toml", ".xml"}
@@ -26,7 +27,7 @@ def fingerprint(exercise: Exercise) -> str:
 
 
 def submission_hash(
-    exercise: Exercise, files: Mapping[str, bytes], *, seed: int | None, field: bool, tier: int
+    exercise: Exercise, files: Mapping[str, bytes], *, seed: Seed | None, field: bool, tier: int
 ) -> str:
     """Return a hash of the submitted files and of how they are to be graded."""
     digest = hashlib.sha256(json.dumps([exercise.slug, seed, field, tier]).encode())

@@ -52,6 +52,9 @@ class Progress(Protocol):
     def begin(self, total: int) -> None:
         """`total` units are to be graded."""
 
+    def more(self, count: int) -> None:
+        """So many more, of earlier runs, are graded again."""
+
     def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
         """A unit has come back; unless it is `over`, it will run again.
 
@@ -94,6 +97,12 @@ class ConsoleProgress:
             )  # fmt: skip
             self._bar.start()
             self._task = self._bar.add_task("", total=total)
+
+    def more(self, count: int) -> None:
+        """Make the bar longer."""
+        self._total += count
+        if self._bar is not None:
+            self._bar.update(self._task, total=self._total)
 
     def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
         """Print a line."""

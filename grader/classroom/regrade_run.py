@@ -10,7 +10,7 @@ from grader.classroom.candidates import Candidate
 from grader.classroom.engine import WorkerDied
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
-from grader.classroom.row import StoredResult
+from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.store import Key, Store
 from grader.classroom.work import Unit, UnitResult, unjudged
 
@@ -37,19 +37,21 @@ class RegradeRun:
         self._units: list[Unit] = []
         for result in store.results():
             key = (result.student, result.exercise)
-            if key not in candidates or result.recordings is None:
+            judged = result.state in (GRADED, HELD)  # else an ordinary run will do it
+            if key not in candidates or result.recordings is None or not judged:
                 continue
             folder = out / result.recordings
             if folder.is_dir():
                 self._old[key] = result
                 self._units.append(_unit(result, folder))
 
-    def run(self) -> None:
-        """Judge every submission that has recordings."""
+    def run(self) -> list[str]:
+        """Judge every submission that has recordings; nothing is to be said of that."""
         self._progress.begin(len(self._units))
         left = iter(self._units)
         with engine.open_workers(self._options.workers) as workers:  # the bags are on this machine
             engine.run(workers, lambda _busy: next(left, None), self._done)
+        return []
 
     def _done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
         if isinstance(result, WorkerDied) or result.grading is None:

@@ -13,6 +13,10 @@ HELD: Final = "held"  # a person has to look before it counts
 
 STATES = (WAITING, RUNNING, GRADED, HELD)
 
+# Parts of a `problem`
+STALLS: Final = "the machine stalled"
+TWICE: Final = "judged twice, the second time with nothing beside it"
+
 
 @dataclass(frozen=True)
 class StoredResult:

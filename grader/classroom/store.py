@@ -155,30 +155,32 @@ class Store:
         grading: dict[str, Any] | None,
         *,
         problem: str = "",
+        again: bool = False,
         recordings: str | None = None,
         cpu_s: float = 0.0,
         wall_s: float = 0.0,
         worker: str = "",
     ) -> None:
-        """Store a result; one with a problem is held."""
+        """Store a result; one with a problem is held, or goes `again` into the queue."""
         with self._change():
             self._db.execute(
-                "UPDATE units SET state=?, grading=?, problem=?, recordings=?, cpu_s=?, wall_s=?,"
-                " worker=?, finished=?, verified=0 WHERE student=? AND exercise=?",
+                "UPDATE units SET state=?, unsure=unsure+?, grading=?, problem=?, recordings=?,"
+                " cpu_s=?, wall_s=?, worker=?, finished=?, verified=0"
+                " WHERE student=? AND exercise=?",
                 (
-                    HELD if problem else GRADED,
+                    WAITING if again else HELD if problem else GRADED,
+                    int(again),
                     None if grading is None else json.dumps(grading),
                     _text(problem), recordings, cpu_s, wall_s, worker, _now(), *key,
                 ),
             )  # fmt: skip
 
-    def requeue(self, key: Key, *, death: bool = False, unsure: bool = False) -> Counts:
-        """Put a unit back into the queue because its worker died or could not judge."""
+    def requeue(self, key: Key, *, death: bool = False) -> Counts:
+        """Put a unit back into the queue, because its worker died or there was no room."""
         with self._change():
             self._db.execute(
-                "UPDATE units SET state=?, deaths=deaths+?, unsure=unsure+?"
-                " WHERE student=? AND exercise=?",
-                (WAITING, int(death), int(unsure), *key),
+                "UPDATE units SET state=?, deaths=deaths+? WHERE student=? AND exercise=?",
+                (WAITING, int(death), *key),
             )
         return self.counts(key)
 

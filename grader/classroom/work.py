@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from grader.course.exercises import Exercise, find_exercise
+from grader.course.students import Seed
 from grader.errors import is_disk_full
 from grader.grading.grading import grade
 from grader.grading.handed_in import grade_files, reason_of
@@ -37,7 +38,7 @@ class Unit:
     student: str
     exercise: str  # slug
     files: dict[str, bytes]
-    seed: int | None = None
+    seed: Seed | None = None
     field: bool = False
     tier: int = 1
     bags: bool = True  # record every trial

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from grader.cli.results import FAULT, FULL, LESS
+from grader.errors import InputError
 
 EXAMPLES = """\b
 Examples:
@@ -53,6 +54,11 @@ def autograde(
     """
     from rich.console import Console  # noqa: PLC0415
 
+    from grader.link.choice import why_no_class  # noqa: PLC0415
+
+    no_class = "" if regrade or options["dask"] else why_no_class(trust=options["trust"])
+    if no_class:
+        raise InputError(no_class)
     from grader.classroom.batch import autograde as grade_class  # noqa: PLC0415
     from grader.classroom.options import Options  # noqa: PLC0415
     from grader.classroom.progress import ConsoleProgress, say, summary  # noqa: PLC0415

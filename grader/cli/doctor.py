@@ -14,6 +14,14 @@ def doctor() -> int:
     """
     from rich.console import Console  # noqa: PLC0415
 
+    from grader.link.choice import why_not_linux  # noqa: PLC0415
+
+    reason = why_not_linux()
+    if reason:
+        from grader.report.terminal import render_practice  # noqa: PLC0415
+
+        render_practice(reason, Console())
+        return 1
     from grader.link.doctor import diagnose  # noqa: PLC0415
     from grader.report.terminal import render_diagnosis  # noqa: PLC0415
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from grader.cli.results import FULL, LESS, check_writable, write_report
-from grader.cli.start import start_forkserver
+from grader.cli.start import portable_option, start_forkserver
 
 EXAMPLES = """\b
 Examples:
@@ -42,6 +42,7 @@ Examples:
 @click.option("--seed", type=click.IntRange(0, 10**6), help="Vary world and noise.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
 @click.option("--bag", type=click.Path(path_type=Path), help="Save the drive as a bag.")
+@portable_option
 def drive(
     file: Path,
     scenario: str,
@@ -56,6 +57,7 @@ def drive(
     seed: int | None,
     report: Path | None,
     bag: Path | None,
+    portable: bool,
 ) -> int:
     """Run any rclpy node in the mock robot, without grading."""
     from grader import drive as driving  # noqa: PLC0415
@@ -69,7 +71,7 @@ def drive(
     files = driving.read_params_files(params_files, taken)
     text = driving.read_stdin(stdin)
     check_writable(report)
-    with start_forkserver() as forkserver:
+    with start_forkserver(portable=portable) as forkserver:
         recording = driving.drive_node(
             submission,
             chosen,
@@ -84,7 +86,7 @@ def drive(
         from grader.recording.bag import save  # noqa: PLC0415
 
         save(recording, bag)
-    driving.print_summary(recording, file=str(file), charged=charge_compute)
+    driving.print_summary(recording, file=str(file), practice=forkserver.practice)
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
     return FULL if recording.outcome.completed else LESS

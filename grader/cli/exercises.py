@@ -2,26 +2,58 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+
 import click
 
 EXAMPLES = """\b
 Examples:
   course list
+  course list --scenarios
 """
 
 
 @click.command("list", epilog=EXAMPLES)
-def list_() -> None:
-    """List the exercises."""
+@click.option(
+    "--scenarios", is_flag=True, help="The scenarios, for `course drive --scenario NAME`."
+)
+def list_(*, scenarios: bool) -> None:
+    """List the exercises, or the scenarios that come with the course."""
     from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
 
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
+    if scenarios:
+        table.add_column("Scenario", no_wrap=True)
+        table.add_column("What happens in it")
+        for row in _scenarios():
+            table.add_row(*row)
+    else:
+        table.add_column("#")
+        table.add_column("Exercise", no_wrap=True)
+        table.add_column("File", no_wrap=True)
+        table.add_column("What it is about")
+        for row in _exercises():
+            table.add_row(*row)
+    Console().print(table)
+
+
+def _exercises() -> list[tuple[str, ...]]:
     from grader.course.exercises import all_exercises  # noqa: PLC0415
 
-    table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
-    for heading in ("#", "Exercise", "File", "What it is about"):
-        table.add_column(heading)
-    for exercise in all_exercises():
-        files = ", ".join(exercise.files)
-        table.add_row(str(exercise.number), exercise.slug, files, exercise.summary)
-    Console().print(table)
+    return [
+        (str(exercise.number), exercise.slug, "\n".join(exercise.files), exercise.summary)
+        for exercise in all_exercises()
+    ]
+
+
+def _scenarios() -> list[tuple[str, ...]]:
+    """Return names and titles, under the folder's name: an exercise's, or `demo`."""
+    from sim.scenario import load_scenario, scenario_names  # noqa: PLC0415
+
+    rows: list[tuple[str, ...]] = []
+    paths = sorted(scenario_names().values(), key=lambda path: (path.parent.name, path.stem))
+    for folder, inside in groupby(paths, key=lambda path: path.parent.name):
+        rows += [("", ""), (f"[bold]{folder}[/bold]", "")]
+        rows += [(path.stem, load_scenario(path).title) for path in inside]
+    return rows

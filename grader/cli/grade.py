@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from grader.cli.results import check_writable, show
-from grader.cli.start import start_forkserver
+from grader.cli.start import portable_option, start_forkserver
+from grader.course.students import Seed
 from grader.errors import InputError
 
 EXAMPLES = """\b
@@ -32,6 +33,7 @@ Examples:
 @click.option("--json", "json_", metavar="PATH|-", help="Write the result as JSON; -: to stdout.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report.")
 @click.option("--bags", type=click.Path(path_type=Path), help="Save every trial as a bag here.")
+@portable_option
 def grade(
     exercise: str,
     file: Path,
@@ -44,6 +46,7 @@ def grade(
     json_: str | None,
     report: Path | None,
     bags: Path | None,
+    portable: bool,
 ) -> int:
     """Grade a node: EXERCISE by name or number, FILE or a FOLDER that holds it.
 
@@ -58,10 +61,13 @@ def grade(
     if file.name in chosen.files[1:] and file_beside(file, chosen.files[0]) is not None:
         file = file.with_name(chosen.files[0])  # whichever is given, the first one is the node
     submission = find_submission(file, chosen.files[0], chosen.files[1:])
+    vary: Seed | None = seed
     if student is not None or secret is not None:
-        seed = _student_seed(student, secret, chosen.slug, seed)
+        vary = _student_key(student, secret, chosen.slug, seed)
     check_writable(report, json_)
-    with start_forkserver(chosen.libraries) as forkserver:
+    if portable and tier == 2:
+        raise InputError("--portable and --tier 2 exclude each other: there is no DDS")
+    with start_forkserver(chosen.libraries, portable=portable) as forkserver:
         from grader.grading.grading import grade_submission  # noqa: PLC0415
 
         grading = grade_submission(
@@ -71,18 +77,18 @@ def grade(
             file=str(file),
             field=field,
             only=only,
-            seed=seed,
+            seed=vary,
             bags=bags,
             tier=tier,
         )
     return show(grading, json_, report)
 
 
-def _student_seed(student: str | None, secret: Path | None, slug: str, seed: int | None) -> int:
-    from grader.course.students import read_secret, student_seed  # noqa: PLC0415
+def _student_key(student: str | None, secret: Path | None, slug: str, seed: int | None) -> str:
+    from grader.course.students import read_secret, student_key  # noqa: PLC0415
 
     if student is None or secret is None:
         raise InputError("--student and --secret go together")
     if seed is not None:
         raise InputError("--seed and --student exclude each other")
-    return student_seed(read_secret(secret), student, slug)
+    return student_key(read_secret(secret), student, slug)

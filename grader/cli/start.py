@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import click
+
 if TYPE_CHECKING:
     from grader.link.hosts import ForkServer
+    from grader.link.practice import PracticeServer
+
+portable_option = click.option(
+    "--portable", is_flag=True, help="Practice without ROS and without isolation, as on any system."
+)
 
 
-def start_forkserver(libraries: tuple[str, ...] = ()) -> ForkServer:
-    """Start a fork server whose hosts have these modules imported."""
-    from grader.link.hosts import ForkServer  # noqa: PLC0415
-    from sim.messages import EPOCH_NS  # noqa: PLC0415
+def start_forkserver(
+    libraries: tuple[str, ...] = (), *, portable: bool = False
+) -> ForkServer | PracticeServer:
+    """Start what starts hosts that have these modules imported."""
+    from grader.link.choice import start_launcher  # noqa: PLC0415
 
-    return ForkServer(EPOCH_NS, libraries=libraries)
+    return start_launcher(libraries, portable=portable)

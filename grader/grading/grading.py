@@ -15,6 +15,7 @@ import msgspec
 
 from grader.course.exercises import Exercise
 from grader.course.installed import COURSE
+from grader.course.students import Seed, public_seed
 from grader.course.submission import Submission
 from grader.errors import DiskFull, GraderError, is_disk_full
 from grader.grading.plugin import (
@@ -26,7 +27,7 @@ from grader.grading.plugin import (
     CheckPlugin,
     CheckResult,
 )
-from grader.link.hosts import ForkServer
+from grader.link.launcher import Launcher
 from grader.recording import Recording
 from grader.trial.progress import OnProgress, ignore
 from grader.trial.trials import NodeTrials, TrialFault, Trials
@@ -56,6 +57,7 @@ class Grading:
     checks: tuple[CheckResult, ...]
     recordings: tuple[Recording, ...]
     isolation: str = ""
+    practice: str = ""  # why it is for practice only; "" if it counts
     faults: tuple[TrialFault, ...] = ()  # trials in which the grader failed
     trial_notes: tuple[str, ...] = ()
 
@@ -90,7 +92,8 @@ class Grading:
 
     def notes(self) -> list[str]:
         """Return what else a reader of the score should know, one sentence each."""
-        told = [f"{_sentence(fault)}. The score is provisional." for fault in self.faults]
+        told = [_sentence(self.practice) + "."] if self.practice else []
+        told += [f"{_sentence(fault)}. The score is provisional." for fault in self.faults]
         told += self.trial_notes
         real = [recording for recording in self.recordings if recording.live is not None]
         reason = next((r.live.reason for r in real if r.live is not None and r.live.reason), "")
@@ -113,6 +116,7 @@ class Grading:
             "provisional": self.faulty,  # a person has to look before the score counts
             "field_ready": self.field_ready,
             "isolation": self.isolation,
+            "practice": self.practice,
             "notes": self.notes(),
             "checks": [check.as_dict() for check in self.checks],
             "recordings": [_describe(recording) for recording in self.recordings],
@@ -129,6 +133,7 @@ def grade(
     field: bool = False,
     only: Iterable[str] = (),
     isolation: str = "",
+    practice: str = "",
     on_progress: OnProgress = ignore,
 ) -> Grading:
     """Run the checks of `exercise` on the recordings of `trials`.
@@ -163,6 +168,7 @@ def grade(
         checks=tuple(plugin.results.values()),
         recordings=tuple(trials.recordings()),
         isolation=isolation,
+        practice=practice,
         faults=faults,
         trial_notes=tuple(trials.notes()),
     )
@@ -171,12 +177,12 @@ def grade(
 def grade_submission(
     exercise: Exercise,
     submission: Submission,
-    forkserver: ForkServer,
+    forkserver: Launcher,
     *,
     file: str,
     field: bool = False,
     only: Iterable[str] = (),
-    seed: int | None = None,
+    seed: Seed | None = None,
     bags: Path | None = None,
     tier: int = 1,
     on_progress: OnProgress = ignore,
@@ -208,9 +214,11 @@ def grade_submission(
                 field=field,
                 only=only,
                 isolation=forkserver.isolation,
+                practice=forkserver.practice,
                 on_progress=on_progress,
             )
-        if tier == 2 or not any(check.outcome == INCONCLUSIVE for check in grading.checks):
+        repeated = tier == 2 or any(r.live is not None and r.live.stall for r in grading.recordings)
+        if repeated or not any(check.outcome == INCONCLUSIVE for check in grading.checks):
             break  # a trial in real time has been repeated already
     return grading
 
@@ -224,7 +232,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def _sentence(fault: TrialFault) -> str:
+def _sentence(fault: TrialFault | str) -> str:
     text = str(fault)
     return text[0].upper() + text[1:]
 
@@ -265,7 +273,7 @@ def _describe(recording: Recording) -> dict[str, Any]:
     return {
         "scenario": recording.name,
         "title": recording.scenario.title,
-        "seed": recording.seed,
+        "seed": public_seed(recording.seed),
         "duration": recording.duration_s,
         "outcome": recording.outcome.kind,
         "bag": recording.bag,

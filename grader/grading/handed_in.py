@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from grader.course.exercises import Exercise
+from grader.course.students import Seed
 from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
@@ -46,7 +47,7 @@ def grade_files(
     exercise: Exercise,
     files: Mapping[str, bytes],
     *,
-    seed: int | None = None,
+    seed: Seed | None = None,
     field: bool = False,
     tier: int = 1,
     bags: Path | None = None,

@@ -1,6 +1,6 @@
 """Entry of the fork server, started by the judge only.
 
-python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts|live|tests LAYER,… [LIBRARY …]
+python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts|live|tests LAYER,… LANDLOCK [LIBRARY …]
 """
 
 from __future__ import annotations
@@ -10,5 +10,6 @@ import sys
 
 from .forkserver import serve
 
-control, epoch, kind, layers, *libraries = sys.argv[1:]
-serve(socket.socket(fileno=int(control)), int(epoch), kind, layers.split(","), libraries)
+control, epoch, kind, layers, landlock, *libraries = sys.argv[1:]
+judge = socket.socket(fileno=int(control))
+serve(judge, int(epoch), kind, layers.split(","), int(landlock), libraries)

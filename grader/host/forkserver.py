@@ -17,19 +17,19 @@ import gc
 import importlib
 import inspect
 import os
-import select
 import signal
 import socket
 import sys
+import tempfile
 from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
+from select import select as wait_for_real  # before the kernel replaces it
 from typing import Any, NamedTuple
 
 import msgspec
 
-from . import scripts
-from .frames import Birth, Hello, Request
-from .sandbox import layers as sandbox_layers
-from .sandbox import users
+from . import scripts, stand_ins
+from .frames import ENTERED, REFUSED, Birth, Clear, Done, Fault, Furnish, Hello, Request
 from .virtual import kernel as kernel_module
 from .virtual import threads
 
@@ -67,6 +67,7 @@ TYPE_SUPPORT = (  # the types of every node and of the exercises: their C librar
 
 
 NODES, SCRIPTS, LIVE, TESTS = "nodes", "scripts", "live", "tests"
+MAX_REASON = 300  # [bytes] of why a host could not begin
 
 
 class Child(NamedTuple):
@@ -85,12 +86,16 @@ def serve(
     epoch: int,
     kind: str,
     layers: Collection[str],
+    landlock: int,
     libraries: Sequence[str],
 ) -> None:
     """Fork hosts until the judge closes `control`; import `libraries` before.
 
-    `layers` are the layers of isolation that the judge wants, if the machine has them.
+    `layers` are the layers of isolation that the judge wants, if the machine has them, and
+    `landlock` is the newest version of Landlock that is to be used.
     """
+    from .sandbox import layers as sandbox_layers  # noqa: PLC0415  (only Linux can import it)
+
     may_mount = sandbox_layers.begin(layers)
     body: Body = scripts.serve
     if kind in (NODES, TESTS):
@@ -106,80 +111,124 @@ def serve(
         body = _run_live
     _import(libraries)
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
-    control.sendall(msgspec.json.encode(Hello(sandbox_layers.prepare(layers, may_mount=may_mount))))
+    means = sandbox_layers.prepare(layers, may_mount=may_mount, newest=landlock)
+    control.sendall(msgspec.json.encode(means))
     gc.freeze()
     children: dict[int, Child] = {}  # by pidfd
     while True:
-        readable, _, _ = select.select([control.fileno(), *children], [], [])
+        readable, _, _ = wait_for_real([control.fileno(), *children], [], [])
         for pidfd in readable:
             if pidfd in children:
                 child = children.pop(pidfd)
                 _bury(pidfd, child, alone=all(c.uid != child.uid for c in children.values()))
-        if control.fileno() in readable and not _answer(control, body, children):
+        if control.fileno() in readable and not _answer(control, body, means, children):
             break
     for pidfd, child in children.items():  # the judge is gone, maybe killed: so are its hosts
         _bury(pidfd, child, alone=True)
 
 
-def _answer(control: socket.socket, body: Body, children: dict[int, Child]) -> bool:
+def _answer(control: socket.socket, body: Body, means: Hello, children: dict[int, Child]) -> bool:
     data, descriptors, _, _ = socket.recv_fds(control, 65536, REQUEST_DESCRIPTORS)
     if not data:
         return False
-    request = msgspec.json.decode(data, type=Request)
+    request = msgspec.json.decode(data, type=Request | Furnish | Clear)
+    if not isinstance(request, Request):
+        _furnish_or_clear(control, request)
+        return True
+    parent = os.getpid()
     pid = os.fork()
     if pid == 0:
         control.close()
         for pidfd, child in children.items():
             os.close(pidfd)
             os.close(child.status)
-        _become_host(request, descriptors, body)
+        _become_host(request, means, parent, descriptors, body)
     *link, status = descriptors
     for descriptor in link:
         os.close(descriptor)
     pidfd = os.pidfd_open(pid)
     children[pidfd] = Child(pid, status, request.uid)
-    birth = msgspec.json.encode(Birth(pid))
-    rights = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [pidfd]))
-    control.sendmsg([birth], [rights])
+    _send_with(control, Birth(pid), pidfd)
     return True
+
+
+def _furnish_or_clear(control: socket.socket, request: Furnish | Clear) -> None:
+    from .sandbox import users, workplaces  # noqa: PLC0415
+
+    folder = Path(request.folder)
+    if isinstance(request, Clear):  # nobody waits: Linux takes milliseconds
+        with contextlib.suppress(OSError):  # gone with the folder, which the judge has removed
+            users.unmount(folder)
+        return
+    try:
+        descriptor = workplaces.furnish(folder, request.uid)
+    except OSError as error:
+        control.sendall(msgspec.json.encode(Fault(str(error))))
+        return
+    _send_with(control, Done(), descriptor)
+    os.close(descriptor)
+
+
+def _send_with(control: socket.socket, answer: Birth | Done, descriptor: int) -> None:
+    rights = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [descriptor]))
+    control.sendmsg([msgspec.json.encode(answer)], [rights])
 
 
 def _bury(pidfd: int, child: Child, *, alone: bool) -> None:
     """Reap a host and end what it started; `alone`: no other host is the same user."""
+    from .sandbox import users  # noqa: PLC0415
+
     with contextlib.suppress(OSError):
         os.killpg(child.pid, signal.SIGKILL)  # not yet reaped, so the number is still its own
     if child.uid and alone:
         users.end_all_of(child.uid)
     _, wait_status = os.waitpid(child.pid, 0)
     with contextlib.suppress(OSError):
-        os.write(child.status, str(os.waitstatus_to_exitcode(wait_status)).encode())
+        os.write(child.status, f"{os.waitstatus_to_exitcode(wait_status)}\n".encode())
     os.close(child.status)
     os.close(pidfd)
 
 
-def _become_host(request: Request, descriptors: list[int], body: Body) -> None:
+def _become_host(
+    request: Request, means: Hello, parent: int, descriptors: list[int], body: Body
+) -> None:
     """Turn the forked child into a host and run the student's file; never returns."""
+    from .sandbox import layers as sandbox_layers  # noqa: PLC0415
+
+    link_in, link_out, out, err, status = descriptors
     try:
-        link_in, link_out, out, err, status = descriptors
-        os.close(status)
-        os.setsid()
-        null = os.open(os.devnull, os.O_RDONLY)
-        for source, target in ((null, 0), (out, 1), (err, 2)):
-            os.dup2(source, target)
-            os.close(source)
-        atexit._clear()  # what is registered from now on is the student's
-        faulthandler.register(signal.SIGUSR1, file=2, all_threads=True)
-        os.chdir(request.folder)
-        os.environ["HOME"] = os.environ["TMPDIR"] = request.folder
-        os.environ["ROS_LOG_DIR"] = request.folder
-        if body is _run_live:
-            users.take_priority()
-        if request.priority:
-            users.prefer(os.getpid())
-        sandbox_layers.enter(request, datagrams=body is _run_live)
+        _prepare_host(request, (out, err), live=body is _run_live)
+        sandbox_layers.enter(request, means, parent=parent, datagrams=body is _run_live)
+        os.write(status, ENTERED)
+    except BaseException as error:  # nothing of the student's has run: the fault is ours
+        reason = " ".join(f"{type(error).__name__}: {error}".split()).encode()[:MAX_REASON]
+        os.write(status, REFUSED + reason + b"; exit code ")
+        os._exit(70)
+    os.close(status)  # what comes through it can't be the student's
+    try:
         body(link_in, link_out)
     finally:
         os._exit(70)
+
+
+def _prepare_host(request: Request, output: tuple[int, int], *, live: bool) -> None:
+    os.setsid()
+    null = os.open(os.devnull, os.O_RDONLY)
+    for source, target in ((null, 0), (output[0], 1), (output[1], 2)):
+        os.dup2(source, target)
+        os.close(source)
+    atexit._clear()  # what is registered from now on is the student's
+    faulthandler.register(signal.SIGUSR1, file=2, all_threads=True)
+    os.chdir(request.folder)
+    os.environ["HOME"] = os.environ["TMPDIR"] = request.folder
+    os.environ["ROS_LOG_DIR"] = request.folder
+    if live or request.priority:
+        from .sandbox import users  # noqa: PLC0415
+
+        if live:
+            users.take_priority()
+        if request.priority:
+            users.prefer(os.getpid())
 
 
 def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_out: int) -> None:
@@ -205,14 +254,10 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
 
 def _give_input(data: bytes) -> None:
     """Let the programs read this from stdin, as from a file."""
-    name = ".course-stdin"
-    descriptor = os.open(name, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
-    os.unlink(name)  # noqa: PTH108
-    while data:
-        data = data[os.write(descriptor, data) :]
-    os.lseek(descriptor, 0, os.SEEK_SET)
-    os.dup2(descriptor, 0)
-    os.close(descriptor)
+    with tempfile.TemporaryFile(dir=".") as file:
+        file.write(data)
+        file.seek(0)
+        os.dup2(file.fileno(), 0)
 
 
 def _run_test(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_out: int) -> None:
@@ -248,6 +293,7 @@ def _steer_init() -> None:
 def _warm_up(*, virtual: bool = True) -> None:
     from rclpy.type_support import check_for_type_support  # noqa: PLC0415
 
+    stand_ins.offer()
     for package in PRELOADED:
         importlib.import_module(package)
     for package, names in TYPE_SUPPORT:

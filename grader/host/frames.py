@@ -20,6 +20,8 @@ MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_STDIN = 1024 * 1024  # [bytes]
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
+MAX_QUESTIONS = 64  # to models of the judge's, at a time
+MAX_ROWS = 1_000  # of features in one question
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
 LENGTH = struct.Struct("<I")
 MARK = "\x1e"  # in stdout and stderr, followed by the time [ns]: what comes next was said then
@@ -42,6 +44,7 @@ class Offer(msgspec.Struct, array_like=True, frozen=True):
     topic: Name
     type: Name
     reliable: bool
+    latched: bool = False  # sent once; who subscribes later, transient local, hears it too
 
 
 class ProgramStart(msgspec.Struct, frozen=True):
@@ -67,11 +70,42 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     stdin: Annotated[bytes, msgspec.Meta(max_length=MAX_STDIN)] = b""  # what the programs may read
 
 
+class Question(msgspec.Struct, array_like=True, frozen=True):
+    """Something that a model is asked whose answers the judge has."""
+
+    number: Nanoseconds  # the host's own, to find who asked
+    method: Annotated[str, msgspec.Meta(pattern="^(load|predict|predict_proba)$")]
+    file: Name  # of the model
+    load: Nanoseconds = 0  # which load of it answers; 0 while it is loaded
+    rows: Annotated[int, msgspec.Meta(ge=0, le=MAX_ROWS)] = 0
+    features: bytes = b""  # (rows, columns) float64
+
+
+class Told(msgspec.Struct, array_like=True, frozen=True):
+    """What the model says."""
+
+    number: Nanoseconds
+    problem: Text = ""  # what it raises; "" if it doesn't
+    is_value_error: bool = False
+    load: Nanoseconds = 0
+    shape: tuple[int, ...] = ()
+    numbers: bytes = b""  # float64
+    labels: tuple[str, ...] = ()
+    wait: Nanoseconds = 0  # [ns] in a start-up, before the scenario: the host lets them pass
+
+
 class Run(msgspec.Struct, frozen=True, tag="run"):
     """Deliver these messages now, then let time pass until `until` [ns since the start]."""
 
     until: Nanoseconds
     deliver: tuple[Delivery, ...] = ()
+    told: tuple[Told, ...] = ()
+
+
+class Answers(msgspec.Struct, frozen=True, tag="answers"):
+    """To a host in real time: what models say, now."""
+
+    told: tuple[Told, ...]
 
 
 class Script(msgspec.Struct, frozen=True, tag="script"):
@@ -126,6 +160,8 @@ class Settled(msgspec.Struct, frozen=True, tag="settled"):
     asleep: bool  # some thread waits for a time
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
+    asked: Annotated[list[Question], msgspec.Meta(max_length=MAX_QUESTIONS)] = []
+    starting: bool = False  # the program starts up, before the scenario, and waits for an answer
 
 
 class Ended(msgspec.Struct, frozen=True, tag="ended"):
@@ -174,6 +210,12 @@ class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
     def spinning(self) -> bool:
         """An executor has begun to wait for work."""
         return self.spun > 0
+
+
+class Asking(msgspec.Struct, frozen=True, tag="asking"):
+    """A program in real time asks a model of the judge's."""
+
+    asked: Annotated[list[Question], msgspec.Meta(max_length=MAX_QUESTIONS)]
 
 
 class Tuned(msgspec.Struct, frozen=True, tag="tuned"):
@@ -234,7 +276,10 @@ class Reported(msgspec.Struct, frozen=True, tag="reported"):
     report: str
 
 
-class Request(msgspec.Struct, frozen=True):
+ENTERED, REFUSED = b"+", b"!"  # a host's first word about itself, before any of the student's
+
+
+class Request(msgspec.Struct, frozen=True, tag="host"):
     """What the judge asks for: a host in this folder, as this user (0: the judge's own)."""
 
     folder: str
@@ -243,16 +288,41 @@ class Request(msgspec.Struct, frozen=True):
     priority: bool = False  # it goes before others on the machine from its start on
 
 
+class Furnish(msgspec.Struct, frozen=True, tag="furnish"):
+    """What the judge asks for: a file system of limited size over this folder, for this user."""
+
+    folder: str
+    uid: int
+
+
+class Clear(msgspec.Struct, frozen=True, tag="clear"):
+    """What the judge asks for: take away what `Furnish` made; there is no answer."""
+
+    folder: str
+
+
 class Hello(msgspec.Struct, frozen=True):
     """The fork server's first words: ready, and what it can do for isolation."""
 
     layers: tuple[str, ...]  # of isolation that this machine has
+    landlock: int = 0  # the version of Landlock that is used (its ABI); 0: none
+    counted: bool = False  # the kernel limits the processes and threads of each host
 
 
-class Birth(msgspec.Struct, frozen=True):
+class Birth(msgspec.Struct, frozen=True, tag="birth"):
     """The answer to a request; the child's pidfd comes with it."""
 
     pid: int
+
+
+class Done(msgspec.Struct, frozen=True, tag="done"):
+    """The answer to `Furnish`; a descriptor of the folder comes with it."""
+
+
+class Fault(msgspec.Struct, frozen=True, tag="fault"):
+    """The answer if the system refuses."""
+
+    text: str
 
 
 class Slept(msgspec.Struct, frozen=True, tag="slept"):
@@ -261,9 +331,9 @@ class Slept(msgspec.Struct, frozen=True, tag="slept"):
     lead: Annotated[int, msgspec.Meta(gt=0, le=MAX_LEAD)]  # [ns]
 
 
-ToHost = Start | Run | Script | LoadModels | Predict | TuneIn | Meet | Transmit | RunTest
+ToHost = Start | Run | Answers | Script | LoadModels | Predict | TuneIn | Meet | Transmit | RunTest
 ToJudge = Settled | Ended | Slept  # from a host that runs nodes
-FromLive = Pulse | Ended  # from a host that runs a node in real time
+FromLive = Pulse | Asking | Ended  # from a host that runs a node in real time
 FromRadio = Tuned | HeardNow
 FromScript = Ended | Loaded | Predicted  # from a host that runs scripts
 FromTest = Reported | Ended  # from a host that runs a test

@@ -17,6 +17,8 @@ from collections.abc import Callable, Iterator
 from pathlib import PurePath
 from typing import Any
 
+from .sandbox.amounts import MAX_FILES, MAX_FOLDER, MAX_PROCESSES
+
 DISTRO = "jazzy"
 
 # Modules of ROS 2 that PyPI does not have, and the apt package of each without "ros-jazzy-".
@@ -46,6 +48,8 @@ INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
 PROCESSES = "a node is one process here and may start no other: let a thread do it, or do without"
 NETWORK = "a node has no network here: what it needs has to lie in a file beside it"
 FILES = "a node may use the files in its own folder only, besides the libraries that it imports"
+SPACE = f"a node's folder holds {MAX_FOLDER >> 20} MiB in {MAX_FILES:,} files, and is full"
+THREADS = f"a node may have {MAX_PROCESSES} threads"
 KEYBOARD = (
     "nobody types to a node here: `course drive --stdin FILE` gives it something to read; what is "
     "handed in takes a ROS parameter instead"
@@ -63,6 +67,8 @@ def hint(error: BaseException) -> str:
     if isinstance(error, EOFError):
         return KEYBOARD if "reading a line" in str(error) else ""
     for cause in _causes(error):
+        if isinstance(cause, RuntimeError) and str(cause) == "can't start new thread":
+            return THREADS
         if isinstance(cause, OSError):
             said = _refusal(cause)
             if said:
@@ -107,6 +113,8 @@ def _refusal(error: OSError) -> str:
     """Say what the sandbox keeps a node from, if this is what it says about it."""
     if isinstance(error, socket.gaierror):
         return NETWORK
+    if error.errno == errno.ENOSPC:
+        return SPACE
     if error.errno not in (errno.EPERM, errno.EACCES):
         return ""
     frames = traceback.extract_tb(error.__traceback__)

@@ -16,6 +16,7 @@ from pathlib import Path
 from . import hints, libraries, randomness
 from .frames import ProgramStart, Start
 from .source import compiled
+from .virtual import signals
 from .virtual.session import Session
 
 OURS = Path(__file__).parent
@@ -27,6 +28,7 @@ def run(session: Session, start: Start) -> None:
     sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
     hints.tell_of_shell_commands()
     if len(start.programs) == 1 and start.programs[0].start == 0:
+        signals.install_alone(session.kernel)
         session.begin(start.lead)
         session.end(*run_file(start.programs[0]))
         return

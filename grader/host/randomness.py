@@ -16,6 +16,8 @@ def seed(value: int) -> None:
     source = random.Random(value)
     stdlib_random: Any = random
     os.urandom = stdlib_random._urandom = source.randbytes
+    if hasattr(os, "getrandom"):
+        os.getrandom = lambda size, flags=0: source.randbytes(size)
     plain_seed = random.Random.seed
 
     def seeded(self: Any, a: Any = None, version: int = 2) -> None:

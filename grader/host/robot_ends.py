@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import rclpy.node
 from rclpy.parameter import Parameter
 from rclpy.qos import (
+    DurabilityPolicy,
     QoSCompatibility,
     QoSProfile,
     ReliabilityPolicy,
@@ -50,8 +51,11 @@ class _RobotNode(rclpy.node.Node):  # type: ignore[misc]
 class RobotEnds:
     """Subscriptions to what students publish, publishers of what the robot offers."""
 
-    def __init__(self, context: Any, offers: dict[str, Offer]) -> None:
+    def __init__(
+        self, context: Any, offers: dict[str, Offer], latched: dict[str, bytes] | None = None
+    ) -> None:
         self._offers = offers
+        self._latched = {} if latched is None else latched  # what was sent once, by topic
         self._listeners: dict[str, tuple[str, Any, Any]] = {}
         self._speakers: dict[str, Any] = {}
         self.node = _RobotNode(
@@ -85,13 +89,24 @@ class RobotEnds:
         reliability = (
             ReliabilityPolicy.RELIABLE if offer.reliable else ReliabilityPolicy.BEST_EFFORT
         )
-        qos = QoSProfile(depth=ROBOT_DEPTH, reliability=reliability)
+        durability = DurabilityPolicy.VOLATILE
+        if offer.latched:
+            durability = DurabilityPolicy.TRANSIENT_LOCAL
+            if theirs.durability != durability:  # as where the robot spoke before the node came
+                return "the robot sends it once: only a transient-local subscription hears it"
+        qos = QoSProfile(depth=ROBOT_DEPTH, reliability=reliability, durability=durability)
         if topic not in self._speakers:
             self._speakers[topic] = self.node.create_publisher(msg_type, topic, qos)
+            if topic in self._latched:
+                self._speakers[topic].publish(self._latched[topic])
         verdict, reason = qos_check_compatible(qos, theirs)
         if verdict != QoSCompatibility.ERROR:
             return ""
         return str(reason).removeprefix("ERROR: ").rstrip("; ").lower()
+
+    def speaker(self, topic: str) -> Any:
+        """Return the robot's publisher of a topic; None where it has none."""
+        return self._speakers.get(topic)
 
     def take(self, most: int = 10**9) -> list[Heard]:
         """Return what was heard since the last call, in the order in which it was sent.
@@ -111,6 +126,8 @@ class RobotEnds:
 
     def deliver(self, topic: str, data: bytes) -> None:
         """Publish a message of the robot; nobody hears it where the student has no end."""
+        if topic in self._offers and self._offers[topic].latched:
+            self._latched[topic] = data
         if topic in self._speakers:
             self._speakers[topic].publish(data)
 

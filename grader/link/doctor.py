@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import importlib.metadata
+import os
 import platform
+import tempfile
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from grader.errors import GraderError, InputError
+from grader.host.frames import Hello
+from grader.host.sandbox.amounts import MAX_FILE, MAX_FOLDER, MAX_PROCESSES
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
-from grader.host.sandbox.limits import MAX_DESCRIPTORS, MAX_FILE, MAX_MEMORY
+from grader.host.sandbox.limits import MAX_DESCRIPTORS, MAX_MEMORY
 from grader.link.hosts import ForkServer
+from grader.link.link import PATROL
 from sim.messages import EPOCH_NS
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions
@@ -20,6 +25,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions
     "grading on a cluster (extra `cluster`)": ("distributed",),
     "notebooks (extra `notebooks`)": ("jupyterlab", "nbgrader"),
 }
+TRUNCATE_SINCE = 3  # version of Landlock that minds how files are emptied
 NEEDS: Mapping[str, str] = {  # a layer: what a machine must have for it
     LIMITS: "any Linux",
     USER: "the grader run as root",
@@ -32,7 +38,7 @@ KEEPS: Mapping[str, str] = {
     LIMITS: f"core dumps, files over {MAX_FILE >> 20} MiB, more than {MAX_DESCRIPTORS} "
     f"descriptors, more than {MAX_MEMORY >> 30} GiB of memory",
     USER: "signals to the grader and to other students' nodes, files that are not for everybody",
-    MOUNTS: "/tmp, and shared memory of other programs",
+    MOUNTS: f"/tmp, shared memory of other programs, more than {MAX_FOLDER >> 20} MiB of files",
     NETWORK: "the network, this machine's own services too",
     FILES: "every file but the interpreter, its libraries and the node's own folder",
     CALLS: "programs, processes, sockets, tracing, other processes' memory, kernel features",
@@ -40,7 +46,7 @@ KEEPS: Mapping[str, str] = {
 OPENS: Mapping[str, str] = {  # what is possible without a layer, whatever the others do
     LIMITS: "a node can fill memory and disk",
     USER: "all nodes are the same user as the grader, and share its limits on processes",
-    MOUNTS: "nodes see each other's shared memory, and can fill /dev/shm",
+    MOUNTS: "nodes see each other's shared memory, can fill /dev/shm, and write to the disk",
     NETWORK: "nothing while seccomp is there; else connections to anywhere",
     FILES: "a node reads what its user can read: solutions, scenarios, other submissions",
     CALLS: "a node can start programs, and open connections unless it has no network",
@@ -53,11 +59,14 @@ class Layer:
 
     name: str
     here: bool
+    version: str = ""  # of what the kernel offers for it
 
     @property
     def text(self) -> str:
         """What it keeps out, or what stays open without it."""
-        return f"keeps out: {KEEPS[self.name]}" if self.here else f"open: {OPENS[self.name]}"
+        if not self.here:
+            return f"open: {OPENS[self.name]}"
+        return f"keeps out: {KEEPS[self.name]}{f' ({self.version})' if self.version else ''}"
 
 
 @dataclass(frozen=True)
@@ -69,6 +78,7 @@ class Diagnosis:
     problem: str  # why no node can run here; "" if one can
     layers: tuple[Layer, ...]
     extras: Mapping[str, tuple[str, ...]]  # what it is for: distributions that are missing
+    gaps: tuple[str, ...] = ()  # what a submission can still do to a class, a sentence each
 
     @property
     def foreign_code(self) -> str:
@@ -86,13 +96,42 @@ def foreign_code_problem(layers: Collection[str]) -> str:
     )
 
 
+def gaps(means: Hello, *, root: bool) -> tuple[str, ...]:
+    """Say in plain words what these means of isolation leave open; nothing if nothing."""
+    there = set(means.layers)
+    shared = MOUNTS not in there
+    found = {
+        "Submissions run as root: without the sandbox's other layers they can do everything "
+        "(let an ordinary user grade).": root and USER not in there,
+        "A submission can read solutions, secrets and other submissions.": FILES not in there,
+        f"Landlock {means.landlock} lets files be emptied that can't be written, and no filter of "
+        "system calls refuses it: the grader's own files and results can be lost.": (
+            FILES in there and means.landlock < TRUNCATE_SINCE and CALLS not in there
+        ),
+        "A submission can start programs and processes, and they may outlive the grader.": (
+            CALLS not in there
+        ),
+        "A submission can talk to the network.": CALLS not in there and NETWORK not in there,
+        "In real time a submission can send datagrams anywhere.": NETWORK not in there,
+        f"The folders of submissions lie on the disk of {tempfile.gettempdir()}: the grader looks "
+        f"every {PATROL * 1e3:.0f} ms and ends what goes past {MAX_FOLDER >> 20} MiB, but a disk "
+        "that is nearly full can be filled.": shared,
+        "A submission can fill /dev/shm, and then no other node starts.": shared,
+        f"The kernel does not count a submission's threads: the grader ends more than "
+        f"{MAX_PROCESSES}, but for a moment they can take all that the user may have.": (
+            not means.counted
+        ),
+    }
+    return tuple(text for text, is_open in found.items() if is_open)
+
+
 def diagnose() -> Diagnosis:
     """Look at this machine, and start a host to see what it has."""
     ros, problem = "", ""
-    found: tuple[str, ...] = ()
+    means = Hello(())
     try:
         with ForkServer(EPOCH_NS) as forkserver:
-            found = forkserver.layers
+            means = forkserver.means
             ros = forkserver.ros.kind
     except (GraderError, InputError) as error:
         problem = str(error)
@@ -100,9 +139,14 @@ def diagnose() -> Diagnosis:
         python=f"{platform.python_version()} on {platform.platform(terse=True)}",
         ros=ros,
         problem=problem,
-        layers=tuple(Layer(name, name in found) for name in LAYERS),
+        layers=tuple(Layer(name, name in means.layers, _version(name, means)) for name in LAYERS),
         extras={what: tuple(filter(_is_missing, names)) for what, names in EXTRAS.items()},
+        gaps=() if problem else gaps(means, root=os.getuid() == 0),
     )
+
+
+def _version(layer: str, means: Hello) -> str:
+    return f"Landlock ABI {means.landlock}" if layer == FILES and means.landlock else ""
 
 
 def _is_missing(distribution: str) -> bool:

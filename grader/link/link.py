@@ -8,18 +8,12 @@ from __future__ import annotations
 
 import contextlib
 import os
-import re
 import select
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import TypeVar
-
-import msgspec
 
 from grader.host.frames import (
     LENGTH,
-    MARK,
     MAX_FRAME,
     Ended,
     FromScript,
@@ -36,95 +30,18 @@ from grader.host.frames import (
     decode_to_judge,
     encode,
 )
-from grader.link.hosts import HostProcess
+from grader.link.exchange import Answer, Cost, HostDied, HostForged, HostHung, decoded
+from grader.link.host_process import HostProcess
 from grader.link.log import LogLine
+from grader.link.output import Output
 from grader.link.run_queue import RunQueue
 
-MAX_OUTPUT = 512 * 1024  # [bytes] of stdout and stderr each that are kept
-MAX_LINES = 20_000  # of stdout and stderr each that are kept
 CHUNK = 65536  # [bytes] read at once; as much as a pipe holds
 DRAINS = 16  # chunks read at the end, from a host that may still be writing
 DRAIN_EVERY = 16  # exchanges
-PATROL = 0.02  # [s] after which the judge, waiting for an answer, reads output as it comes
-MAX_REASON = 300  # [characters] of why a frame was refused: it may quote the frame
+PATROL = 0.02  # [s] after which the judge reads output as it comes, and looks at the host again
 UNEXPLAINED = 0.02  # [s] of an exchange without CPU time: something was waited for
 STACK_TIME = 0.3  # [s] a hung host gets for writing its stacks
-TIME_MARK = re.compile(rf"(.*){MARK}([0-9]{{1,19}})")
-ROS_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
-
-
-Answer = TypeVar("Answer")
-
-
-class HostDied(Exception):
-    """The process ended without saying so (`os._exit`, a crash of native code, killed)."""
-
-
-class HostHung(Exception):
-    """The host did not answer within its wall time; `stacks` says where it was."""
-
-    def __init__(self, stacks: str) -> None:
-        super().__init__("no answer")
-        self.stacks = stacks
-
-
-class HostForged(Exception):
-    """The host sent what no node can say."""
-
-
-@dataclass
-class Output:
-    """What came through one of the host's output pipes."""
-
-    stream: str
-    lines: list[LogLine] = field(default_factory=list)
-    truncated: bool = False
-    limit: int = 0  # [ns] no time mark can be later: the node's time has not gone further
-    clock: int = 0  # [ns] when the next line is said, unless a mark tells
-    _partial: bytes = b""
-    _size: int = 0
-
-    def feed(self, data: bytes) -> None:
-        """Take in a piece of output; past the cap it is dropped."""
-        self._size += len(data)
-        if self._size > MAX_OUTPUT:
-            self.truncated = True
-            return
-        *lines, self._partial = (self._partial + data).split(b"\n")
-        for line in lines:
-            self._line(line.decode("utf-8", "replace"))
-
-    def finish(self) -> None:
-        """Take the last, unfinished line."""
-        if self._partial:
-            self._line(self._partial.decode("utf-8", "replace"))
-            self._partial = b""
-
-    def _line(self, text: str) -> None:
-        mark = TIME_MARK.fullmatch(text)
-        if mark is not None and self.clock <= int(mark[2]) <= self.limit:
-            if mark[1]:
-                self._keep(mark[1])
-            self.clock = int(mark[2])
-        else:
-            self._keep(text)
-
-    def _keep(self, text: str) -> None:
-        if len(self.lines) >= MAX_LINES:
-            self.truncated = True
-            return
-        match = ROS_LINE.match(text)
-        level, said = (match[1].lower(), match[3]) if match else (self.stream, text)
-        self.lines.append(LogLine(self.clock, level, said.rstrip("\r")[:2_000]))
-
-
-@dataclass(frozen=True)
-class Cost:
-    """What one exchange cost the host."""
-
-    wall: float  # [s]
-    cpu: float  # [s]; nan where the system doesn't tell
-    queued: float = 0.0  # [s] waited for a CPU, by host or judge; measured only if wall >> cpu
 
 
 class Channel:
@@ -138,6 +55,7 @@ class Channel:
         self.stdout = Output("stdout")
         self.stderr = Output("stderr")
         self._pipes = {host.stdout: self.stdout, host.stderr: self.stderr}
+        self._looked = -PATROL
         self._cpu_clock = ~host.pid << 3 | 2  # the clock of another process (clock_getcpuclockid)
 
     def log(self) -> tuple[LogLine, ...]:
@@ -155,6 +73,19 @@ class Channel:
             return time.clock_gettime(self._cpu_clock)
         except OSError:
             return float("nan")
+
+    def _patrol(self) -> None:
+        """See now and then what the host takes of the machine.
+
+        Raises
+        ------
+        Excess
+            It takes too much.
+        """
+        now = time.perf_counter()
+        if self._host.watch is not None and now - self._looked >= PATROL:
+            self._looked = now
+            self._host.watch.patrol()
 
     def _write(self, frame: ToHost, deadline: float) -> None:
         """Send a frame before the deadline, of `time.perf_counter` [s]."""
@@ -214,14 +145,6 @@ class Channel:
         return "\n".join(line.text for line in self.stderr.lines[before:])
 
 
-def decoded(body: bytes, decode: Callable[[bytes], Answer]) -> Answer:
-    """Decode a frame of a host; HostForged if it isn't one."""
-    try:
-        return decode(body)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise HostForged(str(error)[:MAX_REASON]) from None
-
-
 class Link(Channel):
     """Frames to and from one host, in turns: it answers each question once."""
 
@@ -240,6 +163,10 @@ class Link(Channel):
         answer, cost = self._exchange(frame, 0, limit, decode_to_judge)
         self._queued()  # what was waited for until now
         return answer, cost
+
+    def go_on(self, frame: Run, limit: float) -> tuple[ToJudge, Cost]:
+        """Let a start-up go on that had a question; it raises as `run` does."""
+        return self._exchange(frame, frame.until, limit, decode_to_judge)
 
     def run(self, frame: Run, limit: float) -> tuple[Settled | Ended, Cost]:
         """Let the node go on; limit [s] of wall time.
@@ -262,6 +189,8 @@ class Link(Channel):
         self, frame: ToHost, until: int, limit: float, decode: Callable[[bytes], Answer]
     ) -> tuple[Answer, Cost]:
         self._expect_silence()
+        if self._host.watch is not None:
+            self._host.watch.look()
         self.stdout.limit = self.stderr.limit = until
         started, cpu = time.perf_counter(), self.cpu()
         self._write(frame, started + limit)
@@ -292,6 +221,7 @@ class Link(Channel):
             if remaining <= 0:
                 raise HostHung(self.stacks())
             ready = source.poll(min(remaining, PATROL) * 1e3)
+            self._patrol()
             if not ready:
                 source = self._all
             for fd, event in ready:

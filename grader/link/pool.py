@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from grader.link.hosts import ForkServer
-from sim.messages import EPOCH_NS
+from typing import TYPE_CHECKING
+
+from grader.link.choice import start_launcher
+
+if TYPE_CHECKING:
+    from grader.link.hosts import ForkServer
+    from grader.link.practice import PracticeServer
 
 
 class ForkServerPool:
@@ -19,7 +24,9 @@ class ForkServerPool:
 
     def __init__(self, most: int | None = None) -> None:
         self._most = most
-        self._warm: dict[tuple[str, ...], ForkServer] = {}  # the one used last is the last
+        self._warm: dict[
+            tuple[str, ...], ForkServer | PracticeServer
+        ] = {}  # the one used last is the last
 
     def __enter__(self) -> ForkServerPool:
         return self
@@ -27,8 +34,8 @@ class ForkServerPool:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def of(self, libraries: tuple[str, ...] = ()) -> ForkServer:
-        """Return the fork server that has imported these modules.
+    def of(self, libraries: tuple[str, ...] = ()) -> ForkServer | PracticeServer:
+        """Return the fork server that has imported these modules; or what takes its place here.
 
         Raises
         ------
@@ -39,7 +46,7 @@ class ForkServerPool:
         if forkserver is None:
             while self._most is not None and len(self._warm) >= self._most:
                 self._end(next(iter(self._warm)))
-            forkserver = ForkServer(EPOCH_NS, libraries=libraries)
+            forkserver = start_launcher(libraries)
         self._warm[libraries] = forkserver
         return forkserver
 

@@ -16,10 +16,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.errors import InputError
+from rclpy_portable import unpacking
+from rclpy_portable.wheels import DownloadFailed
 
 DISTRO = "jazzy"
 HOW_TO_INSTALL = (
     "install the wheels with `pip install '.[ros]'`, or source /opt/ros/jazzy/setup.bash"
+)
+# its stamps are those of the machine, as the stamps of DDS are
+PORTABLE_PRELUDE = (
+    "import _time_machine, rclpy_portable.native.machine as machine;"
+    "machine.use_clock(_time_machine.original_time_ns)"
 )
 
 
@@ -27,10 +34,11 @@ HOW_TO_INSTALL = (
 class RosEnvironment:
     """Where ROS is and what a child process needs to import it."""
 
-    kind: str  # "apt", "wheels" or "system wheels"
+    kind: str  # "apt", "wheels", "system wheels" or "portable"
     python_path: tuple[Path, ...]  # folders to add to sys.path
     library_path: tuple[Path, ...]  # folders of shared libraries
     prefixes: tuple[Path, ...]  # AMENT_PREFIX_PATH
+    prelude: str = ""  # Python that a host runs before virtual time is put under its clocks
 
     def variables(self) -> dict[str, str]:
         """Return the environment variables of a process that imports rclpy."""
@@ -41,6 +49,25 @@ class RosEnvironment:
             # The wheels' start-up hook would execute Python a second time to set these.
             "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",
         }
+
+
+def portable_ros() -> RosEnvironment:
+    """Return the environment of the portable runtime, which needs no ROS (rclpy_portable).
+
+    Raises
+    ------
+    InputError
+        rclpy's Python has to be fetched for it, and can't be.
+    """
+    try:
+        folder = unpacking.folder(_tell)
+    except DownloadFailed as error:
+        raise InputError(str(error)) from error
+    return RosEnvironment("portable", (folder,), (), (), PORTABLE_PRELUDE)
+
+
+def _tell(text: str) -> None:
+    print(f"course: {text}", file=sys.stderr)
 
 
 def find_ros(

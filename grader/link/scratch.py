@@ -1,4 +1,4 @@
-"""Temporary folders, and what a grader that was killed has left of them."""
+"""Temporary folders, and the clean-up of those that a killed grader left behind."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from grader.host.sandbox.users import USERS
-
 MIN_SPACE = 16 * 1024 * 1024  # [bytes] that a grading needs; the recordings of one take 1 to 5 MiB
 MIN_FILES = 200  # that a grading makes
 
@@ -20,12 +18,16 @@ _OURS = re.compile(r"course-([0-9]+)-.*")
 
 
 def prefix() -> str:
-    """Return how this process's temporary folders begin: they tell whose they are."""
+    """Return the prefix of this process's temporary folders; it tells whose they are."""
     return f"course-{os.getpid()}-"
 
 
 def sweep() -> None:
-    """Remove the folders of graders that live no more: a killed one can't do it itself."""
+    """Remove the folders of graders that no longer run: a killed one can't do it itself."""
+    if not Path("/proc").is_dir():
+        return  # not Linux: nobody tells here which processes live
+    from grader.host.sandbox.users import USERS  # noqa: PLC0415  (only Linux can import it)
+
     for entry in list(os.scandir(tempfile.gettempdir())):
         match = _OURS.fullmatch(entry.name)
         if match and not Path(f"/proc/{match[1]}").exists():
@@ -57,10 +59,10 @@ def has_space(*folders: Path) -> bool:
 
 
 def remove(top: Path) -> None:
-    """Remove a folder with all that a student's node has made of it.
+    """Remove a folder with everything that a student's node put into it.
 
-    Folders come to the top before they are emptied: they may lie in one another deeper than a path
-    may be long, or Python's stack.
+    Folders are moved to the top before they are emptied: they may be nested deeper than the
+    longest path, or Python's stack, allows.
     """
     pending = [top]
     while pending:

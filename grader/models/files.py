@@ -13,6 +13,7 @@ import numpy as np
 
 from grader.errors import GraderError
 from grader.host.supplied import classifiers, probes
+from grader.host.supplied.kept import Kept, KeptClassifier
 from grader.models.dataset import PROFILE, make_dataset
 from grader.models.exporter import EXPORTER
 from grader.models.features import features
@@ -34,15 +35,12 @@ def _linear(weights: tuple[float, ...], offset: float = 0.0, **_form: Any) -> pr
 _PROBES: dict[str, Callable[..., Any]] = {
     "echo": probes.Echo,
     "constant": probes.Constant,
-    "raising": probes.Raising,
-    "sequence": probes.Sequence,
     "by_distance": probes.ByDistance,
     "raises_near": probes.RaisesNear,
     "counts_loads": probes.CountsLoads,
     "slow": probes.Slow,
     "weighted": probes.Weighted,
     "linear": _linear,
-    "alone": probes.Alone,
     "describes": classifiers.Describes,
     "numbers": classifiers.Numbers,
     "counts_loads_in_label": classifiers.CountsLoads,
@@ -62,7 +60,21 @@ def write_models(models: Mapping[str, Model], folder: Path) -> None:
         if model.probe == OWN:  # comes from the student's training script, if it made one
             continue
         path = folder / Path(name).name
-        path.write_bytes(model_bytes(model, path.suffix.lower()))
+        if is_kept(model):
+            path.write_bytes(_kept_bytes(name, model))
+        else:
+            path.write_bytes(model_bytes(model, path.suffix.lower()))
+
+
+def is_kept(model: Model) -> bool:
+    """Tell whether a model stays with the judge: it takes time, or its loads count."""
+    return "seconds" in model.settings or model.probe.startswith("counts_loads")
+
+
+def _kept_bytes(name: str, model: Model) -> bytes:
+    """Return a pickle that asks the judge."""
+    kind = KeptClassifier if hasattr(probe(model), "predict_proba") else Kept
+    return pickle.dumps(kind(name), PROTOCOL)
 
 
 def model_bytes(model: Model, suffix: str = PICKLE) -> bytes:

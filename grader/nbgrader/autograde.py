@@ -18,7 +18,7 @@ from nbgrader.preprocessors import NbGraderPreprocessor
 from traitlets import Bool, Unicode
 
 from grader.course.exercises import find_exercise
-from grader.course.students import read_secret, student_seed
+from grader.course.students import read_secret, student_key
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
 from grader.nbgrader.cells import Wanted, last_definitions, made_files, wanted
@@ -140,7 +140,7 @@ class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
         files, remarks = last_definitions(cells, exercise.files)
         seed = None
         if self.secret:
-            seed = student_seed(read_secret(Path(self.secret)), place.student, slug)
+            seed = student_key(read_secret(Path(self.secret)), place.student, slug)
         self.log.info("Judging %s of %s", slug, place.student)
         verdict = judge(exercise, files, seed=seed)
         if verdict.missing:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from grader.course.exercises import Exercise
+from grader.course.students import Seed
 from grader.errors import GraderError
 from grader.grading.handed_in import grade_files
 
@@ -21,7 +22,7 @@ class Verdict:
     remarks: tuple[str, ...] = ()
 
 
-def judge(exercise: Exercise, files: Mapping[str, str], *, seed: int | None = None) -> Verdict:
+def judge(exercise: Exercise, files: Mapping[str, str], *, seed: Seed | None = None) -> Verdict:
     """Drive the nodes of `files` (texts by name) and judge them, as `course grade` does.
 
     `CourseExporter` has made sure that other people's code may run on this machine.

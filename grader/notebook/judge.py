@@ -28,7 +28,7 @@ from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, print_summary, scenario_for
 from grader.errors import GraderError, InputError
 from grader.grading.grading import Grading, grade_submission
-from grader.link.hosts import ForkServer
+from grader.link.launcher import Launcher
 from grader.link.pool import ForkServerPool
 from grader.notebook.orders import (
     Answer,
@@ -86,7 +86,7 @@ def carry_out(order: Order, forkservers: ForkServerPool, send: Send) -> Answer |
         return None if isinstance(order, Warm) else Problem(str(error), fault=True)
 
 
-def _drive(order: Drive, forkserver: ForkServer) -> Driven:
+def _drive(order: Drive, forkserver: Launcher) -> Driven:
     scenario = scenario_for(
         order.scenario, lidar=order.lidar, duration=order.duration, goals=order.goals
     )

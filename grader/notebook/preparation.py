@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"
 # What a notebook needs, as in pyproject.toml: module that proves it is installed, distribution.
 BASE = {"click": "click", "msgspec": "msgspec", "numpy": "numpy", "pymunk": "pymunk",
-        "pytest": "pytest", "rich": "rich", "rosbags.rosbag2": "rosbags",
+        "pytest": "pytest", "yaml": "pyyaml", "rich": "rich", "rosbags.rosbag2": "rosbags",
         "time_machine": "time-machine"}  # fmt: skip
 ML = {"sklearn": "scikit-learn", "onnxruntime": "onnxruntime", "onnx": "onnx",
       "skl2onnx": "skl2onnx"}  # fmt: skip
@@ -215,7 +215,8 @@ def pip_environment(environ: Mapping[str, str]) -> dict[str, str]:
     runs on a throw-away machine, such as a cloud notebook or a container.
     """
     root = {"PIP_BREAK_SYSTEM_PACKAGES": "1", "PIP_ROOT_USER_ACTION": "ignore"}
-    return {**(root if os.getuid() == 0 else {}), **environ}
+    is_root = hasattr(os, "getuid") and os.getuid() == 0
+    return {**(root if is_root else {}), **environ}
 
 
 def _why_not(said: str) -> str:

@@ -1,6 +1,7 @@
 """What happened in one trial: the one thing that checks and reports see."""
 
 from grader.recording.costs import Costs, account_of, costs_of
+from grader.recording.inferences import Inference
 from grader.recording.recording import COMPLETED, Compute, Endpoint, Live, Outcome, Recording
 from grader.recording.training import ModelAnswers, ScriptRun, Training
 from grader.recording.views import Floats, Goals, Odom, Scan, Twists
@@ -12,6 +13,7 @@ __all__ = [
     "Endpoint",
     "Floats",
     "Goals",
+    "Inference",
     "Live",
     "ModelAnswers",
     "Odom",

@@ -18,7 +18,7 @@ import numpy as np
 
 from grader.errors import InputError
 from grader.link.log import LogLine
-from grader.recording import Compute, Endpoint, Live, Outcome, Recording, Training
+from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording, Training
 from sim.layout import layout_from_json, layout_to_json
 from sim.messages import (
     BOOL,
@@ -67,6 +67,8 @@ class _Document(msgspec.Struct, frozen=True):
     compute: list[tuple[float, float, float | None, float]]
     training: Training | None = None
     live: Live | None = None
+    inferences: bytes = b"\x90"  # MessagePack: JSON has no NaN
+    charged: bool = False
 
 
 def save(recording: Recording, folder: Path) -> Path:
@@ -139,6 +141,8 @@ def _assemble(messages: list[Message], folder: str) -> Recording:
         compute=Compute(*np.array(document.compute, dtype=float).reshape(-1, 4).T),
         training=document.training,
         live=document.live,
+        inferences=msgspec.msgpack.decode(document.inferences, type=tuple[Inference, ...]),
+        charged=document.charged,
         bag=folder,
     )
 
@@ -212,6 +216,8 @@ def _document(recording: Recording) -> _Document:
         ),
         training=recording.training,
         live=recording.live,
+        inferences=msgspec.msgpack.encode(recording.inferences),
+        charged=recording.charged,
     )
 
 

@@ -58,13 +58,21 @@ def costs_of(recording: Recording) -> Costs | None:
     )
 
 
-def account_of(costs: Costs) -> list[str]:
-    """Say in a sentence what computing cost, and in another one if that is too much."""
+def account_of(recording: Recording) -> list[str]:
+    """Say in a sentence what computing cost, and in others if that is too much or took time."""
+    costs = costs_of(recording)
+    if costs is None:
+        return []
     said = [
         f"Compute: {_ms(costs.p50)} ms a message (p50), {_ms(costs.p99)} ms (p99), "
         f"{_ms(costs.worst)} ms at worst; the lidar's period is {_ms(costs.period)} ms"
     ]
-    if not costs.keeps_up:
+    if recording.charged:
+        said.append(
+            "Computing took time in this run (--charge-compute): it depends on the machine, and "
+            "another run differs"
+        )
+    elif not costs.keeps_up:
         said.append(
             f"WARNING: the node can't keep up: it computes {costs.load:.1f} s for each second. "
             f"On a robot like this machine it would do about {1 / costs.period / costs.load:.1f} "

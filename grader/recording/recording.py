@@ -18,6 +18,7 @@ import numpy as np
 
 from grader.link.log import LogLine
 from grader.recording import views
+from grader.recording.inferences import Inference
 from grader.recording.training import Training
 from grader.recording.views import Floats, Goals, Odom, Scan, Twists
 from sim.layout import Layout, layout_to_json
@@ -115,6 +116,8 @@ class Recording:
     compute: Compute = field(default_factory=lambda: Compute(*(np.empty(0),) * 4))
     training: Training | None = None
     live: Live | None = None  # None: in virtual time
+    inferences: tuple[Inference, ...] = ()  # of models that the judge keeps, in order
+    charged: bool = False  # computing took virtual time, so another run differs
     bag: str | None = None  # where it is saved
 
     @property
@@ -201,6 +204,8 @@ class Recording:
             result.update(array.tobytes())
         result.update(truth.contact.tobytes())
         result.update(msgspec.json.encode(self.endpoints))
+        if self.live is None:
+            result.update(msgspec.msgpack.encode(self.inferences))
         if self.training is not None:
             for answers in (self.training.pickle, self.training.again, self.training.onnx):
                 result.update(answers.values)
@@ -218,7 +223,7 @@ class Recording:
 
     @cached_property
     def _scans(self) -> tuple[Scan, ...]:
-        return views.scans(self._delivered(SCAN_TOPIC), self.epoch)
+        return views.scans(self._delivered(SCAN_TOPIC), self.epoch, self.scenario.lidar.pose[2])
 
     @cached_property
     def _odometry(self) -> Odom:

@@ -43,11 +43,17 @@ class Scan:
     range_min: float  # [m]
     range_max: float  # [m]
     ranges: NDArray[np.float32]  # (n_beams,) [m]
+    mount: float = 0.0  # [rad] how far the lidar is turned on the robot; /tf_static says it
 
     @property
     def angles(self) -> Floats:
-        """Beam angles, (n_beams,) [rad], as the message says."""
+        """Beam angles, (n_beams,) [rad], as the message says: in the lidar's frame."""
         return self.angle_min + self.angle_increment * np.arange(len(self.ranges), dtype=float)
+
+    @property
+    def first_angle(self) -> float:
+        """Angle of the first beam on the robot [rad], 0 ahead."""
+        return self.angle_min + self.mount
 
 
 @dataclass(frozen=True)
@@ -83,9 +89,17 @@ def twists(messages: Iterable[Message]) -> Twists:
     return Twists(np.array(times, dtype=float), np.array(values, dtype=float).reshape(-1, 6))
 
 
-def scans(messages: Iterable[Message], epoch: int) -> tuple[Scan, ...]:
-    """Decode LaserScan messages; `epoch` is the ROS time [ns] at scenario time 0."""
-    return tuple(_scan(message, epoch) for message in messages)
+def scans(messages: Iterable[Message], epoch: int, mount: float = 0.0) -> tuple[Scan, ...]:
+    """Decode LaserScan messages.
+
+    Parameters
+    ----------
+    epoch
+        The ROS time at scenario time 0 [ns].
+    mount
+        How far the lidar is turned on the robot [rad].
+    """
+    return tuple(_scan(message, epoch, mount) for message in messages)
 
 
 def odometry(messages: Iterable[Message]) -> Odom:
@@ -103,7 +117,7 @@ def goals(messages: Iterable[Message]) -> Goals:
     return Goals(*np.array(rows, dtype=float).reshape(-1, 3).T)
 
 
-def _scan(message: Message, epoch: int) -> Scan:
+def _scan(message: Message, epoch: int, mount: float) -> Scan:
     scan = decode(message.data, LASER_SCAN)
     return Scan(
         t=message.time / 1e9,
@@ -113,6 +127,7 @@ def _scan(message: Message, epoch: int) -> Scan:
         range_min=scan.range_min,
         range_max=scan.range_max,
         ranges=scan.ranges,
+        mount=mount,
     )
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from grader.report.replay import moments_of, replay_payload
-from grader.report.terminal import render_terminal
+from grader.report.terminal import readable, render_terminal
 
 if TYPE_CHECKING:
     from grader.recording import Recording
@@ -84,7 +84,7 @@ def page_html(payload: Mapping[str, Any]) -> str:
     style = "\n".join(_asset(name) for name in STYLES)
     sources = "\n".join(_asset(name) for name in SCRIPTS)
     script = f"(() => {{\n'use strict';\n{sources}\n}})();\n"
-    title = _valid_text(str(payload.get("title") or "Report"))
+    title = readable(_valid_text(str(payload.get("title") or "Report")))
     parts = {
         "CSP": _content_security_policy(script, style),
         "TITLE": html.escape(title).encode("ascii", "xmlcharrefreplace").decode("ascii"),
@@ -127,7 +127,9 @@ def _hash(text: str) -> str:
 
 def _inline_json(payload: Mapping[str, Any]) -> str:
     """Return JSON that can't close its <script> element: pure ASCII without <, > and &."""
-    text = json.dumps(_plain(payload), ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    text = json.dumps(
+        _readable(_plain(payload)), ensure_ascii=True, allow_nan=False, separators=(",", ":")
+    )
     for character in "<>&":
         text = text.replace(character, f"\\u{ord(character):04x}")
     return text
@@ -146,6 +148,15 @@ def _plain(value: Any) -> Any:
     if value is None or isinstance(value, str | bool | int):
         return value
     return str(value)
+
+
+def _readable(value: Any) -> Any:
+    """Return a value whose texts have no control, bidi or escape characters."""
+    if isinstance(value, str):
+        return readable(value)
+    if isinstance(value, dict):
+        return {key: _readable(item) for key, item in value.items()}
+    return [_readable(item) for item in value] if isinstance(value, list) else value
 
 
 def _valid_text(text: str) -> str:

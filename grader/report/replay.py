@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.recording import account_of, costs_of
+from grader.course.students import public_seed
+from grader.recording import account_of
 
 if TYPE_CHECKING:
     from grader.recording import Recording, Scan
@@ -27,6 +29,8 @@ MAX_SCANS = 300  # 300 scans of 360 beams are 288 kB of base64
 MAX_COMMANDS = 4000
 MAX_LOG_LINES = 1500
 MAX_LOG_TEXT = 2000  # [characters] of one log line
+MAX_LOG = 100_000  # [bytes] of all in JSON, where a character takes up to 12
+MAX_OUTCOME = 400  # [characters] of how a run ended; it stands above the map
 MAX_DETAIL = 8000  # [characters] of a traceback
 MAX_SCAN_AGE = 10.0  # [s] an older stamp is wrong, not late
 
@@ -45,7 +49,7 @@ def replay_payload(recording: Recording, moments: Sequence[Mapping[str, Any]]) -
         "scenario": scenario.name,
         "title": scenario.title or scenario.name,
         "description": scenario.description,
-        "seed": recording.seed,
+        "seed": public_seed(recording.seed),
         "duration": _number(duration, 3),
         "robot": {"radius": _number(scenario.robot.radius, 3)},
         "world": {
@@ -61,7 +65,7 @@ def replay_payload(recording: Recording, moments: Sequence[Mapping[str, Any]]) -
         "compute": _compute(recording),
         "outcome": {
             "kind": recording.outcome.kind,
-            "text": recording.outcome.text,
+            "text": _shorten(recording.outcome.text, MAX_OUTCOME),
             "at": _number(recording.outcome.at, 3),
             "detail": _shorten(recording.outcome.detail, MAX_DETAIL),
         },
@@ -162,7 +166,7 @@ def millimetres(ranges: NDArray[np.floating[Any]]) -> NDArray[np.uint16]:
 
 def _layout_of(scan: Scan) -> tuple[float, float, float, int]:
     return (
-        float(scan.angle_min),
+        float(scan.first_angle),
         float(scan.angle_increment),
         float(scan.range_max),
         len(scan.ranges),
@@ -195,16 +199,17 @@ def _goals(recording: Recording) -> list[JsonDict]:
 
 
 def _compute(recording: Recording) -> list[str]:
-    costs = costs_of(recording)
-    return account_of(costs) if costs else []
+    return account_of(recording)
 
 
 def _log(recording: Recording) -> list[JsonDict]:
-    lines = recording.log
-    shown = [
-        {"t": _number(line.time * 1e-9, 3), "level": line.level, "text": _shorten(line.text)}
-        for line in lines[:MAX_LOG_LINES]
-    ]
+    lines, shown, left = recording.log, list[JsonDict](), MAX_LOG
+    for line in lines[:MAX_LOG_LINES]:
+        text = _shorten(line.text)
+        left -= len(json.dumps(text))
+        if left < 0:
+            break
+        shown.append({"t": _number(line.time * 1e-9, 3), "level": line.level, "text": text})
     if len(lines) > len(shown) or recording.log_truncated:
         text = "(the node logged more; this replay leaves the rest out)"
         shown.append({"t": shown[-1]["t"] if shown else 0.0, "level": "warn", "text": text})

@@ -40,7 +40,14 @@ ESCAPES = re.compile(
     r"|[\x1b\x9b]\[?[0-?]*[ -/]*[@-~]"  # CSI and two-character sequences
 )
 # C0 and C1 but tab and newline; the bidi controls can make a line read backwards.
-_CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+_CONTROLS = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069]"
+)
+# More accents than any script stacks would be drawn over the lines above and below.
+_STACKED = re.compile(
+    r"([\u0300-\u036f\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]{4})"
+    r"[\u0300-\u036f\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]+"
+)
 
 
 def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
@@ -76,6 +83,15 @@ def printed(grading: Mapping[str, Any], width: int) -> str:
     return "\n".join(lines).replace("\n\n\n", "\n\n") + "\n"
 
 
+PRACTICE_HERE = (
+    "course grade and course drive take the portable runtime instead: rclpy's own Python on a "
+    "native half that is written in Python, in the same virtual time.",
+    "It is for practice. Your instructor's grade comes from the real rclpy on Linux; "
+    "docs/portable.md says how the two were compared.",
+    "Nothing isolates a node here: your own code only. course autograde and --tier 2 need Linux.",
+)
+
+
 def render_diagnosis(found: Diagnosis, console: Console) -> None:
     """Print what `course doctor` found."""
     width = min(console.width, MAX_WIDTH)
@@ -98,6 +114,13 @@ def render_diagnosis(found: Diagnosis, console: Console) -> None:
     console.print()
     console.print(layers, width=width)
     console.print()
+    if found.gaps:
+        console.print(Text(" What a submission can still do here", style="bold"), width=width)
+        bullets = Table(box=None, show_header=False, padding=(0, 1, 0, 1))
+        for gap in found.gaps:
+            bullets.add_row("-", printable(gap, console))
+        console.print(bullets, width=width)
+        console.print()
     if found.problem:
         said = Text(f" No node can run here: {printable(found.problem, console)}", style="bold red")
     elif found.foreign_code:
@@ -105,6 +128,15 @@ def render_diagnosis(found: Diagnosis, console: Console) -> None:
     else:
         said = Text(" Other people's code may be graded here.", style="green")
     console.print(said, width=width)
+
+
+def render_practice(reason: str, console: Console) -> None:
+    """Print what `course doctor` says where the real rclpy can't run."""
+    width = min(console.width, MAX_WIDTH)
+    console.print(Text(f" The real rclpy can't run here: {reason}", style="yellow"), width=width)
+    console.print()
+    for line in PRACTICE_HERE:
+        console.print(Text(f" {line}"), width=width)
 
 
 def printable(text: Any, console: Console) -> str:
@@ -115,8 +147,13 @@ def printable(text: Any, console: Console) -> str:
 
 def plain(text: Any) -> str:
     """Return student text without escape sequences and control characters, cut to MAX_TEXT."""
-    clean = _CONTROLS.sub("", ESCAPES.sub("", str(text).replace("\r\n", "\n"))).expandtabs(4)
+    clean = readable(str(text)).expandtabs(4)
     return clean if len(clean) <= MAX_TEXT else clean[: MAX_TEXT - 2].rstrip() + " …"
+
+
+def readable(text: str) -> str:
+    """Return student text without escape sequences, control and bidi characters."""
+    return _STACKED.sub(r"\1", _CONTROLS.sub("", ESCAPES.sub("", text.replace("\r\n", "\n"))))
 
 
 # --- words that notebooks and nbgrader use too ---------------------------------------------------

@@ -19,8 +19,10 @@ import pytest
 
 from grader.errors import GraderError, InputError
 from grader.host.frames import Ended, Reported, RunTest, decode_from_test
-from grader.link.hosts import TESTS, ForkServer, HostProcess
-from grader.link.link import Channel, HostDied, HostForged, HostHung, decoded
+from grader.link.exchange import HostDied, HostForged, HostHung, decoded
+from grader.link.host_process import HostProcess
+from grader.link.hosts import TESTS, ForkServer
+from grader.link.link import Channel
 from grader.link.scratch import fresh_folder
 from grader.trial.endings import GRACE, died_text
 from sim.messages import EPOCH_NS
@@ -139,7 +141,7 @@ def _order(item: pytest.Item) -> tuple[RunTest, float]:
     options["pythonwarnings"] = [*(options.get("pythonwarnings") or []), IMPORTED_EARLY]
     options["rootdir"] = str(config.rootpath)
     options["inifilename"] = str(config.inipath) if config.inipath else None
-    options["basetemp"] = None
+    options["basetemp"] = _base_of_temporary_folders(config)
     options.pop("file_or_dir", None)
     _, _, within = item.nodeid.partition("::")
     worker = getattr(config, "workerinput", {"workerid": "virtual_time", "workercount": 1})
@@ -153,6 +155,18 @@ def _order(item: pytest.Item) -> tuple[RunTest, float]:
         limit=round(limit * 1e9),
     )
     return order, patience
+
+
+def _base_of_temporary_folders(config: pytest.Config) -> str | None:
+    """Return a folder inside this session's own, which is kept and removed with it.
+
+    Without one the host's session would look through what all others have left in /tmp, and fail
+    where it can't remove that.
+    """
+    factory = getattr(config, "_tmp_path_factory", None)
+    if factory is None:  # pytest runs without its plug-in for temporary folders
+        return None
+    return str(factory.mktemp("virtual_time"))
 
 
 def _seconds(limit: float = LIMIT, patience: float = PATIENCE) -> tuple[float, float]:

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader.course.submission import Submission
-from grader.link.link import HostForged
+from grader.link.exchange import HostForged
 from grader.link.log import LogLine
+from grader.link.workplace import Excess
+from grader.models.service import TooManyQuestions
 from grader.recording import Outcome, Recording
 from grader.trial.recorder import Command, Flood, Recorder
 from grader.trial.staging import missing_file
@@ -44,9 +46,11 @@ def roll_on(simulation: Simulation, reached: int, commands: Sequence[Command]) -
     simulation.advance(until, commands)
 
 
-def misbehaviour(error: HostForged | Flood) -> tuple[str, str]:
+def misbehaviour(error: HostForged | Flood | Excess | TooManyQuestions) -> tuple[str, str]:
     """Return the kind and the text of an outcome."""
-    kind = "flooded" if isinstance(error, Flood) else "forged"
+    if isinstance(error, Excess):
+        return "flooded", f"the node took more of the machine than it may: {error}"
+    kind = "forged" if isinstance(error, HostForged) else "flooded"
     return kind, f"the node sent more or other than a node can say: {error}"
 
 

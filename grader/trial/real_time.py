@@ -18,8 +18,10 @@ from grader.course.submission import Submission
 from grader.host.frames import Delivery
 from grader.host.sandbox.users import priority
 from grader.link.domains import own_domain
+from grader.link.exchange import HostForged
 from grader.link.hosts import ForkServer
-from grader.link.link import HostForged
+from grader.link.workplace import Excess
+from grader.models.service import ModelService, TooManyQuestions
 from grader.recording import COMPLETED, Live, Outcome, Recording
 from grader.trial.endings import (
     GRACE,
@@ -35,9 +37,8 @@ from grader.trial.endings import (
 from grader.trial.exclusive import TRIAL_LOCK
 from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over
 from grader.trial.recorder import Command, Flood, Recorder
-from grader.trial.staging import Stage, check_folder, stage
+from grader.trial.staging import Stage, stage
 from grader.trial.stalls import AnswerRate
-from grader.trial.virtual_time import LOOK_EVERY
 from sim.messages import Message, typestore, with_epoch
 from sim.scenario import Scenario
 from sim.schedule import scan_rate
@@ -90,8 +91,9 @@ def run_live_trial(
             stage(submission, scenario, arguments, files) as staged,
             own_domain() as domain,
         ):
-            hosts = LiveHosts(forkserver.live, staged, domain, simulation.seed)
-            trial = _LiveTrial(simulation, Recorder(stamped=stamped), hosts, staged)
+            models = ModelService(scenario, simulation.seed)
+            hosts = LiveHosts(forkserver.live, staged, domain, simulation.seed, models)
+            trial = _LiveTrial(simulation, Recorder(stamped=stamped), hosts, staged, models)
             recording = trial.run(reason)
         if not recording.live or not recording.live.stall:
             break
@@ -109,12 +111,18 @@ class _LiveTrial:
     """A trial under way."""
 
     def __init__(
-        self, simulation: Simulation, recorder: Recorder, hosts: LiveHosts, staged: Stage
+        self,
+        simulation: Simulation,
+        recorder: Recorder,
+        hosts: LiveHosts,
+        staged: Stage,
+        models: ModelService,
     ) -> None:
         self._simulation = simulation
         self._recorder = recorder
         self.hosts = hosts
         self._stage = staged
+        self._models = models
         self._lateness = 0.0  # [s] of the robot's latest message
         self._answer_rate = AnswerRate()
         self._starved = 0.0  # [s] that a thread of a host has waited for a CPU, at worst
@@ -135,7 +143,7 @@ class _LiveTrial:
                 kind = "hung" if str(error) == HUNG_AT_START else "never_spun"
                 stacks = hosts.programs[0].link.stacks() if kind == "hung" else ""
                 outcome = self._outcome(kind, str(error), stacks)
-            except (HostForged, Flood) as error:
+            except (HostForged, Flood, Excess, TooManyQuestions) as error:
                 outcome = self._outcome(*misbehaviour(error))
             except TimeoutError as error:
                 stall, outcome = str(error), self._outcome("hung", str(error))
@@ -153,7 +161,8 @@ class _LiveTrial:
         folder = self._stage.folder
         log = [line_without_folder(line, folder) for line in log]
         outcome = without_folder(outcome, folder)
-        return self._recorder.freeze(self._simulation, outcome, log, output, live)
+        asked = self._models.since_begin()
+        return self._recorder.freeze(self._simulation, outcome, log, output, live, asked)
 
     # --- the clock -------------------------------------------------------------------------------
 
@@ -185,8 +194,6 @@ class _LiveTrial:
             used = hosts.cpu() - cpu
             wall = min(used, (until - began) / 1e9) if answered is None else answered
             recorder.compute.append((began / 1e9, max(0.0, wall), used, queued))
-            if len(recorder.compute) % LOOK_EVERY == 0:
-                check_folder(self._stage.folder)
             pending = simulation.advance(until, commands)
 
     def _next_moment(self) -> int:
@@ -234,7 +241,7 @@ class _LiveTrial:
     def _end_outcome(self) -> Outcome:
         """Say how the program ended that has ended; let the robot roll on."""
         reached = max(self.hosts.now(), self._simulation.now)
-        with contextlib.suppress(HostForged, Flood):
+        with contextlib.suppress(HostForged, Flood, TooManyQuestions):
             roll_on(self._simulation, min(reached, self._simulation.end), self._take_heard())
         program = next(p for p in self.hosts.programs if p.ended or p.link.gone)
         name = f"{Path(program.start.file).name}: " if len(self._stage.programs) > 1 else ""

@@ -15,10 +15,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from grader.course.students import host_seed
 from grader.errors import GraderError
 from grader.host.frames import (
     MAX_PUBLISHED,
     MAX_PUBLISHED_BYTES,
+    Answers,
+    Asking,
     Delivery,
     Ended,
     EndpointReport,
@@ -37,10 +40,14 @@ from grader.host.frames import (
     decode_from_radio,
 )
 from grader.host.sandbox.users import prefer
-from grader.link.hosts import ForkServer, HostProcess
-from grader.link.link import Channel, HostDied, HostHung, decoded
+from grader.link.exchange import HostDied, HostHung, decoded
+from grader.link.host_process import HostProcess
+from grader.link.hosts import ForkServer
+from grader.link.link import Channel
 from grader.link.run_queue import RunQueue
 from grader.link.scratch import prefix
+from grader.link.workplace import Workplace
+from grader.models.service import ModelService
 from grader.trial.endings import NEVER_SPUN
 from grader.trial.recorder import MAX_ENDPOINTS, Flood
 from grader.trial.staging import Stage
@@ -86,7 +93,8 @@ class LiveLink(Channel):
         self._write(frame, time.perf_counter() + SEND_LIMIT)
 
     def hear(self) -> list[Any]:
-        """Return the frames that have come."""
+        """Return the frames that have come; Excess if the host takes too much of the machine."""
+        self._patrol()
         try:
             for _ in range(MAX_CHUNKS):  # one that never ceases to write must not hold the judge
                 self._read(self._host.link_in)
@@ -140,10 +148,14 @@ class LiveHosts:
     domain
         The DDS domain, theirs alone.
     seed
-        For the `random` of the node's programs.
+        Of the trial; the node's programs get a hash of it for their `random`.
+    models
+        What they may ask.
     """
 
-    def __init__(self, forkserver: ForkServer, staged: Stage, domain: int, seed: int) -> None:
+    def __init__(
+        self, forkserver: ForkServer, staged: Stage, domain: int, seed: int, models: ModelService
+    ) -> None:
         self.programs: list[Program] = []  # that have been started, in order
         self.radio: LiveLink
         self.endpoints: list[EndpointReport] = []  # that the radio has dealt with
@@ -151,13 +163,14 @@ class LiveHosts:
         self._forkserver = forkserver
         self._stage = staged
         self._domain = domain
-        self._seed = seed
+        self._seed = host_seed(seed)
+        self._models = models
         self._all = contextlib.ExitStack()
         self._poll = select.poll()
         self._radio_host: HostProcess
         self._queues: dict[int, RunQueue] = {}  # by the host's number, since time counts for it
         self._waiting = sorted(staged.programs, key=lambda program: program.start)
-        self._user = 0
+        self._place: Workplace
         self._connected: dict[str, int] = {}  # the radio's view
         self._asked = 0  # endpoints that it was told of
         self._heard: list[Published] = []
@@ -181,7 +194,7 @@ class LiveHosts:
         self.radio = LiveLink(self._radio_host, decode_from_radio)
         self._register(self.radio)
         self._tell_radio(TuneIn(self._domain, (*self._stage.offers, GO)))
-        self._user = self._all.enter_context(self._forkserver.user())
+        self._place = self._all.enter_context(self._forkserver.workplace(self._stage.folder))
         self.start_programs(0)
 
     def start_programs(self, now: int) -> None:
@@ -189,7 +202,7 @@ class LiveHosts:
         while self._waiting and self._waiting[0].start <= now:
             program = self._waiting.pop(0)
             host = self._all.enter_context(
-                self._forkserver.host(self._stage.folder, self._user, priority=self.epoch > 0)
+                self._forkserver.host(self._place, priority=self.epoch > 0)
             )
             link = LiveLink(host, decode_from_live)
             self._register(link)
@@ -234,6 +247,7 @@ class LiveHosts:
         for host in (self._radio_host, *(program.host for program in self.programs)):
             prefer(host.pid)
         self.epoch = time.time_ns()
+        self._models.begin(time.monotonic_ns())
         self.transmit([Delivery(GO.topic, empty())])
         self._heard = [said for said in self._heard if self._counts(said)]
 
@@ -293,10 +307,14 @@ class LiveHosts:
 
     def listen(self, patience: float) -> None:
         """Wait for the hosts to say something, `patience` [s] at most, and take it in."""
+        due = self._models.next_due
+        if due is not None:
+            patience = min(patience, max(0.0, (due - time.monotonic_ns()) / 1e9))
         for descriptor, event in self._poll.poll(max(1, math.ceil(patience * 1e3))):
             if not event & select.POLLIN:  # closed, for ever: it would end each wait at once
                 self._poll.unregister(descriptor)
         time.sleep(min(REST, patience))
+        self._answer()
         now = self.now()
         for queue in self._queues.values():
             queue.look()
@@ -318,6 +336,12 @@ class LiveHosts:
         if self.radio.gone:
             raise GraderError(NO_RADIO)
 
+    def _answer(self) -> None:
+        """Tell the programs what their models say, when it is time."""
+        for program, told in self._models.due(time.monotonic_ns()):
+            with contextlib.suppress(HostDied, HostHung):
+                program.link.send(Answers((told,)))
+
     def _hear_program(self, program: Program) -> None:
         frames = program.link.hear()
         if len(frames) > MAX_PULSES:
@@ -333,6 +357,9 @@ class LiveHosts:
                         if self._asked > MAX_ENDPOINTS:  # the radio would choke on them
                             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
                         self._tell_radio(Meet(tuple(frame.endpoints)))
+                case Asking():
+                    for question in frame.asked:
+                        self._models.ask(question, time.monotonic_ns(), program)
                 case Ended():
                     program.ended = frame
         stopped = program.start.stop is not None and program.start.stop <= self.now()

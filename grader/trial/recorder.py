@@ -7,9 +7,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from grader.host.frames import EndpointReport, Published
-from grader.link.link import HostForged, Output
+from grader.link.exchange import HostForged
 from grader.link.log import LogLine
-from grader.recording import Compute, Endpoint, Live, Outcome, Recording
+from grader.link.output import Output
+from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording
 from sim.messages import (
     CMD_VEL_TOPIC,
     OFFERED,
@@ -22,6 +23,7 @@ from sim.messages import (
 from sim.simulation import Simulation
 
 MAX_BYTES = 64 * 1024 * 1024  # a node may publish in one trial
+MAX_MESSAGES = 50_000  # in one trial: 800 a second in the longest scenario
 MESSAGE_BYTES = 128  # what a message takes besides its data and names
 MAX_ENDPOINTS = 1_000
 OURS = ("/course/", "/ground_truth/", "/rosout")  # topics of our own in a bag
@@ -82,6 +84,9 @@ class Recorder:
         log: Iterable[LogLine] = (),
         output: Iterable[Output] = (),
         live: Live | None = None,
+        asked: Iterable[Inference] = (),
+        *,
+        charged: bool = False,
     ) -> Recording:
         """Return the recording of a trial that is over, with what the robot did in it."""
         compute = np.array(self.compute, dtype=float).reshape(-1, 4).T
@@ -99,6 +104,8 @@ class Recorder:
             log_truncated=any(stream.truncated for stream in output),
             compute=Compute(*compute),
             live=live,
+            inferences=tuple(asked),
+            charged=charged,
         )
 
     def _message(self, published: Published, began: int, reached: int) -> Message:
@@ -106,6 +113,8 @@ class Recorder:
             raise HostForged(f"a message at {published.time}, between {began} and {reached}")
         if self.published and published.time < self.published[-1].time:
             raise HostForged("messages that go back in time")
+        if len(self.published) >= MAX_MESSAGES:
+            raise Flood(f"more than {MAX_MESSAGES:,} messages")
         names = len(published.topic) + len(published.type)
         self._bytes += len(published.data) + names + MESSAGE_BYTES
         if self._bytes > MAX_BYTES:

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import errno
-import itertools
-import os
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,12 +11,9 @@ from pathlib import Path
 from grader.course.submission import Submission
 from grader.host.frames import Offer, ProgramStart
 from grader.models.files import write_models
-from grader.trial.recorder import Flood
-from sim.messages import OFFERED, SENSORS
+from sim.messages import LATCHED, OFFERED, SENSORS
 from sim.scenario import Scenario
 
-MAX_FOLDER = 256 * 1024 * 1024  # [bytes] that a node may leave in its folder
-MAX_FILES = 5_000
 # programs of ours that run beside students'
 SUPPLIED = Path(__file__).parents[1] / "host" / "supplied"
 
@@ -47,22 +41,6 @@ def stage(
             (folder / name).write_bytes(content)
         programs = _programs(scenario, submission, folder, arguments)
         yield Stage(folder, programs, _offers(scenario))
-
-
-def check_folder(folder: Path) -> None:
-    """Make sure that the node doesn't fill the disk.
-
-    Raises
-    ------
-    Flood
-        There are too many files in its folder, or they are too large.
-    """
-    size = 0
-    for count, entry in enumerate(_entries(folder), start=1):
-        with contextlib.suppress(OSError):
-            size += entry.stat(follow_symlinks=False).st_size
-        if size > MAX_FOLDER or count > MAX_FILES:
-            raise Flood(f"more than {MAX_FILES:,} files or {MAX_FOLDER:,} bytes in its folder")
 
 
 def missing_file(scenario: Scenario, submission: Submission) -> str:
@@ -112,26 +90,6 @@ def _programs(
 def _offers(scenario: Scenario) -> tuple[Offer, ...]:
     reliable = scenario.qos.sensors == "reliable"
     return tuple(
-        Offer(topic, type, reliable or topic not in SENSORS) for topic, type in OFFERED.items()
+        Offer(topic, type, reliable or topic not in SENSORS, topic in LATCHED)
+        for topic, type in OFFERED.items()
     )
-
-
-def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
-    """Return what lies in a folder; without recursion, because it may be deep.
-
-    Raises
-    ------
-    Flood
-        It is deeper than a path may be long: what lies there can't be counted.
-    """
-    pending = [str(folder)]
-    while pending:
-        try:
-            with os.scandir(pending.pop()) as entries:
-                found = list(itertools.islice(entries, MAX_FILES + 1))
-        except OSError as error:
-            if error.errno == errno.ENAMETOOLONG:
-                raise Flood("folders in one another without end") from None
-            continue  # gone, or closed to the judge: then nobody else can use it either
-        yield from found
-        pending += [entry.path for entry in found if entry.is_dir(follow_symlinks=False)]

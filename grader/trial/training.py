@@ -22,10 +22,11 @@ import numpy as np
 from grader.course.submission import Submission, read_regular_file
 from grader.errors import GraderError
 from grader.host.frames import Ended, Loaded, LoadModels, Predict, Predicted, Script
-from grader.link.hosts import ForkServer, HostProcess
-from grader.link.link import HostDied, HostForged, HostHung, Link
+from grader.link.exchange import HostDied, HostForged, HostHung
+from grader.link.launcher import Dialogue, Host, Launcher
 from grader.link.log import LogLine
 from grader.link.scratch import fresh_folder
+from grader.link.workplace import Excess, Workplace
 from grader.models.dataset import PROFILE, Dataset, make_dataset
 from grader.models.features import features
 from grader.recording import (
@@ -62,7 +63,7 @@ class Trained:
 
 
 def run_training(
-    submission: Submission, scenario: Scenario, forkserver: ForkServer, *, seed: int | None = None
+    submission: Submission, scenario: Scenario, forkserver: Launcher, *, seed: int | None = None
 ) -> Trained:
     """Run the training script that belongs to a submission, and question its models.
 
@@ -84,7 +85,7 @@ def run_training(
 
 
 def _train(
-    submission: Submission, simulation: Simulation, spec: TrainingSpec, workshop: ForkServer
+    submission: Submission, simulation: Simulation, spec: TrainingSpec, workshop: Launcher
 ) -> Trained:
     data = make_dataset(spec.rows, 2 * simulation.seed)
     hidden = make_dataset(spec.hidden_rows, 2 * simulation.seed + 1, blind=False)
@@ -129,7 +130,7 @@ def _run_script(
     submission: Submission,
     spec: TrainingSpec,
     data: Dataset,
-    workshop: ForkServer,
+    workshop: Launcher,
     names: tuple[str, str],
 ) -> tuple[ScriptRun, dict[str, bytes], tuple[LogLine, ...]]:
     """Run the script once; return how that went, what it wrote, and what it said."""
@@ -138,12 +139,13 @@ def _run_script(
         arguments = ("--data", DATA, "--out", names[0], "--onnx", names[1])
         seed = zlib.crc32(repr((names, spec)).encode())  # another in each run, as in real life
         order = Script(str(folder / spec.script), arguments, seed)
-        with _link(workshop, folder) as (link, host):
-            began = time.perf_counter()
-            outcome = _conduct(link, host, order, spec.time_limit)
-            wall = time.perf_counter() - began
-            log = link.log()
-        files = {name: _take_file(folder / name) for name in names}
+        with workshop.workplace(folder) as place:
+            with _link(workshop, place) as (link, host):
+                began = time.perf_counter()
+                outcome = _conduct(link, host, order, spec.time_limit)
+                wall = time.perf_counter() - began
+                log = link.log()
+            files = {name: _take_file(place.seen / name) for name in names}
         outcome = without_folder(outcome, folder)
         kept = {name: content for name, content in files.items() if content is not None}
         sizes = {name: len(content) for name, content in kept.items()}
@@ -151,7 +153,7 @@ def _run_script(
         return run, kept, tuple(line_without_folder(line, folder) for line in log)
 
 
-def _conduct(link: Link, host: HostProcess, order: Script, limit: float) -> Outcome:
+def _conduct(link: Dialogue, host: Host, order: Script, limit: float) -> Outcome:
     try:
         answer, _ = link.ask(order, limit)
     except HostHung as hung:
@@ -159,6 +161,8 @@ def _conduct(link: Link, host: HostProcess, order: Script, limit: float) -> Outc
     except HostDied:
         status = status_text(host.wait(GRACE))
         return Outcome("died", f"the script's process ended by itself ({status})")
+    except Excess as error:
+        return Outcome("flooded", f"the script took more of the machine than it may: {error}")
     except HostForged as error:
         return Outcome("forged", f"the script answered in the host's place: {error}")
     if not isinstance(answer, Ended):
@@ -179,7 +183,7 @@ def _take_file(path: Path) -> bytes | None:
 
 
 def _question(
-    files: dict[str, bytes], training: Training, hidden: Dataset, workshop: ForkServer
+    files: dict[str, bytes], training: Training, hidden: Dataset, workshop: Launcher
 ) -> Training:
     """Let a fresh host load the models, without the script beside them, and predict."""
     seen = features(hidden.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
@@ -189,12 +193,12 @@ def _question(
         with _link(workshop, folder) as (link, _):
             try:
                 return _interview(link, seen, training)
-            except (HostHung, HostDied, HostForged) as error:
+            except (HostHung, HostDied, HostForged, Excess) as error:
                 problem = f"the process that loaded the models ended or hung ({error!r})"
                 return msgspec.structs.replace(training, pickle=ModelAnswers(problem[:300]))
 
 
-def _interview(link: Link, seen: Floats, training: Training) -> Training:
+def _interview(link: Dialogue, seen: Floats, training: Training) -> Training:
     loaded, _ = link.ask(LoadModels((PICKLE, AGAIN_PICKLE), ONNX), LOAD_LIMIT)
     if not isinstance(loaded, Loaded):
         raise HostForged("no list of models")
@@ -217,12 +221,12 @@ def _interview(link: Link, seen: Floats, training: Training) -> Training:
     )
 
 
-def _answers(link: Link, file: str, seen: Floats) -> ModelAnswers:
+def _answers(link: Dialogue, file: str, seen: Floats) -> ModelAnswers:
     said = _ask(link, file, seen)
     return ModelAnswers(said.problem, True, said.shape, said.values)
 
 
-def _ask(link: Link, file: str, seen: Floats) -> Predicted:
+def _ask(link: Dialogue, file: str, seen: Floats) -> Predicted:
     said, _ = link.ask(Predict(file, seen.tobytes()), PREDICT_LIMIT)
     if not isinstance(said, Predicted) or len(said.values) % 8:
         raise HostForged("no predictions")
@@ -231,7 +235,7 @@ def _ask(link: Link, file: str, seen: Floats) -> Predicted:
     return said
 
 
-def _time_singles(link: Link, seen: Floats) -> tuple[Floats, Floats]:
+def _time_singles(link: Dialogue, seen: Floats) -> tuple[Floats, Floats]:
     """Return wall and CPU time [s] of predictions for one scan each, measured from outside."""
     costs = []
     slow = 0
@@ -246,6 +250,6 @@ def _time_singles(link: Link, seen: Floats) -> tuple[Floats, Floats]:
 
 
 @contextmanager
-def _link(workshop: ForkServer, folder: Path) -> Iterator[tuple[Link, HostProcess]]:
-    with workshop.host(folder) as host:
-        yield Link(host), host
+def _link(workshop: Launcher, place: Path | Workplace) -> Iterator[tuple[Dialogue, Host]]:
+    with workshop.host(place) as host:
+        yield host.link(), host

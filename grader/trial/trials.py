@@ -6,6 +6,7 @@ import contextlib
 import os
 import shutil
 import threading
+import time
 from collections.abc import Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -14,24 +15,31 @@ from types import TracebackType
 from typing import Protocol
 
 from grader.course import installed
+from grader.course.students import Seed, secret_seed
 from grader.course.submission import Submission
 from grader.errors import GraderError, is_disk_full
-from grader.link.hosts import ForkServer
+from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
 from grader.trial.endings import not_run
 from grader.trial.progress import TRIAL, OnProgress, ignore
-from grader.trial.real_time import run_live_trial
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
 from sim.difficulty import comparable_seed
 from sim.scenario import Scenario, load_scenario
 from sim.simulation import Simulation
 
+CANDIDATES = 6  # seeds to choose a comparable world from
 REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
 BUSY_WAIT = "a loop in the node waits without letting time pass (such as `while not done: pass`)"
 MAX_SAID = 200  # [characters] of an error in a message
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
+PATIENCE = 300.0  # [s] of wall time that the virtual trials of a submission may take in all
+HURRIED = Limits(total=20.0)  # once they have
+SLOW = (
+    f"The node's trials took more than {PATIENCE:.0f} s, far longer than any solution's: from then "
+    f"on each had to end within {HURRIED.total:.0f} s."
+)
 
 
 class NoRecording(Exception):
@@ -78,8 +86,8 @@ class NodeTrials:
     """Runs the student's node, a few scenarios at a time."""
 
     submission: Submission
-    forkserver: ForkServer
-    seed: int | None = None  # mixed into every scenario's own
+    forkserver: Launcher
+    seed: Seed | None = None  # mixed into every scenario's own
     bags: Path | None = None
     limits: Limits = field(default_factory=Limits)
     real_time: bool = False  # Tier 2: all trials in wall-clock time, on DDS
@@ -94,6 +102,7 @@ class NodeTrials:
             REAL_TIME_TRIALS if self.real_time else max(2, min(4, os.cpu_count() or 2))
         )
         self._hung = False
+        self._took: list[float] = []  # [s] of wall time by each virtual trial
         self._second_look = threading.Lock()  # at a node that hung in virtual time
         self._why_real: str | None = None  # the node can't run in virtual time
         self._dead: Outcome | None = None  # it hangs before it has started, whatever the scenario
@@ -135,8 +144,8 @@ class NodeTrials:
         return [error for error in found if isinstance(error, TrialFault)]
 
     def notes(self) -> list[str]:
-        """Say what was not saved."""
-        return list(self._unsaved)
+        """Say what was not saved, and that a node took more time than anybody's does."""
+        return [*self._unsaved, *([SLOW] if self._slow else [])]
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
         """Say which of the libraries are not installed here; empty if all are."""
@@ -147,6 +156,11 @@ class NodeTrials:
         if scenario.name not in self._seeds:
             self._seeds[scenario.name] = trial_seed(scenario, self.seed)
         return self._seeds[scenario.name]
+
+    @property
+    def _slow(self) -> bool:
+        """Tell whether the trials have used up PATIENCE: no submission holds up a class at will."""
+        return sum(self._took) > PATIENCE
 
     def _over(self) -> list[Future[Recording]]:
         """Return what was asked for, when its trial is over."""
@@ -209,7 +223,9 @@ class NodeTrials:
             return not_run(Simulation(scenario, self.seed_of(scenario)), self._dead)
         if self.real_time or self._why_real is not None:
             return self._run_in_real_time(scenario, self._why_real or "")
-        limits = IMPATIENT if self._hung else self.limits
+        limits = HURRIED if self._slow else self.limits
+        limits = IMPATIENT if self._hung else limits
+        began = time.perf_counter()
         recording = run_trial(
             self.submission,
             scenario,
@@ -218,6 +234,9 @@ class NodeTrials:
             limits=limits,
             files=self._own_models(scenario),
         )
+        self._took.append(time.perf_counter() - began)
+        if self.forkserver.practice:
+            return recording  # there is no real time: the node hangs, or can't run
         if recording.outcome.kind == "real_time":
             self._why_real = recording.outcome.text
         elif recording.outcome.kind == "hung":
@@ -246,6 +265,10 @@ class NodeTrials:
         return virtual
 
     def _run_in_real_time(self, scenario: Scenario, reason: str) -> Recording:
+        from grader.link.hosts import ForkServer  # noqa: PLC0415  (only Linux can import these)
+        from grader.trial.real_time import run_live_trial  # noqa: PLC0415
+
+        assert isinstance(self.forkserver, ForkServer)
         return run_live_trial(
             self.submission,
             scenario,
@@ -311,11 +334,16 @@ def with_bag(recording: Recording, folder: Path) -> Recording:
     return replace(recording, bag=str(folder))
 
 
-def trial_seed(scenario: Scenario, chosen: int | None) -> int:
+def trial_seed(scenario: Scenario, chosen: Seed | None) -> int:
     """Return the seed of a graded trial; worlds of other seeds are as hard as the scenario's."""
     if chosen is None:
         return scenario.seed
-    return comparable_seed(scenario, mixed_seed(scenario.seed, chosen))
+    if isinstance(chosen, str):
+        return comparable_seed(
+            scenario, [secret_seed(chosen, scenario.name, i) for i in range(CANDIDATES)]
+        )
+    mixed = mixed_seed(scenario.seed, chosen)
+    return comparable_seed(scenario, [(mixed + 7_919 * i) % 2**31 for i in range(CANDIDATES)])
 
 
 def mixed_seed(own: int, chosen: int | None) -> int:

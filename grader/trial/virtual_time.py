@@ -11,10 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.course.students import host_seed
 from grader.course.submission import Submission
-from grader.host.frames import Delivery, Ended, Run, Settled, Slept, Start
-from grader.link.hosts import ForkServer, HostProcess
-from grader.link.link import Cost, HostDied, HostForged, HostHung, Link
+from grader.host.frames import Delivery, Ended, Run, Settled, Slept, Start, ToJudge
+from grader.link.exchange import Cost, HostDied, HostForged, HostHung
+from grader.link.launcher import Host, Launcher
+from grader.link.workplace import Excess
+from grader.models.service import ModelService, TooManyQuestions
 from grader.recording import COMPLETED, Outcome, Recording
 from grader.trial.endings import (
     GRACE,
@@ -29,12 +32,10 @@ from grader.trial.endings import (
     without_folder,
 )
 from grader.trial.recorder import Flood, Recorder
-from grader.trial.staging import check_folder, stage
+from grader.trial.staging import stage
 from sim.messages import EPOCH_NS, Message
 from sim.scenario import Scenario
 from sim.simulation import Simulation
-
-LOOK_EVERY = 64  # exchanges, at the node's folder
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Limits:
 def run_trial(
     submission: Submission,
     scenario: Scenario,
-    forkserver: ForkServer,
+    forkserver: Launcher,
     *,
     seed: int | None = None,
     arguments: Sequence[str] = (),
@@ -91,18 +92,18 @@ def run_trial(
             stage(submission, scenario, arguments, files) as staged,
             forkserver.host(staged.folder) as host,
         ):
-            trial = _Trial(simulation, Recorder(stamped=stamped), host)
+            trial = _Trial(simulation, Recorder(stamped=stamped), host, charged=charge_compute)
             start = Start(
                 staged.programs,
                 EPOCH_NS,
-                simulation.seed,
+                host_seed(simulation.seed),
                 staged.offers,
                 lead=lead,
                 charge_compute=charge_compute,
                 stdin=stdin,
             )
             try:
-                outcome = trial.conduct(staged.folder, start, limits or Limits())
+                outcome = trial.conduct(start, limits or Limits())
             except _Early as early:
                 lead = early.lead
                 continue
@@ -120,34 +121,37 @@ class _Early(Exception):
 class _Trial:
     """A trial under way."""
 
-    def __init__(self, simulation: Simulation, recorder: Recorder, host: HostProcess) -> None:
+    def __init__(
+        self, simulation: Simulation, recorder: Recorder, host: Host, *, charged: bool
+    ) -> None:
         self._simulation = simulation
         self._recorder = recorder
         self._host = host
-        self._link = Link(host)
+        self._charged = charged  # computing takes virtual time
+        self._link = host.link()
+        self._models = ModelService(simulation.scenario, simulation.seed)
         self._at = 0.0  # [s] the time that the node has come to
         self._spun = False
         self._stuck: float | None = None  # [s] since when nothing in the node can ever run again
 
-    def conduct(self, folder: Path, start: Start, limits: Limits) -> Outcome:
-        """Run the trial to its end, with the node in this folder; say how it ended."""
+    def conduct(self, start: Start, limits: Limits) -> Outcome:
+        """Run the trial to its end; say how it ended."""
         recorder, simulation, end = self._recorder, self._simulation, self._simulation.end
-        clock_end = time.perf_counter() + limits.total
+        began_at = time.perf_counter()
         try:
-            first, cost = self._link.start(start, limits.start)
+            first, cost = self._start(start, limits.start)
             if isinstance(first, Slept):
                 raise HostForged("a second early start") if start.lead else _Early(first.lead)
             answer: Settled | Ended = first
             pending = self._take(answer, cost, began=0, agreed=0)
             while isinstance(answer, Settled) and simulation.now < end:
-                if time.perf_counter() > clock_end:
-                    raise HostHung("")
-                if len(recorder.compute) % LOOK_EVERY == 0:
-                    check_folder(folder)
+                if time.perf_counter() > began_at + limits.total:
+                    return self._outcome("hung", _too_slow(limits, self._simulation))
                 began = simulation.now
                 self._at = began / 1e9
-                until = min(simulation.next_event() or end, end)
-                frame = Run(until, tuple(Delivery(m.topic, m.data) for m in pending))
+                told = tuple(told for _, told in self._models.due(began))
+                until = min(simulation.next_event() or end, self._models.next_due or end, end)
+                frame = Run(until, tuple(Delivery(m.topic, m.data) for m in pending), told)
                 recorder.delivered += pending
                 answer, cost = self._link.run(frame, limits.step)
                 pending = self._take(answer, cost, began, until)
@@ -157,7 +161,7 @@ class _Trial:
         except HostDied:
             status = self._host.wait(GRACE)
             return self._outcome("died", died_text(status))
-        except (HostForged, Flood) as error:
+        except (HostForged, Flood, Excess, TooManyQuestions) as error:
             return self._outcome(*misbehaviour(error))
         if isinstance(answer, Ended):
             return self._outcome(answer.kind, answer.text, answer.detail)
@@ -167,12 +171,32 @@ class _Trial:
             return Outcome("stuck", STUCK, self._stuck)
         return self._outcome(COMPLETED, "")
 
+    def _start(self, start: Start, limit: float) -> tuple[ToJudge, Cost]:
+        """Run the file up to the point where it waits; answer what it asks its models till then.
+
+        However often it asks: limit [s] is for all of the start-up.
+        """
+        deadline = time.perf_counter() + limit
+        first, cost = self._link.start(start, limit)
+        while isinstance(first, Settled) and first.starting:
+            if not first.asked or first.published:
+                raise HostForged("a start-up without a question")
+            told = tuple(self._models.at_once(question) for question in first.asked)
+            left = deadline - time.perf_counter()
+            first, more = self._link.go_on(Run(0, told=told), left)
+            cost = Cost(cost.wall + more.wall, cost.cpu + more.cpu, cost.queued + more.queued)
+        return first, cost
+
     def recording(self, outcome: Outcome, folder: Path) -> Recording:
         """Return the recording; paths in `folder` are shown as the student knows them."""
         link = self._link
         log = [line_without_folder(line, folder) for line in link.log()]
         outcome = without_folder(outcome, folder)
-        return self._recorder.freeze(self._simulation, outcome, log, (link.stdout, link.stderr))
+        output = (link.stdout, link.stderr)
+        asked = self._models.inferences
+        return self._recorder.freeze(
+            self._simulation, outcome, log, output, asked=asked, charged=self._charged
+        )
 
     def _take(self, answer: Settled | Ended, cost: Cost, began: int, agreed: int) -> list[Message]:
         """Note an answer, let the robot follow it; return the robot's next messages."""
@@ -185,6 +209,10 @@ class _Trial:
         if isinstance(answer, Ended):
             roll_on(self._simulation, reached, commands)
             return []
+        if answer.starting:
+            raise HostForged("a start-up in the middle of the trial")
+        for question in answer.asked:
+            self._models.ask(question, reached)
         self._spun = self._spun or answer.spinning
         if answer.spinning or answer.asleep:
             self._stuck = None
@@ -196,9 +224,19 @@ class _Trial:
         return Outcome(kind, text, self._at, detail)
 
 
+def _too_slow(limits: Limits, simulation: Simulation) -> str:
+    """Say that a node answered always, but took too long for it."""
+    return (
+        f"the node and its robot were not done after {limits.total:.0f} s: it had come to "
+        f"{simulation.now / 1e9:.1f} s of {simulation.end / 1e9:.1f} s; does it compute or publish "
+        "far more than it needs?"
+    )
+
+
 def _reached(answer: Settled | Ended, began: int, agreed: int) -> int:
     """Return the time that the host has come to; it can't be any other than agreed on."""
-    if isinstance(answer, Settled) and answer.now != agreed:
+    early = isinstance(answer, Settled) and answer.asked  # it asks a model before time goes on
+    if isinstance(answer, Settled) and answer.now != agreed and not early:
         raise HostForged(f"time {answer.now} where {agreed} was agreed on")
     if not began <= answer.now <= agreed:
         raise HostForged(f"an end at {answer.now}, between {began} and {agreed}")

@@ -1,13 +1,17 @@
 """Links to ../exercises, right where the sources are read, lead to the pages made of them.
 
 On GitHub and in a students' release the exercises lie beside the lesson; on the site, below it.
+A link to a skeleton, which lies beside its README, becomes a download.
 """
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from sphinx.application import Sphinx
 
 
@@ -17,7 +21,15 @@ def to_pages(_: Sphinx, name: str, source: list[str]) -> None:
         source[0] = source[0].replace("](../exercises/", "](exercises/")
 
 
+def to_skeletons(_: Sphinx, included: Path, _name: str, text: list[str]) -> None:
+    """Rewrite the links of an exercise's README to its Python files."""
+    if included.name == "README.md":
+        folder = f"../../../exercises/{included.parent.name}"
+        text[0] = re.sub(r"\]\((\w+\.py)\)", rf"]({folder}/\1)", text[0])
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Tell Sphinx."""
     app.connect("source-read", to_pages)
+    app.connect("include-read", to_skeletons)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -71,6 +71,7 @@ class Sender:
                 messages,
                 layout=simulation.layout,
                 radius=simulation.scenario.robot.radius,
+                lidar=simulation.scenario.lidar,
                 pose=simulation.pose,
                 seconds=simulation.now / 1e9,
                 time=now,
@@ -107,8 +108,9 @@ class Sender:
         if tf_message is None or ODOM_TOPIC not in self._robot.rates:
             return None
         transforms = Transforms(tf_message, TransformStamped)
+        lidar = self._robot.simulation.scenario.lidar
         static = self._node.create_publisher(tf_message, "/tf_static", STATIC)
-        self._send(static, transforms.of_laser(_stamp(self._robot.ros_now)))
+        self._send(static, transforms.of_lidar(lidar, _stamp(self._robot.ros_now)))
         return transforms, self._node.create_publisher(tf_message, "/tf", DEPTH)
 
     def _send_transform(self, odometry: Message) -> None:

@@ -1,14 +1,15 @@
 """/tf and /tf_static: where the robot estimates it is, in the frames of REP-105.
 
-`odom` → `base_link` with every odometry message, `base_link` → `laser` once (the mock lidar sits in
-the middle). tf2_msgs is part of every ROS installation, but there is no wheel of it: without it the
-robot sends no transforms.
+`odom` → `base_link` with every odometry message, `base_link` → the lidar's frame once. tf2_msgs is
+part of every ROS installation, but there is no wheel of it: without it the robot sends no
+transforms.
 """
 
 import math
 from typing import Any
 
-from sim.messages import BASE_FRAME, LASER_FRAME, ODOM_FRAME
+from sim.messages import BASE_FRAME, ODOM_FRAME, half_angle
+from sim.scenario import LidarSpec
 
 
 def tf_message_class() -> Any:
@@ -32,12 +33,15 @@ class Transforms:
     def __init__(self, tf_message: Any, transform_stamped: Any) -> None:
         self._tf_message, self._transform_stamped = tf_message, transform_stamped
 
-    def of_laser(self, stamp: Any) -> Any:
-        """Return `base_link` → `laser`, for /tf_static."""
+    def of_lidar(self, lidar: LidarSpec, stamp: Any) -> Any:
+        """Return where the lidar is on the robot, for /tf_static."""
         transform = self._transform_stamped()
         transform.header.stamp = stamp
-        transform.header.frame_id, transform.child_frame_id = BASE_FRAME, LASER_FRAME
-        transform.transform.rotation.w = 1.0
+        transform.header.frame_id, transform.child_frame_id = BASE_FRAME, lidar.frame
+        x, y, yaw = lidar.pose
+        to = transform.transform
+        to.translation.x, to.translation.y = x, y
+        to.rotation.z, to.rotation.w = half_angle(yaw)
         return self._tf_message(transforms=[transform])
 
     def of_odometry(self, odometry: Any) -> Any:

@@ -12,7 +12,6 @@ from sim.errors import InputError
 from sim.layout import Floats, Layout, Pose
 from sim.messages import (
     BASE_FRAME,
-    LASER_FRAME,
     LASER_SCAN,
     ODOM_FRAME,
     ODOMETRY,
@@ -20,6 +19,7 @@ from sim.messages import (
     decode,
     half_angle,
 )
+from sim.scenario import LidarSpec
 
 HOST = "127.0.0.1"
 PORT = 8765  # Foxglove's own default
@@ -88,6 +88,7 @@ class Viewer:
         *,
         layout: Layout,
         radius: float,
+        lidar: LidarSpec,
         pose: Pose,
         seconds: float,
         time: int,
@@ -98,8 +99,8 @@ class Viewer:
         ----------
         messages
             Stamped in ROS time.
-        layout, radius
-            The world; the robot's radius [m].
+        layout, radius, lidar
+            The world; the robot's radius [m] and its lidar.
         pose
             The robot's true pose [m, m, rad].
         seconds
@@ -113,7 +114,7 @@ class Viewer:
             self._scene_due = time + SCENE_EVERY - 1
         if entities:
             self._scene.log(self._kinds.SceneUpdate(entities=entities), log_time=time)
-        self._frames.log(self._transforms(pose, time), log_time=time)
+        self._frames.log(self._transforms(pose, lidar, time), log_time=time)
         for message in messages:
             if message.type == LASER_SCAN and self._scan.has_sinks():
                 self._scan.log(self._laser_scan(message.data), log_time=time)
@@ -179,13 +180,13 @@ class Viewer:
             )
             yield kinds.SceneEntity(id=f"cart {index}", frame_id=MAP_FRAME, cubes=[cube])
 
-    def _transforms(self, pose: Pose, time: int) -> Any:
+    def _transforms(self, pose: Pose, lidar: LidarSpec, time: int) -> Any:
         kinds = self._kinds
         stamp = kinds.Timestamp(*divmod(time, 10**9))
         tree = (
             (MAP_FRAME, BASE_FRAME, pose),
             (MAP_FRAME, ODOM_FRAME, (0.0, 0.0, 0.0)),
-            (BASE_FRAME, LASER_FRAME, (0.0, 0.0, 0.0)),
+            (BASE_FRAME, lidar.frame, lidar.pose),
         )
         transforms = [
             kinds.FrameTransform(
@@ -203,7 +204,7 @@ class Viewer:
         scan = decode(data, LASER_SCAN)
         return self._kinds.LaserScan(
             timestamp=self._stamp(scan),
-            frame_id=LASER_FRAME,
+            frame_id=scan.header.frame_id,
             pose=self._pose(),
             start_angle=scan.angle_min,
             end_angle=scan.angle_max,

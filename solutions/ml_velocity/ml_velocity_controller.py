@@ -83,7 +83,7 @@ class MlVelocityController(Node):
             self.get_logger().error(f"No model, so no motion: {path}: {error!r}")
             return None
         ### SKELETON
-        # # TODO(task 2): unpickle the file. What if it is missing, or is no model?
+        # # TODO(task 2): unpickle the file. What if it is missing, or not a model?
         # return None
         ### END SOLUTION
 

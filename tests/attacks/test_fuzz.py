@@ -32,7 +32,8 @@ from grader.host.frames import (
     decode_to_judge,
     encode,
 )
-from grader.link.link import Channel, HostForged, decoded
+from grader.link.exchange import HostForged, decoded
+from grader.link.link import Channel
 
 DECODERS: dict[str, tuple[Callable[[bytes], Any], tuple[type, ...]]] = {
     "nodes": (decode_to_judge, (Settled, Ended)),

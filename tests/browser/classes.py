@@ -21,7 +21,7 @@ NAMES = (
 
 # (id, title, points, how hard: the ability at which half pass, what is said)
 OBSTACLES = (
-    ("wiring", "The node starts, spins, listens to /scan and speaks on /cmd_vel.", 5, -2.5,
+    ("wiring", "The node starts, spins, listens to /scan and publishes on /cmd_vel.", 5, -2.5,
      "there is no subscription on /scan"),
     ("one_command_per_scan", "Each scan is answered by exactly one Twist.", 5, -1.5,
      "2 commands for the scan at 1.10 s"),

@@ -299,7 +299,7 @@ def failing_checks() -> list[JsonDict]:
         ),
         check(
             "pt2",
-            "Drives as a PyTorch program says (.pt2).",
+            "Drives at the speed that a PyTorch program predicts (.pt2).",
             "unavailable",
             max_points=8,
             message="skipped: PyTorch is not installed here",

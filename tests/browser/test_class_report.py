@@ -166,9 +166,9 @@ def test_a_phone_reads_cards_and_a_screen_reader_still_a_table(
     page = open_file(folder / "class.html", viewport={"width": 360, "height": 800})
     held = page.get_by_role("table", name="Held gradings")
     assert held.get_by_role("row").count() == 3
-    assert held.get_by_role("columnheader").count() == 4
+    assert held.get_by_role("columnheader").count() == 5
     label = "(e) => getComputedStyle(e, '::before').content"
-    assert "What to do" in held.get_by_role("cell").nth(2).evaluate(label)
+    assert "What to do" in held.get_by_role("cell").nth(3).evaluate(label)
 
 
 def test_it_prints_in_black_on_white_without_navigation(open_file: OpenFile, folder: Path) -> None:

@@ -45,6 +45,7 @@ def run(copy: Path, command: str) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
+@pytest.mark.long
 def test_the_walk_works_as_it_stands(copy: Path) -> None:
     commands = re.findall(r"(?m)^    (\.venv/bin/.+)$", COMMANDS)
     assert len(commands) == 6

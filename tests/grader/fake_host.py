@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 import msgspec
 
 from grader.host.frames import LENGTH, Settled, encode
-from grader.link.hosts import HostProcess
+from grader.link.host_process import HostProcess
 
 SETTLED = Settled(now=0, spinning=True, asleep=False, published=[])
 
@@ -37,7 +37,7 @@ class FakeHost(HostProcess):
 
     def kill(self) -> None:
         self.killed = True
-        os.write(self.their_status, b"-9")
+        os.write(self.their_status, b"+-9\n")
 
     def dump_stacks(self) -> None:
         os.write(self.their_stderr, b'  File "agent.py", line 7 in on_scan\n')

@@ -12,6 +12,7 @@ import pytest
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import SOLUTIONS, find_exercise
+from sim.scenario import scenario_names
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
@@ -59,6 +60,15 @@ def test_list() -> None:
     assert (done.code, done.err) == (0, "")
     assert "obstacle_avoidance_agent.py" in done.out
     assert "goal_seeking" in done.out
+
+
+def test_list_of_scenarios() -> None:
+    done = course("list", "--scenarios")
+
+    assert (done.code, done.err) == (0, "")
+    listed = {line.split()[0] for line in done.out.splitlines() if line.strip()}
+    assert set(scenario_names()) < listed
+    assert "A wall ahead" in done.out
 
 
 @pytest.mark.parametrize("command", ["list", "grade", "drive", "check-bag"])

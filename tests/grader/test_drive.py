@@ -6,6 +6,7 @@ import textwrap
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from node_runs import PREAMBLE, RunNode, short
@@ -23,11 +24,13 @@ from grader.errors import InputError
 from grader.host.frames import MAX_STDIN
 from grader.link.hosts import ForkServer
 from grader.recording import Outcome, Recording, costs_of
-from sim.scenario import load_scenario
+from sim.scenario import Transforms, load_scenario
 
 
-def test_without_changes_it_is_the_scenario() -> None:
-    assert scenario_for("demo_wall") == load_scenario("demo_wall")
+def test_without_changes_it_is_the_scenario_with_transforms() -> None:
+    scenario = scenario_for("demo_wall")
+    assert scenario.transforms.enabled
+    assert msgspec.structs.replace(scenario, transforms=Transforms()) == load_scenario("demo_wall")
 
 
 @pytest.mark.parametrize("profile", ["default", "lds01", "lds02", "wide"])
@@ -321,7 +324,7 @@ def test_only_the_computing_of_the_scenario_is_charged(
     )
     lag = recording.twists().t - recording.times("/scan")
     capsys.readouterr()
-    print_summary(recording, file="echo.py", charged=True)
+    print_summary(recording, file="echo.py")
 
     assert len(lag) == 10
     assert (lag < 0.05).all()

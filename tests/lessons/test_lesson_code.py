@@ -124,7 +124,7 @@ def test_commands_print_what_the_page_says(
 
     monkeypatch.setattr(grader.drive, "drive_node", drive)
     monkeypatch.setattr(
-        "grader.cli.drive.start_forkserver", lambda *_: contextlib.nullcontext(forkserver)
+        "grader.cli.drive.start_forkserver", lambda *_, **__: contextlib.nullcontext(forkserver)
     )
     monkeypatch.setenv("COLUMNS", "80")
     for block in nodes():

@@ -10,6 +10,8 @@ import pytest
 from grader.authoring.leaks import leaks
 from grader.course.exercises import EXERCISES
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture
 def handed_out(site: Path, tmp_path: Path) -> Path:

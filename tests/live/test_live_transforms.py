@@ -8,6 +8,7 @@ import pytest
 
 from sim.live.transforms import Transforms
 from sim.messages import ODOMETRY, decode, odometry
+from sim.scenario import LidarSpec
 
 
 @dataclass
@@ -62,6 +63,6 @@ def test_a_pose_that_is_not_finite_is_no_transform(x: float) -> None:
 
 
 def test_the_laser_sits_in_the_middle_of_the_robot() -> None:
-    (transform,) = TRANSFORMS.of_laser("now").transforms
+    (transform,) = TRANSFORMS.of_lidar(LidarSpec(), "now").transforms
     assert (transform.header.frame_id, transform.child_frame_id) == ("base_link", "laser")
     assert transform.transform == Transform()

@@ -13,6 +13,8 @@ from processes import NODES, Process, Town
 
 from grader.course.exercises import all_exercises
 
+pytestmark = pytest.mark.long
+
 PROGRAMS = [(e, file) for e in all_exercises() for file in e.files if "train" not in file]
 REFERENCES = [exercise.solutions / file for exercise, file in PROGRAMS]
 SKELETONS = [exercise.folder / file for exercise, file in PROGRAMS]

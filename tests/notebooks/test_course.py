@@ -100,7 +100,7 @@ def test_ids_stay_when_a_cell_is_put_between(
     tmp_path: Path,
 ) -> None:
     text = (build.TEXTS / "03_state.md").read_text("utf-8")
-    head, mark, tail = text.partition("## Angles go round")
+    head, mark, tail = text.partition("## Angles wrap")
     more = f"{head}## A new part\n\nWords.\n\n```{{code-cell}}\n1 + 1\n```\n\n{mark}{tail}"
     (tmp_path / "03_state.md").write_text(more, "utf-8")
 
@@ -156,6 +156,7 @@ def test_a_check_that_is_forgotten_or_doubled_is_an_error(tmp_path: Path) -> Non
 # --- released ------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_release_has_exactly_the_skeletons(course: Path) -> None:
     found = {}
     for name in ALL:
@@ -170,6 +171,7 @@ def test_the_release_has_exactly_the_skeletons(course: Path) -> None:
     assert not found
 
 
+@pytest.mark.long
 def test_the_release_gives_nothing_away(course: Path) -> None:
     for name in ALL:
         text = json.dumps(released(course, name))
@@ -177,6 +179,7 @@ def test_the_release_gives_nothing_away(course: Path) -> None:
     assert "Rubric" in json.dumps(stored("06_quiz"))
 
 
+@pytest.mark.long
 def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
     quiz = (ROOT / "lessons" / "quiz.md").read_text("utf-8")
     given = released(course, "06_quiz")["cells"]
@@ -191,6 +194,7 @@ def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
     assert all(line in json.dumps(stored("06_quiz"), ensure_ascii=False) for line in rubric)
 
 
+@pytest.mark.long
 def test_nothing_but_notebooks_is_released(course: Path) -> None:
     given = sorted(path.name for path in (course / "release").rglob("*") if path.is_file())
 

@@ -25,7 +25,7 @@ from nbgrader_kit import (
 from traitlets.config import Config
 
 from grader.course.exercises import find_exercise
-from grader.course.students import student_seed
+from grader.course.students import student_key
 from grader.errors import GraderError
 from grader.link.pool import ForkServerPool
 from grader.nbgrader import configure, judge
@@ -204,7 +204,7 @@ def test_every_student_has_worlds_of_their_own(
         judging._verdict(SLUG, [], Place("", "01_loop", ASSIGNMENT, name))
 
     key = secret.read_bytes()
-    assert seeds == [student_seed(key, "ann", SLUG), student_seed(key, "bob", SLUG), None]
+    assert seeds == [student_key(key, "ann", SLUG), student_key(key, "bob", SLUG), None]
 
 
 def test_one_file_of_two_is_graded_as_course_grade_grades_it() -> None:

@@ -13,6 +13,8 @@ from grader.course.exercises import EXERCISES, ROOT, all_exercises
 from grader.notebook import build
 from grader.notebook.build import ASSIGNMENT
 
+pytestmark = pytest.mark.long
+
 ALL = sorted(path.stem for path in build.SOURCES.glob("*.ipynb"))
 RUBRIC = re.compile(r"(?m)^\| \d \| (.{20,}?) *\|$")
 

@@ -11,7 +11,7 @@ from sim.lidar import PROFILES
 
 def covered(profile, from_deg, to_deg):
     angles = PROFILES[profile].angles
-    ranges = bench_ranges(BenchScan(patches=(Patch(from_deg, to_deg, 1.0),)), angles)
+    ranges = bench_ranges(BenchScan(patches=(Patch(from_deg, to_deg, 1.0),)), PROFILES[profile])
     degrees = np.rint(np.degrees(angles[np.isfinite(ranges)])).astype(int)
     return sorted((degrees + 180) % 360 - 180)
 
@@ -32,11 +32,40 @@ def test_a_patch_wraps_through_the_back(profile):
 
 def test_later_patches_cover_earlier_ones():
     scan = BenchScan(fill=5.0, patches=(Patch(-90, 90, 2.0), Patch(0, 0, math.nan)))
-    ranges = bench_ranges(scan, PROFILES["default"].angles)
+    ranges = bench_ranges(scan, PROFILES["default"])
     assert ranges[179] == 2.0
     assert math.isnan(ranges[180])
     assert ranges[0] == 5.0
 
 
 def test_an_empty_scan_has_no_beams():
-    assert bench_ranges(BenchScan(empty=True), PROFILES["wide"].angles).shape == (0,)
+    assert bench_ranges(BenchScan(empty=True), PROFILES["wide"]).shape == (0,)
+
+
+def jittered(scan, seed):
+    return bench_ranges(scan, PROFILES["default"], np.random.default_rng(seed))
+
+
+def test_a_jitter_moves_measurements_and_nothing_else():
+    patches = (Patch(-90, 90, 2.0), Patch(0, 0, math.nan), Patch(5, 9, 0.5), Patch(20, 20, 65.5))
+    scan = BenchScan(fill=5.0, patches=(*patches, Patch(30, 30, math.inf), Patch(40, 40, 0.05)))
+    plain = bench_ranges(scan, PROFILES["default"])
+    moved = jittered(scan, 1)
+
+    assert math.isnan(moved[180])
+    assert (moved[185:190] == 0.5).all()  # a threshold, sent exactly
+    for degrees in (20, 30, 40):  # nothing that was measured
+        assert moved[180 + degrees] == plain[180 + degrees]
+    front = np.abs(np.arange(-180, 180)) <= 90
+    ahead, behind = moved[front & (plain == 2.0)], moved[~front]
+    assert np.abs(ahead - 2.0).max() <= 0.008
+    assert 4.992 <= behind.min() < 5.0
+    assert 5.6 < behind.max() <= 5.76
+    assert np.mean(np.abs(behind - 5.0) <= 0.008) == pytest.approx(1 / 3, abs=0.1)
+
+
+def test_a_jitter_never_leaves_the_lidars_limits_and_belongs_to_its_seed():
+    far = BenchScan(fill=11.5)
+    assert jittered(far, 1).max() <= 11.95
+    assert (jittered(far, 1) == jittered(far, 1)).all()
+    assert (jittered(far, 1) != jittered(far, 2)).mean() > 0.5

@@ -111,7 +111,7 @@ def test_a_start_inside_something_is_refused():
     with pytest.raises(InputError) as caught:
         scenario_layout(scenario_from_toml(text, "x"), 1)
     assert str(caught.value) == (
-        "x: robot.start: the robot would stand in something at (0, 0) with seed 1; "
+        "x: robot.start: the robot would stand in something at (0, 0); "
         "expected a free place of radius 0.17"
     )
 

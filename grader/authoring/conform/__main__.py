@@ -1,8 +1,12 @@
-"""Run the tests of rclpy or of CPython in plain Python and in a host, and review what differs.
+"""Run what must behave the same in two places, and review what differs.
+
+The tests of rclpy and of CPython, and nodes from elsewhere: in plain Python and in a host. Our own
+solutions: on the real rclpy and on the portable runtime.
 
     python -m grader.authoring.conform rclpy CHECKOUT [MODULE …]
     python -m grader.authoring.conform cpython [MODULE …]
     python -m grader.authoring.conform nodes FOLDER
+    python -m grader.authoring.conform portable [PATTERN …]
 
 The checkout is of ros2/rclpy at the tag of the installed wheels; the folder holds checkouts with
 nodes (ros2/examples, ros2/demos, …). Exit status 1: something differs that the reviewed list does
@@ -12,15 +16,18 @@ not know, or no longer differs as the list says.
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import msgspec
 
-from grader.authoring.conform import nodes, suites
+from grader.authoring.conform import nodes, runtimes, suites
 from grader.authoring.conform.review import Difference, Review, differences, read_list, review
+from grader.course.exercises import all_exercises
 from grader.errors import GraderError, InputError
 from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
@@ -31,7 +38,11 @@ KEPT = Path("build/conform")  # what was found, in full
 def main(arguments: Sequence[str]) -> int:
     """Do what the command line says; return the exit status."""
     options = _options(arguments)
+    # Where it is ignored, as in the background of a script, tests that wait for it would hang.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
+        if options.suite == "portable":
+            return run_portable(options.patterns)
         if options.suite == "nodes":
             return run_nodes(options.folder.resolve())
         checkout = Path(options.path).resolve() if options.suite == "rclpy" else None
@@ -74,6 +85,23 @@ def run_nodes(folder: Path) -> int:
             texts[node.name] = _other_words(both)
             print(f"{plain[node.name]:32} {inside[node.name]:32} {node.name}", flush=True)
     return _judge("nodes", plain, inside, texts)
+
+
+def run_portable(patterns: Sequence[str]) -> int:
+    """Grade the solutions whose names fit (`EXERCISE/KIND/NAME`) on both runtimes."""
+    compared = runtimes.Compared()
+    for exercise in all_exercises():
+        if patterns and not any(_may_fit(pattern, exercise.slug) for pattern in patterns):
+            continue
+        for line in runtimes.compare(exercise, patterns, compared):
+            print(line, flush=True)
+    seconds = ", ".join(f"{name} {spent:.0f} s" for name, spent in compared.seconds.items())
+    print(f"\n{seconds}")
+    return _judge("portable", compared.expected, compared.outcomes, compared.texts)
+
+
+def _may_fit(pattern: str, slug: str) -> bool:
+    return fnmatchcase(slug, pattern.partition("/")[0])
 
 
 def _judge(suite: str, plain: dict[str, str], inside: dict[str, str], texts: dict[str, str]) -> int:
@@ -125,6 +153,7 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     kinds.add_parser("cpython").add_argument("modules", nargs="*")
     foreign = kinds.add_parser("nodes")
     foreign.add_argument("folder", type=Path, help="a folder with checkouts")
+    kinds.add_parser("portable").add_argument("patterns", nargs="*")
     return parser.parse_args(arguments)
 
 

@@ -22,7 +22,7 @@ from grader.authoring.conform import places
 from grader.authoring.conform.places import Ran
 from grader.host.frames import ProgramStart
 from grader.link.hosts import ForkServer
-from grader.link.link import ROS_LINE
+from grader.link.output import ROS_LINE
 
 SETTINGS = Path(__file__).with_name("nodes.toml")
 SECONDS = 6  # that each node runs, in both places
@@ -136,7 +136,9 @@ def _behaviour(ran: Ran) -> Behaviour:
     said = {ROS_LINE.sub(r"\3", line) for line in lines}
     shapes = frozenset(re.sub(r"-?\d[\d.e+-]*", "#", line).strip() for line in said)
     lacks = re.search(r"No module named '([^'.]+)", text)
-    error = re.findall(r"(?m)^(?:start_\w+\.py: )?((?:\w+\.)*\w*(?:Error|Exception)\b.*)", text)
+    error = re.findall(
+        r"(?m)^(?:start_\w+\.py: )?((?:(?:\w+\.)*\w*(?:Error|Exception)|\w+\.error)\b.*)", text
+    )
     if lacks:
         return Behaviour(f"lacks {lacks[1]}", frozenset())
     if ran.kind == "time":

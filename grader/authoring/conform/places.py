@@ -14,8 +14,9 @@ from pathlib import Path
 
 from grader.host.frames import Ended, ProgramStart, Run, Settled, Start
 from grader.host.sandbox.users import never_gain_capabilities
+from grader.link.exchange import HostDied, HostForged, HostHung
 from grader.link.hosts import ForkServer
-from grader.link.link import HostDied, HostForged, HostHung, Link
+from grader.link.link import Link
 from sim.messages import EPOCH_NS
 
 SECOND = 1_000_000_000  # [ns]
@@ -43,7 +44,7 @@ def run_inside(
     progress: Progress = lambda: 0,
 ) -> Ran:
     """Run programs in a host, without a robot, until `seconds` [s] have gone by since progress."""
-    with forkserver.host(folder) as host:
+    with forkserver.workplace(folder, limited=False) as place, forkserver.host(place) as host:
         link = Link(host)
         try:
             kind, text = _conduct(link, programs, round(seconds), progress)

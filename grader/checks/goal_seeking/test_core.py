@@ -51,14 +51,14 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(points=5, scenarios=(FIRST,))
 def test_wiring(recordings: Recordings) -> None:
-    """The node starts, spins, listens to /odom and /goal_pose and speaks on /cmd_vel."""
+    """The node starts, spins, listens to /odom and /goal_pose and publishes on /cmd_vel."""
     for recording in recordings:
         require_wiring(recording, "goal_seeking")
 
 
 @pytest.mark.check(points=5, scenarios=(FIRST, "goal_without_pose"), needs=("wiring",))
 def test_silent_until_ready(recordings: Recordings) -> None:
-    """Nothing on /cmd_vel until the node has both a pose and a goal; then it speaks."""
+    """Nothing on /cmd_vel until the node has both a pose and a goal; then commands come."""
     for recording in recordings:
         require_alive(recording)
         ready = ready_at(recording)
@@ -224,7 +224,7 @@ def test_near_goal(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=("goal_bad_input",), needs=("wiring",))
 def test_bad_input(recordings: Recordings) -> None:
-    """Goals and poses that are not finite are ignored; the node lives and goes on."""
+    """Goals and poses that are not finite are ignored, and the node goes on."""
     for recording in recordings:
         require_alive(recording)
         twists = recording.twists()
@@ -259,7 +259,7 @@ def test_path_efficiency(recordings: Recordings) -> None:
     if spl < LEAST_SPL:
         worst = int(np.argmin(ratios))
         fail(
-            "the robot drives long ways round",
+            "the robot takes long detours",
             expected=f"SPL (shortest path / path, on average) of at least {LEAST_SPL}",
             actual=f"{spl:.2f}: " + ", ".join(f"{ratio:.2f}" for ratio in ratios),
             recording=recordings[worst],

@@ -9,8 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from grader.checks.predictions import MODEL
-from grader.models.features import scan_features
 from grader.recording import Recording
 
 TOPIC = "/diagnostics"
@@ -24,7 +22,7 @@ PERIOD = 1.0  # [s] of the reports
 PERIOD_TOLERANCE = 0.15  # [s]
 HAIR = 0.001  # [s] a call that ends this near to a report may count or not
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
-OVERHEAD = 2.0  # [ms] that a call takes longer in real time: waking up, and Python's own
+OVERHEAD = 4.0  # [ms] that a call takes longer in real time: the link, waking up, Python's own
 
 
 @dataclass(frozen=True)
@@ -84,7 +82,7 @@ def right_statistics(
 ) -> tuple[Statistics, ...]:
     """Return what a report may say at a time [s]: a call that ends just then may count or not.
 
-    In real time each call may take longer, and those that wait for one another add that up.
+    In real time each call may take longer.
     """
     overhead = 0.0 if recording.live is None else OVERHEAD
     soonest, latest = _calls(recording), _calls(recording, overhead / 1000.0)
@@ -114,20 +112,13 @@ class _Call(NamedTuple):
 
 @lru_cache(maxsize=8)
 def _calls(recording: Recording, overhead: float = 0.0) -> list[_Call]:
-    """Return the calls in order, as if each took longer by the overhead [s]."""
-    spec = recording.scenario.node.models[MODEL]
-    if spec.probe == "garbage":
-        return []
-    seconds = spec.settings.get("seconds", 0.0)
-    times = seconds if isinstance(seconds, tuple) else (float(str(seconds)),)
-    raises_below = float(str(spec.settings.get("distance", 0.0)))  # of the probe raises_near
-    free, found = 0.0, []
-    for scan in recording.scans():
-        row = scan_features(scan)
-        if not np.isfinite(row).all():
-            continue
-        took = times[int(np.clip(np.rint(row[0]), 0, len(times) - 1))]
-        free = max(free, scan.t) + took + overhead  # one call after another
-        if row[0] >= raises_below:
-            found.append(_Call(free, 1000.0 * took))
-    return found
+    """Return the calls in order of their end, as if each took longer by the overhead [s].
+
+    They are those that the judge had answered, so that only a node that asks has any.
+    """
+    found = [
+        _Call(call.answered / 1e9 + overhead, call.took / 1e6)
+        for call in recording.inferences
+        if call.method == "predict" and not call.failed and call.asked >= 0
+    ]
+    return sorted(found)

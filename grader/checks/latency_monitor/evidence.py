@@ -202,7 +202,7 @@ def require_level(recording: Recording, report: Report, choices: tuple[Statistic
         "the status has the wrong level",
         expected=f"{LEVELS[choices[0].level]}: {numbers['missed']:.0f} of {numbers['count']:.0f} "
         f"calls missed {numbers['deadline_ms']:.0f} ms, p95 is {numbers['p95_ms']:.1f} ms",
-        actual=LEVELS[report.level] if known else f"{report.level}, which is no level",
+        actual=LEVELS[report.level] if known else f"{report.level}, which is not a level",
         at=report.t,
         recording=recording,
         help="STALE before the first prediction, ERROR if p95 > deadline, WARN if any missed, "

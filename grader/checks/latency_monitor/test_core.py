@@ -27,14 +27,14 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(points=5, scenarios=(TIMES,))
 def test_wiring(recordings: Recordings) -> None:
-    """The node starts, spins, listens to /scan and speaks on /cmd_vel and /diagnostics."""
+    """The node starts, spins, listens to /scan and publishes on /cmd_vel and /diagnostics."""
     for recording in recordings:
         require_wiring(recording, "latency_monitor")
 
 
 @pytest.mark.check(points=10, scenarios=(TIMES, "latency_window"), needs=("wiring",))
 def test_one_command_per_scan(recordings: Recordings) -> None:
-    """Each scan is answered by exactly one Twist, and nothing is said before the first scan."""
+    """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     for recording in recordings:
         require_one_command_each(recording)
 
@@ -64,12 +64,14 @@ def test_clipped(recordings: Recordings) -> None:
 def test_fail_safe(recordings: Recordings) -> None:
     """NaN, a blind sector, an empty scan, no model at all: 0.0, and the node goes on."""
     held, bare = recordings
-    require_speeds(held, "none", "No usable prediction is 0.0, and still one Twist for the scan.")
+    require_speeds(
+        held, "none", "Without a usable prediction: 0.0, and still one Twist for the scan."
+    )
     require_speeds(held, "good", "After that a good scan counts again.")
     require_alive(bare)
     if not len(bare.twists().t):
         fail(
-            "without a model the node says nothing",
+            "without a model the node publishes nothing",
             expected="0.0 for every scan",
             at=first_asked(bare),
             recording=bare,
@@ -191,9 +193,9 @@ def test_levels(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=("latency_raises",), needs=("status_form",))
 def test_raised_calls(recordings: Recordings) -> None:
-    """A call that raises brings 0.0, is not counted, and does not end the node."""
+    """A call that raises leads to 0.0, is not counted, and does not end the node."""
     for recording in recordings:
-        require_speeds(recording, "raises", "A model that raises has no prediction: 0.0.")
+        require_speeds(recording, "raises", "A model that raises gives no prediction: 0.0.")
         require_speeds(recording, "good", "After an exception the next scan counts again.")
         require_numbers(
             recording, ("count",), "Append the latency after predict has returned, not in finally."

@@ -41,7 +41,7 @@ def require_going_on(recording: Recording, after: float) -> None:
             actual=f"{moved:.2f} m driven from then on",
             at=after,
             recording=recording,
-            help="Ask the model anew at each scan.",
+            help="Ask the model again at each scan.",
         )
 
 

@@ -82,11 +82,12 @@ def test_model_accuracy(recordings: Recordings) -> None:
         fail(
             f"the model errs by {error:.3f} m/s on average over {len(right)} new scans",
             expected=f"at most {ACCURACY} m/s",
-            actual=f"{error:.3f} m/s; it says {said.mean():.3f} m/s on average, "
+            actual=f"{error:.3f} m/s; it predicts {said.mean():.3f} m/s on average, "
             f"the expert {right.mean():.3f} m/s",
             recording=recording,
             help="Are the features those that the controller computes, in the same order? "
-            "Are all scans learned from, and is the label in m/s?",
+            "Did it learn from all scans, and is the label in m/s? A neural network also wants "
+            "scaled inputs, and enough units and iterations.",
         )
 
 
@@ -139,7 +140,7 @@ def test_onnx_form(recordings: Recordings) -> None:
                 expected="one input: float32 (n, 5)",
                 actual=" and ".join(inputs) or "no input",
                 recording=recording,
-                help="The sample that to_onnx gets says type and width: "
+                help="The sample that to_onnx gets sets type and width: "
                 "np.zeros((1, 5), dtype=np.float32).",
             )
         first = training.onnx_outputs[0] if training.onnx_outputs else None
@@ -155,7 +156,7 @@ def test_onnx_form(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=3, scenarios=("ml_training",), needs=("model_loads", "onnx_form"))
 def test_onnx_agrees(recordings: Recordings) -> None:
-    """ONNX and pickle say the same: to 1e-4 m/s on 98 % of the scans, to 0.02 m/s on all."""
+    """ONNX and pickle predict the same: to 1e-4 m/s on 98 % of the scans, to 0.02 m/s on all."""
     for recording in recordings:
         training = _training(recording)
         onnx, said = training.onnx, training.pickle.speeds
@@ -246,7 +247,7 @@ def _require_files(recording: Recording, run: ScriptRun, files: tuple[str, str])
             expected=f"a file {name}, because it was started with {option} {name}",
             actual="an empty file" if name in run.files else "no such file",
             recording=recording,
-            help="Take the names from the command line (argparse), do not write them down.",
+            help="Take the names from the command line (argparse), do not hard-code them.",
         )
 
 

@@ -20,14 +20,14 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(points=3, scenarios=("format_readings",))
 def test_wiring(recordings: Recordings) -> None:
-    """The node starts, spins, listens to /scan and speaks on /cmd_vel."""
+    """The node starts, spins, listens to /scan and publishes on /cmd_vel."""
     for recording in recordings:
         require_wiring(recording, "model_formats")
 
 
 @pytest.mark.check(points=3, scenarios=GENERAL, needs=("wiring",))
 def test_one_command_per_scan(recordings: Recordings) -> None:
-    """Each scan is answered by exactly one Twist, and nothing is said before the first scan."""
+    """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     require_one_command_each(recordings[0])
     for recording in recordings[1:]:
         if recording.outcome.completed:  # if not, another check says what it died of
@@ -38,12 +38,12 @@ def test_one_command_per_scan(recordings: Recordings) -> None:
 def test_only_linear_x(recordings: Recordings) -> None:
     """Every field of the Twist but linear.x is zero."""
     for recording in recordings:
-        require_only_linear_x(recording, "The model says how fast, and only straight ahead.")
+        require_only_linear_x(recording, "The model only chooses how fast to drive straight ahead.")
 
 
 @pytest.mark.check(points=4, scenarios=("format_readings",), needs=("wiring",))
 def test_readings(recordings: Recordings) -> None:
-    """The features are those of exercise 2: infinities replaced, what says nothing dropped."""
+    """The features are those of exercise 2: infinities replaced, unusable readings dropped."""
     for recording in recordings:
         require_speeds(
             recording,
@@ -60,7 +60,7 @@ def test_blind_sector(recordings: Recordings) -> None:
         require_speeds(
             recording,
             "blind",
-            "Do not ask the model about a scan that lacks a sector: command 0.0 and log why.",
+            "Do not ask the model about a scan with a blind sector: command 0.0 and log why.",
         )
 
 
@@ -71,5 +71,5 @@ def test_parameters(recordings: Recordings) -> None:
         require_speeds(
             recording,
             help="Started with model_path:=other.pkl and max_speed:=0.3; the model in "
-            "velocity_model.pkl always says 0.1.",
+            "velocity_model.pkl always predicts 0.1.",
         )

@@ -18,33 +18,33 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(points=7, scenarios=("format_pickle",), needs=("readings",), requires=SKLEARN)
 def test_pickle(recordings: Recordings) -> None:
-    """Drives as a model of scikit-learn says (.pkl)."""
+    """Drives at the speed that a scikit-learn model predicts (.pkl)."""
     for recording in recordings:
         require_speeds(recording, "features", FEATURES)
 
 
 @pytest.mark.check(points=8, scenarios=("format_onnx",), needs=("readings",), requires=ONNX)
 def test_onnx(recordings: Recordings) -> None:
-    """Drives as an ONNX model says (.onnx), whose output has the shape (n, 1)."""
+    """Drives at the speed that an ONNX model predicts (.onnx, output (n, 1))."""
     for recording in recordings:
         require_speeds(recording, "features", f"{FEATURES} The session wants float32.")
 
 
 @pytest.mark.check(points=4, scenarios=("format_onnx_flat",), needs=("onnx",), requires=ONNX)
 def test_onnx_names(recordings: Recordings) -> None:
-    """Takes an ONNX model whose names are others, and whose output has the shape (n,)."""
+    """Takes an ONNX model with other names, and an output of the shape (n,)."""
     for recording in recordings:
         require_speeds(
             recording,
             "features",
             "Ask the session: get_inputs()[0].name. run(None, …) returns all outputs. (n,) and "
-            "(n, 1) both hold n numbers: np.ravel makes the same of them.",
+            "(n, 1) both hold n numbers: np.ravel treats them alike.",
         )
 
 
 @pytest.mark.check(points=7, scenarios=("format_torch",), needs=("readings",), requires=TORCH)
 def test_torch_export(recordings: Recordings) -> None:
-    """Drives as a PyTorch program says (.pt2)."""
+    """Drives at the speed that a PyTorch program predicts (.pt2)."""
     for recording in recordings:
         require_speeds(
             recording,
@@ -55,7 +55,7 @@ def test_torch_export(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=7, scenarios=("format_keras",), needs=("readings",), requires=KERAS)
 def test_keras(recordings: Recordings) -> None:
-    """Drives as a Keras model says (.keras)."""
+    """Drives at the speed that a Keras model predicts (.keras)."""
     for recording in recordings:
         require_speeds(recording, "features", f"{FEATURES} keras.saving.load_model(path) loads it.")
 

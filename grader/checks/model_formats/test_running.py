@@ -49,7 +49,7 @@ def test_not_finite(recordings: Recordings) -> None:
     requires=KERAS,
 )
 def test_deep_bounds(recordings: Recordings) -> None:
-    """What a .pt2 and a .keras say is clipped, too, and not finite means 0.0."""
+    """Predictions of .pt2 and .keras are clipped, too, and 0.0 if they are not finite."""
     for recording in recordings:
         require_speeds(
             recording,
@@ -104,14 +104,14 @@ def test_device_falls_back(recordings: Recordings) -> None:
         require_speeds(
             recording,
             "features",
-            "Started with device:=cuda, and there is no GPU. torch.cuda.is_available() tells.",
+            "Started with device:=cuda, and there is no GPU. Ask torch.cuda.is_available().",
         )
         if recording.live is None and not loud_lines(recording):  # live there may be a GPU
             fail(
-                "the node falls back to the CPU and does not say so",
+                "the node falls back to the CPU, and its log does not say so",
                 expected="a warning in the log: self.get_logger().warning(…)",
                 actual="no warning",
                 at=first_asked(recording),
                 recording=recording,
-                help="Who asked for a GPU wants to know why it is slow.",
+                help="Whoever asked for a GPU wants to know why it is slow.",
             )

@@ -147,7 +147,7 @@ def require_success(recording: Recording, ask: Ask) -> None:
     require_answered(recording, ask)
     if not ask.success:
         fail(
-            f"{ask.what}, the server had nothing to say",
+            f"{ask.what}, the server refused to answer",
             expected="success = true: the scan is fresh, and no sector is blind",
             actual=f"success = false, “{ask.message}”",
             at=ask.at,

@@ -24,9 +24,10 @@ from sim.messages import STRING, UINT32
 
 TICK = 1e-6  # [s] of rounding
 BLOCKED = (
-    "Does a callback wait: client.call(), spin_until_future_complete(), a sleep, a loop? While it "
-    "waits, its executor delivers nothing, not even the answer that it waits for. Use call_async() "
-    "and future.add_done_callback(), and return."
+    "Does a callback wait: client.call(), await in the default callback group, "
+    "spin_until_future_complete(), a sleep, a loop? While it waits, its executor delivers nothing, "
+    "not even the answer that it waits for. Use call_async() and future.add_done_callback(), and "
+    "return."
 )
 
 

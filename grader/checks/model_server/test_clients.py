@@ -36,7 +36,7 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(points=5, scenarios=("detect_slow_server",))
 def test_client_wiring(recordings: Recordings) -> None:
-    """Each client starts, spins, asks /detect and speaks on the topics of its role."""
+    """Each client starts, spins, asks /detect and publishes on the topics of its role."""
     for recording in recordings:
         require_alive(recording)
         _require_own_topics(recording)
@@ -56,7 +56,7 @@ def test_client_wiring(recordings: Recordings) -> None:
     points=10, scenarios=("detect_slow_server", "detect_silent_server"), needs=("client_wiring",)
 )
 def test_never_blocks(recordings: Recordings) -> None:
-    """While it waits for an answer, or for none, a client goes on: no callback ever blocks."""
+    """Whether or not an answer comes, a client goes on: no callback ever blocks."""
     for recording in recordings:
         require_unblocked(recording)
 
@@ -213,7 +213,7 @@ def test_finds_server(recordings: Recordings) -> None:
     points=5, scenarios=("detect_malformed",), needs=("client_wiring", "never_blocks", "publishes")
 )
 def test_malformed(recordings: Recordings) -> None:
-    """Answers that are not what was agreed on are dropped or published; the client goes on."""
+    """Malformed answers are dropped or published, and the client goes on."""
     for recording in recordings:
         require_alive(recording)
         found = requests(recording)

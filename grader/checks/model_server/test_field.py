@@ -42,7 +42,7 @@ def test_field_slow_model(recordings: Recordings) -> None:
 
 @pytest.mark.check(field=True, scenarios=("detect_field_restart",), needs=("client_wiring",))
 def test_field_restart(recordings: Recordings) -> None:
-    """The server is killed and started anew, and everything goes on."""
+    """The server is killed and restarted, and everything goes on."""
     for recording in recordings:
         require_alive(recording)
         require_heartbeat(recording)

@@ -38,12 +38,12 @@ def require_reaction(recording: Recording) -> None:
     if same_is_right or len(said) > 1:
         return
     fail(
-        "the node says the same whatever it sees",
+        "the command is the same whatever the node sees",
         expected="a speed that depends on the distance ahead",
         actual=", ".join(f"always {speed:.2f} m/s" for speed in said) or "nothing on /cmd_vel",
         at=next((answer.scan.t for answer in found if not _is_right(answer)), None),
         recording=recording,
-        help="Does the decision get the distance of this scan, and does what it returns get out?",
+        help="Does the decision use this scan's distance, and do you publish its result?",
     )
 
 
@@ -53,7 +53,7 @@ def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
     expected = " or ".join(f"{speed:.2f} m/s" for speed in sorted(right))
     if answer.speed is None:
         fail(
-            f"no command has come by {answer.what}",
+            f"there was still no command after {answer.what}",
             expected=f"a Twist with linear.x = {expected}",
             actual="nothing on /cmd_vel",
             at=answer.scan.t,
@@ -89,7 +89,7 @@ def require_distance(recording: Recording) -> None:
             actual=f"{truth.clearance[nearest]:.3f} m",
             at=truth.t[nearest] / 1e9,
             recording=recording,
-            help="It has to stop while the nearest distance ahead is still 0.5 m.",
+            help="It must stop as soon as the nearest reading ahead is below 0.5 m.",
         )
 
 
@@ -169,7 +169,7 @@ def require_moving_when_free(recording: Recording, patience: float = 1.5) -> Non
                 actual=f"{abs(speed):.2f} m/s",
                 at=scan.t,
                 recording=recording,
-                help="Decide anew at each scan; look only ahead, and publish every time.",
+                help="Decide again at each scan; look only ahead, and publish every time.",
             )
     if not count:
         fail("the way was never free for long enough to judge", recording=recording)

@@ -14,7 +14,7 @@ from grader.checks.obstacle_avoidance.evidence import (
     require_moving_when_free,
     require_speeds,
 )
-from grader.checks.turns import answered_in_turn
+from grader.checks.turns import answered_in_turn, until_next_scan
 from grader.checks.verdict import fail, inconclusive
 from grader.checks.wiring import require_wiring
 from grader.recording import Recording
@@ -22,7 +22,7 @@ from grader.recording import Recording
 BENCH = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
 DRIVES = ("avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store")
 CALLBACK_LIMIT = 0.1  # [s], p99
-OFTEN = 90  # [%] no machine stalls in one callback of ten unless threads queue for its CPUs
+OFTEN = 90  # [%] stalls of a machine don't hit one callback in ten, unless threads queue for it
 LEAST_WAY = 0.5  # [m] driven in at least one of the worlds
 
 Recordings = tuple[Recording, ...]
@@ -30,14 +30,14 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(points=5, scenarios=("avoid_zones",))
 def test_wiring(recordings: Recordings) -> None:
-    """The node starts, spins, listens to /scan and speaks on /cmd_vel."""
+    """The node starts, spins, listens to /scan and publishes on /cmd_vel."""
     for recording in recordings:
         require_wiring(recording, "obstacle_avoidance")
 
 
 @pytest.mark.check(points=5, scenarios=("avoid_zones", *DRIVES), needs=("wiring",))
 def test_one_command_per_scan(recordings: Recordings) -> None:
-    """Each scan is answered by exactly one Twist, and nothing is said before the first scan."""
+    """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     for recording in recordings:
         require_one_command_each(recording)
 
@@ -133,12 +133,12 @@ def test_blind(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=10, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"))
 def test_no_contact(recordings: Recordings) -> None:
-    """In five worlds the robot touches nothing and keeps 0.2 m clear."""
+    """In five worlds the robot touches nothing and keeps a clearance of 0.2 m."""
     for recording in recordings:
         require_distance(recording)
     if max(map(path_length, recordings)) < LEAST_WAY:
         fail(
-            "the robot never moved, so nothing is shown",
+            "the robot never moved, so this proves nothing",
             expected="a robot that drives where the way is free",
             actual=f"less than {LEAST_WAY} m driven in each of the worlds",
             at=came_to_rest(recordings[0]),
@@ -167,10 +167,11 @@ def test_callback_time(recordings: Recordings) -> None:
             actual=f"{len(wall)}",
         )
     p99 = float(np.percentile(wall, 99))
-    if p99 <= CALLBACK_LIMIT:
+    computed, busy = np.concatenate([until_next_scan(r) for r in recordings], axis=1)
+    own = _most(99, np.fmin(wall, cpu), computed)  # [s] spent computing
+    often = _most(OFTEN, wall - queued, busy)  # [s] without the wait for a CPU
+    if max(p99, own, often) <= CALLBACK_LIMIT:
         return
-    own = float(np.percentile(np.fmin(wall, cpu), 99))  # [s] spent computing
-    often = float(np.percentile(wall - queued, OFTEN))  # [s] without the wait for a CPU
     if max(own, often) <= CALLBACK_LIMIT:
         inconclusive("the machine stalled while the callbacks were being measured")
     longest = int(np.argmax([max(run_wall, default=0.0) for run_wall, _, _ in costs]))
@@ -184,6 +185,11 @@ def test_callback_time(recordings: Recordings) -> None:
         recording=recordings[longest],
         help="At 10 Hz the next scan comes after 100 ms. What in the callback costs the time?",
     )
+
+
+def _most(percent: float, *durations: np.ndarray) -> float:
+    """Return the largest of the percentiles [s] of several measures."""
+    return max(float(np.percentile(each, percent)) for each in durations if len(each))
 
 
 def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -204,7 +210,7 @@ def _costs(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _times(recording: Recording) -> np.ndarray:
-    """Return when these callbacks began [s]."""
+    """Return when the callbacks in `_costs` began [s]."""
     scans = recording.times("/scan")
     if count := answered_in_turn(recording):
         return scans[:count]

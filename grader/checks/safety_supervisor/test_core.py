@@ -43,7 +43,7 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(points=5, scenarios=("safe_pass",))
 def test_wiring(recordings: Recordings) -> None:
-    """The node starts, spins, listens to three topics and speaks on /cmd_vel and /diagnostics."""
+    """The node starts, spins, listens to 3 topics and publishes on /cmd_vel and /diagnostics."""
     for recording in recordings:
         require_wiring(recording, "safety_supervisor")
 
@@ -128,9 +128,7 @@ def test_never_delays(recordings: Recordings) -> None:
 def test_e_stop(recordings: Recordings) -> None:
     """While the last /e_stop was true the robot stands, from the next tick on."""
     for recording in recordings:
-        require_commands(
-            recording, "Keep what the last /e_stop said: true holds until a false comes."
-        )
+        require_commands(recording, "Keep the last /e_stop: true holds until a false comes.")
 
 
 @pytest.mark.check(points=5, scenarios=("safe_bad_command",), needs=("wiring",))
@@ -167,7 +165,7 @@ def test_blind_scan(recordings: Recordings) -> None:
     for recording in recordings:
         require_commands(
             recording,
-            "The newest scan counts: if it says nothing, the distance before it is no help.",
+            "The newest scan counts: if it is blind, an older distance is no help.",
         )
 
 
@@ -193,7 +191,7 @@ def test_no_contact(recordings: Recordings) -> None:
         driven = path_length(recording)
         if driven < LEAST_WAY:
             fail(
-                "the robot hardly moved, so nothing is shown",
+                "the robot hardly moved, so this proves nothing",
                 expected=f"at least {LEAST_WAY} m",
                 actual=f"{driven:.2f} m",
                 at=came_to_rest(recording),

@@ -35,7 +35,7 @@ test_field_best_effort = field.best_effort(
 )
 test_field_mirrored_world = field.mirrored_world("safe_field_mirrored", help=BY_ANGLE)
 test_field_speckle = field.speckle(
-    "safe_field_speckle", help="A NaN says nothing; the other readings of the scan still do."
+    "safe_field_speckle", help="Ignore a NaN; the other readings of the scan still count."
 )
 test_field_lost_scans = field.lost_scans(
     "safe_field_lost_scans",

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from grader.checks.commands import ZERO
+from grader.checks.inferences import Answered
 from grader.checks.predictions import TOLERANCE, predictions
 from grader.checks.slow_model.contract import LATEST_STOP, LONGEST_GAP, MOST_COMMANDS
 from grader.checks.verdict import fail
@@ -21,15 +22,19 @@ STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; no scan'
 def behind(recording: Recording) -> np.ndarray:
     """Return the number of the newest scan that each command can be a prediction of, (n,) int.
 
-    STANDING where the command is zero, STRAY where it is no scan's prediction.
+    STANDING where the command is zero, STRAY where it is no scan's prediction. A command can rest
+    only on what the model had said by then, which the judge knows, and that only on a scan that had
+    come when the model was asked.
     """
     twists, said = recording.twists(), predictions(recording)
+    inferences = Answered(recording)
     arrived = np.array([prediction.scan.t for prediction in said])
     least = np.array([prediction.least for prediction in said])
     most = np.array([prediction.most for prediction in said])
     found = np.full(len(twists.t), STRAY)
     for i, (t, speed) in enumerate(zip(twists.t, twists.linear_x, strict=True)):
-        right = (arrived <= t) & (least - TOLERANCE <= speed) & (speed <= most + TOLERANCE)
+        known = arrived <= inferences.newest_question(t, speed)
+        right = known & (least - TOLERANCE <= speed) & (speed <= most + TOLERANCE)
         if abs(speed) < ZERO:
             found[i] = STANDING
         elif right.any():
@@ -61,12 +66,13 @@ def require_no_strays(recording: Recording, scans: np.ndarray) -> None:
     arrived = [p for p in predictions(recording) if p.scan.t <= twists.t[i]]
     newest = arrived[-1].text if arrived else "nothing yet"
     fail(
-        "a command is not what the model says of any scan",
+        "a command matches no scan's prediction",
         expected=f"a clipped prediction; for the newest scan it is {newest}",
         actual=spell(float(twists.linear_x[i])),
         at=float(twists.t[i]),
         recording=recording,
         help=garbage(float(twists.linear_x[i]))
+        or Answered(recording).unasked(float(twists.t[i]))
         or "Publish the newest prediction as it is, or 0.0. Are the features in the right order?",
     )
 
@@ -169,7 +175,7 @@ def require_ages(recording: Recording, limit: float) -> None:
         actual=(f"{p95:.2f} s (p95)" if p95 < math.inf else "too many zeros") + told,
         at=float(twists.t[i]),
         recording=recording,
-        help="Do scans wait in a queue? Inference has to take the newest one when it starts.",
+        help="Do scans wait in a queue? Does inference idle with a scan at hand? Take the newest.",
     )
 
 
@@ -189,7 +195,7 @@ def require_held(recording: Recording, tag: str, help: str) -> None:
         right = predictions(recording)[number]
         if not len(during):
             fail(
-                f"the node says nothing at “{label}”",
+                f"the node publishes nothing at “{label}”",
                 expected="a command every 50 ms, whatever the model does",
                 actual=f"none in {end - begin - LATEST_STOP:.2f} s",
                 at=begin + LATEST_STOP,
@@ -213,17 +219,35 @@ def require_held(recording: Recording, tag: str, help: str) -> None:
 
 
 def require_moves(recording: Recording) -> None:
-    """Fail if the node never commands anything but zero: then its zeros show nothing."""
+    """Fail if the node never commands what its model said: then its zeros show nothing."""
     require_commands(recording)
-    if not (np.abs(recording.twists().linear_x) > ZERO).any():
+    twists = recording.twists()
+    moving = np.flatnonzero(np.abs(twists.linear_x) > ZERO)
+    if not len(moving):
         due = [said.scan.t + LATEST_STOP for said in predictions(recording) if said.least > ZERO]
         fail(
-            "the node always says 0.0, so nothing is shown",
-            expected="commands that follow the model where it speaks",
+            "the node always publishes 0.0, so this proves nothing",
+            expected="commands that follow the model where it works",
             actual="0.0 at every tick",
             at=min(due[0], recording.duration_s) if due else None,
             recording=recording,
             help="Get inference_rate right first.",
+        )
+    answered = Answered(recording)
+    unsaid = [
+        i
+        for i in moving.tolist()
+        if answered.newest_question(float(twists.t[i]), float(twists.linear_x[i])) < 0
+    ]
+    if len(unsaid) > len(moving) / 2:
+        i = unsaid[0]
+        fail(
+            "a command came before the model had predicted that speed",
+            expected="the newest prediction that predict() has returned, or 0.0",
+            actual=spell(float(twists.linear_x[i])),
+            at=float(twists.t[i]),
+            recording=recording,
+            help=answered.unasked(float(twists.t[i])) or "Publish the newest prediction as it is.",
         )
 
 

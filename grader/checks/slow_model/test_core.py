@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grader.checks.commands import FIELDS, ZERO, is_zero, require_zero
+from grader.checks.commands import FIELDS, is_zero, require_zero
+from grader.checks.inferences import require_one_at_a_time
 from grader.checks.slow_model.contract import (
     AGE_P95,
     AGE_P95_5_HZ,
@@ -38,7 +39,7 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(points=5, scenarios=(LEADER,))
 def test_wiring(recordings: Recordings) -> None:
-    """The node starts, spins, listens to /scan and speaks on /cmd_vel."""
+    """The node starts, spins, listens to /scan and publishes on /cmd_vel."""
     for recording in recordings:
         require_wiring(recording, "slow_model")
 
@@ -77,7 +78,7 @@ def test_starts_at_zero(recordings: Recordings) -> None:
                 actual=f"linear.x = {spell(float(twists.linear_x[early[0]]))}",
                 at=float(twists.t[early[0]]),
                 recording=recording,
-                help="No prediction yet is the same as none at all: 0.0.",
+                help="No prediction yet is like no prediction at all: 0.0.",
             )
 
 
@@ -119,7 +120,7 @@ def test_too_old(recordings: Recordings) -> None:
                 actual=f"{len(during)} commands in {back - last - LATEST_STOP:.1f} s",
                 at=last + LATEST_STOP,
                 recording=recording,
-                help="A robot that is told nothing goes on for a while: say 0.0.",
+                help="A robot that hears nothing drives on for a while: publish 0.0.",
             )
         moving = during[~is_zero(twists.linear_x[during])]
         if len(moving):
@@ -149,7 +150,7 @@ def test_recovery(recordings: Recordings) -> None:
                 actual=f"{int((old > LATEST_STOP).sum())} of {len(old)} commands without one",
                 at=back + LATEST_STOP,
                 recording=recording,
-                help="Too old is no state to stay in: decide anew at each tick.",
+                help="Don't remember “too old”: decide again at each tick.",
             )
 
 
@@ -174,17 +175,17 @@ def test_clipped(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=("slow_raises",), needs=("scan_age",))
 def test_raising_model(recordings: Recordings) -> None:
-    """A model that raises leaves the control loop running: 0.0, and on when it speaks again."""
+    """A model that raises leaves the control loop running: 0.0, until it works again."""
     for recording in recordings:
-        require_held(recording, "raises", "Nothing to say is 0.0, at the latest after 0.6 s.")
+        require_held(recording, "raises", "No prediction means 0.0, after 0.6 s at the latest.")
         require_held(recording, "good", "After an exception the next inference counts again.")
 
 
 @pytest.mark.check(points=5, scenarios=("slow_nan",), needs=("scan_age",))
 def test_nan_model(recordings: Recordings) -> None:
-    """A model that says NaN leaves the control loop running: 0.0, and on when it speaks again."""
+    """A model that returns NaN leaves the control loop running: 0.0, until it works again."""
     for recording in recordings:
-        require_held(recording, "nan", "NaN is no prediction: 0.0, at the latest after 0.6 s.")
+        require_held(recording, "nan", "NaN is no prediction: 0.0, after 0.6 s at the latest.")
         require_held(recording, "good", "After a NaN the next prediction counts again.")
 
 
@@ -193,19 +194,7 @@ def test_one_at_a_time(recordings: Recordings) -> None:
     """One inference at a time: predict is never called while another call of it still runs."""
     for recording in recordings:
         require_moves(recording)
-        twists = recording.twists()
-        settings = next(iter(recording.scenario.node.models.values())).settings
-        tell_tale = float(str(settings["overlap"]))
-        caught = np.flatnonzero(np.abs(twists.linear_x - tell_tale) < ZERO)
-        if len(caught):
-            fail(
-                "two inferences ran at the same time",
-                expected="the next one starts when the last one has ended",
-                actual="predict was called while another call of it still ran",
-                at=float(twists.t[caught[0]]),
-                recording=recording,
-                help="A MutuallyExclusiveCallbackGroup, or one worker thread, sees to that.",
-            )
+        require_one_at_a_time(recording)
 
 
 @pytest.mark.check(points=5, scenarios=(LEADER, "slow_too_slow"), needs=("wiring",))
@@ -213,15 +202,17 @@ def test_too_slow_model(recordings: Recordings) -> None:
     """A model that takes 800 ms is always too late: every command is 0.0."""
     leader, slow = recordings
     require_moves(leader)
-    _require_only_zeros(slow, "What the model says is 0.8 s old when it comes: too old to use.")
+    _require_only_zeros(slow, "Its predictions are 0.8 s old when they come: too old to use.")
 
 
 @pytest.mark.check(points=5, scenarios=(LEADER, "slow_no_model"), needs=("wiring",))
 def test_no_model(recordings: Recordings) -> None:
-    """Without a model that can be loaded the node lives and says 0.0."""
+    """Without a model that can be loaded the node lives and publishes 0.0."""
     leader, bare = recordings
     require_moves(leader)
-    _require_only_zeros(bare, "No model is no prediction: an error in the log, and 0.0.")
+    _require_only_zeros(
+        bare, "Without a model there is no prediction: an error in the log, and 0.0."
+    )
 
 
 def _require_only_zeros(recording: Recording, help: str) -> None:

@@ -149,7 +149,7 @@ def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None
         fail(f"no scan with the tag {tag} was sent")
     if len(said) < 2 <= len(wanted):
         fail(
-            "the node says the same whatever it sees",
+            "the command is the same whatever the node sees",
             expected="a speed that depends on what is ahead",
             actual=", ".join(f"always {speed:.2f} m/s" for speed in said) or "nothing on /cmd_vel",
             at=missed[1] if missed else None,
@@ -194,7 +194,7 @@ def require_way(recording: Recording) -> None:
     driven = path_length(recording)
     if driven < LEAST_WAY:
         fail(
-            "the robot hardly moved, so nothing is shown",
+            "the robot hardly moved, so this proves nothing",
             expected="a robot that drives at 0.3 m/s where there is room and time",
             actual=f"{driven:.2f} m driven",
             at=came_to_rest(recording),

@@ -31,14 +31,14 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(points=5, scenarios=("trend_near",))
 def test_wiring(recordings: Recordings) -> None:
-    """The node starts, spins, listens to /scan and speaks on /closing_speed and /cmd_vel."""
+    """The node starts, spins, listens to /scan and publishes on /closing_speed and /cmd_vel."""
     for recording in recordings:
         require_wiring(recording, "trend_memory")
 
 
 @pytest.mark.check(points=5, scenarios=(FIRST, *DRIVES), needs=("wiring",))
 def test_one_command_per_scan(recordings: Recordings) -> None:
-    """Each scan is answered by exactly one Twist, and nothing is said before the first scan."""
+    """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     for recording in recordings:
         require_one_command_each(recording)
 
@@ -52,7 +52,7 @@ def test_only_linear_x(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=(FIRST,), needs=("wiring",))
 def test_silent_until_ten(recordings: Recordings) -> None:
-    """Nothing on /closing_speed before the tenth reading; then the node speaks."""
+    """Nothing on /closing_speed before the tenth reading; then closing speeds come."""
     for recording in recordings:
         require_scans(recording)
         times, _ = closing_speeds(recording)
@@ -130,7 +130,8 @@ def test_unusable_scans(recordings: Recordings) -> None:
     """Scans without a usable distance ahead, or with +inf, are not remembered."""
     for recording in recordings:
         require_closing_speeds(
-            recording, "Such a scan neither adds a reading nor takes one away, and says nothing."
+            recording,
+            "Such a scan neither adds a reading nor takes one away; publish nothing for it.",
         )
 
 
@@ -188,7 +189,7 @@ def test_blind(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"))
 def test_no_contact(recordings: Recordings) -> None:
-    """Before a wall and a cart that comes closer the robot keeps 0.2 m clear."""
+    """Before a wall and a cart that comes closer the robot keeps a clearance of 0.2 m."""
     for recording in recordings:
         require_distance(recording)
     for recording in recordings:

@@ -10,7 +10,7 @@ from grader.classroom.results.charts import sparkline
 from grader.classroom.results.clean import folder_name, one_line
 from grader.classroom.results.exercise_section import exercise_section, lost_section
 from grader.classroom.results.items import Distribution, distribution
-from grader.classroom.results.marks import Task, is_graded, is_held, points_of, why_held
+from grader.classroom.results.marks import Task, is_graded, is_held, points_of, so_far, why_held
 from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.page import Element, document, el, name, section, table
@@ -156,9 +156,13 @@ def _held(held: Results, tasks: Sequence[Task]) -> Element:
         why = why_held(result)
         rows.append(
             el("tr", el("th", name(result.student), scope="row"), el("td", titles[result.exercise]),
-               el("td", el("span", why.reason, dir="auto", class_="said")), el("td", why.action))
+               el("td", el("span", why.reason, dir="auto", class_="said")),
+               el("td", so_far(result) or NOTHING), el("td", why.action))
         )  # fmt: skip
-    headings = [("Student", ""), ("Exercise", ""), ("Why", "wide"), ("What to do", "wide")]
+    headings = [
+        ("Student", ""), ("Exercise", ""), ("Why", "wide"), ("Points so far", ""),
+        ("What to do", "wide"),
+    ]  # fmt: skip
     return section(
         "held",
         "Held for you",

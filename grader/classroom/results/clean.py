@@ -6,7 +6,7 @@ import hashlib
 import re
 import unicodedata
 
-from grader.report.terminal import ESCAPES
+from grader.report.terminal import ESCAPES, readable
 
 MAX_NAME = 120  # [characters] of a name on a page
 MAX_FOLDER = 100  # [bytes] of a folder's name; file systems allow 255
@@ -28,8 +28,7 @@ def visible(text: object) -> str:
 
     XML 1.0 ("Characters", section 2.2) and UTF-8 allow what remains.
     """
-    plain = str(text).replace("\r\n", "\n")
-    return _UNSEEN.sub("", ESCAPES.sub("", plain))
+    return _UNSEEN.sub("", readable(str(text)))
 
 
 def one_line(text: object, most: int = MAX_NAME) -> str:

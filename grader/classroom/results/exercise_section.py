@@ -10,6 +10,7 @@ from grader.classroom.results.items import ENOUGH, Distribution, Item, item_anal
 from grader.classroom.results.marks import Task, is_graded
 from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import ResultOptions, Sources
+from grader.classroom.results.own_code import OwnCode, own_code
 from grader.classroom.results.page import Element, el, name, section, table
 from grader.classroom.results.similarity import Group, similar_groups
 from grader.classroom.results.words import NOTHING, plural, points, seconds, signed
@@ -156,12 +157,14 @@ def _similar(results: Results, sources: Sources, task: Task) -> Element | None:
         return None
     groups = similar_groups(texts, _skeletons(task))
     heading = el("h3", "Nearly the same")
+    pasted = _own_code(own_code(texts, _skeletons(task), task.slug))
     if not groups:
         words = f"No two of {plural(len(texts), 'submission')} are nearly the same."
-        return el("div", heading, el("p", words, class_="quiet"))
+        return el("div", heading, el("p", words, class_="quiet"), pasted)
     return el(
         "div",
         heading,
+        pasted,
         table(
             "Groups of submissions that are nearly the same",
             [("Students", "wide"), ("Similarity", "number"), ("File", "wide")],
@@ -173,6 +176,37 @@ def _similar(results: Results, sources: Sources, task: Task) -> Element | None:
             "Names, comments, numbers and layout are ignored, and the skeleton is left out. "
             "Similarity is the share of the smaller file that the closest two have in common. "
             "It is a reason to ask, not a proof.",
+            class_="quiet",
+        ),
+    )
+
+
+def _own_code(found: Sequence[OwnCode]) -> Element | None:
+    """Return the submissions that hold the course's own code."""
+    if not found:
+        return None
+    rows = [
+        el(
+            "tr",
+            el("th", name(match.student), scope="row"),
+            el("td", f"{100 * match.similarity:.0f} %", class_="number"),
+            el("td", el("code", one_line(match.file))),
+            el("td", el("code", one_line(match.source))),
+        )
+        for match in found
+    ]
+    return el(
+        "div",
+        table(
+            "Submissions that hold the course's own code",
+            [("Student", "wide"), ("Similarity", "number"), ("File", "wide"), ("Course", "wide")],
+            rows,
+            stacks=True,
+        ),
+        el(
+            "p",
+            "Students can read the checks. A part of one pasted into a node wins its points; "
+            "whether it is the student's work a person has to say.",
             class_="quiet",
         ),
     )

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from grader.classroom.results.clean import one_line
-from grader.classroom.row import GRADED, HELD, StoredResult
+from grader.classroom.row import GRADED, HELD, TWICE, StoredResult
 from grader.course.exercises import all_exercises
 from grader.errors import GraderError
+from grader.report.terminal import UNJUDGED
 
 Check = Mapping[str, Any]
 
@@ -108,11 +109,16 @@ def why_held(result: StoredResult) -> Held:
             "This is not the student's fault. Repair the check, then judge the stored recordings "
             "again with --regrade; no student code runs.",
         )
-    if failed:
+    if failed and TWICE in result.problem:
         return Held(
-            _first(failed, "The machine stalled, twice, during"),
-            f"On a quiet machine, or with fewer --workers, {again}.",
+            f"{_first(failed, 'The machine stalled during')} So it did when this was judged again, "
+            "with nothing beside it.",
+            f"If others are held for the same reason, it is the machine: find a quiet one and "
+            f"{again}. If not, read the submission first: a node can keep a machine busy on "
+            "purpose. Nothing is won by that while you don't enter the points.",
         )
+    if failed:
+        return Held(_first(failed, "The machine stalled during"), f"On a quiet machine, {again}.")
     if result.problem and not result.file_names:
         return Held(
             one_line(result.problem, 400),
@@ -125,6 +131,19 @@ def why_held(result: StoredResult) -> Held:
             f"Read the submission first; then {again}.",
         )
     return Held("No result came back.", f"{again[0].upper()}{again[1:]}.")
+
+
+def so_far(result: StoredResult) -> str:
+    """Say what the checks came to that could be judged; "" if there is no grading.
+
+    Out of all points, so that few judged ones don't look like full marks.
+    """
+    core = [check for check in checks_of(result) if check.get("kind") != "field"]
+    most = sum(_number(check.get("max_points")) for check in core)
+    unjudged = (check for check in core if check.get("outcome") in UNJUDGED)
+    left = sum(_number(check.get("max_points")) for check in unjudged)
+    won = raw_points(result)[0]
+    return f"{won:g} of {most:g}, {left:g} not judged" if most else ""
 
 
 def _first(checks: Sequence[Check], what: str) -> str:

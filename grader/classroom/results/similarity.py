@@ -19,6 +19,7 @@ from itertools import combinations, islice
 NOISE = 12  # tokens of a k-gram: shorter matches are chance
 WINDOW = 9  # k-grams: any match of NOISE + WINDOW - 1 = 20 tokens is found
 MOST = 50_000  # tokens of a file that are compared; the longest program of the course has 1,323
+LONGEST = 1_000  # [bytes] of a line that are compared: tokenize takes a line's length squared
 SIMILAR = 0.7  # share of the smaller one's fingerprints; the course's own solutions share 0.3
 FEW = 8  # fingerprints; a submission with fewer is too short to compare
 COMMON = 10  # submissions at least; a fingerprint that more than half of them have is common
@@ -60,8 +61,9 @@ def similar_groups(
 def tokens(source: bytes) -> list[str]:
     """Return a file's tokens without names and values; its words if it isn't Python."""
     found: list[str] = []
+    lines = (line[:LONGEST] for line in io.BytesIO(source))
     try:
-        for token in islice(tokenize.tokenize(io.BytesIO(source).readline), MOST):
+        for token in islice(tokenize.tokenize(lambda: next(lines, b"")), MOST):
             if token.type not in _LAYOUT:
                 found.append(_word(token))
     except Exception:  # whatever a file makes tokenize raise: LookupError for "coding: rot13"

@@ -22,7 +22,9 @@ from rclpy.task import Task
 from .. import program, randomness
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report, type_name
 from ..frames import MAX_UNHEARD, MAX_UNHEARD_BYTES, EndpointReport, Published, Pulse, Start, TuneIn
+from ..supplied.kept import desk
 from ..wire import Wire, ended
+from .questions import Desk
 from .robot import Radio
 
 PERIOD = 0.1  # [s] between pulses
@@ -137,6 +139,7 @@ def _run_program(wire: Wire, start: Start) -> None:
     _watch_executors(vitals)
     _watch_publishers(vitals)
     lock = threading.Lock()
+    desk.ask = Desk(wire, lock).ask
     threading.Thread(target=_beat, args=(wire, vitals, lock), daemon=True).start()
     randomness.seed(start.seed)
     sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))

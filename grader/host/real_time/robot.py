@@ -41,6 +41,7 @@ PACKAGES = {  # of which students publish messages; nothing else is imported
     "shape_msgs",
     "std_msgs",
     "stereo_msgs",
+    "tf2_msgs",
     "trajectory_msgs",
     "visualization_msgs",
 }

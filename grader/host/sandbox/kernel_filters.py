@@ -32,6 +32,7 @@ ABI_1_RIGHTS = (1 << 13) - 1  # up to MAKE_SYM
 REFER, TRUNCATE, IOCTL_DEV = 1 << 13, 1 << 14, 1 << 15  # new with ABI 2, 3 and 5
 TCP_RIGHTS = 0b11  # bind and connect, ABI 4
 SCOPES = 0b11  # abstract sockets and signals stay inside, ABI 6
+NEWEST = 6  # ABI that is known here
 READING = READ_FILE | READ_DIR
 OF_FILES = EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE | IOCTL_DEV  # others are a folder's
 
@@ -42,15 +43,17 @@ def landlock_abi() -> int:
     return max(int(found), 0)
 
 
-def restrict_files(read: Iterable[Path], write: Iterable[Path]) -> None:
+def restrict_files(read: Iterable[Path], write: Iterable[Path], newest: int = NEWEST) -> None:
     """Let this process see nothing but `read`, and change nothing outside `write`, for good.
+
+    Of Landlock it uses what version `newest` has, as an older kernel would.
 
     Raises
     ------
     OSError
         The kernel has no Landlock.
     """
-    abi = landlock_abi()
+    abi = min(landlock_abi(), newest)
     if not abi:
         raise OSError(errno.ENOSYS, "no Landlock")
     rights = ABI_1_RIGHTS
@@ -137,6 +140,7 @@ CLONE, CLONE3, KILL, TGKILL = (56, 220), (435, 435), (62, 129), (234, 131)
 SOCKET, CONNECT, FCNTL, IOCTL = (41, 198), (42, 203), (72, 25), (16, 29)
 OWNERSHIP = ((FCNTL, (8, 10, 15, 1026)), (IOCTL, (0x8901, 0x8902)))  # F_SETOWN …: signals by I/O
 CLONE_THREAD = 0x00010000
+OPENAT2, FALLOCATE = (437, 437), (285, 47)
 X32_BIT = 0x40000000
 AF_INET, AF_NETLINK, NETLINK_ROUTE = 2, 16, 0
 SOCK_DGRAM, SOCK_TYPE = 2, 0xF
@@ -145,6 +149,8 @@ LOAD, AND, JUMP_EQUAL, JUMP_AT_LEAST, JUMP_SET, RETURN = 0x20, 0x54, 0x15, 0x35,
 ALLOW, REFUSE, KILL_PROCESS = 0x7FFF0000, 0x00050000, 0x80000000
 # offsets in struct seccomp_data, of arguments the low halves
 NUMBER, ARCHITECTURE, FIRST, SECOND, THIRD = 0, 4, 16, 24, 32
+
+OPENING = ((SECOND, (2, NONE)), (THIRD, (257, 56)))  # open, openat: where the flags are
 
 Instruction = tuple[int, int, int, int]  # code, jump if true, jump if false, constant
 
@@ -155,11 +161,12 @@ def has_seccomp() -> bool:
     return strict_or_filter >= 0 and platform.machine() in ARCHITECTURES
 
 
-def restrict_calls(*, datagrams: bool = False) -> None:
+def restrict_calls(*, datagrams: bool = False, reserving: bool = True) -> None:
     """Take away from this process what no node needs: sockets, programs, processes, others' memory.
 
     Threads go on to work, and so do signals to the process itself. Owners, modes and times of files
-    and priorities stay as they are, though the calls seem to work. `datagrams` leaves it UDP.
+    and priorities stay as they are, though the calls seem to work. `datagrams` leaves it UDP,
+    `reserving` the reservation of disk space, which takes gigabytes at once.
 
     Raises
     ------
@@ -168,7 +175,7 @@ def restrict_calls(*, datagrams: bool = False) -> None:
     """
     if platform.machine() not in ARCHITECTURES:
         raise OSError(errno.ENOSYS, f"no table of system calls for {platform.machine()}")
-    program = _filter(datagrams)
+    program = _filter(datagrams, reserving)
     code = b"".join(struct.pack("HBBI", c, jt, jf, k) for c, jt, jf, k in program)
     instructions = ctypes.create_string_buffer(code, len(code))
     header = struct.pack("HxxxxxxQ", len(program), ctypes.addressof(instructions))
@@ -177,7 +184,7 @@ def restrict_calls(*, datagrams: bool = False) -> None:
     _checked(_libc().prctl(PR_SET_SECCOMP, 2, ctypes.c_void_p(ctypes.addressof(filter_)), 0, 0))
 
 
-def _filter(datagrams: bool) -> list[Instruction]:
+def _filter(datagrams: bool, reserving: bool) -> list[Instruction]:
     audit, column = ARCHITECTURES[platform.machine()]
     program: list[Instruction] = [
         (LOAD, 0, 0, ARCHITECTURE),
@@ -194,12 +201,19 @@ def _filter(datagrams: bool) -> list[Instruction]:
     program += _only_if(CLONE[column], JUMP_SET, CLONE_THREAD)
     # glibc falls back to clone(), whose flags a filter can see
     program += [(JUMP_EQUAL, 0, 1, CLONE3[column]), _refuse(errno.ENOSYS)]
+    # as on a kernel before 5.6: its flags lie where a filter can't see them
+    program += [(JUMP_EQUAL, 0, 1, OPENAT2[column]), _refuse(errno.ENOSYS)]
     for number in (KILL[column], TGKILL[column]):  # abort() and raise() of the process itself
         program += _only_if(number, JUMP_EQUAL, os.getpid())
     for numbers, commands in OWNERSHIP:
         program += _unless_second(numbers[column], commands)
     program += _only_if(PRLIMIT[column], JUMP_EQUAL, 0)  # its own
     program += _unless_first(PRCTL[column], PR_SET_PDEATHSIG)  # it ends with its judge
+    for place, numbers in OPENING:
+        if numbers[column] != NONE:
+            program += _unless_it_empties(numbers[column], place)
+    if not reserving:  # glibc writes instead, which takes time
+        program += [(JUMP_EQUAL, 0, 1, FALLOCATE[column]), _refuse(errno.EOPNOTSUPP)]
     program += _only_datagrams(column) if datagrams else _only_netlink(column)
     return [*program, (RETURN, 0, 0, ALLOW)]
 
@@ -236,6 +250,24 @@ def _unless_second(number: int, constants: Collection[int]) -> list[Instruction]
     refusals = [step for test in tests for step in (test, _refuse(errno.EPERM))]
     load = [(JUMP_EQUAL, 0, 2 + len(refusals), number), (LOAD, 0, 0, SECOND)]
     return [*load, *refusals, (LOAD, 0, 0, NUMBER)]
+
+
+def _unless_it_empties(number: int, flags: int) -> list[Instruction]:
+    """Refuse to empty a file by opening it for anything but writing.
+
+    Before ABI 3 Landlock looks only at what the descriptor is for: a file that may be read could be
+    emptied, and with the access mode 3, which means neither, any file at all.
+    """
+    return [
+        (JUMP_EQUAL, 0, 7, number),
+        (LOAD, 0, 0, flags),
+        (JUMP_SET, 0, 4, os.O_TRUNC),
+        (AND, 0, 0, os.O_ACCMODE),
+        (JUMP_EQUAL, 2, 0, os.O_WRONLY),
+        (JUMP_EQUAL, 1, 0, os.O_RDWR),
+        _refuse(errno.EPERM),
+        (LOAD, 0, 0, NUMBER),
+    ]
 
 
 def _only_netlink(column: int) -> list[Instruction]:
@@ -278,9 +310,11 @@ def hide_memory() -> None:
     _libc().prctl(PR_SET_DUMPABLE, 0, 0, 0, 0)
 
 
-def die_with_parent() -> None:
+def die_with_parent(parent: int) -> None:
     """Be killed when the process that forked this one ends (a change of user takes that back)."""
     _libc().prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    if os.getppid() != parent:  # it has ended already
+        os.kill(os.getpid(), signal.SIGKILL)
 
 
 def _no_new_privileges() -> None:

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Collection
 from pathlib import Path
 
-from ..frames import Request
+from ..frames import Hello, Request
 from . import kernel_filters, limits, users
 
 LIMITS, USER, MOUNTS, NETWORK, FILES, CALLS = (
@@ -31,12 +31,15 @@ DEVICES = (Path("/dev/null"), Path("/dev/shm"))
 
 
 def begin(wanted: Collection[str]) -> bool:
-    """Come to the right to mounts and networks of one's own; no thread may have been started."""
+    """Get the right to mounts and networks of one's own; call it before any thread starts."""
     return os.getuid() == 0 or (not {MOUNTS, NETWORK}.isdisjoint(wanted) and users.own_user())
 
 
-def prepare(wanted: Collection[str], *, may_mount: bool) -> tuple[str, ...]:
-    """Do in the fork server what its hosts need; return the layers that they can have."""
+def prepare(wanted: Collection[str], *, may_mount: bool, newest: int) -> Hello:
+    """Do in the fork server what its hosts need; return what they can have.
+
+    `newest` is the newest Landlock that they may use.
+    """
     found = [LIMITS]
     if may_mount:
         mounts = users.own_mounts()
@@ -46,29 +49,35 @@ def prepare(wanted: Collection[str], *, may_mount: bool) -> tuple[str, ...]:
             found.append(MOUNTS)
         if NETWORK in wanted and users.own_network():
             found.append(NETWORK)
-    if FILES in wanted and kernel_filters.landlock_abi():
+    abi = min(kernel_filters.landlock_abi(), newest)
+    if FILES in wanted and abi:
         found.append(FILES)
     if CALLS in wanted and kernel_filters.has_seccomp():
         found.append(CALLS)
-    return tuple(found)
+    ordinary = os.getuid() != 0 and may_mount
+    counted = USER in found or (ordinary and users.can_count_own_processes())
+    return Hello(tuple(found), abi if FILES in found else 0, counted)
 
 
-def enter(request: Request, *, datagrams: bool) -> None:
-    """Put the layers on, in this process, for good."""
+def enter(request: Request, means: Hello, *, parent: int, datagrams: bool) -> None:
+    """Put the layers on, in this process, for good; `parent` is the fork server."""
     folder = Path(request.folder)
     if MOUNTS in request.layers:
         users.private_mounts(folder, needed_paths())
         os.chdir(folder)
     limits.set_limits()
+    limits.die_first()
     if USER in request.layers:
         users.drop_to(request.uid)
     elif os.getuid() != 0:
+        if means.counted:
+            users.count_own_processes()
         users.drop_capabilities()
-    kernel_filters.die_with_parent()
+    kernel_filters.die_with_parent(parent)
     if FILES in request.layers:
-        kernel_filters.restrict_files(readable_paths(), [folder, *DEVICES])
+        kernel_filters.restrict_files(readable_paths(), [folder, *DEVICES], means.landlock)
     if CALLS in request.layers:
-        kernel_filters.restrict_calls(datagrams=datagrams)
+        kernel_filters.restrict_calls(datagrams=datagrams, reserving=MOUNTS in request.layers)
 
 
 def needed_paths() -> list[Path]:
@@ -82,7 +91,7 @@ def needed_paths() -> list[Path]:
 
 
 def readable_paths() -> list[Path]:
-    """Return all that a host may read; solutions, scenarios and other students are not there."""
+    """Return all that a host may read: no solutions, scenarios or other students' files."""
     own = [*needed_paths(), HERE.parent / "__init__.py"]
     with contextlib.suppress(KeyError):
         own.append(Path(os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"]))

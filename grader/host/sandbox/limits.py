@@ -1,12 +1,19 @@
-"""How much a host may use: the limits that every process puts on itself, on any Linux."""
+"""The limits that every process puts on itself, on any Linux; the amounts are in `amounts.py`.
+
+Those of the folder are kept by its file system (`workplaces.py`), or by the judge where hosts can't
+have one (`grader/link/workplace.py`).
+"""
 
 from __future__ import annotations
 
+import contextlib
 import resource
+from pathlib import Path
 
-MAX_FILE = 64 * 1024 * 1024  # [bytes] of one file
+from .amounts import MAX_FILE
+
 MAX_DESCRIPTORS = 256
-MAX_MEMORY = 4 * 1024 * 1024 * 1024  # [bytes] address space: numeric libraries map much
+MAX_MEMORY = 4 * 1024 * 1024 * 1024  # [bytes] address space: numeric libraries map a lot
 RESOURCE_LIMITS = {
     resource.RLIMIT_CORE: 0,
     resource.RLIMIT_FSIZE: MAX_FILE,
@@ -19,3 +26,9 @@ def set_limits() -> None:
     """Lower the limits of this process for good."""
     for limit, value in RESOURCE_LIMITS.items():
         resource.setrlimit(limit, (value, value))
+
+
+def die_first() -> None:
+    """If the machine's memory runs out, let Linux end this process rather than the judge."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text("1000")

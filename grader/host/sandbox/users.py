@@ -17,12 +17,13 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
+from .amounts import MAX_PROCESSES
+
 # Users that exist only while something runs, by the convention of systemd's DynamicUser=. Each host
 # is another one: it can't signal or trace its neighbours, and its limit on processes is its own.
 USERS = range(61184, 65520)
-MAX_PROCESSES = 512  # threads count too; of the unprivileged user as a whole
 PRIORITY = -20  # nice value
-SLICE = 100_000  # [ns] of CPU at a time: who asks for little is woken at once (Linux 6.12)
+SLICE = 100_000  # [ns] of CPU at a time: who asks for short slices runs sooner (Linux 6.12)
 SCHED_SETATTR = 314  # the system call's number on x86-64
 CLONE_NEWNS, CLONE_NEWUSER, CLONE_NEWNET = 0x00020000, 0x10000000, 0x40000000
 PR_CAPBSET_DROP, MAX_CAPABILITIES = 24, 64
@@ -31,6 +32,7 @@ SIOCGIFFLAGS, SIOCSIFFLAGS, IFF_UP = 0x8913, 0x8914, 1
 SHM_SIZE = "64m"
 ROUNDS = 100
 MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18
+MNT_DETACH = 2
 
 
 def take_priority() -> None:
@@ -49,7 +51,7 @@ def take_priority() -> None:
 def prefer(pid: int) -> None:
     """Let the session of a process go before others on the machine, if that is allowed.
 
-    Only who is on time needs that: a start-up takes much of a CPU, and mostly has time.
+    Only a process with deadlines needs it: start-up uses much CPU, but is seldom urgent.
     """
     with contextlib.suppress(OSError):
         Path(f"/proc/{pid}/autogroup").write_text(str(PRIORITY))
@@ -59,7 +61,7 @@ def prefer(pid: int) -> None:
 def priority() -> Iterator[None]:
     """Let the calling thread go before all others until the block ends, if that is allowed.
 
-    For trusted code that mostly waits. Its processes and threads begin as if it had none of this.
+    For trusted code that mostly waits. Its processes and threads don't inherit the priority.
     """
     before = os.sched_getscheduler(0), os.sched_getparam(0)
     with contextlib.suppress(OSError):
@@ -80,6 +82,45 @@ def drop_to(uid: int) -> None:
     os.setresuid(uid, uid, uid)
 
 
+def count_own_processes() -> None:
+    """Let this process and its children count as a user's own (ordinary user, Linux 5.14).
+
+    Linux counts processes and threads by user and user namespace. In one of its own a host has its
+    own limit, and takes nothing from the user's.
+    """
+    _unshare_user()
+    resource.setrlimit(resource.RLIMIT_NPROC, (MAX_PROCESSES, MAX_PROCESSES))
+
+
+def can_count_own_processes() -> bool:
+    """Tell whether that works here: in a child, two processes fit where two are allowed."""
+    child = os.fork()
+    if child == 0:
+        with contextlib.suppress(OSError):
+            _unshare_user()
+            resource.setrlimit(resource.RLIMIT_NPROC, (2, 2))
+            first = os.fork()  # fails where the user's other processes count
+            if first == 0:
+                signal.pause()
+            refused = _fork_is_refused()
+            os.kill(first, signal.SIGKILL)
+            os.waitpid(first, 0)
+            os._exit(0 if refused else 1)
+        os._exit(1)
+    return os.waitpid(child, 0)[1] == 0
+
+
+def _fork_is_refused() -> bool:
+    try:
+        second = os.fork()
+    except OSError:
+        return True
+    if second == 0:
+        os._exit(0)
+    os.waitpid(second, 0)
+    return False
+
+
 def drop_capabilities() -> None:
     """Drop all capabilities for good."""
     header, nothing = struct.pack("Ii", CAPABILITY_VERSION, 0), bytes(24)
@@ -92,7 +133,7 @@ def never_gain_capabilities() -> None:
     """Let no program that this process becomes have a capability, not even as root."""
     libc = ctypes.CDLL(None, use_errno=True)
     for capability in range(MAX_CAPABILITIES):
-        libc.prctl(PR_CAPBSET_DROP, capability, 0, 0, 0)  # no such one, or no right to: no matter
+        libc.prctl(PR_CAPBSET_DROP, capability, 0, 0, 0)  # unknown or not permitted: ignored
 
 
 def own_user() -> bool:
@@ -106,7 +147,7 @@ def own_user() -> bool:
         with contextlib.suppress(OSError):
             _unshare_user()
             _unshare_mounts()
-            _mount("tmpfs", "/dev/shm", "tmpfs", 0, "size=4k")
+            mount("tmpfs", "/dev/shm", "tmpfs", 0, "size=4k")
             os._exit(0)
         os._exit(1)
     if os.waitpid(child, 0)[1]:
@@ -142,14 +183,14 @@ def private_mounts(folder: Path, needed: list[Path]) -> None:
     Of the folder that holds `folder` nothing stays visible but that, and what is `needed` in there.
     """
     _unshare_mounts()
-    _mount("tmpfs", "/dev/shm", "tmpfs", 0, f"mode=1777,size={SHM_SIZE}")
+    mount("tmpfs", "/dev/shm", "tmpfs", 0, f"mode=1777,size={SHM_SIZE}")
     inside = [path for path in needed if path.is_relative_to(folder.parent)]
     _expose_only(folder.parent, [folder, *inside])
 
 
 def end_all_of(uid: int) -> None:
     """End every process of a user, also those that hid in a session of their own (needs root)."""
-    for _ in range(ROUNDS):  # one that forks can get away once, not for ever: it is limited
+    for _ in range(ROUNDS):  # one that forks can escape a round, not all: its processes are limited
         processes = (path for path in Path("/proc").iterdir() if path.name.isdigit())
         found = [int(path.name) for path in processes if _is_of(path, uid)]
         for pid in found:
@@ -210,15 +251,15 @@ def _unshare_mounts() -> None:
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.unshare(CLONE_NEWNS):
         raise OSError(ctypes.get_errno(), "unshare")
-    _mount("none", "/", None, MS_REC | MS_PRIVATE)
+    mount("none", "/", None, MS_REC | MS_PRIVATE)
 
 
 def _expose_only(folder: Path, inside: list[Path]) -> None:
     handles = [(path, os.open(path, os.O_PATH)) for path in _outermost(inside)]
-    _mount("tmpfs", str(folder), "tmpfs", 0, "mode=0755,size=1m")
+    mount("tmpfs", str(folder), "tmpfs", 0, "mode=0755,size=1m")
     for path, handle in handles:
         path.mkdir(parents=True, exist_ok=True)
-        _mount(f"/proc/self/fd/{handle}", str(path), None, MS_BIND | MS_REC)
+        mount(f"/proc/self/fd/{handle}", str(path), None, MS_BIND | MS_REC)
         os.close(handle)
 
 
@@ -230,7 +271,8 @@ def _outermost(paths: list[Path]) -> list[Path]:
     return chosen
 
 
-def _mount(source: str, target: str, kind: str | None, flags: int, options: str = "") -> None:
+def mount(source: str, target: str, kind: str | None, flags: int, options: str = "") -> None:
+    """Call mount(2), in the mounts of this process."""
     libc = ctypes.CDLL(None, use_errno=True)
     arguments = (
         source.encode(),
@@ -242,3 +284,11 @@ def _mount(source: str, target: str, kind: str | None, flags: int, options: str 
     if libc.mount(*arguments):
         error = ctypes.get_errno()
         raise OSError(error, os.strerror(error), target)
+
+
+def unmount(target: Path) -> None:
+    """Take away a mount; who still works in it keeps it until its end."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.umount2(str(target).encode(), MNT_DETACH):
+        error = ctypes.get_errno()
+        raise OSError(error, os.strerror(error), str(target))

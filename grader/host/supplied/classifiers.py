@@ -7,7 +7,6 @@ else that a node may rely on.
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
@@ -19,8 +18,6 @@ MOST, LEAST = 0.9, 0.4  # of Describes: confidence near and far
 PER_METRE = 0.04  # [1/m] confidence lost with distance
 SHARES = (0.4, 1.0, 0.6)  # how the classes share the probability; the second is the greatest
 PREDICT_RAISES, PROBA_RAISES, NOT_A_NUMBER, INFINITE = 1, 2, 3, 4  # [m] what FailsAt does where
-
-_loads = 0  # of models that count them, in this process
 
 
 class Describes:
@@ -35,7 +32,6 @@ class Describes:
     def predict(self, features: Any) -> Array:
         """Return (n,) labels: the five features [m] in words."""
         rows = self._rows(features)
-        time.sleep(self.seconds)
         return np.array([" ".join(f"{number:.4f}" for number in row) for row in rows])
 
     def predict_proba(self, features: Any) -> Array:
@@ -66,15 +62,12 @@ class Numbers(Describes):
 class CountsLoads(Describes):
     """How often was the model loaded? The label says it; loading takes a while."""
 
-    def __setstate__(self, state: dict[str, float]) -> None:
-        global _loads  # noqa: PLW0603
-        self.__dict__.update(state)
-        _loads += 1
-        time.sleep(0.08)
+    load_seconds = 0.08
+    loads = 1  # the judge counts them
 
     def predict(self, features: Any) -> Array:
         """Return (n,) times the number of loads so far, in words."""
-        return np.array([f"load {_loads}"] * len(self._rows(features)))
+        return np.array([f"load {self.loads}"] * len(self._rows(features)))
 
 
 class FailsAt(Describes):

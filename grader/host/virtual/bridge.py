@@ -6,10 +6,16 @@ taken at once, in the order of its source timestamps.
 
 from __future__ import annotations
 
+import contextlib
+import weakref
 from collections.abc import Callable
 from typing import Any
 
 import rclpy.context
+import rclpy.node
+from rclpy.duration import Duration
+from rclpy.exceptions import InvalidHandle
+from rclpy.qos import DurabilityPolicy
 
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
 from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, Published
@@ -18,6 +24,9 @@ from . import graph
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
 
+HISTORY = Duration(seconds=2)  # of real time at most
+LATCHED = DurabilityPolicy.TRANSIENT_LOCAL
+
 
 class Bridge:
     """Hears all that the student's nodes publish and speaks for the robot."""
@@ -25,11 +34,13 @@ class Bridge:
     def __init__(self, offers: tuple[Offer, ...]) -> None:
         self._offers = {offer.topic: offer for offer in offers}
         self._ends: dict[Any, RobotEnds] = {}  # by context
+        self._latched: dict[str, bytes] = {}  # what the robot sent once, by topic
+        self._latching: weakref.WeakSet[Any] = weakref.WeakSet()  # publishers with a history
         self._last_words: list[Heard] = []  # from contexts that have been shut down
         self.rosout: Rosout | None = None
         self._endpoints: list[EndpointReport] = []
         self.published: list[Published] = []
-        self.changes = 0  # goes up when endpoints appear
+        self.changes = 0  # goes up when endpoints appear or disappear
         self.parameters_in_use = False  # some node asks for another's parameters
         self._bytes = 0  # of what is published
         self.overflow = False  # the node published more than the link can carry
@@ -38,6 +49,9 @@ class Bridge:
         """Watch the student's nodes create their endpoints."""
         EndpointWatch(self._on_endpoint).install()
         graph.install(self._hears)
+        node_cls: Any = rclpy.node.Node
+        for name in ("destroy_publisher", "destroy_subscription", "destroy_node"):
+            setattr(node_cls, name, self._counting(getattr(node_cls, name)))
         cls: Any = rclpy.context.Context
         for name in ("shutdown", "try_shutdown"):
             setattr(cls, name, self._leaving_first(getattr(cls, name)))
@@ -71,6 +85,8 @@ class Bridge:
 
     def deliver(self, topic: str, data: bytes) -> None:
         """Publish a message of the robot; nobody hears it where the student has no end."""
+        if topic in self._offers and self._offers[topic].latched:
+            self._latched[topic] = data
         for ends in self._ends.values():
             ends.deliver(topic, data)
 
@@ -84,17 +100,22 @@ class Bridge:
         mismatch = ""
         match kind:
             case "subscription" if endpoint.topic_name == ROSOUT and self.rosout:
-                self.rosout.listened_to(node.context)
+                latched = endpoint.qos_profile.durability == LATCHED
+                self.rosout.listened_to(node.context, latched)
                 return
             case "publisher" | "subscription" if endpoint.topic_name in HIDDEN_TOPICS:
                 return
             case "publisher":
                 self._ends_in(node.context).listen(endpoint.topic_name, endpoint.msg_type)
                 graph.hide_match(endpoint)
+                if endpoint.qos_profile.durability == LATCHED:
+                    self._latching.add(endpoint)
             case "subscription":
                 mismatch = self._ends_in(node.context).speak(
                     endpoint.topic_name, endpoint.msg_type, endpoint.qos_profile
                 )
+                if endpoint.qos_profile.durability == LATCHED:
+                    self._await_history(endpoint.topic_name)
             case "service":
                 endpoint._course_parameters = is_parameter_service(endpoint.service_name)
                 if endpoint._course_parameters:
@@ -103,13 +124,32 @@ class Bridge:
                 self.parameters_in_use |= is_parameter_service(endpoint.service_name)
         self._endpoints.append(report(kind, node, endpoint, mismatch))
 
+    def _await_history(self, topic: str) -> None:
+        """Wait until a new subscription has what was published before it came.
+
+        Only this DDS brings from a thread of its own, a moment later in real time: without the
+        wait it would come at another virtual time in each run.
+        """
+        speakers = [ends.speaker(topic) for ends in self._ends.values()]
+        for publisher in (*speakers, *self._latching):
+            if publisher is not None and publisher.topic_name == topic:
+                with contextlib.suppress(InvalidHandle):  # it was destroyed
+                    publisher.wait_for_all_acked(HISTORY)
+
     def _ends_in(self, context: Any) -> RobotEnds:
         if context not in self._ends:
-            self._ends[context] = RobotEnds(context, self._offers)
+            self._ends[context] = RobotEnds(context, self._offers, self._latched)
         return self._ends[context]
 
     def _hears(self, context: Any, topic: str) -> bool:
         return context in self._ends and self._ends[context].hears(topic)
+
+    def _counting(self, destroy: Any) -> Any:
+        def destroy_and_count(node: Any, *endpoint: Any) -> Any:
+            self.changes += 1
+            return destroy(node, *endpoint)
+
+        return destroy_and_count
 
     def _leaving_first(self, shutdown: Any) -> Any:
         """A context that is shut down takes the robot's ends with it; another may follow."""

@@ -7,6 +7,7 @@ stay real: they measure the processor, not the time of day.
 from __future__ import annotations
 
 import errno
+import operator
 import os
 import queue
 import signal
@@ -23,6 +24,7 @@ from .kernel import Kernel, VirtualThread
 
 STEADY_START = 1_000 * 10**9  # [ns] monotonic clocks start here, as on a machine up for a while
 PATIENCE = 1_000  # readings of the clock at one moment, after which a busy wait costs time ...
+COARSE = {5: "wall", 6: "steady", 8: "wall", 9: "steady"}  # ids of Linux that `time` does not name
 PATIENCE_STEP = 0.001  # [s] ... namely this much
 
 real_time_ns: Callable[[], int] = _time_machine.original_time_ns  # when DDS stamps messages
@@ -75,6 +77,7 @@ def _install_time(kernel: Kernel, clock: Clock) -> None:
     threading._time = queue.time = module.monotonic  # type: ignore[attr-defined]
     _install_calendar(module, clock)
     _install_clock_ids(module, clock)
+    _install_times(clock)
 
 
 def _install_calendar(module: Any, clock: Clock) -> None:
@@ -92,7 +95,7 @@ def _install_calendar(module: Any, clock: Clock) -> None:
 
 
 def _present(clock: Clock, seconds: float | None) -> float:
-    return clock.wall() / 1e9 if seconds is None else seconds
+    return clock.wall() // 10**9 if seconds is None else seconds  # 0.999999999 s is not the next
 
 
 def _install_clock_ids(module: Any, clock: Clock) -> None:
@@ -101,6 +104,8 @@ def _install_clock_ids(module: Any, clock: Clock) -> None:
            "CLOCK_MONOTONIC_RAW": clock.steady, "CLOCK_BOOTTIME": clock.steady,
            "CLOCK_UPTIME": clock.steady, "CLOCK_UPTIME_RAW": clock.steady}  # fmt: skip
     read = {getattr(module, name): ids[name] for name in ids if hasattr(module, name)}
+    if sys.platform == "linux":
+        read |= {clk_id: getattr(clock, kind) for clk_id, kind in COARSE.items()}
     real_ns = getattr(module, "clock_gettime_ns", None)
     if real_ns is None:  # Windows
         return
@@ -116,6 +121,13 @@ def _install_clock_ids(module: Any, clock: Clock) -> None:
     module.clock_gettime = lambda clk_id: clock_gettime_ns(clk_id) / 1e9
 
 
+def _install_times(clock: Clock) -> None:
+    """Let `os.times` tell, beside the CPU times, how much virtual time has gone by."""
+    real = os.times
+    module: Any = os
+    module.times = lambda: os.times_result((*real()[:4], clock.steady() / 1e9))
+
+
 def _install_datetime(clock: Clock) -> None:
     """`datetime` and `uuid` are written in C: time_machine replaces their clock there."""
     traveller: Any = time_machine.travel(0, tick=False).start()
@@ -123,6 +135,8 @@ def _install_datetime(clock: Clock) -> None:
 
 
 def _sleep(kernel: Kernel, seconds: float) -> None:
+    if not isinstance(seconds, float):
+        seconds = operator.index(seconds)  # or a TypeError, as Python's
     if seconds < 0:
         raise ValueError("sleep length must be non-negative")
     kernel.sleep(seconds)

@@ -21,7 +21,6 @@ import rclpy.clock
 import rclpy.executors
 import rclpy.impl.rcutils_logger
 import rclpy.node
-import rclpy.task
 import rclpy.utilities
 import rclpy.wait_for_message
 from rclpy.clock_type import ClockType
@@ -30,10 +29,11 @@ from rclpy.exceptions import InvalidHandle, NotInitializedException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.time import Time
 
+from . import tasks
 from .clock import real_time_ns
-from .kernel import IDLE_STEP, Kernel, Waiters
+from .kernel import Kernel, Waiters
 
-YIELDS = 10  # of a coroutine at one moment, after which it costs time to give way
+ONLY_CHANGES = rclpy.clock.JumpThreshold(min_forward=None, min_backward=None)
 
 
 class Graph(Protocol):
@@ -41,7 +41,7 @@ class Graph(Protocol):
 
     @property
     def changes(self) -> int:
-        """Goes up when endpoints appear."""
+        """Goes up when endpoints appear or disappear."""
 
     @property
     def parameters_in_use(self) -> bool:
@@ -101,7 +101,7 @@ def install(kernel: Kernel, epoch: int, bridge: Graph) -> RosClocks:
     _install_wait(kernel, bridge)
     _install_wait_for_message(kernel)
     _install_message_info(clocks)
-    _install_tasks(kernel)
+    tasks.install(kernel)
     _install_clocks(kernel, clocks)
     _quicken_log()
     return clocks
@@ -134,7 +134,7 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
                         node._course_changes = bridge.changes  # their events have been seen
                     return None
                 continue
-            if _is_new(kernel, found[0]):
+            if tasks.is_new(kernel, found[0]):
                 self._course_gave_work = True
                 return found
 
@@ -155,10 +155,20 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
 
     def nodes_in_order(self: Any) -> list[Any]:
         """The executor keeps a set, whose order changes from run to run."""
-        return sorted(self._nodes, key=lambda node: node.get_fully_qualified_name())
+        return sorted(self._nodes, key=_name_of)
 
     cls.wait_for_ready_callbacks = virtual_wait
     cls.get_nodes = nodes_in_order
+
+
+def _name_of(node: Any) -> str:
+    """Return a node's name, also once it is destroyed: a callback may do that while it spins."""
+    if not hasattr(node, "_course_name"):
+        try:
+            node._course_name = node.get_fully_qualified_name()
+        except InvalidHandle:
+            return ""
+    return str(node._course_name)
 
 
 def _install_wait_for_message(kernel: Kernel) -> None:
@@ -208,38 +218,6 @@ def _install_message_info(clocks: RosClocks) -> None:
     cls._take_subscription = virtual_take
 
 
-def _is_new(kernel: Kernel, task: Any) -> bool:
-    """Tell whether a task that an executor offers deserves to be handed out.
-
-    Not if it was handed out and still queues in the thread pool (rclpy#1452 offers it again and
-    again), nor if it is a coroutine that was tried already since anything changed.
-    """
-    if getattr(task, "_course_queued", False):
-        return False
-    if getattr(task, "_course_tried", None) == kernel.epoch and not _has_yielded(task):
-        return False
-    if not hasattr(task, "_course_queued"):
-        kernel.epoch += 1
-    task._course_queued = True
-    task._course_tried = kernel.epoch
-    return True
-
-
-def _has_yielded(task: Any) -> bool:
-    """Tell whether a coroutine has given way of its own accord, as with `asyncio.sleep(0)`.
-
-    The other reason why it is not done is that it waits for a future.
-    """
-    waiting: Any = getattr(task, "_handler", None)
-    while True:
-        deeper = getattr(waiting, "cr_await", None) or getattr(waiting, "gi_yieldfrom", None)
-        if deeper is None:
-            break
-        waiting = deeper
-    code = getattr(waiting, "gi_code", None)
-    return code is not None and code is not rclpy.task.Future.__await__.__code__
-
-
 def _next_timer(kernel: Kernel, nodes: Any) -> int | None:
     """Return when the next timer is due [ns]; one that is due already waits for something else."""
     remaining = (
@@ -272,32 +250,6 @@ def _install_entities(bridge: Graph) -> None:
                 yield waitable
 
     cls.services, cls.waitables = property(services), property(waitables)
-
-
-def _install_tasks(kernel: Kernel) -> None:
-    cls: Any = rclpy.task.Task
-    call = cls.__call__
-
-    def virtual_call(self: Any) -> Any:
-        self._course_queued = False
-        result = call(self)
-        if not self.done() and _has_yielded(self):
-            moment, count = getattr(self, "_course_yields", (kernel.now, 0))
-            self._course_yields = (kernel.now, count + 1 if moment == kernel.now else 1)
-            if count >= YIELDS:  # `while not done: await asyncio.sleep(0)` must end
-                self._course_yields = (kernel.now, 0)
-                kernel.sleep(IDLE_STEP / 1e9)
-        return result
-
-    future: Any = rclpy.task.Future
-    notify = future._schedule_or_invoke_done_callbacks
-
-    def virtual_notify(self: Any) -> None:
-        kernel.epoch += 1  # a coroutine may be waiting for this future
-        notify(self)
-
-    cls.__call__ = virtual_call
-    future._schedule_or_invoke_done_callbacks = virtual_notify
 
 
 def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
@@ -336,6 +288,14 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
     def virtual_activation(self: Any, enabled: bool) -> None:
         self._course_sim_time = enabled  # a node asks for use_sim_time; its time is ours anyway
 
+    jump = clock_cls.create_jump_callback
+
+    def virtual_jump(self: Any, threshold: Any, **callbacks: Any) -> Any:
+        """The host moves ROS clocks by setting them, but nobody's time jumps."""
+        ros_time = self.clock_type == ClockType.ROS_TIME
+        return jump(self, ONLY_CHANGES if ros_time else threshold, **callbacks)
+
+    clock_cls.create_jump_callback = virtual_jump
     ros: Any = rclpy.clock.ROSClock
     ros._set_ros_time_is_active = virtual_activation
     ros.set_ros_time_override = lambda self, time: None  # a TimeSource would set it to 0, or /clock

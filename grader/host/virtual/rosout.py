@@ -80,8 +80,8 @@ class Rosout:
 
         cls.__init__, cls.destroy_node = created, destroyed
 
-    def listened_to(self, context: Any) -> None:
-        """Publish from now on, and what was said in the last seconds first."""
+    def listened_to(self, context: Any, latched: bool) -> None:
+        """Publish from now on; who asks for the past gets the last seconds first."""
         if context in self._publishers:
             return
         qos = QoSProfile(depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -89,7 +89,7 @@ class Rosout:
         self._publishers[context] = publisher
         now = self._now().nanoseconds
         for line in self._lines.pop(context, ()):
-            if now - line.time.nanoseconds <= LIFESPAN:
+            if latched and now - line.time.nanoseconds <= LIFESPAN:
                 publisher.publish(line.message())
 
     def leave(self, context: Any) -> None:

@@ -6,13 +6,27 @@ program run until then, and answers with all that was published on the way.
 
 from __future__ import annotations
 
+import collections
 import contextlib
+import itertools
 import os
 from typing import Any
 
 import msgspec
 
-from ..frames import MARK, MAX_LEAD, MAX_PUBLISHED, Run, Settled, Slept, Start
+from ..frames import (
+    MARK,
+    MAX_LEAD,
+    MAX_PUBLISHED,
+    MAX_QUESTIONS,
+    Question,
+    Run,
+    Settled,
+    Slept,
+    Start,
+    Told,
+)
+from ..supplied.kept import desk
 from ..wire import Wire, ended, flush_output
 from . import kernel as kernel_module
 from .charge import Meter
@@ -33,6 +47,12 @@ class Session(kernel_module.World):
         self.clocks: Any = None
         self.programs: Any = None  # if there are several
         self.charge_compute = False  # from the scenario's start on
+        self._numbers = itertools.count()
+        self._questions: list[Question] = []  # that the judge has not been told of
+        self._agreed = 0  # [ns] what `until` was when the first of them was asked
+        self._asking: dict[int, kernel_module.Waiters] = {}  # by question
+        self._told: dict[int, Told] = {}
+        desk.ask = self.ask
 
     def start(self) -> Start:
         """Return the judge's first frame."""
@@ -56,7 +76,8 @@ class Session(kernel_module.World):
         """Collect what was published at this moment."""
         kernel = self.kernel
         self.bridge.collect(self._time())
-        if self._starting and (kernel.looks or self.bridge.published or not kernel.asleep):
+        idle = not kernel.asleep and not self._asking
+        if self._starting and (kernel.looks or self.bridge.published or idle):
             self._end_start()
 
     def moved(self) -> None:
@@ -69,9 +90,28 @@ class Session(kernel_module.World):
         if self.programs is not None:
             self.programs.switch(before, after)
 
+    def ask(self, question: Question) -> Told:
+        """Ask the judge's model, and wait as long as it takes."""
+        if len(self._asking) >= MAX_QUESTIONS:
+            raise RuntimeError(f"{MAX_QUESTIONS} threads ask the model at the same time")
+        number = next(self._numbers)
+        if not self._questions:  # the judge is told before time goes on
+            self._agreed, self.until = self.until, self.kernel.now
+        self._questions.append(msgspec.structs.replace(question, number=number))
+        waiters: kernel_module.Waiters = collections.deque()
+        self._asking[number] = waiters
+        self.kernel.park(None, waiters)
+        told = self._told.pop(number)
+        if told.wait:
+            self.kernel.sleep(told.wait / 1e9)
+        return told
+
     def exchange(self) -> None:
         """Report to the judge; wait for its messages and its next moment."""
         bridge = self.bridge
+        if self._questions and (self._starting or self.kernel.now < 0):
+            self._ask_in_start()
+            return
         if self._starting:
             self._end_start()
         if bridge.overflow:
@@ -81,15 +121,14 @@ class Session(kernel_module.World):
             Settled(
                 now=self.kernel.now,
                 spinning=self.kernel.waiting or self.kernel.looks > self._looks,
-                asleep=self.kernel.asleep or self.kernel.computing,
+                asleep=self.kernel.asleep or self.kernel.computing or bool(self._asking),
                 published=bridge.take(),
                 endpoints=bridge.new_endpoints(),
+                asked=self._take_questions(),
             )
         )
         self._looks = self.kernel.looks
-        run = self._wire.receive()
-        if not isinstance(run, Run):
-            raise ValueError("the judge can only say how to go on")
+        run = self._receive_run()
         for delivery in run.deliver:
             bridge.deliver(delivery.topic, delivery.data)
         self.until = run.until
@@ -122,6 +161,29 @@ class Session(kernel_module.World):
         for fd in (1, 2):
             with contextlib.suppress(OSError):
                 os.write(fd, line)
+
+    def _receive_run(self) -> Run:
+        """Return how to go on; who waits for an answer in it may go on, too."""
+        run = self._wire.receive()
+        if not isinstance(run, Run):
+            raise ValueError("the judge can only say how to go on")
+        for told in run.told:
+            self._told[told.number] = told
+            for waiter in self._asking.pop(told.number, ()):
+                self.kernel.wake(waiter)
+        return run
+
+    def _take_questions(self) -> list[Question]:
+        taken, self._questions = self._questions, []
+        return taken
+
+    def _ask_in_start(self) -> None:
+        """Ask before the scenario: time has not begun, and the answer says what it takes."""
+        asked = self._take_questions()
+        self._wire.send(Settled(0, spinning=False, asleep=True, published=[], asked=asked,
+                                starting=True))  # fmt: skip
+        self._receive_run()
+        self.until = self._agreed
 
     def _end_start(self) -> None:
         if self.kernel.now > 0:

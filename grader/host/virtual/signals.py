@@ -1,8 +1,9 @@
-"""Signals of several programs in one process: each has a main thread and handlers of its own.
+"""Signals that programs send themselves reach their main thread at a moment of virtual time.
 
-Python runs handlers in the main thread of the process, and lets nobody else set one. On a robot
-every program is a process, so `signal.signal`, `asyncio`'s loops and who else asks for the main
-thread must find the program's own.
+`install_alone` is for the only program of a process, `install` for several: each has a main thread
+and handlers of its own. Python runs handlers in the main thread of the process, and lets nobody
+else set one. On a robot every program is a process, so `signal.signal`, `asyncio`'s loops and who
+else asks for the main thread must find the program's own.
 """
 
 from __future__ import annotations
@@ -85,3 +86,45 @@ def install(current: Callable[[], Signals | None]) -> None:
     module.signal, module.getsignal, module.set_wakeup_fd = virtual_signal, getsignal, set_wakeup_fd
     module.raise_signal, os.kill = raise_signal, kill
     threading.main_thread = main_thread
+
+
+def install_alone(kernel: Kernel) -> None:
+    """Deliver what the only program sends itself; its main thread is the calling one.
+
+    The system would deliver it to the main thread wherever that waits, also while another thread
+    holds the baton.
+    """
+    module: Any = signal
+    main = kernel.me()
+    real_kill = os.kill
+
+    def deliver(number: int) -> bool:
+        handler, stops = signal.getsignal(number), _is_rclpys(number)
+        if not callable(handler) and not stops:
+            return False
+
+        def handle() -> None:
+            if stops:
+                sys.modules["rclpy.utilities"].get_default_context().try_shutdown()
+            if callable(handler):
+                handler(number, sys._getframe())
+
+        kernel.interrupt(main, handle)
+        return True
+
+    def kill(pid: int, number: int) -> None:
+        if pid != os.getpid() or not number or not deliver(number):
+            real_kill(pid, number)
+
+    os.kill = kill
+    module.raise_signal = lambda number: kill(os.getpid(), number)
+
+
+def _is_rclpys(number: int) -> bool:
+    """Tell whether rclpy handles a signal: it shuts down, and passes the signal on."""
+    rclpy: Any = sys.modules.get("rclpy.signals")
+    if rclpy is None or number not in (signal.SIGINT, signal.SIGTERM):
+        return False
+    options = rclpy.SignalHandlerOptions
+    own = options.SIGINT if number == signal.SIGINT else options.SIGTERM
+    return rclpy.get_current_signal_handlers_options() in (options.ALL, own)

@@ -12,10 +12,8 @@ import _queue
 import _thread
 import collections
 import functools
-import multiprocessing.connection
 import os
 import queue
-import selectors
 import sys
 import threading
 import traceback
@@ -23,7 +21,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from . import clock
+from . import clock, descriptors
 from .kernel import Kernel, VirtualThread, Waiters
 
 CPUS = {0, 1, 2, 3}  # MultiThreadedExecutor() takes a thread per CPU; with one it would serialise
@@ -95,7 +93,7 @@ def install(kernel: Kernel, epoch: int) -> None:
     _install_threads(kernel)
     _install_locks(kernel)
     clock.install(kernel, epoch)
-    _install_select(kernel)
+    descriptors.install(kernel)
     os.sched_getaffinity = lambda _pid: CPUS
 
 
@@ -191,20 +189,3 @@ def _install_locks(kernel: Kernel) -> None:
         functools.RLock = threading.RLock
     native: Any = _queue
     native.SimpleQueue = queue.SimpleQueue = queue._PySimpleQueue  # type: ignore[attr-defined,misc]
-
-
-def _install_select(kernel: Kernel) -> None:
-    """Asyncio's loop waits here, and a ThreadPool (scikit-learn's n_jobs) for its pipe."""
-
-    def virtual(select: Any) -> Any:
-        def virtual_select(self: Any, timeout: float | None = None) -> list[Any]:
-            deadline = None if timeout is None else kernel.after(timeout)
-            return kernel.poll(self, lambda: select(self, 0) or None, deadline) or []
-
-        return virtual_select
-
-    cls: Any = selectors.DefaultSelector
-    cls.select = virtual(cls.select)
-    connection: Any = multiprocessing.connection
-    poll: Any = selectors.PollSelector
-    connection._WaitSelector = type("WaitSelector", (poll,), {"select": virtual(poll.select)})

@@ -117,7 +117,7 @@ function endEvent(replay) {
 /** The account as a list; each time is a button that goes there. */
 function renderAccount(list, replay, onseek) {
   replaceChildren(list, accountOf(replay).map((event) => el('li', { class: `event event-${event.kind}` },
-    el('button', { type: 'button', class: 'time-button', 'aria-label': `Go to ${event.t.toFixed(2)} seconds`,
+    el('button', { type: 'button', class: 'time-button', 'aria-label': `Go to ${seconds(event.t)}`,
       onclick: () => onseek(event) }, seconds(event.t)),
     el('span', { class: 'event-text', dir: 'auto' }, event.text))));
 }

@@ -112,7 +112,7 @@ function buildPlayer(actions, count) {
     el('div', { class: 'player-main' }, stage.element, readout.element, transport.element,
       timeline.element, plot.element),
     el('div', { class: 'player-side' },
-      el('section', { class: 'side-part log-part' }, el('h3', {}, 'Log of the node'), log.element),
+      el('section', { class: 'side-part log-part' }, el('h2', {}, 'Log of the node'), log.element),
       el('details', { class: 'side-part account-part', open: count === 1 },
         el('summary', {}, 'The run in words'), account)),
     status, help);

@@ -211,11 +211,12 @@ function buildPage(page, payload) {
   const checks = grading ? toArray(grading.checks).filter(Boolean) : [];
   page.className = grading && replays.length ? 'page has-grading' : 'page'; // has-grading: two columns
   if (payload.embedded) page.classList.add('is-embedded'); // in a notebook, which says the rest
+  const name = payload.embedded ? el('h1', { class: 'hidden-text' }, text(payload.title) || 'Replay') : null;
   replaceChildren(page, payload.embedded ? null : buildTop(payload), grading ? buildScore(grading, checks) : null,
     el('div', { class: 'columns' },
       grading ? buildChecks(grading, checks, { runs: replays.map(toRun), show }) : null,
       grading ? el('aside', { class: 'replay-column', 'aria-label': 'Replay' }, root)
-        : el('main', { class: 'replay-column' }, root)),
+        : el('main', { class: 'replay-column' }, name, root)),
     payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
   if (!payload.embedded) return;

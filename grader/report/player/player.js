@@ -73,7 +73,7 @@ class Player {
     replaceChildren(parts.head.traceback, replay.outcome.detail);
     parts.head.detail.hidden = !replay.outcome.detail;
     parts.stage.canvas.setAttribute('aria-label',
-      `Map of the run ${replay.title.slice(0, 200)}. The run is told in words below.`);
+      `Map of the run ${replay.title.slice(0, 200)}. The run is described in words below.`);
     replaceChildren(parts.stage.legend, el('span', {}, '0'), el('i', {}),
       el('span', {}, `${fixed(replay.maxSpeed)} m/s`));
     parts.transport.moments.forEach((button) => { button.disabled = !replay.moments.length; });

@@ -8,7 +8,9 @@ import math
 import rclpy
 from geometry_msgs.msg import Twist, Vector3
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
+from tf2_ros import Buffer, TransformException, TransformListener
 
 
 def usable_ahead(scan):
@@ -35,7 +37,16 @@ def main(args=None):
     publisher = node.create_publisher(Twist, "/cmd_vel", 1)
     log = node.get_logger()
 
+    frames = Buffer()
+    listener = TransformListener(frames, node)
+
     def on_scan(scan):
+        try:
+            found = frames.lookup_transform("base_link", scan.header.frame_id, Time())
+            turn = found.transform.rotation
+            scan.angle_min += 2 * math.atan2(turn.z, turn.w)
+        except TransformException:
+            log.debug("nobody says how the lidar is mounted", once=True)
         distance = min(usable_ahead(scan), default=0.0)  # blind is as good as touching
         speed = speed_for(distance)
         publisher.publish(Twist(linear=Vector3(x=speed)))
@@ -46,7 +57,7 @@ def main(args=None):
     try:
         rclpy.spin(node)
     except KeyboardInterrupt:
-        pass
+        listener.unregister()
 
 
 if __name__ == "__main__":

@@ -9,7 +9,9 @@ from geometry_msgs.msg import Twist
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
+from tf2_ros import Buffer, TransformException, TransformListener
 
 
 def front_distance(scan: LaserScan) -> float:
@@ -29,9 +31,20 @@ class ObstacleAvoidanceAgent(Node):
         super().__init__("obstacle_avoidance_agent")
         self.publisher = self.create_publisher(Twist, "cmd_vel", 10)
         self.create_subscription(LaserScan, "scan", self.on_scan, qos_profile_sensor_data)
+        self.tree = Buffer()
+        self.tree_listener = TransformListener(self.tree, self)
         self.get_logger().info("numpy agent ready")
 
+    def mounting(self, frame: str) -> float:
+        """How far the lidar is turned on the robot [rad]; 0 while nobody has said."""
+        try:
+            turn = self.tree.lookup_transform("base_link", frame, Time()).transform.rotation
+        except TransformException:
+            return 0.0
+        return 2.0 * float(np.arctan2(turn.z, turn.w))
+
     def on_scan(self, scan: LaserScan) -> None:
+        scan.angle_min += self.mounting(scan.header.frame_id)  # from now on 0 is the robot's front
         distance = front_distance(scan)
         # Two thresholds, three speeds. NaN sorts behind everything, so it gets a zone of its own.
         zone = int(np.searchsorted([0.5, 1.0, np.inf], distance, side="right"))

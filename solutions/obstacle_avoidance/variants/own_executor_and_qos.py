@@ -12,6 +12,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import LaserScan
+from tf2_msgs.msg import TFMessage
 
 SCAN_QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
@@ -19,6 +20,7 @@ SCAN_QOS = QoSProfile(
     reliability=ReliabilityPolicy.BEST_EFFORT,
     durability=DurabilityPolicy.VOLATILE,
 )
+STATIC_QOS = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 COMMAND_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 
 
@@ -37,10 +39,19 @@ class ObstacleAvoidanceAgent(Node):
         super().__init__("obstacle_avoidance_agent")
         self.commands = self.create_publisher(Twist, "/cmd_vel", COMMAND_QOS)
         self.create_subscription(LaserScan, "/scan", self.scan_callback, SCAN_QOS)
+        self.mounted: dict[str, float] = {}  # yaw of each sensor on base_link [rad]
+        self.create_subscription(TFMessage, "/tf_static", self.mounted_callback, STATIC_QOS)
         self.get_logger().info("agent started")
 
+    def mounted_callback(self, message: TFMessage) -> None:
+        for transform in message.transforms:
+            if transform.header.frame_id == "base_link":
+                turn = transform.transform.rotation
+                self.mounted[transform.child_frame_id] = 2 * math.atan2(turn.z, turn.w)
+
     def scan_callback(self, scan: LaserScan) -> None:
-        ahead = indices_ahead(len(scan.ranges), scan.angle_min, scan.angle_increment)
+        first = scan.angle_min + self.mounted.get(scan.header.frame_id, 0.0)
+        ahead = indices_ahead(len(scan.ranges), first, scan.angle_increment)
         values = [self.meaning(scan, scan.ranges[i]) for i in ahead]
         known = [value for value in values if value is not None]
         distance = min(known) if known else 0.0

@@ -1,6 +1,7 @@
 """Style: the callback only stores the scan, a spin_once loop in main does the work.
 
-field: all
+field: field_lds01, field_wide_lidar, field_best_effort, field_mirrored_world, field_speckle,
+field_lost_scans
 """
 
 import math

@@ -1,6 +1,7 @@
 """Style: a queue and a worker thread; the callback hands over, the thread decides and publishes.
 
-field: all
+field: field_lds01, field_wide_lidar, field_best_effort, field_mirrored_world, field_speckle,
+field_lost_scans
 """
 
 import math

@@ -220,6 +220,18 @@ def test_the_search_finds_what_is_put_in(tmp_path: Path, where: str, source: str
     assert all(leak.solution.startswith("solutions/") for leak in found)
 
 
+def test_checks_belong_into_the_grader_and_nowhere_else(tmp_path: Path) -> None:
+    oracle = ROOT / "grader" / "checks" / "trend_memory" / "contract.py"
+    place = "grader/checks/trend_memory/contract.py"
+    here = tmp_path / place
+    here.parent.mkdir(parents=True)
+    here.write_bytes(oracle.read_bytes())
+    assert leaks(tmp_path) == []
+
+    (tmp_path / "hints.md").write_bytes(oracle.read_bytes())
+    assert {(leak.file, leak.solution) for leak in leaks(tmp_path)} == {("hints.md", place)}
+
+
 def lines_of(source: str) -> list[str]:
     """Return the lines of a solution, or of a mutant (`NAME/mutants.toml: MUTANT`)."""
     file, _, mutant = source.partition(": ")
@@ -366,6 +378,7 @@ def test_the_archive_is_the_folder_and_the_same_each_time(released: Path, tmp_pa
     assert (tmp_path / "course.zip").read_bytes() == packed.read_bytes()
 
 
+@pytest.mark.long
 def test_the_package_grades_a_skeleton(released: Path) -> None:
     def course(*arguments: str) -> subprocess.CompletedProcess[str]:
         environment = os.environ | {"PYTHONPATH": str(released), "COLUMNS": "100"}

@@ -72,3 +72,30 @@ def test_in_time(
     check: Callable[[tuple[Recording, ...]], None], recordings: tuple[Recording, ...]
 ) -> None:
     check(taking(recordings, 0.15, 0.0, 10_000))
+
+
+@pytest.mark.parametrize("later", [0.05, 0.0])  # [s] after the scan; 0: it asks the judge
+@pytest.mark.parametrize(
+    ("cpu", "queued", "fails"), [(0.09, 0.0, True), (0.001, 0.0, True), (0.001, 0.089, False)]
+)
+def test_a_callback_can_not_be_put_off_to_another_messages_turn(
+    check: Callable[[tuple[Recording, ...]], None],
+    recordings: tuple[Recording, ...],
+    cpu: float,
+    queued: float,
+    fails: bool,
+    later: float,
+) -> None:
+    changed = []
+    for recording in recordings:
+        scans = recording.times("/scan")
+        time = np.repeat(scans, 3)
+        time[1::3] += later
+        time[2::3] += later
+        parts = (np.where(np.arange(len(time)) % 3, part, 0.001) for part in (0.09, cpu, queued))
+        changed.append(replace(recording, compute=Compute(time, *parts)))
+    if fails:
+        with pytest.raises(CheckFailed):
+            check(tuple(changed))
+    else:
+        check(tuple(changed))

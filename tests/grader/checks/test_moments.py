@@ -56,7 +56,7 @@ def test_a_node_that_always_says_the_same_is_shown_where_something_else_is_asked
     grading = graded(forkserver, tmp_path, ALWAYS.format(speed=0.5), "no_contact")
 
     check = failure(grading, "no_contact")
-    assert check.message == "the node says the same whatever it sees"
+    assert check.message == "the command is the same whatever the node sees"
     (recording,) = (run for run in grading.recordings if run.name == check.scenario)
     first = next(scan.t for scan in recording.scans() if 0.5 not in right_speeds(scan))
     assert check.time == first > 1.0

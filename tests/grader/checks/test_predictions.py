@@ -41,7 +41,7 @@ def test_without_model_or_reading_only_zero_is_right() -> None:
     assert right_speeds(None, EVERYWHERE, 0.5) == SpeedInterval(0.0, 0.0)
     model = probe(Model("constant", {"value": 0.3}))
     assert right_speeds(model, BLIND, 0.5) == SpeedInterval(0.0, 0.0)
-    raising = probe(Model("raising", {"value": 0.3}))
+    raising = probe(Model("raises_near", {"distance": 99.0}))
     assert right_speeds(raising, EVERYWHERE, 0.5) == SpeedInterval(0.0, 0.0)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.recording import Compute, Recording
+from grader.recording import Compute, Inference, Recording
 
 CHECK = "check(points, scenarios): named here because checks are imported outside of a grading"
 EPOCH = 1_700_000_000_000_000_000  # [ns]
@@ -214,22 +214,18 @@ def test_a_request_from_before_the_beginning_is_none_but_its_answer_is_known(
 # --- exercise 9: calls that take a little longer --------------------------------------------------
 
 
-def profiled(live: object, monkeypatch: pytest.MonkeyPatch, slack: float = 0.0) -> Any:
+def profiled(live: object, slack: float = 0.0) -> Any:
     """A hundred calls of 30 ms, one for each scan at 40 Hz: they wait for one another."""
-    from grader.checks.latency_monitor import contract  # noqa: PLC0415
-
-    monkeypatch.setattr(contract, "scan_features", lambda scan: np.ones(5))
-    contract._calls.cache_clear()
-    model = SimpleNamespace(probe="takes", settings={"seconds": 0.03})
-    node = SimpleNamespace(models={contract.MODEL: model}, parameters={})
+    calls = [
+        Inference("predict", "model.pkl", i * 30_000_000, (i + 1) * 30_000_000, 30_000_000, (0.1,))
+        for i in range(100)
+    ]
 
     class Profiled(SimpleNamespace):
         __hash__ = object.__hash__
 
-        def scans(self) -> Any:
-            return [SimpleNamespace(t=i / 40) for i in range(100)]
-
-    return Profiled(live=live, slack=slack, scenario=SimpleNamespace(node=node))
+    scenario = SimpleNamespace(node=SimpleNamespace(parameters={}))
+    return Profiled(live=live, slack=slack, scenario=scenario, inferences=calls)
 
 
 def counts(recording: Any, time: float) -> set[float]:
@@ -238,26 +234,23 @@ def counts(recording: Any, time: float) -> set[float]:
     return {choice.numbers["count"] for choice in right_statistics(recording, time)}
 
 
-def test_calls_that_wait_for_one_another_add_up_what_each_takes_longer(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    assert counts(profiled(None, monkeypatch), 2.0) == {66}  # 2.0 s / 30 ms
-    assert counts(profiled(LIVE, monkeypatch), 2.0) == {62, 63, 64, 65, 66}  # 2.0 s / 32 ms
-    slow = profiled(LIVE, monkeypatch, slack=0.04)
-    assert counts(slow, 2.0) == {61, 62, 63, 64, 65, 66, 67, 68}
-    assert counts(profiled(LIVE, monkeypatch), 0.0) == {0}
+def test_a_call_that_ends_near_a_report_may_count_or_not() -> None:
+    assert counts(profiled(None), 2.0) == {66}  # 2.0 s / 30 ms
+    assert counts(profiled(LIVE), 1.982) == {65, 66}  # 66 ended at 1.980 s, or a moment later
+    assert counts(profiled(LIVE, slack=0.04), 2.0) == {65, 66, 67, 68}
+    assert counts(profiled(LIVE), 0.0) == {0}
 
 
 @pytest.mark.parametrize(
     ("live", "mean", "right"),
-    [(None, 30.0, True), (None, 31.0, False), (LIVE, 31.9, True), (LIVE, 32.2, False)],
+    [(None, 30.0, True), (None, 31.0, False), (LIVE, 33.9, True), (LIVE, 34.2, False)],
 )
-def test_a_call_takes_up_to_two_milliseconds_longer_in_real_time(
-    monkeypatch: pytest.MonkeyPatch, live: object, mean: float, right: bool
+def test_a_call_takes_up_to_four_milliseconds_longer_in_real_time(
+    live: object, mean: float, right: bool
 ) -> None:
     from grader.checks.latency_monitor.contract import right_statistics  # noqa: PLC0415
 
-    choices = right_statistics(profiled(live, monkeypatch), 2.0)
+    choices = right_statistics(profiled(live), 2.0)
     assert any(choice.allows("mean_ms", mean) for choice in choices) is right
 
 
@@ -304,7 +297,7 @@ def test_scans_whose_answer_would_come_after_the_end_are_left_out(
     assert len(judged(bench(monkeypatch, answered=4), "a")) == 2
     assert len(judged(bench(monkeypatch, answered=2), "a")) == 1
     assert len(judged(bench(monkeypatch, answered=3))) == 3
-    with pytest.raises(CheckFailed, match="no command has come by the scans “b”"):
+    with pytest.raises(CheckFailed, match="no command came for the scans “b”"):
         judged(bench(monkeypatch, answered=3), "b")
     with pytest.raises(CheckFailed, match="ended before all of its scans were sent"):
         judged(bench(monkeypatch, answered=3, sent=3), "a")

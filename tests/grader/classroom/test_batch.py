@@ -10,10 +10,10 @@ from fake_class import FILE, SLUG, fair, grading
 
 from grader.classroom import batch, candidates
 from grader.classroom.engine import DaskWorkers
-from grader.classroom.row import GRADED, HELD, RUNNING
+from grader.classroom.row import GRADED, HELD, RUNNING, TWICE
 from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
-from grader.course.students import student_seed
+from grader.course.students import student_key
 from grader.errors import GraderError, InputError
 
 
@@ -42,7 +42,7 @@ def test_settings_are_part_of_what_was_graded(grade_class: Any) -> None:
     assert grade_class(field=True)[1].students == ["ann", "bob", "eve"]
     workers = grade_class(secret=secret)[1]
     assert [u.seed for u in workers.seen] == [
-        student_seed(secret, s, SLUG) for s in workers.students
+        student_key(secret, s, SLUG) for s in workers.students
     ]
     assert grade_class(secret=secret)[1].students == []
 
@@ -93,12 +93,13 @@ def test_what_could_not_be_judged_gets_another_try(grade_class: Any, outcome: st
     results, workers, _ = grade_class(unsure)
     assert workers.students.count("bob") == 2
     assert results["bob"].state == HELD
-    assert results["bob"].problem == "could not judge stop_zone: because"
+    assert "could not judge stop_zone: because" in results["bob"].problem
+    assert "judged twice, the second time with nothing beside it" in results["bob"].problem
 
 
 def test_the_graders_own_problem_holds(grade_class: Any) -> None:
     results, _, _ = grade_class(lambda unit: UnitResult(None, "no host"))
-    assert {r.problem for r in results.values()} == {"no host"}
+    assert {r.problem for r in results.values()} == {f"no host; {TWICE}"}
 
 
 def test_weak_isolation_is_refused(grade_class: Any) -> None:

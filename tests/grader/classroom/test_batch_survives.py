@@ -14,6 +14,8 @@ from grader.authoring.mutants import find_mutant
 from grader.classroom.store import Store, stable
 from grader.course.exercises import find_exercise
 
+pytestmark = pytest.mark.long
+
 SLUG, FILE = "trend_memory", "trend_agent.py"
 COURSE = [sys.executable, "-m", "grader.cli", "autograde"]
 DASK = [sys.executable, "-m", "dask"]
@@ -65,7 +67,6 @@ def test_what_the_class_came_to(undisturbed: Results) -> None:
     assert 0 < scores["bob"] < 100
 
 
-@pytest.mark.long
 def test_killed_twice_and_resumed(handed_in: Path, undisturbed: Results, tmp_path: Path) -> None:
     command = _command(handed_in, tmp_path, "--workers", "2")
     for lines in MOMENTS:
@@ -82,7 +83,6 @@ def test_killed_twice_and_resumed(handed_in: Path, undisturbed: Results, tmp_pat
     assert len(list((tmp_path / "recordings").glob("*/*"))) == 4
 
 
-@pytest.mark.long
 def test_on_a_cluster_that_loses_a_worker(
     handed_in: Path, undisturbed: Results, tmp_path: Path
 ) -> None:

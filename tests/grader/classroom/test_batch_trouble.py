@@ -1,21 +1,21 @@
-"""Trouble with the machine: stalls, a full disk, results that can't be stored."""
+"""Trouble with the machine: stalls, canaries that can't be judged, progress in spite of them."""
 
-import errno
 import io
-import sqlite3
+from concurrent.futures import BrokenExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
-from fake_class import FILE, fair, grading
+from fake_class import FILE, Judge, fair, grading
 from rich.console import Console
 
-from grader.classroom import batch, grading_run
+from grader.classroom import grading_run
+from grader.classroom.grading_run import MAX_IN_VAIN
 from grader.classroom.progress import ConsoleProgress
-from grader.classroom.row import GRADED, HELD, RUNNING, WAITING
+from grader.classroom.row import GRADED, HELD, TWICE, WAITING
 from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
-from grader.errors import DiskFull, is_disk_full
+from grader.errors import DiskFull
 
 STALLED = grading("stop_zone", outcome="inconclusive")
 
@@ -69,12 +69,140 @@ def test_a_machine_that_always_stalls_costs_nobody_the_grading(
     results, workers, _ = grade_class(Machine(reference=99), canaries=25)
     assert workers.students == ["ann", "bob", "eve"]
     assert {r.state for r in results.values()} == {GRADED}
-    assert "the machine stalled twice" in (tmp_path / "out" / "class.html").read_text()
+    said = "no known solution confirms 3 gradings"
+    assert said in (tmp_path / "out" / "class.html").read_text()
 
     _, workers, _ = grade_class(canaries=25)  # the next run asks a canary again
     assert workers.students == []
     assert [unit.student for unit in workers.seen] == [".reference", ".mutant"]
+    assert said not in (tmp_path / "out" / "class.html").read_text()
     assert grade_class(canaries=25)[1].seen == []
+
+
+def test_second_judgements_that_always_stall_come_to_an_end(
+    grade_class: Any, handed_in: Path
+) -> None:
+    for number in range(MAX_IN_VAIN + 3):
+        (handed_in / f"x{number}").mkdir()
+        (handed_in / f"x{number}" / FILE).write_text(f"# {number}\n")
+    stalls = {f"x{number}": 99 for number in range(MAX_IN_VAIN + 3)}
+    results, workers, quiet = grade_class(Machine(**stalls))
+
+    assert sum(unit.alone for unit in workers.seen) == MAX_IN_VAIN
+    problems = {name: r.problem for name, r in results.items() if r.state == HELD}
+    assert problems.keys() == stalls.keys()
+    assert sum(TWICE in each for each in problems.values()) == MAX_IN_VAIN
+    assert sum("5 others stalled" in each for each in problems.values()) == 3
+    assert all(results[name].grading for name in stalls)  # of the first judgement
+    assert len([line for line in quiet.lines if ": held" in line]) == len(stalls)
+
+    results, workers, _ = grade_class(retry_held=True)
+    assert len(workers.students) == len(stalls)
+    assert {r.state for r in results.values()} == {GRADED}
+
+
+def test_one_that_stalls_on_purpose_keeps_nobody_from_a_second_judgement(
+    grade_class: Any, handed_in: Path
+) -> None:
+    for number in range(MAX_IN_VAIN):
+        (handed_in / f"a{number}").mkdir()
+        (handed_in / f"a{number}" / FILE).write_text(f"# {number}\n")
+    stalls = {f"a{number}": 99 for number in range(MAX_IN_VAIN - 1)}
+    results, _, _ = grade_class(Machine(**stalls, ann=1, bob=1, eve=1))
+    assert {name for name, r in results.items() if r.state == HELD} == stalls.keys()
+
+
+def test_a_killed_batch_remembers_what_waits_for_a_second_judgement(
+    grade_class: Any, tmp_path: Path
+) -> None:
+    def killed(unit: Unit) -> UnitResult:
+        if unit.student == "eve":
+            raise KeyboardInterrupt
+        return UnitResult(STALLED) if unit.student == "ann" else fair(unit)
+
+    with pytest.raises(KeyboardInterrupt):
+        grade_class(killed)
+    assert grade_class(regrade=True)[1].students == ["bob"]  # ann is not done yet
+    results, workers, _ = grade_class()
+    assert workers.students == ["eve", "ann"]
+    assert workers.seen[-1].alone
+    assert results["ann"].state == GRADED
+
+
+def test_the_points_of_a_stalled_one_do_not_look_like_full_marks(
+    grade_class: Any, tmp_path: Path
+) -> None:
+    passed = grading("wiring", outcome="pass")
+    passed["checks"][0]["points"] = 5
+    some = {**STALLED, "score": 5, "max_score": 5}
+    some["checks"] = [*passed["checks"], *STALLED["checks"]]
+    grade_class(lambda unit: UnitResult(some) if unit.student == "ann" else fair(unit))
+    page = (tmp_path / "out" / "class.html").read_text()
+    assert "5 of 10, 5 not judged" in page
+    assert "read the submission first" in page
+
+
+# --- trouble while a canary is judged ----------------------------------------------------------
+
+
+def died(_: Unit) -> UnitResult:
+    raise BrokenExecutor
+
+
+def failed(_: Unit) -> UnitResult:
+    return UnitResult(grading("stop_zone", outcome="error"))
+
+
+def filled(_: Unit) -> UnitResult:
+    return UnitResult(None, "no space", disk_full=True)
+
+
+@pytest.mark.parametrize("trouble", [died, failed, filled])
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_trouble_beside_a_canary_is_no_strike_but_what_lasts_is(
+    trouble: Judge, times: int, grade_class: Any
+) -> None:
+    left = [""] * times
+
+    def judge(unit: Unit) -> UnitResult:
+        if unit.student == ".mutant" and left:
+            left.pop()
+            return trouble(unit)
+        return fair(unit)
+
+    results, workers, quiet = grade_class(judge, canaries=25)
+    mutants = [unit.alone for unit in workers.seen if unit.student == ".mutant"]
+    strikes = [line for line in quiet.lines if "quarantine" in line]
+    assert {r.state for r in results.values()} == ({HELD} if times == 3 else {GRADED})
+    assert len(strikes) == (times > 1)
+    assert mutants[:times] == [False, True, True][:times]
+    assert mutants[-1] == (times == 3)  # after a good round they need not be alone
+
+
+def test_the_round_after_a_strike_has_nothing_beside_it(grade_class: Any) -> None:
+    rounds: list[str] = []
+
+    def disturbed(unit: Unit) -> UnitResult:
+        if unit.student == ".reference":
+            rounds.append("")
+            if len(rounds) == 1:  # by a neighbour
+                return UnitResult(grading("stop_zone"))
+        return fair(unit)
+
+    results, workers, _ = grade_class(disturbed, canaries=25)
+    known = [unit.alone for unit in workers.seen if unit.canary]
+    assert known == [False, False, True, True, False, False]
+    assert {r.state for r in results.values()} == {GRADED}
+
+
+def test_a_disk_that_is_full_when_a_canary_is_judged(
+    grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(grading_run, "has_space", lambda *_: False)
+    with pytest.raises(DiskFull):
+        grade_class(lambda unit: filled(unit) if unit.canary else fair(unit), canaries=25)
+    with Store(tmp_path / "out" / "store.sqlite") as store:
+        assert {result.state for result in store.results()} == {WAITING}
 
 
 def test_a_stall_beside_a_drift_hides_nothing(grade_class: Any) -> None:
@@ -116,6 +244,33 @@ def test_progress_counts_each_unit_once_and_to_its_total(
     assert shown(out) == ["1/3", "2/3", "3/3", "3/3", "3/3", "3/3"]
 
 
+def test_progress_counts_what_an_earlier_run_had_graded(
+    grade_class: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def killed(unit: Unit) -> UnitResult:
+        if unit.student == "eve":
+            raise KeyboardInterrupt
+        return fair(unit)
+
+    seen: list[str] = []
+
+    def drifting(unit: Unit) -> UnitResult:
+        if unit.student == ".reference":
+            seen.append("")
+            if len(seen) == 1:
+                return UnitResult(grading("stop_zone"))
+        return fair(unit)
+
+    with pytest.raises(KeyboardInterrupt):
+        grade_class(killed, canaries=25)
+    out = io.StringIO()
+    with ConsoleProgress(Console(file=out, width=200)) as progress:
+        monkeypatch.setattr("fake_class.Quiet", lambda: progress)
+        _, workers, _ = grade_class(drifting, canaries=25)
+    assert workers.students == ["ann", "bob", "eve"]  # eve was to be graded, the others again
+    assert shown(out) == ["1/3", "2/3", "3/3"]
+
+
 def test_progress_counts_what_is_held_too(
     grade_class: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -136,135 +291,3 @@ def test_progress_prints_whatever_a_student_wrote(capsys: pytest.CaptureFixture[
     said = out.buffer.getvalue().decode("ascii").splitlines()
     assert len(said) == 2
     assert "\x1b" not in "".join(said)
-
-
-# --- what can't be stored --------------------------------------------------------------------
-
-
-def test_a_result_that_can_not_be_stored_is_held(grade_class: Any) -> None:
-    def odd(unit: Unit) -> UnitResult:
-        return UnitResult({**grading(), "odd": {1, 2}}) if unit.student == "bob" else fair(unit)
-
-    results, _, _ = grade_class(odd)
-    assert {name: r.state for name, r in results.items()} == {
-        "ann": GRADED, "bob": HELD, "eve": GRADED,
-    }  # fmt: skip
-    assert "could not be stored (TypeError" in results["bob"].problem
-
-
-def test_a_problem_in_words_that_are_no_text(grade_class: Any) -> None:
-    results, _, _ = grade_class(lambda unit: UnitResult(None, "odd \udcff \ud800"))
-    assert {r.problem for r in results.values()} == {"odd ? ?"}
-
-
-def test_folders_with_names_that_are_no_text(grade_class: Any, handed_in: Path) -> None:
-    for number, folder in enumerate((b"caf\xe9", b"\xff")):
-        place = Path(str(handed_in), "bob", folder.decode("utf-8", "surrogateescape"))
-        place.mkdir()
-        (place / FILE).write_text(f"# {number}\n")
-    (handed_in / "bob" / FILE).unlink()
-    results, workers, _ = grade_class()
-    assert workers.students == ["ann", "bob", "eve"]
-    assert results["bob"].state == GRADED
-
-
-# --- a full disk -----------------------------------------------------------------------------
-
-
-def full(*_: object, **__: object) -> Any:
-    raise OSError(errno.ENOSPC, "No space left on device")
-
-
-def test_a_store_without_room_stops_the_batch_and_goes_on_later(
-    grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    real = Store.__init__
-
-    def small(self: Store, path: Path) -> None:
-        real(self, path)
-        pages = self._db.execute("PRAGMA page_count").fetchone()[0]
-        self._db.execute(f"PRAGMA max_page_count={pages + 3}")
-
-    long = {**grading(), "notes": ["x" * 9_000]}
-    monkeypatch.setattr(Store, "__init__", small)
-    with pytest.raises(DiskFull) as caught:
-        grade_class(lambda unit: UnitResult(long))
-    said = str(caught.value)
-    assert "\n" not in said
-    assert str(tmp_path / "out") in said
-    assert "run the same command again" in said
-    monkeypatch.undo()
-    with Store(tmp_path / "out" / "store.sqlite") as store:
-        states = [result.state for result in store.results()]
-    assert states.count(GRADED) >= 1
-    assert states.count(WAITING) >= 1
-
-
-def test_a_disk_that_fills_while_results_are_written(
-    grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with monkeypatch.context() as disk:
-        disk.setattr("grader.classroom.results.write.exercise_page", full)
-        with pytest.raises(DiskFull, match="run the same command again"):
-            grade_class()
-    assert (tmp_path / "out" / "class.html").is_file()
-    assert not list((tmp_path / "out").rglob("*.part"))
-    _, workers, _ = grade_class()
-    assert workers.students == []
-    assert (tmp_path / "out" / "feedback" / "eve" / "obstacle_avoidance.html").is_file()
-
-
-def test_an_archive_that_does_not_fit_is_not_broken(
-    grade_class: Any, handed_in: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("grader.classroom.intake._unpack", full)
-    (handed_in / "kim.zip").write_bytes(b"PK")
-    with pytest.raises(DiskFull):
-        grade_class()
-
-
-def test_a_full_disk_ends_the_batch_before_it_holds_everybody(
-    grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def no_room(unit: Unit) -> UnitResult:
-        return UnitResult(None, "No space left", disk_full=True)
-
-    with monkeypatch.context() as disk:
-        disk.setattr(grading_run, "has_space", lambda *_: False)
-        with pytest.raises(DiskFull):
-            grade_class(no_room)
-    with Store(tmp_path / "out" / "store.sqlite") as store:
-        assert {result.state for result in store.results()} == {WAITING}
-    assert {r.state for r in grade_class()[0].values()} == {GRADED}
-
-
-def test_one_that_fills_the_disk_itself_stops_nobody(
-    grade_class: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fills(unit: Unit) -> UnitResult:
-        if unit.student == "ann":
-            return UnitResult(None, "the disk was full", disk_full=True)
-        return fair(unit)
-
-    monkeypatch.setattr(grading_run, "has_space", lambda *_: True)
-    results, workers, _ = grade_class(fills)
-    assert workers.students == ["ann", "bob", "eve", "ann"]
-    assert workers.seen[-1].alone
-    assert [r.state for r in results.values()] == [HELD, GRADED, GRADED]
-
-
-def test_a_full_disk_is_known_by_its_cause() -> None:
-    assert not is_disk_full(OSError(errno.EIO, "broken"))
-    assert not is_disk_full(sqlite3.OperationalError("database or disk is full"))  # only its words
-    error = ValueError("a bag")
-    error.__cause__ = OSError(errno.EDQUOT, "quota")
-    assert is_disk_full(error)
-    assert is_disk_full(DiskFull("x"))
-
-
-def test_nothing_is_left_running(grade_class: Any, tmp_path: Path) -> None:
-    with pytest.MonkeyPatch.context() as disk, pytest.raises(DiskFull):
-        disk.setattr(batch, "write_results", full)
-        grade_class()
-    with Store(tmp_path / "out" / "store.sqlite") as store:
-        assert RUNNING not in {result.state for result in store.results()}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import importlib.util
 import io
 import json
 import math
@@ -16,6 +15,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
+from made_results import check, classes, result
 
 from grader.classroom.results import ResultOptions, write, write_results
 from grader.classroom.results.clean import cell, folder_name, one_line, visible
@@ -26,42 +26,11 @@ from grader.classroom.results.junit import junit_xml
 from grader.classroom.results.marks import points_of, tasks_of, why_held
 from grader.classroom.row import GRADED, HELD, RUNNING, StoredResult
 
-_CLASSES = Path(__file__).resolve().parents[2] / "browser" / "classes.py"
-_spec = importlib.util.spec_from_file_location("classes", _CLASSES)
-assert _spec and _spec.loader
-classes: Any = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(classes)
-
-OBSTACLES = "obstacle_avoidance"
 FORMULAS = ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "  =1", "\uff1d1", "%0A", "|x")
 NAMES = (
     *FORMULAS, "..", "../../etc/passwd", "a/b", "x" * 300, "e\u0301va", "\u05e9\u05dc\u05d5\u05dd",
     "\u202eevil", "new\nline", "quote\"'<b>", "nul", "-rf", "\udcff", "\x1b[31mred", "a,b;c", "",
 )  # fmt: skip
-
-
-def check(id_: str, outcome: str, points: float = 10, **parts: Any) -> dict[str, Any]:
-    won = points if outcome == "pass" else 0
-    return {
-        "id": id_, "title": f"The robot does {id_}.", "kind": "core", "outcome": outcome,
-        "points": won, "max_points": points, "message": "", "expected": "", "actual": "",
-        "time": None, "help": "", "scenario": None, **parts,
-    }  # fmt: skip
-
-
-def result(student: str, *checks: dict[str, Any], **parts: Any) -> StoredResult:
-    judged = [c for c in checks if c["outcome"] not in ("error", "inconclusive", "unavailable")]
-    grading = {
-        "exercise": OBSTACLES,
-        "file": "/home/prof/in/agent.py",
-        "score": sum(c["points"] for c in checks),
-        "max_score": sum(c["max_points"] for c in judged),
-        "field_ready": None,
-        "checks": list(checks),
-        "recordings": [],
-        "versions": {"python": "3.11.2"},
-    }
-    return classes.stored(student, OBSTACLES, grading if checks else None, **parts)
 
 
 def right(student: str, **parts: Any) -> StoredResult:

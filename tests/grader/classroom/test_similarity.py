@@ -2,47 +2,20 @@
 
 from __future__ import annotations
 
-import importlib.util
 import random
 import re
 from pathlib import Path
-from typing import Any
 
-from grader.classroom.results.similarity import NOISE, WINDOW, fingerprints, similar_groups, tokens
-from grader.classroom.row import StoredResult
+from made_results import OBSTACLES, classes
 
-_CLASSES = Path(__file__).resolve().parents[2] / "browser" / "classes.py"
-_spec = importlib.util.spec_from_file_location("classes", _CLASSES)
-assert _spec and _spec.loader
-classes: Any = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(classes)
-
-OBSTACLES = "obstacle_avoidance"
-
-
-def check(id_: str, outcome: str, points: float = 10, **parts: Any) -> dict[str, Any]:
-    won = points if outcome == "pass" else 0
-    return {
-        "id": id_, "title": f"The robot does {id_}.", "kind": "core", "outcome": outcome,
-        "points": won, "max_points": points, "message": "", "expected": "", "actual": "",
-        "time": None, "help": "", "scenario": None, **parts,
-    }  # fmt: skip
-
-
-def result(student: str, *checks: dict[str, Any], **parts: Any) -> StoredResult:
-    judged = [c for c in checks if c["outcome"] not in ("error", "inconclusive", "unavailable")]
-    grading = {
-        "exercise": OBSTACLES,
-        "file": "/home/prof/in/agent.py",
-        "score": sum(c["points"] for c in checks),
-        "max_score": sum(c["max_points"] for c in judged),
-        "field_ready": None,
-        "checks": list(checks),
-        "recordings": [],
-        "versions": {"python": "3.11.2"},
-    }
-    return classes.stored(student, OBSTACLES, grading if checks else None, **parts)
-
+from grader.classroom.results.similarity import (
+    LONGEST,
+    NOISE,
+    WINDOW,
+    fingerprints,
+    similar_groups,
+    tokens,
+)
 
 # --- similar submissions ------------------------------------------------------------------------
 
@@ -100,3 +73,11 @@ def test_what_half_the_class_has_is_common_ground() -> None:
     texts = {f"s{i}": {"a.py": shared + classes.program(100 + i)[17:]} for i in range(12)}
     assert similar_groups(texts, {}) == []
     assert len(similar_groups(dict(list(texts.items())[:2]), {})) <= 1
+
+
+def test_a_line_without_end_takes_no_time() -> None:
+    whole = b"x = " + b'\\"' * 450_000 + b"\n"  # each of the quotes might begin a string
+    before = tokens(b"y = f(1)\n" * 50)
+    words = tokens(b"y = f(1)\n" * 50 + whole)
+    assert words[: len(before)] == before
+    assert len(words) < len(before) + 2 * LONGEST

@@ -2,50 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-from pathlib import Path
 from typing import Any
 
 import pytest
+from made_results import check, result
 
 from grader.classroom.results import ResultOptions
 from grader.classroom.results.withheld import for_students
-from grader.classroom.row import StoredResult
 from grader.errors import InputError
-
-_CLASSES = Path(__file__).resolve().parents[2] / "browser" / "classes.py"
-_spec = importlib.util.spec_from_file_location("classes", _CLASSES)
-assert _spec and _spec.loader
-classes: Any = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(classes)
-
-OBSTACLES = "obstacle_avoidance"
-
-
-def check(id_: str, outcome: str, points: float = 10, **parts: Any) -> dict[str, Any]:
-    won = points if outcome == "pass" else 0
-    return {
-        "id": id_, "title": f"The robot does {id_}.", "kind": "core", "outcome": outcome,
-        "points": won, "max_points": points, "message": "", "expected": "", "actual": "",
-        "time": None, "help": "", "scenario": None, **parts,
-    }  # fmt: skip
-
-
-def result(student: str, *checks: dict[str, Any], **parts: Any) -> StoredResult:
-    judged = [c for c in checks if c["outcome"] not in ("error", "inconclusive", "unavailable")]
-    grading = {
-        "exercise": OBSTACLES,
-        "file": "/home/prof/in/agent.py",
-        "score": sum(c["points"] for c in checks),
-        "max_score": sum(c["max_points"] for c in judged),
-        "field_ready": None,
-        "checks": list(checks),
-        "recordings": [],
-        "versions": {"python": "3.11.2"},
-    }
-    return classes.stored(student, OBSTACLES, grading if checks else None, **parts)
-
 
 # --- text made harmless --------------------------------------------------------------------
 

@@ -263,19 +263,23 @@ def test_matched_events_tell_of_others_only(run_node: RunNode) -> None:
         node.create_publisher(String, 'mine', 10, event_callbacks=on_match('mine'))
         node.create_publisher(Twist, 'cmd_vel', 10, event_callbacks=on_match('cmd_vel'))
         rclpy.spin_once(node, timeout_sec=0.2); rclpy.spin_once(node, timeout_sec=0.2)
-        node.create_subscription(String, 'mine', print, 10)
+        hears = node.create_subscription(String, 'mine', print, 10)
+        for _ in range(4): rclpy.spin_once(node, timeout_sec=0.1)
+        node.destroy_subscription(hears)
         for _ in range(4): rclpy.spin_once(node, timeout_sec=0.1)
     """)
-    assert said(recording) == ["cmd_vel 1 1 1", "mine 1 1 1"]
+    assert said(recording) == ["cmd_vel 1 1 1", "mine 1 1 1", "mine 1 0 -1"]
 
 
 ROSOUT = """
     from rcl_interfaces.msg import Log
     from rclpy.node import Node
+    from rclpy.qos import DurabilityPolicy, QoSProfile
     rclpy.init({arguments}); node = Node({node})
     node.get_logger().info('before')
     heard = []
-    node.create_subscription(Log, '/rosout', heard.append, 10)
+    past = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_subscription(Log, '/rosout', heard.append, {qos})
     node.get_logger().get_child('part').warning('after')
     rclpy.logging.get_logger('{name}.other').info('of no node')
     for _ in range(4): rclpy.spin_once(node, timeout_sec=0.01)
@@ -286,13 +290,15 @@ ROSOUT = """
 """
 
 
-def test_what_nodes_log_is_heard_on_rosout(run_node: RunNode) -> None:
-    recording = run_node(ROSOUT.format(arguments="", node="'talker'", name="talker"))
+@pytest.mark.parametrize("qos, heard_first", [("past", ["before"]), ("10", [])])
+def test_what_nodes_log_is_heard_on_rosout(
+    run_node: RunNode, qos: str, heard_first: list[str]
+) -> None:
+    source = ROSOUT.format(arguments="", node="'talker'", name="talker", qos=qos)
+    recording = run_node(source)
     assert recording.outcome.completed, recording.outcome
-    assert said(recording) == [
-        "talker 20 before <module> True",
-        "talker.part 30 after <module> True",
-    ]
+    before = [f"talker 20 {text} <module> True" for text in heard_first]
+    assert said(recording) == [*before, "talker.part 30 after <module> True"]
 
 
 @pytest.mark.parametrize(
@@ -303,7 +309,7 @@ def test_what_nodes_log_is_heard_on_rosout(run_node: RunNode) -> None:
     ],
 )
 def test_rosout_can_be_switched_off(run_node: RunNode, arguments: str, node: str) -> None:
-    recording = run_node(ROSOUT.format(arguments=arguments, node=node, name="talker"))
+    recording = run_node(ROSOUT.format(arguments=arguments, node=node, name="talker", qos="past"))
     assert recording.outcome.completed, recording.outcome
     assert said(recording) == []
 
@@ -332,3 +338,52 @@ def test_a_node_with_a_logger_of_its_own_can_be_destroyed(run_node: RunNode) -> 
     """)
     assert recording.outcome.completed, recording.outcome
     assert said(recording) == ["destroyed"]
+
+
+@pytest.mark.parametrize("executor", ["SingleThreadedExecutor()", "MultiThreadedExecutor(3)"])
+def test_a_coroutine_that_waits_for_a_slow_service(run_node: RunNode, executor: str) -> None:
+    """It is not tried again and again while the pool runs something else."""
+    recording = run_node(f"""
+        from rclpy.callback_groups import ReentrantCallbackGroup
+        from std_srvs.srv import Trigger
+        def serve(request, response):
+            time.sleep(0.3)
+            response.message = str(round(time.monotonic() - start, 1))
+            return response
+        async def tick():
+            answers.append((await client.call_async(Trigger.Request())).message)
+            if len(answers) == 2:
+                print(*answers); rclpy.shutdown()
+        rclpy.init(); node = rclpy.create_node('n')
+        group = ReentrantCallbackGroup(); start = time.monotonic(); answers = []
+        node.create_service(Trigger, 'go', serve, callback_group=group)
+        client = node.create_client(Trigger, 'go', callback_group=group)
+        node.create_timer(0.5, tick, callback_group=group)
+        executor = {executor}; executor.add_node(node); executor.spin()
+    """)
+    assert (recording.outcome.kind, said(recording)) == ("returned", ["0.8 1.3"])
+
+
+def test_a_callback_may_destroy_its_node(run_node: RunNode) -> None:
+    recording = run_node("""
+        rclpy.init(); node = rclpy.create_node('short'); other = rclpy.create_node('other')
+        executor = SingleThreadedExecutor(); executor.add_node(node); executor.add_node(other)
+        node.create_timer(0.2, node.destroy_node); other.create_timer(0.5, rclpy.shutdown)
+        executor.spin(); print('over')
+    """)
+    assert (recording.outcome.kind, said(recording)) == ("returned", ["over"])
+
+
+def test_time_does_not_jump(run_node: RunNode) -> None:
+    recording = run_node("""
+        from rclpy.clock import JumpThreshold, ROSClock
+        from rclpy.duration import Duration
+        rclpy.init(); node = rclpy.create_node('n')
+        threshold = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=None)
+        handles = [clock.create_jump_callback(threshold, post_callback=print)
+                   for clock in (node.get_clock(), ROSClock())]
+        for _ in range(5): rclpy.spin_once(node, timeout_sec=0.1)
+        for handle in handles: handle.unregister()
+        print('over')
+    """)
+    assert said(recording) == ["over"]

@@ -150,7 +150,7 @@ CHANCE = """
     randomness.seed({seed})
     say(random.random(), random.Random().random(), random.SystemRandom().random(),
         np.random.rand(), np.random.default_rng().random(), np.random.RandomState(3).rand(),
-        str(uuid.uuid4()), secrets.token_hex(8), os.urandom(4).hex())
+        str(uuid.uuid4()), secrets.token_hex(8), os.urandom(4).hex(), os.getrandom(4).hex())
 """
 
 
@@ -158,4 +158,44 @@ def test_chance_is_the_same_in_each_run_and_another_with_another_seed() -> None:
     first, again, other = (run(CHANCE.format(seed=seed)) for seed in (7, 7, 8))
     assert first == again
     same = [a == b for a, b in zip(first[0][1:], other[0][1:], strict=True)]
-    assert same == [False] * 5 + [True] + [False] * 3  # RandomState(3) has its own seed
+    assert same == [False] * 5 + [True] + [False] * 4  # RandomState(3) has its own seed
+
+
+def test_clocks_that_python_does_not_name() -> None:
+    said = run("""
+        import os
+        clocks = [lambda i=i: time.clock_gettime(i) for i in (5, 6, 8, 9)]
+        clocks.append(lambda: os.times().elapsed)
+        before = [clock() for clock in clocks]
+        time.sleep(0.75)
+        say(*(round(clock() - then, 6) for clock, then in zip(clocks, before)))
+    """)
+    assert said == [[0.75] + [0.75] * 5]
+
+
+def test_the_second_ends_when_it_ends() -> None:
+    said = run("""
+        import datetime
+        kernel.now = 10**9 - 1
+        say(time.localtime()[5] == datetime.datetime.now().second, time.gmtime().tm_sec % 60)
+        kernel.now = 10**9
+        say(time.localtime()[5] == datetime.datetime.now().second, time.gmtime().tm_sec % 60)
+    """)
+    assert [same for _, same, _ in said] == [True, True]
+    assert said[1][2] == (said[0][2] + 1) % 60  # type: ignore[operator]
+
+
+def test_sleep_refuses_what_it_cannot_understand() -> None:
+    said = run("""
+        for bad in ('x', None, -1, -0.5):
+            try: time.sleep(bad)
+            except (TypeError, ValueError) as error: say(f'{type(error).__name__}: {error}')
+        time.sleep(True); say('slept')
+    """)
+    assert said == [
+        [0.0, "TypeError: 'str' object cannot be interpreted as an integer"],
+        [0.0, "TypeError: 'NoneType' object cannot be interpreted as an integer"],
+        [0.0, "ValueError: sleep length must be non-negative"],
+        [0.0, "ValueError: sleep length must be non-negative"],
+        [1.0, "slept"],
+    ]

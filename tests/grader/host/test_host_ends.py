@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from node_runs import RunNode
 
-from grader.link.link import MAX_OUTPUT
+from grader.link.output import MAX_OUTPUT
 from grader.trial.virtual_time import Limits
 
 # --- how a program can end -----------------------------------------------------------------------

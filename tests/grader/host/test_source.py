@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from grader.host.source import compiled
 
 BOM = b"\xef\xbb\xbf"
-REFUSALS = (b"SyntaxError", b"IndentationError", b"TabError", b"ValueError")
+REFUSALS = (
+    b"SyntaxError", b"IndentationError", b"TabError", b"ValueError", b"UnicodeDecodeError",
+)  # fmt: skip
 FILES = {
     "no declaration, a comment": b"# Zo\xeb\nx = 1\n",
     "no declaration, a string": b"x = 'Zo\xeb'\n",

@@ -1,5 +1,6 @@
 """What `course doctor` says of a machine."""
 
+import functools
 import io
 import re
 
@@ -9,9 +10,10 @@ from rich.console import Console
 
 from grader.cli import cli
 from grader.errors import GraderError
+from grader.host.frames import Hello
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
 from grader.link import doctor
-from grader.link.doctor import Diagnosis, Layer, diagnose, foreign_code_problem
+from grader.link.doctor import Diagnosis, Layer, diagnose, foreign_code_problem, gaps
 from grader.report.terminal import render_diagnosis
 
 
@@ -37,6 +39,57 @@ def test_every_layer_says_what_it_is_for() -> None:
         assert Layer(name, True).text.startswith("keeps out: ")
         assert Layer(name, False).text.startswith("open: ")
         assert doctor.NEEDS[name]
+
+
+WORDS = {  # taken away: what is said of it
+    "": (),
+    "mounts": ("the disk of", "fill /dev/shm"),
+    "files": ("read solutions",),
+    "calls": ("start programs and processes",),
+    "user": ("run as root",),
+    "network": ("datagrams",),
+    "calls network": ("talk to the network",),
+}
+
+
+@pytest.mark.parametrize("off", WORDS)
+def test_what_is_open_is_said_in_plain_words(off: str) -> None:
+    there = tuple(layer for layer in LAYERS if layer not in off.split())
+    said = " ".join(gaps(Hello(there, landlock=6, counted=True), root=True))
+
+    assert all(words in said for words in WORDS[off])
+    assert bool(said) == bool(off)
+
+
+@pytest.mark.parametrize(("abi", "filtered", "told"), [(2, False, True), (2, True, False),
+                                                       (3, False, False)])  # fmt: skip
+def test_an_old_landlock_is_told(abi: int, filtered: bool, told: bool) -> None:
+    there = [layer for layer in LAYERS if filtered or layer != CALLS]
+    said = " ".join(gaps(Hello(tuple(there), landlock=abi, counted=True), root=True))
+
+    assert (f"Landlock {abi} lets files be emptied" in said) == told
+
+
+def test_uncounted_threads_are_told() -> None:
+    said = " ".join(gaps(Hello((LIMITS, FILES, CALLS), landlock=6), root=False))
+
+    assert "does not count a submission's threads" in said
+    assert "run as root" not in said
+
+
+def test_a_fork_server_with_less_is_diagnosed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not only made-up means: hosts that really lack layers say so."""
+    less = functools.partial(doctor.ForkServer, layers=(LIMITS, FILES), landlock=1)
+    monkeypatch.setattr(doctor, "ForkServer", less)
+    found = diagnose()
+
+    here = {layer.name: layer for layer in found.layers if layer.here}
+    if FILES not in here:
+        pytest.skip("no Landlock on this machine")
+    assert set(here) == {LIMITS, FILES}
+    assert here[FILES].text.endswith("(Landlock ABI 1)")
+    assert "Landlock 1 lets files be emptied" in said_of(found)
+    assert "What a submission can still do here" in said_of(found)
 
 
 def said_of(found: Diagnosis) -> str:

@@ -25,16 +25,10 @@ from grader.host.frames import (
     encode,
 )
 from grader.link import link as link_module
-from grader.link.link import (
-    MAX_LINES,
-    MAX_OUTPUT,
-    HostDied,
-    HostForged,
-    HostHung,
-    Link,
-    Output,
-)
+from grader.link.exchange import MAX_REASON, HostDied, HostForged, HostHung
+from grader.link.link import Link
 from grader.link.log import LogLine
+from grader.link.output import MAX_LINES, MAX_OUTPUT, Output
 
 START = Start(programs=(ProgramStart("agent.py"),), epoch=0, seed=1, offers=())
 LIMIT = 20.0  # [s] for answers that come
@@ -113,7 +107,7 @@ def test_forgeries(what: str) -> None:
     with linked(FORGERIES[what], hang_up=False) as (link, _), pytest.raises(HostForged) as caught:
         link.start(START, LIMIT)
 
-    assert len(str(caught.value)) <= link_module.MAX_REASON
+    assert len(str(caught.value)) <= MAX_REASON
 
 
 @pytest.mark.parametrize("what", FORGERIES)

@@ -64,6 +64,14 @@ def test_in_real_time_the_first_exchange_counts() -> None:
 
 def test_a_node_that_got_no_message_has_no_costs() -> None:
     assert costs_of(recording([1.0], [1.0])) is None
+    assert account_of(recording([1.0], [1.0])) == []
+
+
+def test_a_run_in_which_computing_took_time_says_so_instead_of_warning() -> None:
+    scans = [0.3] * 10
+    run = replace(recording([0.0, *scans], [0.0, *scans]), charged=True)
+    _, said = account_of(run)
+    assert "--charge-compute" in said
 
 
 @pytest.mark.parametrize(
@@ -76,9 +84,7 @@ def test_a_node_that_got_no_message_has_no_costs() -> None:
     ],
 )
 def test_what_is_said(scans: list[float], said: list[str]) -> None:
-    costs = costs_of(recording([0.0, *scans], [0.0, *scans]))
-    assert costs is not None
-    first, *rest = account_of(costs)
+    first, *rest = account_of(recording([0.0, *scans], [0.0, *scans]))
     assert first.startswith("Compute: ")
     assert first.endswith("the lidar's period is 100 ms")
     assert len(rest) == bool(said)
@@ -86,8 +92,5 @@ def test_what_is_said(scans: list[float], said: list[str]) -> None:
 
 
 def test_digits() -> None:
-    costs = costs_of(recording([0.0, 0.00042, 0.00042, 1.3], [0.0, 0.00042, 0.00042, 1.3]))
-    assert costs is not None
-    assert account_of(costs)[0].startswith(
-        "Compute: 0.4 ms a message (p50), 1274 ms (p99), 1300 ms"
-    )
+    run = recording([0.0, 0.00042, 0.00042, 1.3], [0.0, 0.00042, 0.00042, 1.3])
+    assert account_of(run)[0].startswith("Compute: 0.4 ms a message (p50), 1274 ms (p99), 1300 ms")

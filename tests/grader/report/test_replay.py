@@ -11,7 +11,14 @@ import pytest
 from grader.link.log import LogLine
 from grader.recording import Outcome, Recording
 from grader.report.page import page_html, page_payload
-from grader.report.replay import MAX_BEAMS, MAX_LOG_LINES, millimetres, moments_of, replay_payload
+from grader.report.replay import (
+    MAX_BEAMS,
+    MAX_LOG,
+    MAX_LOG_LINES,
+    millimetres,
+    moments_of,
+    replay_payload,
+)
 from sim.messages import pose_stamped, twist
 from sim.scenario import scenario_from_toml
 from sim.simulation import Simulation
@@ -130,11 +137,12 @@ def test_goals_may_be_no_numbers(recording: Recording) -> None:
 
 
 def test_a_log_without_end_is_cut(recording: Recording) -> None:
-    lines = (LogLine(time=SECOND, level="info", text="x" * 5000),) * (MAX_LOG_LINES + 10)
-    log = replay_payload(replace(recording, log=lines), [])["log"]
-    assert len(log) == MAX_LOG_LINES + 1
-    assert len(log[0]["text"]) == 2000
-    assert "logged more" in log[-1]["text"]
+    for text, lines in (("x" * 5000, MAX_LOG // 2002), ("x", MAX_LOG_LINES), ("\x01" * 99, 167)):
+        said = (LogLine(time=SECOND, level="info", text=text),) * (MAX_LOG_LINES + 10)
+        log = replay_payload(replace(recording, log=said), [])["log"]
+        assert len(log) == lines + 1
+        assert len(log[0]["text"]) == min(2000, len(text))
+        assert "logged more" in log[-1]["text"]
 
 
 def test_a_node_that_said_nothing(recording: Recording) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from grader.report.page import render_terminal
+from grader.report.terminal import readable, render_terminal
 
 
 def check(outcome: str = "pass", **parts: Any) -> dict[str, Any]:
@@ -136,3 +136,9 @@ def test_a_huge_message_is_cut() -> None:
 
 def test_nothing_graded() -> None:
     assert "Score 0 / 0" in words(render({"exercise": "x", "checks": []}))
+
+
+def test_what_is_drawn_over_other_lines_or_backwards_is_left_out() -> None:
+    assert readable("a" + "\u0301" * 1000 + "b") == "a" + "\u0301" * 4 + "b"
+    assert readable("e\u0302\u0323") == "e\u0302\u0323"  # Vietnamese
+    assert readable("x\u202ey\x1b[31mz\u2028\x07") == "xyz"

@@ -47,9 +47,11 @@ def write(folder: Path, **files: str) -> None:
 def pytest_in(folder: Path, *arguments: str) -> Session:
     """Run pytest there, with warnings as errors; nothing of this run's settings reaches it."""
     results = folder / "results.xml"
+    temporary = folder.with_name(f"{folder.name}-temporary")  # not what others left in /tmp
     env = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "PYTHONPATH"))}
     written = [f"--junitxml={results}", "-o", "junit_family=xunit1"]  # which knows properties
     command = [sys.executable, "-m", "pytest", "-W", "error", *written, *arguments]
+    command.append(f"--basetemp={temporary}")
     done = subprocess.run(
         command, cwd=folder, env=env, text=True, timeout=PATIENCE, check=False,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

@@ -33,6 +33,7 @@ def test_the_first_test_file_has_about_ten_lines() -> None:
     assert sum(bool(line.strip()) for line in DRIVEN.splitlines()) == 10
 
 
+@pytest.mark.long
 def test_every_test_of_the_page_passes_for_the_reference(tmp_path: Path) -> None:
     shutil.copy(AGENT, tmp_path / "my_agent.py")
     for number, block in enumerate(BLOCKS):
@@ -43,6 +44,7 @@ def test_every_test_of_the_page_passes_for_the_reference(tmp_path: Path) -> None
     assert not (tmp_path / ".course").exists()  # replays are of failures
 
 
+@pytest.mark.long
 def test_wrong_nodes_fail_the_test_that_the_page_names(tmp_path: Path) -> None:
     exercise = find_exercise("obstacle_avoidance")
     for mutant in KILLS:
@@ -65,6 +67,7 @@ def test_wrong_nodes_fail_the_test_that_the_page_names(tmp_path: Path) -> None:
     assert quoted[0] in session.output
 
 
+@pytest.mark.long
 def test_two_runs_have_equal_recordings(tmp_path: Path) -> None:
     shutil.copy(AGENT, tmp_path / "my_agent.py")
     (tmp_path / "test_digests.py").write_text(DIGESTS, "utf-8")

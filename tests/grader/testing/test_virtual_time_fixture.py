@@ -303,6 +303,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_right_tests_pass_and_repeat(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("OF_THE_STUDENT", "yes")
     first, second = (pytest_in(folder, "test_right.py") for _ in range(2))
@@ -326,6 +327,7 @@ def wrong(folder: Path) -> Session:
     return pytest_in(folder, "test_wrong.py")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SAID)
 def test_what_is_wrong_is_said(wrong: Session, name: str) -> None:
     result = wrong.tests[f"test_wrong.test_{name}"]
@@ -338,17 +340,20 @@ def test_every_wrong_test_is_tried() -> None:
     assert WRONG.count("def test_") == len(SAID)
 
 
+@pytest.mark.long
 def test_the_line_that_waits_is_shown(wrong: Session) -> None:
     assert ">           lock.acquire()" in wrong.tests["test_wrong.test_deadlock"].text
     assert "in test_computes_for_ever" in wrong.tests["test_wrong.test_computes_for_ever"].text
 
 
+@pytest.mark.long
 def test_what_was_printed_is_shown(folder: Path, wrong: Session) -> None:
     assert "counted 4" in wrong.output
     session = pytest_in(folder, "-s", "test_wrong.py", "-k", "assertion")
     assert "counted 4" in session.output
 
 
+@pytest.mark.long
 def test_workers_of_xdist(folder: Path) -> None:
     session = pytest_in(folder, "-n", "2", "test_right.py", "-k", "world or before or after")
     assert set(session.outcomes().values()) == {"passed"}, session.output
@@ -361,3 +366,19 @@ def test_a_file_that_only_breaks_in_the_other_process(tmp_path: Path) -> None:
     session = pytest_in(tmp_path)
     assert session.outcomes() == {"test_it.test_it": "failed"}
     assert "OSError: not here" in session.tests["test_it.test_it"].text
+
+
+def test_waiting_takes_virtual_time(tmp_path: Path) -> None:
+    """The one of this page that `make test` runs besides."""
+    write(
+        tmp_path,
+        test_it="""
+        import time
+
+        def test_it(virtual_time):
+            with virtual_time() as world:
+                time.sleep(50.0)
+                assert world.now == 50.0
+        """,
+    )
+    assert pytest_in(tmp_path).outcomes() == {"test_it.test_it": "passed"}

@@ -5,7 +5,7 @@ import os
 import pytest
 from node_runs import RunNode, short
 
-from grader.trial import recorder, staging, virtual_time
+from grader.trial import recorder
 from grader.trial.virtual_time import Limits
 from sim.messages import TWIST
 
@@ -33,12 +33,31 @@ def test_floods_end_the_trial(run_node: RunNode, flood: str) -> None:
     assert recording.outcome.at < 0.2
 
 
-def test_a_slow_flood_ends_the_trial(run_node: RunNode, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recorder, "MAX_BYTES", 10_000)
+@pytest.mark.parametrize("limit", [("MAX_BYTES", 10_000), ("MAX_MESSAGES", 50)])
+def test_a_slow_flood_ends_the_trial(
+    run_node: RunNode, limit: tuple[str, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder, *limit)
     recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(10.0))
 
     assert recording.outcome.kind == "flooded"
     assert 0 < len(recording.published) < 60
+
+
+def test_a_start_up_has_one_limit_however_often_it_asks(run_node: RunNode) -> None:
+    recording = run_node(
+        """
+        import ctypes
+        from grader.host.frames import Question
+        from grader.host.supplied.kept import desk
+        while True:
+            desk.ask(Question(0, 'load', 'model.pkl'))
+            ctypes.CDLL(None).usleep(100_000)
+        """,
+        limits=Limits(start=1.0),
+    )
+
+    assert recording.outcome.kind == "hung"
 
 
 def test_a_thousand_messages_at_once_are_no_flood(run_node: RunNode) -> None:
@@ -53,24 +72,21 @@ def test_a_thousand_messages_at_once_are_no_flood(run_node: RunNode) -> None:
     assert len(recording.published) == 5_000
 
 
-@pytest.mark.parametrize("size", [0, 1_000])
-def test_a_full_folder_ends_the_trial(
-    run_node: RunNode, monkeypatch: pytest.MonkeyPatch, size: int
-) -> None:
-    monkeypatch.setattr(staging, "MAX_FILES", 50)
-    monkeypatch.setattr(staging, "MAX_FOLDER", 20_000)
-    monkeypatch.setattr(virtual_time, "LOOK_EVERY", 1)
+@pytest.mark.parametrize(("count", "size"), [(1_000, 0), (1, 50 << 20)])
+def test_a_full_folder_ends_the_trial(run_node: RunNode, count: int, size: int) -> None:
     recording = run_node(f"""
         class Hoarder(Echo):
             def on_scan(self, scan):
                 self.count = getattr(self, 'count', 0) + 1
-                for i in range(10):
-                    open(f'{{self.count}}_{{i}}', 'w').write('x' * {size})
+                try:
+                    for i in range({count}):
+                        with open(f'{{self.count}}_{{i}}', 'wb') as file: file.write(bytes({size}))
+                except OSError: pass
         rclpy.init(); rclpy.spin(Hoarder())
     """)
 
     assert recording.outcome.kind == "flooded"
-    assert "files" in recording.outcome.text
+    assert "5,000 files" in recording.outcome.text
     assert 0.1 < recording.outcome.at < 1.0
 
 

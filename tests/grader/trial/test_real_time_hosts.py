@@ -19,11 +19,14 @@ from grader.host.frames import (
     decode_from_live,
     encode,
 )
-from grader.link.link import HostDied, HostHung
+from grader.link.exchange import HostDied, HostHung
+from grader.models.service import ModelService
 from grader.trial.real_time_hosts import LiveHosts
 from grader.trial.recorder import Flood
+from sim.scenario import load_scenario
 
 BEGUN = 1_700_000_000_000_000_000  # [ns]
+MODELS = ModelService(load_scenario("demo_wall"), 1)
 
 
 class Radio:
@@ -47,7 +50,7 @@ class Radio:
 @pytest.fixture
 def hosts() -> LiveHosts:
     staged: Any = SimpleNamespace(programs=())
-    hosts = LiveHosts(SimpleNamespace(), staged, domain=0, seed=0)  # type: ignore[arg-type]
+    hosts = LiveHosts(SimpleNamespace(), staged, 0, 0, MODELS)  # type: ignore[arg-type]
     hosts.radio = Radio()  # type: ignore[assignment]
     return hosts
 

@@ -11,6 +11,7 @@ from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 from grader.trial import trials as trials_module
 from grader.trial.trials import NodeTrials, TrialFault, trial_seed
+from grader.trial.virtual_time import Limits
 from sim import simulation
 from sim.robot import Robot
 from sim.scenario import load_scenario
@@ -113,3 +114,26 @@ def test_what_can_not_be_saved_is_judged_all_the_same(
         (note,) = trials.notes()
     assert "avoid_wall could not be saved (TypeError)" in note
     assert not list(tmp_path.iterdir())
+
+
+# --- a submission that takes its time --------------------------------------------------------
+
+
+def test_a_submission_has_a_time_for_all_its_trials(
+    forkserver: ForkServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, given = trials_module.run_trial, []
+
+    def noted(*rest, limits, **options):
+        given.append(limits)
+        return real(*rest, limits=limits, **options)
+
+    monkeypatch.setattr(trials_module, "run_trial", noted)
+    monkeypatch.setattr(trials_module, "PATIENCE", 0.0)
+    with NodeTrials(Submission(REFERENCE), forkserver) as trials:
+        assert not trials.notes()
+        assert trials.get("avoid_zones").outcome.completed
+        assert trials.get("avoid_infinity").outcome.completed
+        assert trials.notes() == [trials_module.SLOW]
+    assert given == [Limits(), trials_module.HURRIED]
+    assert trials_module.HURRIED.total < Limits().total

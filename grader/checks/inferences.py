@@ -1,0 +1,80 @@
+"""What the models that the judge keeps were asked: the evidence of time, loads and calls."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from grader.checks.predictions import TOLERANCE, max_speed
+from grader.checks.verdict import fail
+from grader.recording import Inference, Recording
+
+
+class Answered:
+    """The predictions that a node had got by any time of a trial."""
+
+    def __init__(self, recording: Recording) -> None:
+        limit = max_speed(recording.scenario)
+        rows = [
+            (i.asked / 1e9, i.answered / 1e9, max(0.0, min(limit, speed)))
+            for i in recording.inferences
+            for speed in i.said
+            if not i.failed and math.isfinite(speed)
+        ]
+        self._asked, self._answered, self._said = np.array(rows, dtype=float).reshape(-1, 3).T
+
+    def newest_question(self, t: float, speed: float) -> float:
+        """Return when the newest prediction of this speed [m/s] was asked for, of those had by t.
+
+        -inf if there is none [s].
+        """
+        had = (self._answered <= t) & (np.abs(self._said - speed) <= TOLERANCE)
+        return float(self._asked[had].max(initial=-math.inf))
+
+    def unasked(self, t: float) -> str:
+        """Say so if the model had said nothing at all by t [s]; else an empty text."""
+        if (self._answered <= t).any():
+            return ""
+        return "By then the model had not predicted anything: where does this number come from?"
+
+
+def loads(recording: Recording) -> list[Inference]:
+    """Return each load of a model."""
+    return [inference for inference in recording.inferences if inference.is_load]
+
+
+def require_one_load(recording: Recording, until: float) -> None:
+    """Fail unless the model was loaded once by `until` [s], while the node was constructed."""
+    found = [load for load in loads(recording) if load.asked / 1e9 <= until]
+    first = recording.scans()[0].t
+    if len(found) == 1 and found[0].asked / 1e9 < first:
+        return
+    late = len(found) == 1
+    fail(
+        f"the model was loaded at {found[0].asked / 1e9:.3f} s, after the first scan had come"
+        if late
+        else f"{len(found) or 'no'} loads of the model by the scan at {until:.3f} s",
+        expected="1 load, while the node is constructed",
+        actual=f"a load at {found[0].asked / 1e9:.3f} s" if late else f"{len(found)} loads",
+        at=until,
+        recording=recording,
+        help="Unpickle in __init__, keep the model in an attribute, use it in the callback.",
+    )
+
+
+def require_one_at_a_time(recording: Recording) -> None:
+    """Fail if predict was called while another call of it still ran."""
+    calls = [i for i in recording.inferences if i.method == "predict" and i.asked >= 0]
+    for before, after in pairwise(sorted(calls, key=lambda call: call.asked)):
+        if after.asked < before.answered:
+            fail(
+                "two inferences ran at the same time",
+                expected="the next one starts when the last one has ended",
+                actual=f"predict was called at {after.asked / 1e9:.3f} s, while the call of "
+                f"{before.asked / 1e9:.3f} s still ran",
+                at=after.asked / 1e9,
+                recording=recording,
+                help="A MutuallyExclusiveCallbackGroup, or a single worker thread, ensures that.",
+            )

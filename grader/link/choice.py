@@ -1,0 +1,66 @@
+"""Which launcher a command takes: Linux's with the real rclpy, or the one that runs anywhere."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from typing import TYPE_CHECKING
+
+from grader.errors import InputError
+from grader.link.practice import PracticeServer
+from grader.link.ros_environment import find_ros
+from sim.messages import EPOCH_NS
+
+if TYPE_CHECKING:
+    from grader.link.hosts import ForkServer
+
+
+def start_launcher(
+    libraries: tuple[str, ...] = (), *, portable: bool = False
+) -> ForkServer | PracticeServer:
+    """Start what starts hosts.
+
+    Parameters
+    ----------
+    libraries
+        Modules that are imported before a host is asked to work.
+    portable
+        Take the portable runtime also where the real rclpy is.
+
+    Raises
+    ------
+    InputError
+        There is neither.
+    """
+    if portable or why_not_linux():
+        return PracticeServer(EPOCH_NS, libraries=libraries)
+    from grader.link.hosts import ForkServer  # noqa: PLC0415
+
+    return ForkServer(EPOCH_NS, libraries=libraries)
+
+
+def why_not_linux() -> str:
+    """Say why the real rclpy can't be used here; "" if it can."""
+    if not (hasattr(os, "fork") and hasattr(os, "pidfd_open") and hasattr(signal, "SIGUSR1")):
+        return f"the launcher for the real rclpy is for Linux, and this is {sys.platform}"
+    try:
+        find_ros()
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def why_no_class(*, trust: bool) -> str:
+    """Say why a class can't be graded on this machine; "" if it can, or if `trust` lets it."""
+    reason = why_not_linux()
+    if not reason:
+        return ""
+    if not hasattr(os, "fork") or not os.path.isdir("/proc"):  # noqa: PTH112
+        return f"course autograde needs Linux: {reason}"
+    if trust:
+        return ""
+    return (
+        f"submissions would be graded for practice only, and without isolation: {reason} "
+        "(--trust does it all the same)"
+    )

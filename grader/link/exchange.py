@@ -1,0 +1,46 @@
+"""What comes of asking a host something: its answer and what it cost, or why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import msgspec
+
+MAX_REASON = 300  # [characters] of why a frame was refused: it may quote the frame
+
+Answer = TypeVar("Answer")
+
+
+class HostDied(Exception):
+    """The process ended without saying so (`os._exit`, a crash of native code, killed)."""
+
+
+class HostHung(Exception):
+    """The host did not answer within its wall time; `stacks` says where it was."""
+
+    def __init__(self, stacks: str) -> None:
+        super().__init__("no answer")
+        self.stacks = stacks
+
+
+class HostForged(Exception):
+    """The host sent what no node can say."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one exchange cost the host."""
+
+    wall: float  # [s]
+    cpu: float  # [s]; nan where the system doesn't tell
+    queued: float = 0.0  # [s] waited for a CPU, by host or judge; measured only if wall >> cpu
+
+
+def decoded(body: bytes, decode: Callable[[bytes], Answer]) -> Answer:
+    """Decode a frame of a host; HostForged if it isn't one."""
+    try:
+        return decode(body)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise HostForged(str(error)[:MAX_REASON]) from None

@@ -1,0 +1,100 @@
+"""The judge's handle on one host: its pipes, its end, and what a killed one leaves behind."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import signal
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grader.errors import GraderError
+from grader.host.frames import ENTERED, REFUSED
+from grader.link.workplace import Watch
+
+if TYPE_CHECKING:
+    from grader.link.link import Link
+
+
+@dataclass
+class HostProcess:
+    """The judge's handle on one host: its pipes and how to end it."""
+
+    pid: int
+    pidfd: int
+    link_out: int  # judge writes frames here
+    link_in: int  # judge reads frames here
+    stdout: int
+    stderr: int
+    status: int  # whether it began, and when it has ended its exit status, arrive here as text
+    watch: Watch | None = None  # over what it takes of the machine
+    _said: bytes = b""  # through `status`
+
+    def kill(self) -> None:
+        """End the host; the fork server ends what it started (see `_bury` there)."""
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
+
+    def dump_stacks(self) -> None:
+        """Ask the host to write the stacks of its threads to stderr."""
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self.pidfd, signal.SIGUSR1)
+
+    def wait(self, patience: float = 0.0) -> str:
+        """Wait for the end of the host; return its exit status ("-9": killed by signal 9).
+
+        After `patience` [s] it is killed: a program can close its pipes and live on.
+
+        Raises
+        ------
+        GraderError
+            It has never come to the student's program, or the fork server has ended.
+        """
+        self.reap(patience)
+        said = self._said.decode("utf-8", "replace").strip()
+        if not self._said.endswith(b"\n"):
+            raise GraderError("the process that starts hosts has ended, and the node with it")
+        if not self._said.startswith(ENTERED):
+            raise GraderError(f"no host for the node: {said.removeprefix(REFUSED.decode())}")
+        return said[1:]
+
+    def reap(self, patience: float = 0.0) -> None:
+        """Wait for the end of the host, at most `patience` [s]; then kill it."""
+        poll = select.poll()
+        poll.register(self.status, select.POLLIN)
+        deadline = time.monotonic() + patience
+        while not self._said.endswith(b"\n"):
+            if not poll.poll(max(0.0, deadline - time.monotonic()) * 1e3):
+                self.kill()
+                poll.poll()
+            chunk = os.read(self.status, 4096)
+            if not chunk:
+                return
+            self._said += chunk
+
+    def link(self) -> Link:
+        """Open the judge's end of the link."""
+        from grader.link.link import Link  # noqa: PLC0415  (which is about hosts)
+
+        return Link(self)
+
+    def close(self) -> None:
+        """Close the judge's ends of the pipes."""
+        for fd in (self.pidfd, self.link_out, self.link_in, self.stdout, self.stderr, self.status):
+            os.close(fd)
+
+
+def shared_memory_of(pid: int) -> list[Path]:
+    """Return the shared memory files of Fast DDS, which a killed process leaves behind."""
+    try:
+        maps = Path(f"/proc/{pid}/maps").read_text()
+    except OSError:
+        return []
+    names = {
+        line.split(maxsplit=5)[5] for line in maps.splitlines() if "/dev/shm/fastrtps_" in line
+    }
+    files = {Path(name.removesuffix(" (deleted)")) for name in names}
+    return sorted(files | {file.with_name(f"{file.name}_el") for file in files})

@@ -1,0 +1,356 @@
+"""Hosts without Linux's means: one fresh process for each trial, pipes that threads read.
+
+Nothing keeps such a host from anything that its user may do: it is for one's own code on one's own
+machine. What it says is believed as little as what any host says, but it could say it in the
+judge's place; a grading made here is for practice, and says so.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import IO
+
+import msgspec
+
+from grader.errors import GraderError
+from grader.host.frames import (
+    LENGTH,
+    MAX_FRAME,
+    Ended,
+    FromScript,
+    LoadModels,
+    Predict,
+    Request,
+    Run,
+    Script,
+    Settled,
+    Slept,
+    Start,
+    ToHost,
+    ToJudge,
+    decode_from_script,
+    decode_to_judge,
+    encode,
+)
+from grader.link.exchange import Answer, Cost, HostDied, HostForged, HostHung, decoded
+from grader.link.log import LogLine
+from grader.link.output import MAX_OUTPUT, Output
+from grader.link.ros_environment import portable_ros
+from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS
+from grader.link.workplace import Workplace
+
+ROOT = Path(__file__).resolve().parents[2]
+NODES, SCRIPTS = "nodes", "scripts"
+PRACTICE = "practice: your instructor's grade comes from the real rclpy on Linux"
+NO_ISOLATION = "none: the node may do what you may do"
+TRAINING_LIBRARIES = ("numpy", "sklearn.ensemble", "skl2onnx", "onnxruntime")
+PRELUDE = ""  # Python that a host runs before anything else; tests take Linux's means away here
+START = 120.0  # [s] for the imports of a cold machine
+NAN = float("nan")
+READ_EVERY = 16  # exchanges, what the host has printed
+MOST_PRINTED = 64 * MAX_OUTPUT  # [bytes] after which a host is ended
+KEPT = (  # of this process's environment: what programs need to run at all
+    "PATH", "SYSTEMROOT", "SYSTEMDRIVE", "WINDIR", "PATHEXT", "COMSPEC", "NUMBER_OF_PROCESSORS",
+    "PROCESSOR_ARCHITECTURE", "DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH",
+)  # fmt: skip
+SETTINGS = {
+    **SAME_RUNS,
+    **NO_GPU,
+    **LEARNING,
+    "ROS_DISTRO": "jazzy",
+    "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
+    "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",  # where ROS's wheels are installed, too
+}
+
+
+class PracticeServer:
+    """Starts hosts; one is always under way, so that the next trial need not wait for its imports.
+
+    Parameters
+    ----------
+    epoch
+        ROS time of a scenario's start [ns].
+    libraries
+        Modules that are imported before a host is asked to work.
+    kind
+        What its hosts run: nodes in virtual time, or scripts that return.
+    """
+
+    def __init__(
+        self,
+        epoch: int,
+        *,
+        libraries: Sequence[str] = (),
+        kind: str = NODES,
+    ) -> None:
+        self._arguments = [kind, str(epoch), *libraries]
+        self._epoch = epoch
+        self._kind = kind
+        self.ros = portable_ros()
+        self._lock = threading.Lock()
+        self._ready: deque[PracticeHost] = deque()
+        self._workshop: PracticeServer | None = None
+        self._prepare()
+
+    def __enter__(self) -> PracticeServer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._workshop is not None:
+            self._workshop.__exit__()
+        while self._ready:
+            self._ready.pop().close()
+
+    @property
+    def layers(self) -> tuple[str, ...]:
+        """No layer of isolation."""
+        return ()
+
+    @property
+    def isolation(self) -> str:
+        """Say that nothing stands between the node and this machine."""
+        return NO_ISOLATION
+
+    @property
+    def practice(self) -> str:
+        """Say what a grading made here is not."""
+        return PRACTICE
+
+    @property
+    def workshop(self) -> PracticeServer:
+        """The server of hosts for scripts that goes with this one."""
+        with self._lock:
+            if self._workshop is None:
+                self._workshop = PracticeServer(
+                    self._epoch, libraries=TRAINING_LIBRARIES, kind=SCRIPTS
+                )
+            return self._workshop
+
+    @contextlib.contextmanager
+    def workplace(self, folder: Path) -> Iterator[Workplace]:
+        """Make a folder one that several hosts work in: it is as good as any."""
+        yield Workplace(folder, folder, 0)
+
+    @contextlib.contextmanager
+    def host(self, place: Path | Workplace, *, priority: bool = False) -> Iterator[PracticeHost]:
+        """Start a host that works in a folder; it is dead when the block ends.
+
+        There is no other user for it, and no priority.
+        """
+        folder = place.folder if isinstance(place, Workplace) else place
+        with self._lock:
+            host = self._ready.popleft() if self._ready else self._started()
+            self._prepare()
+        try:
+            host.begin(folder)
+            yield host
+        finally:
+            host.close()
+
+    def _prepare(self) -> None:
+        self._ready.append(self._started())
+
+    def _started(self) -> PracticeHost:
+        paths = [str(ROOT), *map(str, self.ros.python_path)]
+        boot = (
+            f"{PRELUDE}\n"
+            f"import sys; sys.path[:0] = {paths!r}; sys.argv[1:1] = {self._arguments!r}\n"
+            f"{self.ros.prelude if self._kind == NODES else 0}\n"
+            "from grader.host import practice; practice.serve(*sys.argv[1:])"
+        )
+        # -s, -B: nothing from the user's site, no files beside the sources
+        return PracticeHost([sys.executable, "-s", "-B", "-X", "utf8", "-c", boot], _environment())
+
+
+def _environment() -> dict[str, str]:
+    kept = {name: os.environ[name] for name in KEPT if name in os.environ}
+    return {**kept, **SETTINGS}
+
+
+class PracticeHost:
+    """One process, and threads that read and write its pipes: no read of ours waits for ever."""
+
+    def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
+        self._printed = Path(tempfile.mkdtemp(prefix=f"course-{os.getpid()}-"))
+        self.outputs = {n: self._printed / n for n in ("stdout", "stderr")}
+        with self.outputs["stderr"].open("wb") as stderr:
+            self._process = subprocess.Popen(
+                [*command, *map(str, self.outputs.values())],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=stderr,
+                env=dict(environment),
+                cwd=self._printed,
+            )
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._said: queue.Queue[bytes | HostForged | None] = queue.Queue()
+        self._orders: queue.Queue[bytes | None] = queue.Queue()
+        for pipe, work in ((self._process.stdout, self._read), (self._process.stdin, self._write)):
+            threading.Thread(target=work, args=(pipe,), daemon=True).start()
+
+    def begin(self, folder: Path) -> None:
+        """Wait until it has imported what it needs; let it work in a folder.
+
+        Raises
+        ------
+        GraderError
+            It could not start.
+        """
+        try:
+            self.receive(START)
+        except (HostDied, HostHung, HostForged) as error:
+            raise GraderError(f"no host for the node: {self._last_words()}") from error
+        body = msgspec.json.encode(Request(str(folder), 0, ()))
+        self._orders.put(LENGTH.pack(len(body)) + body)
+
+    def link(self) -> PracticeLink:
+        """Open the judge's end of the link."""
+        return PracticeLink(self)
+
+    def send(self, data: bytes) -> None:
+        """Send a frame."""
+        self._orders.put(data)
+
+    def receive(self, limit: float) -> bytes:
+        """Return the body of the next frame.
+
+        Raises
+        ------
+        HostDied, HostHung, HostForged
+            The process ended, did not answer within `limit` [s], or sent nonsense.
+        """
+        try:
+            said = self._said.get(timeout=max(limit, 0.0))
+        except queue.Empty:
+            raise HostHung("") from None
+        if isinstance(said, HostForged):
+            raise said
+        if said is None:
+            raise HostDied
+        return said
+
+    def cpu(self) -> float:
+        """Return the CPU time that it has used [s]; nan where the system doesn't tell."""
+        try:
+            return time.clock_gettime(~self._process.pid << 3 | 2)  # Linux: clock_getcpuclockid
+        except (AttributeError, OSError):
+            return NAN
+
+    def is_silent(self) -> bool:
+        """Tell whether it has said nothing that was not read."""
+        return self._said.empty()
+
+    def wait(self, patience: float = 0.0) -> str:
+        """Wait for its end; return its exit status. After `patience` [s] it is killed."""
+        try:
+            return str(self._process.wait(patience))
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            return str(self._process.wait())
+
+    def close(self) -> None:
+        """End it, and what is left of it."""
+        self.wait()
+        self._orders.put(None)
+        for path in self.outputs.values():
+            with contextlib.suppress(OSError):
+                path.unlink()
+        with contextlib.suppress(OSError):
+            self._printed.rmdir()
+
+    def _read(self, pipe: IO[bytes]) -> None:
+        with pipe:
+            while len(head := pipe.read(LENGTH.size)) == LENGTH.size:
+                (length,) = LENGTH.unpack(head)
+                if length > MAX_FRAME:
+                    self._said.put(HostForged(f"a frame of {length} bytes"))
+                    return
+                body = pipe.read(length)
+                if len(body) < length:
+                    break
+                self._said.put(body)
+        self._said.put(None)
+
+    def _write(self, pipe: IO[bytes]) -> None:
+        with contextlib.suppress(OSError), pipe:
+            while (data := self._orders.get()) is not None:
+                pipe.write(data)
+                pipe.flush()
+
+    def _last_words(self) -> str:
+        lines = self.outputs["stderr"].read_text("utf-8", "replace").strip().splitlines()
+        return lines[-1] if lines else "it said nothing"
+
+
+class PracticeLink:
+    """Frames to and from one host, in turns."""
+
+    def __init__(self, host: PracticeHost) -> None:
+        self._host = host
+        self.stdout = Output("stdout")
+        self.stderr = Output("stderr")
+        self._read = {"stdout": 0, "stderr": 0}  # [bytes] of each
+        self._exchanges = 0
+
+    def start(self, frame: Start, limit: float) -> tuple[ToJudge, Cost]:
+        """Run the student's file up to the point where it waits; limit [s] of wall time."""
+        return self._exchange(frame, 0, limit, decode_to_judge)
+
+    def go_on(self, frame: Run, limit: float) -> tuple[ToJudge, Cost]:
+        """Let a start-up go on that had a question; it raises as `run` does."""
+        return self._exchange(frame, frame.until, limit, decode_to_judge)
+
+    def run(self, frame: Run, limit: float) -> tuple[Settled | Ended, Cost]:
+        """Let the node go on; limit [s] of wall time."""
+        answer, cost = self._exchange(frame, frame.until, limit, decode_to_judge)
+        if isinstance(answer, Slept):
+            raise HostForged("a start in the middle of the trial")
+        return answer, cost
+
+    def ask(self, frame: Script | LoadModels | Predict, limit: float) -> tuple[FromScript, Cost]:
+        """Give an order to a host that runs scripts."""
+        return self._exchange(frame, 0, limit, decode_from_script)
+
+    def log(self) -> tuple[LogLine, ...]:
+        """Return what the node said so far, in order of time."""
+        self._take_output()
+        for output in (self.stdout, self.stderr):
+            output.finish()
+        return tuple(sorted(self.stdout.lines + self.stderr.lines, key=lambda line: line.time))
+
+    def _exchange(
+        self, frame: ToHost, until: int, limit: float, decode: Callable[[bytes], Answer]
+    ) -> tuple[Answer, Cost]:
+        if not self._host.is_silent():
+            self._host.receive(0.0)  # the end of the process is no answer
+            raise HostForged("an answer before the question")
+        self.stdout.limit = self.stderr.limit = until
+        begun, cpu = time.perf_counter(), self._host.cpu()
+        self._host.send(encode(frame))
+        body = self._host.receive(limit)
+        wall, cpu = time.perf_counter() - begun, self._host.cpu() - cpu
+        self._exchanges += 1
+        if self._exchanges % READ_EVERY == 0:
+            self._take_output()
+        return decoded(body, decode), Cost(wall, cpu)
+
+    def _take_output(self) -> None:
+        for output in (self.stdout, self.stderr):
+            path = self._host.outputs[output.stream]
+            with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
+                if path.stat().st_size > MOST_PRINTED:
+                    raise HostForged(f"more than {MOST_PRINTED:,} bytes of output")
+                file.seek(self._read[output.stream])
+                while data := file.read(MAX_OUTPUT):
+                    self._read[output.stream] += len(data)
+                    output.feed(data)

@@ -1,0 +1,20 @@
+"""Environment variables of hosts, whoever starts them: the same run on every machine."""
+
+from __future__ import annotations
+
+import os
+
+NO_GPU = {"CUDA_VISIBLE_DEVICES": ""}  # the same run on every machine
+LEARNING = {  # for whoever imports Keras
+    "KERAS_BACKEND": "torch",
+    "KERAS_HOME": os.devnull,  # no settings read, none written
+}
+SAME_RUNS = {
+    "LANG": "C.UTF-8",
+    "PYTHONHASHSEED": "0",
+    "PYTHONUNBUFFERED": "1",
+    "OMP_NUM_THREADS": "1",  # one thread of numeric libraries: the same sums everywhere
+    "OPENBLAS_NUM_THREADS": "1",
+    "LOKY_MAX_CPU_COUNT": "1",  # scikit-learn's n_jobs=-1
+    "RCUTILS_CONSOLE_OUTPUT_FORMAT": "[{severity}] [{name}]: {message}",
+}

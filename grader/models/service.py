@@ -1,0 +1,168 @@
+"""The models that the judge keeps: it answers a node's questions, and notes when they were asked.
+
+A node has the answer when the model's time is over, and not before. How often a model was loaded
+and asked, and when, is the judge's own knowledge.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from msgspec.structs import replace
+
+from grader.host.frames import Question, Told
+from grader.models.files import is_kept, probe
+from grader.recording.inferences import Inference
+from sim.faults import sensor_rng
+from sim.scenario import Scenario
+
+MOST = 20_000  # questions in one trial
+MOST_ROWS = 50_000  # of features in all of them: checks compare each command with each prediction
+COLUMNS = 5
+SPREAD = 0.04  # by which the times of a model that has several differ between students
+IN_START_UP = -1  # [ns] when a question was asked before the scenario
+
+
+class TooManyQuestions(Exception):
+    """The node asked its models more often than any node does."""
+
+
+@dataclass
+class ModelService:
+    """The kept models of one trial.
+
+    Parameters
+    ----------
+    scenario, seed
+        Which models there are; with a seed that is not the scenario's own, their times differ.
+    """
+
+    scenario: Scenario
+    seed: int
+    inferences: list[Inference] = field(default_factory=list)
+    _owed: list[tuple[int, int, Any, Told]] = field(default_factory=list)  # due [ns], …, to whom
+
+    def __post_init__(self) -> None:
+        self._models = {
+            name: probe(model)
+            for name, model in self.scenario.node.models.items()
+            if is_kept(model)
+        }
+        self._loads = dict.fromkeys(self._models, 0)
+        self._sequence = itertools.count()
+        self._began = 0
+        self._rows = 0
+
+    # --- asked while time goes by ----------------------------------------------------------------
+
+    def ask(self, question: Question, now: int, who: Any = None) -> None:
+        """Take a question in at a time [ns]; its answer is due later.
+
+        Raises
+        ------
+        TooManyQuestions
+            There were more than MOST, or more than MOST_ROWS of features.
+        """
+        told, took = self._answer(question, now)
+        heapq.heappush(self._owed, (now + took, next(self._sequence), who, told))
+
+    @property
+    def next_due(self) -> int | None:
+        """When the next answer is due [ns], if one is."""
+        return self._owed[0][0] if self._owed else None
+
+    def due(self, now: int) -> list[tuple[Any, Told]]:
+        """Return the answers that are due by now [ns], with whom they are for."""
+        found = []
+        while self._owed and self._owed[0][0] <= now:
+            _, _, who, told = heapq.heappop(self._owed)
+            found.append((who, told))
+        return found
+
+    # --- in real time, by a clock that began earlier ---------------------------------------------
+
+    def begin(self, now: int) -> None:
+        """Say what that clock [ns] says at the scenario's start."""
+        self._began = now
+
+    def since_begin(self) -> list[Inference]:
+        """Return what was asked, with times since the scenario's start."""
+        return [
+            replace(i, asked=max(IN_START_UP, i.asked - self._began),
+                    answered=max(IN_START_UP, i.answered - self._began))
+            for i in self.inferences
+        ]  # fmt: skip
+
+    # --- asked before time begins ----------------------------------------------------------------
+
+    def at_once(self, question: Question) -> Told:
+        """Return the answer to a question of a start-up; it says how long the model takes."""
+        told, took = self._answer(question, IN_START_UP)
+        return Told(
+            told.number, told.problem, told.is_value_error, told.load, told.shape, told.numbers,
+            told.labels, took,
+        )  # fmt: skip
+
+    # --- what they say ---------------------------------------------------------------------------
+
+    def _answer(self, question: Question, now: int) -> tuple[Told, int]:
+        """Return the answer, and how long the model takes for it [ns]; note both."""
+        self._rows += question.rows
+        if len(self.inferences) >= MOST:
+            raise TooManyQuestions(f"more than {MOST:,} questions to its models")
+        if self._rows > MOST_ROWS:
+            raise TooManyQuestions(f"more than {MOST_ROWS:,} rows of features for its models")
+        told, seconds = self._said(question)
+        took = round(seconds * 1e9)
+        said = np.frombuffer(told.numbers)[: question.rows] if told.numbers else ()
+        self.inferences.append(
+            Inference(
+                method=question.method,
+                file=question.file,
+                asked=now,
+                answered=IN_START_UP if now == IN_START_UP else now + took,
+                took=took,
+                said=tuple(map(float, said)) if question.method == "predict" else (),
+                failed=bool(told.problem),
+            )
+        )
+        return told, took
+
+    def _said(self, question: Question) -> tuple[Told, float]:
+        number, model = question.number, self._models.get(question.file)
+        if model is None:
+            return Told(number, f"there is no model {question.file}"), 0.0
+        if question.method == "load":
+            self._loads[question.file] += 1
+            model.loads = self._loads[question.file]
+            return Told(number, load=model.loads), float(getattr(model, "load_seconds", 0.0))
+        if not 1 <= question.load <= self._loads[question.file]:
+            return Told(number, f"{question.file} was not loaded"), 0.0
+        rows = np.frombuffer(question.features[: len(question.features) // 8 * 8])
+        if not question.rows or len(rows) != question.rows * COLUMNS:
+            return Told(number, "expected features of shape (n, 5)", is_value_error=True), 0.0
+        rows = rows.reshape(-1, COLUMNS)
+        seconds = self._seconds(model, rows) if question.method == "predict" else 0.0
+        try:
+            with np.errstate(all="ignore"):
+                answer = np.asarray(getattr(model, question.method)(rows))
+        except Exception as error:  # a probe that raises does so on purpose
+            return Told(number, str(error), isinstance(error, ValueError)), seconds
+        if answer.dtype.kind == "U":
+            return Told(number, shape=answer.shape, labels=tuple(answer.tolist())), seconds
+        numbers = np.asarray(answer, dtype=float)
+        return Told(number, shape=numbers.shape, numbers=numbers.tobytes()), seconds
+
+    def _seconds(self, model: Any, rows: np.ndarray) -> float:
+        if not hasattr(model, "takes"):
+            return float(model.seconds)
+        with np.errstate(all="ignore"):
+            seconds = float(model.takes(rows))
+        if self.seed == self.scenario.seed or len(model.seconds) == 1:
+            return seconds
+        rng = sensor_rng(self.seed, f"a model that takes {seconds}")
+        return seconds * (1.0 + float(rng.uniform(-SPREAD, SPREAD)))

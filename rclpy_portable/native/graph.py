@@ -1,0 +1,167 @@
+"""Who speaks and listens: the participants of one domain, their nodes and endpoints.
+
+A context is a DDS participant. Within it a topic has one type; between participants endpoints of
+another type don't find each other. With ROS_AUTOMATIC_DISCOVERY_RANGE=OFF no participants do.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from .enums import PublisherEvent, SubscriptionEvent
+from .errors import RCLError
+from .qos import conflicts
+
+if TYPE_CHECKING:
+    from .endpoints import Publisher, Subscription
+    from .node import Node
+    from .services import Client, Service
+
+T = TypeVar("T")
+
+
+class Participant:
+    """What one context has in the graph."""
+
+    def __init__(self, domain: int) -> None:
+        self.nodes: list[Node] = []
+        self.publishers: list[Publisher] = []
+        self.subscriptions: list[Subscription] = []
+        self.services: list[Service] = []
+        self.clients: list[Client] = []
+        self._types: dict[str, tuple[Any, int]] = {}  # by topic: class, and how many ends have it
+        self._domain = _domain(domain)
+        self._domain.append(self)
+
+    def leave(self) -> None:
+        """Be nobody's peer any more: the context is shut down."""
+        for publisher in self.publishers:
+            _part_publisher(publisher)
+        for subscription in self.subscriptions:
+            _part_subscription(subscription)
+        if self in self._domain:
+            self._domain.remove(self)
+
+    def everybody(self) -> list[Participant]:
+        """Return all participants that can be found, this one first."""
+        return [self, *(other for other in self._domain if other is not self)]
+
+    def all_nodes(self) -> Iterator[Node]:
+        """Return the nodes of all participants."""
+        return itertools.chain.from_iterable(p.nodes for p in self.everybody())
+
+    def all_publishers(self) -> list[Publisher]:
+        """Return the publishers of all participants."""
+        return [end for p in self.everybody() for end in p.publishers]
+
+    def all_subscriptions(self) -> list[Subscription]:
+        """Return the subscriptions of all participants."""
+        return [end for p in self.everybody() for end in p.subscriptions]
+
+    def all_services(self) -> list[Service]:
+        """Return the services of all participants."""
+        return [end for p in self.everybody() for end in p.services]
+
+    def all_clients(self) -> list[Client]:
+        """Return the clients of all participants."""
+        return [end for p in self.everybody() for end in p.clients]
+
+    def claim(self, topic: str, cls: Any, what: str) -> None:
+        """Note that one more endpoint has this topic and type.
+
+        Raises
+        ------
+        RCLError
+            The topic has another type in this participant.
+        """
+        kind, count = self._types.get(topic, (cls, 0))
+        if kind is not cls:
+            raise RCLError(
+                f"Failed to create {what}: create_{what}() called for existing topic name "
+                f"rt{topic} with incompatible type {dds_type(cls)}"
+            )
+        self._types[topic] = (cls, count + 1)
+
+    def release(self, topic: str) -> None:
+        """Note that one endpoint less has this topic."""
+        kind, count = self._types[topic]
+        if count > 1:
+            self._types[topic] = (kind, count - 1)
+        else:
+            del self._types[topic]
+
+    def introduce_publisher(self, publisher: Publisher) -> None:
+        """Let a publisher meet the subscriptions to its topic."""
+        self.publishers.append(publisher)
+        for subscription in self.all_subscriptions():
+            if subscription.topic == publisher.topic:
+                _meet(publisher, subscription)
+
+    def introduce_subscription(self, subscription: Subscription) -> None:
+        """Let a subscription meet the publishers of its topic."""
+        self.subscriptions.append(subscription)
+        for publisher in self.all_publishers():
+            if publisher.topic == subscription.topic:
+                _meet(publisher, subscription)
+
+    def forget_publisher(self, publisher: Publisher) -> None:
+        """Take a publisher out of the graph."""
+        self.publishers.remove(publisher)
+        _part_publisher(publisher)
+        self.release(publisher.topic)
+
+    def forget_subscription(self, subscription: Subscription) -> None:
+        """Take a subscription out of the graph."""
+        self.subscriptions.remove(subscription)
+        _part_subscription(subscription)
+        self.release(subscription.topic)
+
+
+_domains: dict[int, list[Participant]] = {}
+
+
+def _domain(number: int) -> list[Participant]:
+    if os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "OFF":
+        return []
+    return _domains.setdefault(number, [])
+
+
+def _meet(publisher: Publisher, subscription: Subscription) -> None:
+    if publisher.cls is not subscription.cls:
+        publisher.note(PublisherEvent.RCL_PUBLISHER_INCOMPATIBLE_TYPE)
+        subscription.note(SubscriptionEvent.RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE)
+        return
+    if found := conflicts(publisher.profile.resolved(), subscription.profile.resolved()):
+        policy = found[0][0]
+        publisher.note(PublisherEvent.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, policy)
+        subscription.note(SubscriptionEvent.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, policy)
+        return
+    publisher.gain(subscription)
+    subscription.gain(publisher)
+
+
+def _part_publisher(publisher: Publisher) -> None:
+    for peer in list(publisher.peers):
+        peer.lose(publisher)
+        publisher.lose(peer)
+
+
+def _part_subscription(subscription: Subscription) -> None:
+    for peer in list(subscription.peers):
+        peer.lose(subscription)
+        subscription.lose(peer)
+
+
+def ros_type(cls: Any) -> str:
+    """Return the ROS name of a generated class: geometry_msgs/msg/Twist."""
+    package, kind = cls.__module__.split(".")[:2]
+    return f"{package}/{kind}/{cls.__name__}"
+
+
+def dds_type(cls: Any) -> str:
+    """Return the name that DDS has for a generated class."""
+    package, kind, name = ros_type(cls).split("/")
+    return f"{package}::{kind}::dds_::{name}_"

@@ -1,0 +1,9 @@
+"""No attack: what the naive node is worth.
+
+exercise: slow_model
+score: 35
+"""
+
+from naive import drive
+
+drive()

@@ -1,0 +1,87 @@
+"""Faked time and counts of models: no attack is worth more than the same node without it.
+
+`make test` takes two of them, `make test-long` all.
+"""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from grader.authoring.mutants import mutants
+from grader.course.exercises import find_exercise
+from grader.course.students import student_key
+from grader.course.submission import Submission
+from grader.grading.grading import grade_submission
+from grader.link.hosts import ForkServer
+from sim.messages import EPOCH_NS
+
+HERE = Path(__file__).resolve().parent / "models"
+NAIVE = HERE / "naive.py"
+ATTACKS = sorted({*HERE.glob("*.py")} - {NAIVE})
+QUICK = ("ml_forgotten_loads",)
+SECRET = b"a secret of a course"
+
+
+@pytest.fixture(scope="module")
+def forkserver() -> Iterator[ForkServer]:
+    with ForkServer(EPOCH_NS) as forkserver:
+        yield forkserver
+
+
+def read(path: Path) -> dict[str, str]:
+    return dict(re.findall(r"^(exercise|only|score|student): (.+)$", path.read_text(), re.M))
+
+
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(p, id=p.stem, marks=[pytest.mark.long] * (p.stem not in QUICK)) for p in ATTACKS],
+)
+def test_lying_about_time_and_counts_gains_nothing(path: Path, forkserver: ForkServer) -> None:
+    claim = read(path)
+    key = student_key(SECRET, claim["student"], claim["exercise"]) if "student" in claim else None
+    grading = grade_submission(
+        find_exercise(claim["exercise"]),
+        Submission(path, others=(NAIVE,)),
+        forkserver,
+        file=path.name,
+        only=[name.strip() for name in claim["only"].split(",")] if "only" in claim else (),
+        seed=key,
+    )
+    assert grading.score <= int(claim["score"]), [
+        check.id for check in grading.checks if check.outcome == "pass"
+    ]
+    assert not grading.faults
+
+
+FORGETS = """
+import sys, time
+for module in list(sys.modules.values()):
+    if hasattr(module, "_loads"):
+        module._loads = 0
+time.sleep = lambda _: None
+"""
+
+
+@pytest.mark.long
+def test_three_clients_need_one_load_whatever_the_server_forgets(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    exercise = find_exercise("model_server")
+    (wrong,) = [m for m in mutants(exercise) if m.name == "loads_for_each_request"]
+    server, client = (tmp_path / file for file in exercise.files)
+    server.write_text(
+        wrong.text.replace("class DetectionServer", f"{FORGETS}class DetectionServer")
+    )
+    client.write_bytes((exercise.solutions / client.name).read_bytes())
+    grading = grade_submission(
+        exercise,
+        Submission(server, others=(client,)),
+        forkserver,
+        file=server.name,
+        only=("one_load",),
+    )
+    one_load = next(check for check in grading.checks if check.id == "one_load")
+    assert one_load.outcome == "fail"
+    assert "had been loaded" in one_load.message

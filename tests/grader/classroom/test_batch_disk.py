@@ -1,0 +1,146 @@
+"""A disk that is full, and results that can't be stored: a batch ends cleanly and goes on later."""
+
+import errno
+import sqlite3
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fake_class import FILE, fair, grading
+
+from grader.classroom import batch, grading_run
+from grader.classroom.row import GRADED, HELD, RUNNING, TWICE, WAITING
+from grader.classroom.store import Store
+from grader.classroom.work import Unit, UnitResult
+from grader.errors import DiskFull, is_disk_full
+
+# --- what can't be stored --------------------------------------------------------------------
+
+
+def test_a_result_that_can_not_be_stored_is_held(grade_class: Any) -> None:
+    def odd(unit: Unit) -> UnitResult:
+        return UnitResult({**grading(), "odd": {1, 2}}) if unit.student == "bob" else fair(unit)
+
+    results, _, _ = grade_class(odd)
+    assert {name: r.state for name, r in results.items()} == {
+        "ann": GRADED, "bob": HELD, "eve": GRADED,
+    }  # fmt: skip
+    assert "could not be stored (TypeError" in results["bob"].problem
+
+
+def test_a_problem_in_words_that_are_no_text(grade_class: Any) -> None:
+    results, _, _ = grade_class(lambda unit: UnitResult(None, "odd \udcff \ud800"))
+    assert {r.problem for r in results.values()} == {f"odd ? ?; {TWICE}"}
+
+
+def test_folders_with_names_that_are_no_text(grade_class: Any, handed_in: Path) -> None:
+    for number, folder in enumerate((b"caf\xe9", b"\xff")):
+        place = Path(str(handed_in), "bob", folder.decode("utf-8", "surrogateescape"))
+        place.mkdir()
+        (place / FILE).write_text(f"# {number}\n")
+    (handed_in / "bob" / FILE).unlink()
+    results, workers, _ = grade_class()
+    assert workers.students == ["ann", "bob", "eve"]
+    assert results["bob"].state == GRADED
+
+
+# --- a full disk -----------------------------------------------------------------------------
+
+
+def full(*_: object, **__: object) -> Any:
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_store_without_room_stops_the_batch_and_goes_on_later(
+    grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = Store.__init__
+
+    def small(self: Store, path: Path) -> None:
+        real(self, path)
+        pages = self._db.execute("PRAGMA page_count").fetchone()[0]
+        self._db.execute(f"PRAGMA max_page_count={pages + 3}")
+
+    long = {**grading(), "notes": ["x" * 9_000]}
+    monkeypatch.setattr(Store, "__init__", small)
+    with pytest.raises(DiskFull) as caught:
+        grade_class(lambda unit: UnitResult(long))
+    said = str(caught.value)
+    assert "\n" not in said
+    assert str(tmp_path / "out") in said
+    assert "run the same command again" in said
+    monkeypatch.undo()
+    with Store(tmp_path / "out" / "store.sqlite") as store:
+        states = [result.state for result in store.results()]
+    assert states.count(GRADED) >= 1
+    assert states.count(WAITING) >= 1
+
+
+def test_a_disk_that_fills_while_results_are_written(
+    grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as disk:
+        disk.setattr("grader.classroom.results.write.exercise_page", full)
+        with pytest.raises(DiskFull, match="run the same command again"):
+            grade_class()
+    assert (tmp_path / "out" / "class.html").is_file()
+    assert not list((tmp_path / "out").rglob("*.part"))
+    _, workers, _ = grade_class()
+    assert workers.students == []
+    assert (tmp_path / "out" / "feedback" / "eve" / "obstacle_avoidance.html").is_file()
+
+
+def test_an_archive_that_does_not_fit_is_not_broken(
+    grade_class: Any, handed_in: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("grader.classroom.intake._unpack", full)
+    (handed_in / "kim.zip").write_bytes(b"PK")
+    with pytest.raises(DiskFull):
+        grade_class()
+
+
+def test_a_full_disk_ends_the_batch_before_it_holds_everybody(
+    grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_room(unit: Unit) -> UnitResult:
+        return UnitResult(None, "No space left", disk_full=True)
+
+    with monkeypatch.context() as disk:
+        disk.setattr(grading_run, "has_space", lambda *_: False)
+        with pytest.raises(DiskFull):
+            grade_class(no_room)
+    with Store(tmp_path / "out" / "store.sqlite") as store:
+        assert {result.state for result in store.results()} == {WAITING}
+    assert {r.state for r in grade_class()[0].values()} == {GRADED}
+
+
+def test_one_that_fills_the_disk_itself_stops_nobody(
+    grade_class: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fills(unit: Unit) -> UnitResult:
+        if unit.student == "ann":
+            return UnitResult(None, "the disk was full", disk_full=True)
+        return fair(unit)
+
+    monkeypatch.setattr(grading_run, "has_space", lambda *_: True)
+    results, workers, _ = grade_class(fills)
+    assert workers.students == ["ann", "bob", "eve", "ann"]
+    assert workers.seen[-1].alone
+    assert [r.state for r in results.values()] == [HELD, GRADED, GRADED]
+
+
+def test_a_full_disk_is_known_by_its_cause() -> None:
+    assert not is_disk_full(OSError(errno.EIO, "broken"))
+    assert not is_disk_full(sqlite3.OperationalError("database or disk is full"))  # only its words
+    error = ValueError("a bag")
+    error.__cause__ = OSError(errno.EDQUOT, "quota")
+    assert is_disk_full(error)
+    assert is_disk_full(DiskFull("x"))
+
+
+def test_nothing_is_left_running(grade_class: Any, tmp_path: Path) -> None:
+    with pytest.MonkeyPatch.context() as disk, pytest.raises(DiskFull):
+        disk.setattr(batch, "write_results", full)
+        grade_class()
+    with Store(tmp_path / "out" / "store.sqlite") as store:
+        assert RUNNING not in {result.state for result in store.results()}

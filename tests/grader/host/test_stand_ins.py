@@ -1,0 +1,309 @@
+"""tf2_msgs and tf2_ros for programs of ours: as on a robot, though pip has no package of them."""
+
+import importlib
+import math
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import TransformStamped
+from rclpy.duration import Duration
+from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.time import Time
+
+from grader.course.submission import Submission
+from grader.drive import scenario_for
+from grader.host import stand_ins
+from grader.link.hosts import ForkServer
+from grader.recording import Recording
+from grader.trial.virtual_time import run_trial
+from sim.messages import TF_MESSAGE, decode, encode, typestore
+
+SECOND = 10**9  # [ns]
+
+
+@pytest.fixture(scope="module")
+def packages() -> Iterator[Any]:
+    """The stand-ins, imported here for once; no other test sees them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "path", [str(stand_ins.FOLDER), *sys.path])
+        yield SimpleNamespace(
+            tf2_ros=importlib.import_module("tf2_ros"),
+            msg=importlib.import_module("tf2_msgs.msg"),
+        )
+        for name in [n for n in sys.modules if n.partition(".")[0] in stand_ins.NAMES]:
+            del sys.modules[name]
+
+
+def transform(
+    parent: str, child: str, x: float = 0.0, yaw: float = 0.0, at: float = 0.0
+) -> TransformStamped:
+    found = TransformStamped()
+    found.header.stamp = Time(nanoseconds=round(at * SECOND)).to_msg()
+    found.header.frame_id, found.child_frame_id = parent, child
+    found.transform.translation.x = x
+    found.transform.rotation.z, found.transform.rotation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return found
+
+
+def x_y_yaw(found: TransformStamped) -> tuple[float, float, float]:
+    to, turn = found.transform.translation, found.transform.rotation
+    return to.x, to.y, 2 * math.atan2(turn.z, turn.w)
+
+
+def test_its_modules_have_the_names_of_the_real_ones(packages: Any) -> None:
+    for module, name in {
+        "buffer": "Buffer", "transform_listener": "TransformListener",
+        "transform_broadcaster": "TransformBroadcaster",
+        "static_transform_broadcaster": "StaticTransformBroadcaster",
+    }.items():  # fmt: skip
+        found = getattr(importlib.import_module(f"tf2_ros.{module}"), name)
+        assert found is getattr(packages.tf2_ros, name)
+
+
+# --- TFMessage ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("frames", [[], ["laser"], ["laser", "a", "imu_link", "", "camera_link"]])
+def test_a_message_has_the_bytes_of_the_real_one(packages: Any, frames: list[str]) -> None:
+    transforms = [
+        transform("base_link", name, x=float(i), yaw=0.1 * i) for i, name in enumerate(frames)
+    ]
+    message = packages.msg.TFMessage(transforms=transforms)
+    data = serialize_message(message)
+    theirs = decode(data, TF_MESSAGE)  # by rosbags, from the real definition
+    assert [each.child_frame_id for each in theirs.transforms] == frames
+    assert deserialize_message(encode(theirs, TF_MESSAGE), packages.msg.TFMessage) == message
+
+
+def test_its_hash_is_that_of_the_real_one(packages: Any) -> None:
+    typesupport = importlib.import_module("tf2_msgs._typesupport")
+    assert f"RIHS01_{typesupport.HASH}" == typestore().hash_rihs01(TF_MESSAGE)
+
+
+def test_only_transforms_go_in(packages: Any) -> None:
+    with pytest.raises(AssertionError, match="transforms"):
+        packages.msg.TFMessage(transforms=[1])
+
+
+def test_messages_do_not_pile_up(packages: Any) -> None:
+    """What C allocates for a message goes with it."""
+    typesupport = importlib.import_module("tf2_msgs._typesupport")
+    message = packages.msg.TFMessage(transforms=[transform("a", "b")])
+    for _ in range(3):
+        deserialize_message(serialize_message(message), packages.msg.TFMessage)
+    assert not typesupport._alive
+
+
+# --- the buffer -----------------------------------------------------------------------------------
+
+
+def buffer_with(packages: Any, *transforms: TransformStamped, static: bool = False) -> Any:
+    buffer = packages.tf2_ros.Buffer()
+    for each in transforms:
+        (buffer.set_transform_static if static else buffer.set_transform)(each, "test")
+    return buffer
+
+
+def test_transforms_are_composed_and_inverted(packages: Any) -> None:
+    buffer = buffer_with(
+        packages,
+        transform("odom", "base_link", x=2.0, yaw=math.pi / 2),
+        transform("base_link", "laser", x=0.5, yaw=math.pi),
+        static=True,
+    )
+    there = buffer.lookup_transform("odom", "laser", Time())
+    assert x_y_yaw(there) == pytest.approx((2.0, 0.5, 3 * math.pi / 2))
+    assert (there.header.frame_id, there.child_frame_id) == ("odom", "laser")
+    back = x_y_yaw(buffer.lookup_transform("laser", "odom", Time()))
+    assert back[:2] == pytest.approx((0.5, -2.0))
+    assert math.remainder(back[2] - math.pi / 2, math.tau) == pytest.approx(0.0)
+    assert x_y_yaw(buffer.lookup_transform("laser", "laser", Time())) == (0.0, 0.0, 0.0)
+
+
+def test_siblings(packages: Any) -> None:
+    buffer = buffer_with(
+        packages, transform("base", "a", x=1.0), transform("base", "b", x=3.0), static=True
+    )
+    assert x_y_yaw(buffer.lookup_transform("a", "b", Time())) == pytest.approx((2.0, 0.0, 0.0))
+
+
+def test_between_two_stamps_it_interpolates(packages: Any) -> None:
+    buffer = buffer_with(
+        packages,
+        transform("odom", "base", x=1.0, yaw=3.0, at=1.0),
+        transform("odom", "base", x=2.0, yaw=-3.0, at=2.0),
+    )
+    quarter = buffer.lookup_transform("odom", "base", Time(nanoseconds=SECOND + SECOND // 4))
+    turn = (math.tau - 6.0) / 4  # the short way
+    assert x_y_yaw(quarter) == pytest.approx((1.25, 0.0, 3.0 + turn))
+    newest = buffer.lookup_transform("odom", "base", Time())
+    assert x_y_yaw(newest)[0] == 2.0
+    assert newest.header.stamp.sec == 2
+
+
+def test_what_can_not_be_had_raises_as_in_tf2(packages: Any) -> None:
+    tf2 = packages.tf2_ros
+    buffer = buffer_with(
+        packages,
+        transform("odom", "base", at=1.0),
+        transform("odom", "base", at=2.0),
+        transform("map", "other"),
+    )
+    for target, source, when, error in [
+        ("odom", "nobody", 0, tf2.LookupException),
+        ("odom", "other", 0, tf2.ConnectivityException),
+        ("odom", "base", SECOND // 2, tf2.ExtrapolationException),
+        ("odom", "base", 3 * SECOND, tf2.ExtrapolationException),
+    ]:
+        with pytest.raises(error):
+            buffer.lookup_transform(target, source, Time(nanoseconds=when))
+        assert issubclass(error, tf2.TransformException)
+        can, why = buffer.can_transform(
+            target, source, Time(nanoseconds=when), return_debug_tuple=True
+        )
+        assert not can
+        assert why
+    for bad in (transform("odom", "odom"), transform("", "base"), transform("a", "b", x=math.nan)):
+        with pytest.raises(tf2.InvalidArgumentException):
+            buffer.set_transform(bad, "test")
+
+
+def test_a_loop_is_found_and_old_transforms_go(packages: Any) -> None:
+    buffer = buffer_with(packages, transform("a", "b"), transform("b", "a"), static=True)
+    with pytest.raises(packages.tf2_ros.LookupException, match="loop"):
+        buffer.lookup_transform("a", "b", Time())
+    short = packages.tf2_ros.Buffer(cache_time=Duration(seconds=1))
+    for at in (1.0, 2.0, 4.0):
+        short.set_transform(transform("odom", "base", at=at), "test")
+    assert not short.can_transform("odom", "base", Time(nanoseconds=2 * SECOND))
+    assert short.can_transform("odom", "base", Time(nanoseconds=4 * SECOND))
+
+
+# --- in a host ------------------------------------------------------------------------------------
+
+LISTENS = """
+import math, threading
+import rclpy
+from rclpy.duration import Duration
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.time import Time
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+from tf2_msgs.msg import TFMessage
+from tf2_ros import Buffer, StaticTransformBroadcaster, TransformException, TransformListener
+from geometry_msgs.msg import TransformStamped
+
+
+class Listens(Node):
+    def __init__(self):
+        super().__init__("listens")
+        self.frames = Buffer()
+        self.listener = TransformListener(self.frames, self)
+        self.create_subscription(LaserScan, "/scan", self.on_scan, 10)
+        own = TransformStamped()
+        own.header.frame_id, own.child_frame_id = "base_link", "gripper"
+        own.transform.translation.x, own.transform.rotation.w = 0.25, 1.0
+        self.broadcaster = StaticTransformBroadcaster(self)
+        self.broadcaster.sendTransform(own)
+        self.late = None
+
+    def on_scan(self, scan):
+        stamp = Time.from_msg(scan.header.stamp)
+        try:
+            lidar = self.frames.lookup_transform("base_link", scan.header.frame_id, Time())
+            robot = self.frames.lookup_transform("odom", "gripper", Time())
+        except TransformException as error:
+            print(type(error).__name__)
+            return
+        q = lidar.transform.rotation
+        yaw = math.degrees(2 * math.atan2(q.z, q.w))
+        print(f"{lidar.child_frame_id} {lidar.transform.translation.x:.2f} {yaw:.0f}")
+        print(f"gripper {robot.transform.translation.x:.2f}")
+        if self.late is None:
+            self.late = self.create_subscription(
+                TFMessage, "/tf_static", lambda m: print("late", m.transforms[0].child_frame_id),
+                self.listener.tf_static_sub.qos_profile,
+            )
+
+
+rclpy.init()
+rclpy.spin(Listens())
+"""
+
+
+def listen(tmp_path: Path, forkserver: ForkServer, source: str = LISTENS) -> Recording:
+    file = tmp_path / "listens.py"
+    file.write_text(source, "utf-8")
+    scenario = scenario_for("avoid_field_turned", duration=0.5)
+    return run_trial(Submission(file), scenario, forkserver)
+
+
+def test_a_node_hears_the_robots_transforms(tmp_path: Path, forkserver: ForkServer) -> None:
+    recording = listen(tmp_path, forkserver)
+    assert recording.outcome.completed, recording.outcome
+    said = [line.text for line in recording.log if "[" not in line.text]
+    assert said.count("rplidar_link -0.05 -90") == 5
+    x = recording.odometry().x[0]
+    assert f"gripper {x + 0.25:.2f}" in said
+    assert "late rplidar_link" in said
+    own = [m for m in recording.published if m.topic == "/from_node/tf_static"]
+    assert decode(own[0].data, TF_MESSAGE).transforms[0].child_frame_id == "gripper"
+
+
+def test_a_volatile_subscription_does_not_hear_what_was_sent_once(
+    tmp_path: Path, forkserver: ForkServer
+) -> None:
+    deaf = """
+import rclpy
+from tf2_msgs.msg import TFMessage
+rclpy.init()
+node = rclpy.create_node("deaf")
+node.create_subscription(TFMessage, "/tf_static", lambda message: print("heard it"), 10)
+node.create_subscription(TFMessage, "/tf", lambda message: print("moving"), 10)
+rclpy.spin(node)
+"""
+    recording = listen(tmp_path, forkserver, deaf)
+    said = [line.text for line in recording.log]
+    assert "moving" in said
+    assert "heard it" not in said
+    (mismatch,) = [e.mismatch for e in recording.endpoints if e.topic == "/tf_static"]
+    assert "transient-local" in mismatch
+
+
+def test_a_lookup_may_wait_in_another_thread(tmp_path: Path, forkserver: ForkServer) -> None:
+    waits = """
+import rclpy, threading
+from rclpy.duration import Duration
+from rclpy.time import Time
+from tf2_ros import Buffer, TransformListener
+rclpy.init()
+node = rclpy.create_node("waits")
+frames = Buffer()
+listener = TransformListener(frames, node, spin_thread=True)
+begin = node.get_clock().now()
+frames.lookup_transform("base_link", "rplidar_link", Time(), timeout=Duration(seconds=1))
+print("found after", (node.get_clock().now() - begin).nanoseconds // 1_000_000, "ms")
+threading.Event().wait()
+"""
+    recording = listen(tmp_path, forkserver, waits)
+    assert "found after 10 ms" in [line.text for line in recording.log], recording.log
+
+
+def test_the_stand_ins_come_last() -> None:
+    """A ROS installation's packages go before them."""
+    before = list(sys.path)
+    sys.path[:] = [path for path in before if path != str(stand_ins.FOLDER)]
+    try:
+        stand_ins.offer()
+        stand_ins.offer()
+        others = [i for i, path in enumerate(sys.path) if path.endswith("site-packages")]
+        assert sys.path.index(str(stand_ins.FOLDER)) > max(others)
+        assert sys.path.count(str(stand_ins.FOLDER)) == 1
+    finally:
+        sys.path[:] = before
+    assert {"tf2_msgs", "tf2_ros"} == stand_ins.NAMES

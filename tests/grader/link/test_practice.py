@@ -1,0 +1,155 @@
+"""Hosts without Linux's means: they end, hang, print and forge, and the judge goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from grader.course.exercises import ROOT, find_exercise
+from grader.course.submission import find_submission
+from grader.drive import drive_node, scenario_for
+from grader.errors import GraderError
+from grader.grading.grading import grade_submission
+from grader.host.frames import Ended, ProgramStart, Run, Settled, Start
+from grader.link import practice
+from grader.link.exchange import HostDied, HostForged, HostHung
+from grader.link.practice import PRACTICE, PracticeHost, PracticeServer
+from grader.trial.trials import NodeTrials
+from sim.messages import EPOCH_NS
+from sim.scenario import load_scenario
+
+LIMIT = 60.0  # [s] for answers that come
+SPINS = """
+import sys, rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+rclpy.init()
+node = Node("talker")
+publisher = node.create_publisher(String, "said", 10)
+node.create_timer(0.5, lambda: publisher.publish(String(data="x")))
+print("out", flush=True)
+print("err", file=sys.stderr)
+node.get_logger().warning("logged")
+rclpy.spin(node)
+"""
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[PracticeServer]:
+    with PracticeServer(EPOCH_NS) as started:
+        yield started
+
+
+def start_of(folder: Path, source: str) -> Start:
+    file = folder / "agent.py"
+    file.write_text(source, "utf-8")
+    return Start((ProgramStart(str(file)),), EPOCH_NS, seed=1, offers=())
+
+
+def test_a_node_runs_to_a_time_and_its_words_have_times(
+    server: PracticeServer, tmp_path: Path
+) -> None:
+    with server.host(tmp_path) as host:
+        link = host.link()
+        first, _ = link.start(start_of(tmp_path, SPINS), LIMIT)
+        assert isinstance(first, Settled)
+        assert first.now == 0
+        answer, cost = link.run(Run(1_200_000_000), LIMIT)
+        assert isinstance(answer, Settled) and answer.spinning
+        assert [(m.time, m.topic) for m in answer.published] == [
+            (500_000_000, "/said"), (1_000_000_000, "/said"),
+        ]  # fmt: skip
+        assert cost.wall > 0
+        said = {(line.level, line.text) for line in link.log()}
+        assert said == {("stdout", "out"), ("stderr", "err"), ("warn", "logged")}
+
+
+def test_a_program_that_ends_says_how(server: PracticeServer, tmp_path: Path) -> None:
+    with server.host(tmp_path) as host:
+        answer, _ = host.link().start(start_of(tmp_path, "1 / 0"), LIMIT)
+    assert isinstance(answer, Ended)
+    assert (answer.kind, answer.text.partition(" (")[0]) == (
+        "exception", "ZeroDivisionError: division by zero",
+    )  # fmt: skip
+
+
+def test_a_process_that_goes_is_gone(server: PracticeServer, tmp_path: Path) -> None:
+    with server.host(tmp_path) as host:
+        with pytest.raises(HostDied):
+            host.link().start(start_of(tmp_path, "import os; os._exit(7)"), LIMIT)
+        assert host.wait(LIMIT) == "7"
+
+
+def test_a_process_that_says_nothing_hangs(server: PracticeServer, tmp_path: Path) -> None:
+    with server.host(tmp_path) as host:
+        with pytest.raises(HostHung):
+            host.link().start(start_of(tmp_path, "while True: pass"), 0.5)
+        assert host.wait() != "0"  # killed
+
+
+@pytest.mark.parametrize(
+    "bytes_", ["b'\\xff\\xff\\xff\\x7f'", "b'\\x02\\0\\0\\0\\xc1\\xc1'"], ids=["huge", "no frame"]
+)
+def test_what_a_program_says_in_the_hosts_place_is_refused(
+    server: PracticeServer, tmp_path: Path, bytes_: str
+) -> None:
+    source = f"import os\nfor fd in range(3, 20):\n    try: os.write(fd, {bytes_})\n"
+    source += "    except OSError: pass\n"
+    with server.host(tmp_path) as host, pytest.raises(HostForged):
+        host.link().start(start_of(tmp_path, source), LIMIT)
+
+
+def test_an_answer_before_the_question_is_refused(server: PracticeServer, tmp_path: Path) -> None:
+    host = PracticeHost.__new__(PracticeHost)
+    host._said = practice.queue.Queue()
+    host._said.put(msgspec.msgpack.encode("early"))
+    with pytest.raises(HostForged, match="before the question"):
+        host.link().run(Run(1), 1.0)
+
+
+def test_a_host_that_can_not_start_says_why(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(practice, "PRELUDE", "raise SystemExit('no such luck')")
+    with (
+        PracticeServer(EPOCH_NS) as server,
+        pytest.raises(GraderError, match="no such luck"),
+        server.host(tmp_path),
+    ):
+        pass
+
+
+def test_a_grading_says_that_it_is_practice(server: PracticeServer) -> None:
+    exercise = find_exercise("obstacle_avoidance")
+    submission = find_submission(ROOT / "solutions/obstacle_avoidance", exercise.files[0])
+    grading = grade_submission(
+        exercise, submission, server, file="agent.py", only=["stop_zone"]
+    ).as_dict()
+    assert grading["practice"] == PRACTICE
+    assert grading["isolation"].startswith("none")
+    assert grading["notes"][0] == f"P{PRACTICE[1:]}."
+    assert grading["score"] == grading["max_score"] > 0
+
+
+def test_a_drive_is_the_same_as_on_the_real_rclpy(
+    server: PracticeServer, forkserver: PracticeServer
+) -> None:
+    scenario = scenario_for("demo_wall", duration=3.0)
+    submission = find_submission(ROOT / "solutions/obstacle_avoidance/obstacle_avoidance_agent.py")
+    digests = {drive_node(submission, scenario, who).digest() for who in (server, forkserver)}
+    assert len(digests) == 1
+
+
+def test_a_node_that_hangs_is_not_run_again_in_real_time(
+    server: PracticeServer, tmp_path: Path
+) -> None:
+    (tmp_path / "agent.py").write_text(
+        "import rclpy\nrclpy.init()\nfrom rclpy.experimental import EventsExecutor\n"
+        "EventsExecutor()\n", "utf-8"
+    )  # fmt: skip
+    with NodeTrials(find_submission(tmp_path / "agent.py"), server) as trials:
+        recording = trials.get(load_scenario("demo_wall").name)
+    assert recording.outcome.kind == "real_time"

@@ -1,0 +1,341 @@
+"""What a host may take of the machine: its folder, its threads; as root and as ordinary user."""
+
+import json
+import os
+import select
+import subprocess
+import sys
+import tempfile
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from node_runs import PREAMBLE, short
+from ordinary import OUT_OF_REACH, ROOT, run_as_ordinary
+
+from grader.course.submission import Submission
+from grader.errors import GraderError
+from grader.host.sandbox.amounts import MAX_FILES, MAX_FOLDER
+from grader.host.sandbox.layers import LAYERS, MOUNTS
+from grader.link.hosts import ForkServer
+from grader.link.scratch import fresh_folder
+from grader.link.workplace import Excess, check_folder, threads_of
+from grader.recording import Recording
+from grader.trial.training import ONNX, PICKLE, run_training
+from grader.trial.virtual_time import run_trial
+from sim.messages import EPOCH_NS
+from sim.scenario import load_scenario
+
+SPIN = "\nrclpy.init(); rclpy.spin(Echo())\n"
+GREEDY = {  # each says how much it got
+    "disk": """
+got = 0
+try:
+    for number in range(8):
+        fd = os.open(f'file-{number}', os.O_CREAT | os.O_WRONLY)
+        os.posix_fallocate(fd, 0, 60 << 20); got += 60 << 20; os.close(fd)
+except OSError as error: print(error.strerror)
+print(got)
+""",
+    "unlinked": """
+got, held = 0, []
+try:
+    for number in range(8):
+        held.append(os.open('file', os.O_CREAT | os.O_WRONLY)); os.unlink('file')
+        os.posix_fallocate(held[-1], 0, 60 << 20); got += 60 << 20
+except OSError as error: print(error.strerror)
+print(got)
+""",
+    "mapped": """
+import mmap
+got, held = 0, []
+try:
+    for number in range(8):
+        fd = os.open('file', os.O_CREAT | os.O_RDWR); os.unlink('file')
+        os.posix_fallocate(fd, 0, 60 << 20); got += 60 << 20
+        held.append(mmap.mmap(fd, 4096)); os.close(fd)
+except OSError as error: print(error.strerror)
+print(got)
+""",
+    "files": """
+got = 0
+try:
+    for got in range(1, 6_000): os.close(os.open(f"file-{got}", os.O_CREAT | os.O_WRONLY))
+except OSError as error: print(error.strerror)
+print(got)
+""",
+    "threads": """
+import ctypes
+libc, attributes, thread, got = ctypes.CDLL(None), (ctypes.c_char * 64)(), ctypes.c_ulong(), 0
+libc.pthread_attr_init(attributes)
+libc.pthread_attr_setstacksize(attributes, ctypes.c_size_t(65536))
+sleep = ctypes.cast(libc.sleep, ctypes.c_void_p)
+while got < 700 and not libc.pthread_create(
+    ctypes.byref(thread), attributes, sleep, ctypes.c_void_p(1000)
+): got += 1
+print(got)
+""",
+}  # fmt: skip
+BYTES = ("disk", "unlinked", "mapped")
+MOST = {**dict.fromkeys(BYTES, MAX_FOLDER), "files": MAX_FILES, "threads": 512}
+SCENE = """
+import json, sys, tempfile
+from pathlib import Path
+import test_workplace
+with tempfile.TemporaryDirectory() as folder, test_workplace.ForkServer(test_workplace.EPOCH_NS) as forkserver:
+    runs = {name: test_workplace.run(name, Path(folder), forkserver) for name in test_workplace.GREEDY}
+    said = {name: (r.outcome.kind, r.outcome.text, [x.text for x in r.log]) for name, r in runs.items()}
+    print(json.dumps((forkserver.layers, forkserver.means.counted, said)))
+"""  # noqa: E501
+
+
+def run(name: str, folder: Path, forkserver: ForkServer) -> Recording:
+    """Run a greedy node."""
+    file = folder / f"{name}.py"
+    file.write_text(PREAMBLE + GREEDY[name] + SPIN)
+    return run_trial(Submission(file), short(0.3), forkserver)
+
+
+# --- the limits ----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def without_mounts() -> Iterator[ForkServer]:
+    layers = [layer for layer in LAYERS if layer != MOUNTS]
+    with ForkServer(EPOCH_NS, layers=layers) as forkserver:
+        yield forkserver
+
+
+@pytest.mark.parametrize("name", GREEDY)
+def test_the_kernel_limits_a_host(name: str, forkserver: ForkServer, tmp_path: Path) -> None:
+    if MOUNTS not in forkserver.layers or not forkserver.means.counted:
+        pytest.skip("no mounts on this machine")
+    recording = run(name, tmp_path, forkserver)
+
+    got = [int(line.text) for line in recording.log if line.text.isdigit()]
+    assert got and 0 < got[0] <= MOST[name]
+    assert recording.outcome.kind in ("completed", "flooded", "exception")
+
+
+@pytest.mark.parametrize("name", [*BYTES, "files"])
+def test_without_mounts_the_judge_looks(
+    name: str, without_mounts: ForkServer, tmp_path: Path
+) -> None:
+    outcome = run(name, tmp_path, without_mounts).outcome
+
+    assert (outcome.kind, outcome.at) == ("flooded", 0.0)
+    assert outcome.text.endswith("more than 5,000 files or 268,435,456 bytes in its folder")
+
+
+@pytest.mark.parametrize("namespaces", [pytest.param(True, marks=pytest.mark.long), False])
+def test_an_ordinary_user_has_limits_too(namespaces: bool) -> None:
+    scene = f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n{SCENE}"
+    with run_as_ordinary(scene, namespaces=namespaces) as judge:
+        said, complaints = judge.communicate(timeout=120)
+    if OUT_OF_REACH in complaints:
+        pytest.skip(OUT_OF_REACH)
+    assert judge.returncode == 0, complaints
+    layers, counted, runs = json.loads(said.splitlines()[-1])
+
+    if not namespaces:
+        assert (MOUNTS in layers, counted) == (False, False)
+    if MOUNTS in layers:
+        for name, (kind, _, log) in runs.items():
+            got = [int(line) for line in log if line.isdigit()]
+            assert kind in ("completed", "flooded", "exception")
+            assert got[0] <= MOST[name] or not counted
+    else:
+        assert {kind for kind, _, _ in runs.values()} == {"flooded"}
+        assert "threads" in runs["threads"][1]
+
+
+def test_a_full_folder_is_told_from_a_full_disk(forkserver: ForkServer, tmp_path: Path) -> None:
+    """A node that meets the limit has met its own, with a sentence that says so."""
+    if MOUNTS not in forkserver.layers:
+        pytest.skip("no mounts on this machine")
+    file = tmp_path / "node.py"
+    file.write_text("data = bytes(60 << 20)\nfor n in range(6): open(f'f{n}', 'wb').write(data)")
+    outcome = run_trial(Submission(file), short(0.3), forkserver).outcome
+
+    assert (outcome.kind, outcome.text.split(":")[0]) == ("exception", "OSError")
+    assert "a node's folder holds 256 MiB in 5,000 files" in outcome.text
+
+
+def test_a_folder_that_is_too_deep_is_an_excess() -> None:
+    before = Path.cwd()
+    with fresh_folder() as folder:
+        os.chdir(folder)
+        depth = 0
+        try:
+            for _ in range(3_000):
+                os.mkdir("deep")
+                os.chdir("deep")
+                depth += 1
+            with pytest.raises(Excess, match="folders in one another"):
+                check_folder(folder)
+        finally:
+            for _ in range(depth):  # whoever cleans up later would recurse too deep
+                os.chdir("..")
+                os.rmdir("deep")
+            os.chdir(before)
+
+
+def test_threads_are_counted() -> None:
+    assert threads_of(os.getpid()) >= 1
+    assert threads_of(2**22 + 1) == 0
+
+
+# --- what has to work all the same ---------------------------------------------------------------
+
+
+def test_files_survive_for_the_next_host_of_a_place(forkserver: ForkServer) -> None:
+    """A program that is started again in the same trial finds what it wrote."""
+    with Submission(Path(__file__)).folder() as folder:
+        (folder / "handed_in.bin").write_bytes(b"model")
+        (folder / "below").mkdir()
+        (folder / "below" / "link").symlink_to("../handed_in.bin")
+        with forkserver.workplace(folder) as place:
+            with forkserver.host(place), forkserver.host(place):
+                (place.seen / "written").write_text("here")
+            with forkserver.host(place):
+                seen = {path.name: path.is_symlink() for path in place.seen.rglob("*")}
+                status = (place.seen / "handed_in.bin").stat()
+        after = {path.name for path in folder.iterdir()}
+
+    assert seen == {
+        Path(__file__).name: False, "handed_in.bin": False, "below": False, "link": True,
+        "written": False,
+    }  # fmt: skip
+    assert status.st_uid == (place.user or os.getuid())
+    assert ("written" in after) == (not place.limited)
+
+
+def test_a_training_hands_its_models_over(forkserver: ForkServer, tmp_path: Path) -> None:
+    pytest.importorskip("sklearn")
+    scenario = load_scenario("ml_training")
+    assert scenario.training is not None
+    script = tmp_path / scenario.training.script
+    script.write_text(f"open('{PICKLE}', 'wb').write(b'x' * 9)\nopen('{ONNX}', 'wb').write(b'y')")
+    node = tmp_path / "node.py"
+    node.write_text("pass")
+    training = run_training(Submission(node, "", (script,)), scenario, forkserver)
+    assert training.recording.training is not None
+
+    assert training.recording.training.runs[0].files == {PICKLE: 9, ONNX: 1}
+
+
+def test_no_mount_stays(forkserver: ForkServer) -> None:
+    def mounts(pid: int | str) -> int:
+        return len(Path(f"/proc/{pid}/mounts").read_text().splitlines())
+
+    process = forkserver._process.pid
+    before = mounts(process), mounts("self"), len(os.listdir("/proc/self/fd"))
+    for _ in range(3):
+        with Submission(Path(__file__)).folder() as folder, forkserver.host(folder):
+            inside = mounts(process)
+    with (
+        fresh_folder() as folder,
+        forkserver.workplace(folder, limited=False) as place,
+        forkserver.host(place),  # it is forked when the last mount has gone
+    ):
+        pass
+    after = mounts(process), mounts("self"), len(os.listdir("/proc/self/fd"))
+
+    assert after == before
+    assert (inside > before[0]) == (MOUNTS in forkserver.layers)
+
+
+def test_a_place_that_is_not_there_is_the_graders_fault(forkserver: ForkServer) -> None:
+    if MOUNTS not in forkserver.layers:
+        pytest.skip("no mounts on this machine")
+    missing = Path("/tmp/course-0-not-there")
+    with pytest.raises(GraderError, match=r"no host for the node: .*No such file"):
+        forkserver.workplace(missing).__enter__()
+
+
+# --- nobody outlives the judge -------------------------------------------------------------------
+
+OUTLIVES = """
+import ctypes, os, signal
+libc = ctypes.CDLL(None)
+refused = libc.prctl(1, 0, 0, 0, 0)
+for number in range(1, 32):
+    try: signal.signal(number, signal.SIG_IGN)
+    except OSError: pass
+try: os.setsid()
+except OSError: pass
+print('here', refused, flush=True)
+for _ in range(100): libc.usleep(999999)
+"""
+WAITING = """
+import sys
+from pathlib import Path
+from grader.host.frames import Start
+from grader.link.hosts import ForkServer
+from grader.link.link import Link
+from grader.trial.staging import stage
+from grader.course.submission import Submission
+from sim.messages import EPOCH_NS
+from sim.scenario import load_scenario
+
+with (
+    ForkServer(EPOCH_NS) as forkserver,
+    stage(Submission(Path({file!r})), load_scenario("demo_wall")) as staged,
+    forkserver.host(staged.folder) as host,
+):
+    link = Link(host)
+    print(forkserver._process.pid, host.pid, flush=True)
+    try:
+        link.start(Start(staged.programs, EPOCH_NS, 1, staged.offers), 60.0)
+    except BaseException as error:
+        print(type(error).__name__, flush=True)
+    print(host.wait(1.0), flush=True)
+"""
+
+
+@pytest.fixture
+def open_folder() -> Iterator[Path]:
+    """A folder that others can enter; pytest's own they can't."""
+    with tempfile.TemporaryDirectory() as name:
+        Path(name).chmod(0o755)
+        yield Path(name)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("who", ["root", "ordinary", "without namespaces"])
+@pytest.mark.parametrize("victim", ["judge", "fork server"])
+def test_a_host_never_outlives_its_judge(victim: str, who: str, open_folder: Path) -> None:
+    file = open_folder / "outlives.py"
+    file.write_text(OUTLIVES)
+    script = textwrap.dedent(WAITING).format(file=str(file))
+    if who == "root":
+        judge = subprocess.Popen(
+            [sys.executable, "-c", script],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT,
+        )  # fmt: skip
+    else:
+        judge = run_as_ordinary(script, namespaces=who == "ordinary")
+    with judge:
+        assert judge.stdout is not None and judge.stderr is not None
+        line = judge.stdout.readline()
+        if not line and OUT_OF_REACH in judge.stderr.read():
+            pytest.skip(OUT_OF_REACH)
+        forkserver, host = map(int, line.split())
+        handles = [os.pidfd_open(host), os.pidfd_open(forkserver)]
+        os.kill(judge.pid if victim == "judge" else forkserver, 9)
+        said, complaints = judge.communicate(timeout=60)
+    over = [_is_over(handle) for handle in handles]
+
+    assert over == [True, True]
+    if victim == "fork server":  # that is the grader's fault, not the node's
+        assert "HostDied" in said
+        assert "GraderError: the process that starts hosts has ended" in complaints
+
+
+def _is_over(handle: int) -> bool:
+    poll = select.poll()
+    poll.register(handle, select.POLLIN)
+    over = bool(poll.poll(20_000))
+    os.close(handle)
+    return over

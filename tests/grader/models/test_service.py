@@ -1,0 +1,185 @@
+"""The models that the judge keeps: answers come when their time is over, and are counted."""
+
+import pickle
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from grader.host.frames import MAX_ROWS, Question, Told
+from grader.host.supplied import kept
+from grader.models.files import write_models
+from grader.models.service import IN_START_UP, MOST, MOST_ROWS, ModelService, TooManyQuestions
+from sim.scenario import Scenario, load_scenario
+
+MS = 1_000_000
+LEADER = load_scenario("slow_leader")
+FILE = "velocity_model.pkl"
+ROW = np.array([[2.0, 3.0, 0.5, 4.0, 5.0]])
+
+
+def question(method: str, number: int = 0, load: int = 1, rows: np.ndarray = ROW) -> Question:
+    if method == "load":
+        return Question(number, method, FILE)
+    return Question(number, method, FILE, load, len(rows), rows.tobytes())
+
+
+def service(scenario: Scenario = LEADER, seed: int | None = None) -> ModelService:
+    return ModelService(scenario, scenario.seed if seed is None else seed)
+
+
+def said(told: Told) -> np.ndarray:
+    return np.frombuffer(told.numbers).reshape(told.shape)
+
+
+def test_an_answer_is_due_when_the_models_time_is_over() -> None:
+    models = service()
+    models.ask(question("load"), 0)
+    models.ask(question("predict", 7), 13 * MS)
+
+    assert [told.load for _, told in models.due(0)] == [1]
+    assert models.next_due == 213 * MS
+    assert models.due(213 * MS - 1) == []
+    ((_, told),) = models.due(213 * MS)
+    assert told.number == 7
+    assert said(told) == pytest.approx([0.08])
+    load, call = models.inferences
+    assert load.is_load
+    assert (call.asked, call.answered, call.said) == (13 * MS, 213 * MS, (0.08,))
+
+
+def test_before_the_scenario_answers_say_what_the_model_takes() -> None:
+    models = service()
+    models.at_once(question("load"))
+    told = models.at_once(question("predict"))
+
+    assert told.wait == 200 * MS
+    assert {i.asked for i in models.inferences} == {IN_START_UP}
+    assert models.next_due is None
+
+
+@pytest.mark.parametrize(
+    ("asked", "problem"),
+    [
+        (question("predict", load=0), "was not loaded"),
+        (question("predict", load=2), "was not loaded"),
+        (Question(0, "predict", "other.pkl", 1, 1, ROW.tobytes()), "no model other.pkl"),
+        (Question(0, "predict", FILE, 1, 2, ROW.tobytes()), "shape"),
+        (Question(0, "predict", FILE, 1, 1, b"odd"), "shape"),
+        (Question(0, "predict_proba", FILE, 1, 1, ROW.tobytes()), "predict_proba"),
+    ],
+)
+def test_what_no_model_can_answer_is_a_problem(asked: Question, problem: str) -> None:
+    models = service()
+    models.at_once(question("load"))
+    assert problem in models.at_once(asked).problem
+
+
+def test_loads_are_counted_by_the_judge() -> None:
+    models = service(load_scenario("ml_loads_once"))
+    models.ask(question("load"), 0)
+    assert models.next_due == 80 * MS
+    models.ask(question("load"), 90 * MS)
+    answers = [told.load for _, told in models.due(10**12)]
+    told = models.at_once(question("predict"))
+
+    assert answers == [1, 2]
+    assert said(told) == pytest.approx([0.2])
+
+
+def test_a_model_that_raises_takes_its_time_too() -> None:
+    models = service(load_scenario("latency_raises"))
+    models.at_once(question("load"))
+    near = np.array([[1.0, 1.0, 0.0, 1.0, 1.0]])
+    told = models.at_once(question("predict", rows=near))
+
+    assert "can't say anything" in told.problem
+    assert not told.is_value_error
+    assert told.wait == 30 * MS
+    assert models.inferences[-1].failed
+
+
+def test_times_by_distance_differ_between_students_a_little() -> None:
+    scenario = load_scenario("latency_times")
+
+    def took(seed: int) -> int:
+        models = service(scenario, seed)
+        models.at_once(question("load"))
+        return models.at_once(question("predict")).wait
+
+    assert took(scenario.seed) == 8 * MS
+    others = {took(seed) for seed in range(100, 110)}
+    assert len(others) == 10
+    assert all(7.6 * MS < other < 8.4 * MS for other in others)
+
+
+def test_a_quick_row_does_not_hide_a_slow_one() -> None:
+    models = service(load_scenario("latency_times"))
+    (file,) = models.scenario.node.models
+    model = models.scenario.node.models[file].settings["seconds"]
+    models.at_once(Question(0, "load", file))
+
+    def took(*metres: float) -> int:
+        rows = np.repeat(np.array(metres, dtype=float)[:, None], 5, axis=1)
+        return models.at_once(Question(0, "predict", file, 1, len(rows), rows.tobytes())).wait
+
+    times = [took(metres) for metres in range(1, len(model))]
+    assert len(set(times)) > 1
+    assert took(*range(1, len(model))) == max(times)
+    assert took(*range(len(model) - 1, 0, -1)) == max(times)
+
+
+def test_nobody_asks_without_end() -> None:
+    models = service()
+    with pytest.raises(TooManyQuestions):
+        for _ in range(MOST + 1):
+            models.at_once(Question(0, "load", "none.pkl"))
+
+
+def test_nobody_asks_for_all_that_a_model_could_say() -> None:
+    models = service()
+    with pytest.raises(TooManyQuestions, match="rows"):
+        for _ in range(MOST_ROWS // MAX_ROWS + 1):
+            models.at_once(Question(0, "predict", "none.pkl", 1, MAX_ROWS))
+    assert sum(len(inference.said) for inference in models.inferences) <= MOST_ROWS
+
+
+# --- the node's side ------------------------------------------------------------------------------
+
+
+def desk(models: ModelService) -> Callable[[Question], Told]:
+    return models.at_once
+
+
+def test_a_kept_model_is_loaded_and_asked_like_any_other(
+    tmp_path: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    models = service()
+    write_models(LEADER.node.models, tmp_path)  # type: ignore[arg-type]
+    content = (tmp_path / FILE).read_bytes()  # type: ignore[operator]
+    assert b"0.04" not in content
+    monkeypatch.setattr(kept.desk, "ask", desk(models))
+    model = pickle.loads(content)
+
+    assert model.predict([[2.0, 3.0, 0.5, 4.0, 5.0]]) == pytest.approx([0.08])
+    assert model.predict(ROW.astype(np.float32).repeat(3, axis=0)).shape == (3,)
+    for wrong in ([2.0, 3.0], [[1.0]], np.zeros((0, 5))):
+        with pytest.raises(ValueError, match="shape"):
+            model.predict(wrong)
+    assert sum(i.is_load for i in models.inferences) == 1
+
+
+def test_a_copy_of_a_loaded_model_is_no_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    import copy  # noqa: PLC0415
+
+    models = service()
+    monkeypatch.setattr(kept.desk, "ask", desk(models))
+    model = kept.load(kept.Kept, FILE)
+    for other in (copy.copy(model), copy.deepcopy(model)):
+        assert other.predict(ROW) == pytest.approx([0.08])
+    assert sum(i.is_load for i in models.inferences) == 1
+
+
+def test_outside_a_trial_nobody_answers() -> None:
+    with pytest.raises(RuntimeError, match="in a trial"):
+        kept.Kept(FILE, 1).predict(ROW)

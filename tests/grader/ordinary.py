@@ -1,0 +1,71 @@
+"""Machines that offer less: a judge that is an ordinary user, and no user namespaces."""
+
+import ctypes
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+from grader.host.sandbox import kernel_filters, layers, users
+
+ROOT = Path(__file__).resolve().parents[2]
+NOBODY = 65534
+OUT_OF_REACH = "the interpreter is out of reach for another user"
+BOOT = """
+import sys
+sys.path[:0] = [{root!r}, {here!r}]
+import ordinary
+ordinary.become_ordinary()
+if not {namespaces}:
+    ordinary.refuse_namespaces()
+"""
+
+
+def run_as_ordinary(
+    script: str, *, namespaces: bool = True, stdin: int = subprocess.DEVNULL
+) -> subprocess.Popen[str]:
+    """Start a script as an ordinary user, who may make user namespaces or not."""
+    boot = BOOT.format(root=str(ROOT), here=str(Path(__file__).parent), namespaces=namespaces)
+    return subprocess.Popen(
+        [sys.executable, "-B", "-c", boot + script],
+        stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd="/",
+        env={"PATH": "/usr/bin:/bin", "TMPDIR": "/tmp", "HOME": "/tmp"},
+    )  # fmt: skip
+
+
+def become_ordinary() -> None:
+    """Become another user than root, for good; no change to who already is one."""
+    if os.getuid() != 0:
+        return
+    paths = [*layers.needed_paths(), ROOT]
+    if not (users.own_mounts() and users.open_to_others(paths)):
+        raise SystemExit(OUT_OF_REACH)
+    os.setgroups([])
+    os.setresgid(NOBODY, NOBODY, NOBODY)
+    os.setresuid(NOBODY, NOBODY, NOBODY)
+    libc = ctypes.CDLL(None)
+    libc.prctl(kernel_filters.PR_SET_DUMPABLE, 1, 0, 0, 0)  # as if it had been so from its start
+
+
+def refuse_namespaces() -> None:
+    """Let no process from here on make a user namespace, as AppArmor or Docker do."""
+    column = kernel_filters.ARCHITECTURES[os.uname().machine][1]
+    unshare = kernel_filters.CALLS["unshare"][column]
+    program = (
+        (kernel_filters.LOAD, 0, 0, kernel_filters.NUMBER),
+        (kernel_filters.JUMP_EQUAL, 0, 3, unshare),
+        (kernel_filters.LOAD, 0, 0, kernel_filters.FIRST),
+        (kernel_filters.JUMP_SET, 0, 1, users.CLONE_NEWUSER),
+        (kernel_filters.RETURN, 0, 0, kernel_filters.REFUSE | 1),
+        (kernel_filters.RETURN, 0, 0, kernel_filters.ALLOW),
+    )
+    code = b"".join(struct.pack("HBBI", *step) for step in program)
+    steps = ctypes.create_string_buffer(code, len(code))
+    header = struct.pack("HxxxxxxQ", len(program), ctypes.addressof(steps))
+    filter_ = ctypes.create_string_buffer(header, len(header))
+    libc = ctypes.CDLL(None)
+    libc.prctl(kernel_filters.PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
+    address = ctypes.c_void_p(ctypes.addressof(filter_))
+    if libc.prctl(kernel_filters.PR_SET_SECCOMP, 2, address, 0, 0):
+        raise SystemExit("no seccomp filters")

@@ -1,0 +1,157 @@
+"""What is no bag is refused, and what is not a bag of ours is kept."""
+
+import shutil
+from pathlib import Path
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+from grader.errors import InputError
+from grader.recording import Recording, bag
+from sim.messages import EPOCH_NS, typestore
+
+# --- what is no bag ------------------------------------------------------------------------------
+
+
+def refused(path: Path) -> str:
+    with pytest.raises(InputError) as caught:
+        bag.load(path)
+    said = str(caught.value)
+    assert str(path) in said
+    assert "\n" not in said
+    assert len(said) < 1_000
+    return said
+
+
+@pytest.mark.parametrize("name", ["absent", "absent.mcap"])
+def test_nothing_is_not_a_bag(name: str, tmp_path: Path) -> None:
+    assert "expected a bag" in refused(tmp_path / name)
+
+
+def test_an_empty_folder_is_not_a_bag(tmp_path: Path) -> None:
+    assert "expected a bag" in refused(tmp_path)
+
+
+def test_a_file_is_not_a_bag(tmp_path: Path) -> None:
+    file = tmp_path / "bag.txt"
+    file.write_text("no")
+    assert "expected a bag" in refused(file)
+
+
+def test_a_bag_without_its_messages(saved: Path) -> None:
+    (saved / "bag.mcap").unlink()
+    refused(saved)
+
+
+@pytest.mark.parametrize("part", [0.0, 0.001, 0.3, 0.6, 0.9, 0.99, 0.9999])
+def test_truncated_bags(part: float, saved: Path) -> None:
+    whole = (saved / "bag.mcap").read_bytes()
+    (saved / "bag.mcap").write_bytes(whole[: int(len(whole) * part)])
+    refused(saved)
+
+
+METADATA = ["", "a: [", "- 1", "3", "rosbag2_bagfile_information: 3", "\0"]
+
+
+@pytest.mark.parametrize("content", METADATA)
+def test_broken_metadata(content: str, saved: Path) -> None:
+    (saved / "metadata.yaml").write_text(content)
+    refused(saved)
+
+
+@settings(derandomize=True, deadline=None, max_examples=25)
+@given(
+    st.lists(
+        st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 255)), min_size=1, max_size=30
+    )
+)
+def test_damaged_bags_are_refused_or_recordings(
+    recording: Recording,
+    tmp_path_factory: pytest.TempPathFactory,
+    damages: list[tuple[float, int]],
+) -> None:
+    folder = tmp_path_factory.getbasetemp() / "damaged"
+    bag.save(recording, folder)
+    file = folder / "damaged.mcap"
+    content = bytearray(file.read_bytes())
+    for where, value in damages:
+        content[int(where * len(content))] = value
+    file.write_bytes(content)
+    try:
+        assert isinstance(bag.load(folder), Recording)
+    except InputError as error:
+        assert "\n" not in str(error)
+
+
+def test_a_bag_of_somebody_else(tmp_path: Path) -> None:
+    folder = tmp_path / "foreign"
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/x", "std_msgs/msg/String", typestore=typestore())
+        writer.write(connection, EPOCH_NS, b"\0\1\0\0\1\0\0\0\0")
+
+    assert "not a bag that this course has recorded" in refused(folder)
+
+
+@pytest.mark.parametrize("change", ["format", "missing", "scenario", "yaw"])
+def test_a_document_of_another_form(
+    change: str, recording: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def other(recording: Recording, original=bag._document) -> object:  # type: ignore[no-untyped-def]
+        document = msgspec.to_builtins(original(recording))
+        if change == "missing":
+            del document["outcome"]
+        else:
+            document |= {
+                "format": {"format": 0},
+                "scenario": {"scenario": "{}"},
+                "yaw": {"yaw": []},
+            }[change]
+        return document
+
+    monkeypatch.setattr(bag, "_document", other)
+    folder = bag.save(recording, tmp_path / "bag")
+
+    refused(folder)
+
+
+# --- what is not to be overwritten ---------------------------------------------------------------
+
+
+def keeps(recording: Recording, place: Path) -> None:
+    with pytest.raises(InputError, match="exists and is not a bag") as caught:
+        bag.save(recording, place)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_folder_of_other_things_is_kept(recording: Recording, tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("years of work")
+    keeps(recording, tmp_path)
+    assert (tmp_path / "thesis.tex").exists()
+
+
+def test_a_folder_with_metadata_and_other_things_is_kept(recording: Recording, saved: Path) -> None:
+    (saved / "thesis.tex").write_text("years of work")
+    keeps(recording, saved)
+    assert (saved / "thesis.tex").exists()
+
+
+def test_a_file_is_kept(recording: Recording, tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("years of work")
+    keeps(recording, file)
+    assert file.read_text() == "years of work"
+
+
+def test_a_link_to_a_bag_is_kept(recording: Recording, saved: Path, tmp_path: Path) -> None:
+    link = tmp_path / "link"
+    link.symlink_to(saved)
+    keeps(recording, link)
+    assert bag.load(saved).digest() == recording.digest()
+
+
+def test_the_bag_may_be_moved(recording: Recording, saved: Path, tmp_path: Path) -> None:
+    moved = Path(shutil.move(saved, tmp_path / "elsewhere"))
+    assert bag.load(moved).digest() == recording.digest()

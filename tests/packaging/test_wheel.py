@@ -1,0 +1,74 @@
+"""The one wheel for every system: what is in it, and that it works without a checkout."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--quiet"]
+    options = ["--no-deps", "--no-build-isolation", "--wheel-dir", str(folder), str(ROOT)]
+    subprocess.run([*pip, *options], check=True, timeout=300)
+    (made,) = folder.glob("*.whl")
+    return made
+
+
+@pytest.mark.long
+def test_it_is_one_package_for_every_system(wheel: Path) -> None:
+    assert wheel.name.endswith("-py3-none-any.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    tops = {name.partition("/")[0] for name in names}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"rclpy_agents_course"}
+    inside = "rclpy_agents_course/"
+    for wanted in (
+        "grader/checks/goal_seeking/test_core.py", "exercises/goal_seeking/README.md",
+        "sim/worlds/", "rclpy_portable/_ros/rclpy/node.py", "rclpy_portable/_ros/NOTICE",
+        "grader/report/player/", "constraints.txt",
+    ):  # fmt: skip
+        assert any(name.startswith(inside + wanted) for name in names), wanted
+    assert not any("solutions/" in name or "tests/" in name for name in names)
+
+
+@pytest.mark.long
+def test_the_real_rclpy_comes_along_where_there_is_one(wheel: Path) -> None:
+    archive = zipfile.ZipFile(wheel)
+    (about,) = (name for name in archive.namelist() if name.endswith("METADATA"))
+    lines = archive.read(about).decode().splitlines()
+    required = [line for line in lines if line.startswith("Requires-Dist: ros-jazzy-rclpy")]
+    assert any("sys_platform" in line and "extra ==" not in line for line in required)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("portable", [False, True], ids=["real", "portable"])
+def test_it_grades_in_an_empty_folder(wheel: Path, tmp_path: Path, portable: bool) -> None:
+    site = tmp_path / "site"
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+    subprocess.run([*pip, "--no-deps", "--target", str(site), str(wheel)], check=True, timeout=300)
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    source = ROOT / "solutions/obstacle_avoidance/obstacle_avoidance_agent.py"
+    (empty / "agent.py").write_bytes(source.read_bytes())
+    command = [sys.executable, "-m", "rclpy_agents_course", "grade", "1", "agent.py"]
+    command += ["--only", "stop_zone", *(["--portable"] if portable else [])]
+    environment = {**os.environ, "PYTHONPATH": str(site)}
+    done = subprocess.run(
+        command, cwd=empty, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert ("Practice:" in done.stdout) == portable
+
+
+def test_the_extra_ros_can_be_asked_for_everywhere() -> None:
+    about = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert all("platform_machine" in one for one in about["optional-dependencies"]["ros"])

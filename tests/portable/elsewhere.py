@@ -1,0 +1,117 @@
+"""Make this process as poor as one on Windows: what only Linux or Unix has is gone, or raises.
+
+    python elsewhere.py COURSE_ARGUMENT …
+
+runs the command `course` there. The hosts that it starts begin with `impoverish()`, too.
+"""
+
+from __future__ import annotations
+
+import builtins
+import importlib.abc
+import os
+import select
+import selectors
+import signal
+import socket
+import subprocess
+import sys
+import tempfile  # noqa: F401  (imported before anything is taken away)
+import time
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+HERE = Path(__file__).resolve()
+PRELUDE = f"import sys; sys.path.insert(0, {str(HERE.parent)!r}); import elsewhere; " + (
+    "elsewhere.impoverish()"
+)
+MODULES = {"fcntl", "grp", "pty", "pwd", "resource", "spwd", "syslog", "termios", "tty"}
+LINUX_OURS = (
+    "grader.host.sandbox.kernel_filters", "grader.host.sandbox.layers",
+    "grader.host.sandbox.limits", "grader.host.sandbox.users", "grader.host.sandbox.workplaces",
+    "grader.link.hosts", "grader.link.link", "grader.trial.real_",
+)  # fmt: skip
+OS = (
+    "fork", "forkpty", "setsid", "pidfd_open", "chown", "lchown", "fchown",
+    "getuid", "geteuid", "getgid", "setuid", "setgid", "setgroups", "killpg", "getpgid", "setpgid",
+    "sched_getaffinity", "sched_setaffinity", "statvfs", "fstatvfs", "mkfifo", "wait3", "wait4",
+    "getpriority", "setpriority", "nice", "openpty", "memfd_create", "eventfd", "posix_spawn",
+    "unshare", "setns", "getloadavg", "fchmod",
+)  # fmt: skip
+SIGNAL = (
+    "SIGUSR1", "SIGUSR2", "SIGKILL", "SIGALRM", "SIGCHLD", "SIGHUP", "SIGSTOP", "SIGURG",
+    "setitimer", "getitimer", "alarm", "pause", "ITIMER_REAL", "pidfd_send_signal",
+    "pthread_kill", "pthread_sigmask", "sigwait",
+)  # fmt: skip
+CLOCKS = (
+    "clock_gettime",
+    "clock_gettime_ns",
+    "clock_settime",
+    "clock_settime_ns",
+    "pthread_getcpuclockid",
+)
+
+
+class OnlyLinux(Exception):
+    """Something was used that is not there on other systems."""
+
+
+class _Missing(importlib.abc.MetaPathFinder):
+    """Finds no module that only Unix has, nor ours that need Linux."""
+
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> None:
+        if name in MODULES or name.startswith(LINUX_OURS):
+            raise ModuleNotFoundError(f"No module named {name!r} on this system", name=name)
+
+
+def impoverish() -> None:
+    """Take away what other systems don't have; `subprocess` keeps its own means."""
+    subprocess.signal = SimpleNamespace(**vars(signal))  # type: ignore[attr-defined]
+    sys.meta_path.insert(0, _Missing())
+    for name in MODULES:
+        sys.modules.pop(name, None)
+    for module, names in ((os, OS), (signal, SIGNAL), (time, CLOCKS)):
+        for name in names:
+            if hasattr(module, name):
+                delattr(module, name)
+    for name in ("poll", "epoll"):
+        delattr(select, name)
+    for name in ("PollSelector", "EpollSelector"):
+        delattr(selectors, name)
+    selectors.DefaultSelector = selectors.SelectSelector  # type: ignore[misc]
+    for name in ("AF_UNIX", "SOCK_SEQPACKET", "send_fds", "recv_fds", "socketpair"):
+        if hasattr(socket, name) and name != "socketpair":
+            delattr(socket, name)
+    _without_proc()
+
+
+def _without_proc() -> None:
+    real_open, real_stat = builtins.open, os.stat
+
+    def refuse(path: Any) -> None:
+        if isinstance(path, str | bytes | os.PathLike):
+            text = os.fsdecode(path)
+            if text.startswith(("/proc/", "/sys/")) and "cpu" not in text:
+                raise OnlyLinux(text)
+
+    def checked_open(path: Any, *args: Any, **kwargs: Any) -> Any:
+        refuse(path)
+        return real_open(path, *args, **kwargs)
+
+    def checked_stat(path: Any, *args: Any, **kwargs: Any) -> Any:
+        if path == "/proc":
+            raise FileNotFoundError(path)
+        return real_stat(path, *args, **kwargs)
+
+    builtins.open, os.stat = checked_open, checked_stat
+
+
+if __name__ == "__main__":
+    impoverish()
+    from grader.link import practice
+
+    practice.PRELUDE = PRELUDE
+    from grader.cli import main
+
+    main()

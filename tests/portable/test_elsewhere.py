@@ -1,0 +1,91 @@
+"""The command `course` on a process that has nothing that only Linux or Unix has."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from grader.course.exercises import all_exercises
+from grader.link.practice import PRACTICE
+
+ROOT = Path(__file__).resolve().parents[2]
+ELSEWHERE = Path(__file__).with_name("elsewhere.py")
+
+
+def course(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run a command of `course` there."""
+    return subprocess.run(
+        [sys.executable, str(ELSEWHERE), *arguments],
+        cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True, text=True, timeout=570, check=False,
+    )  # fmt: skip
+
+
+def test_it_is_poor_indeed() -> None:
+    code = (
+        "import sys; sys.path.insert(0, 'tests/portable'); import elsewhere, os, select;"
+        "elsewhere.impoverish();"
+        "assert not any(hasattr(os, n) for n in ('fork', 'getuid', 'pidfd_open', 'setsid'));"
+        "assert not hasattr(select, 'poll');"
+        "missing = []\n"
+        "for name in ('fcntl', 'resource', 'grader.host.sandbox.users', 'grader.link.hosts'):\n"
+        "    try: __import__(name)\n"
+        "    except ImportError: missing.append(name)\n"
+        "try: open('/proc/self/stat')\n"
+        "except elsewhere.OnlyLinux: missing.append('proc')\n"
+        "assert len(missing) == 5, missing"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+
+
+def test_a_node_is_graded() -> None:
+    file = "solutions/obstacle_avoidance/obstacle_avoidance_agent.py"
+    done = course("grade", "1", file, "--only", "stop_zone", "--json", "-")
+    assert done.returncode == 0, done.stderr
+    grading = json.loads(done.stdout)
+    assert grading["practice"] == PRACTICE
+    assert grading["score"] == grading["max_score"] > 0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("slug", [exercise.slug for exercise in all_exercises()])
+def test_every_reference_gets_full_marks(slug: str) -> None:
+    done = course("grade", slug, f"solutions/{slug}", "--field", "--json", "-")
+    grading = json.loads(done.stdout)
+    unjudged = {c["id"] for c in grading["checks"] if c["outcome"] in ("skip", "unavailable")}
+    failed = [c["id"] for c in grading["checks"] if c["outcome"] in ("fail", "error")]
+    assert (failed, grading["score"]) == ([], grading["max_score"]), unjudged
+
+
+def test_a_node_drives() -> None:
+    file = "solutions/obstacle_avoidance/obstacle_avoidance_agent.py"
+    done = course("drive", file, "--scenario", "demo_wall", "--duration", "2")
+    assert done.returncode == 0, done.stderr
+    assert PRACTICE in " ".join(done.stdout.split())
+
+
+@pytest.mark.parametrize("command", [("list",), ("list", "--scenarios")], ids=" ".join)
+def test_lists_are_printed(command: tuple[str, ...]) -> None:
+    done = course(*command)
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.splitlines()) > 9
+
+
+def test_doctor_explains() -> None:
+    done = course("doctor")
+    assert done.returncode == 1, done.stderr
+    said = " ".join(done.stdout.split())
+    assert "The real rclpy can't run here" in said
+    assert "for practice" in said and "course autograde and --tier 2 need Linux" in said
+
+
+def test_a_class_is_refused(tmp_path: Path) -> None:
+    done = course("autograde", str(tmp_path), "--out", str(tmp_path / "out"), "--trust")
+    assert done.returncode == 2
+    assert "course autograde needs Linux" in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
