@@ -138,8 +138,8 @@ def test_a_sensor_data_lidar_is_heard_by_best_effort_only(here: Town) -> None:
 
 
 def test_in_simulated_time_it_waits_begins_and_ends(here: Town) -> None:
-    robot = here.robot("--wait", "--clock", "--rate", "4", "--duration", "4", "--record", "bag")
-    here.teleop(0.1, 0.0)
+    robot = here.robot("--wait", "--clock", "--rate", "2", "--duration", "4", "--record", "bag")
+    here.teleop(0.1, 0.0).wait_for("a robot hears this")
     listener = here.listener("best_effort")  # a reliable robot is heard by it, too
     for topic in ("/clock", "/scan"):
         assert 0.0 <= listener.next_json(topic)["stamp"] - EPOCH_NS / 1e9 <= 4.0

@@ -22,6 +22,9 @@ DRIVERS = [path for path in REFERENCES if "Twist" in path.read_text("utf-8")]
 WITH_MODEL = [path for path in REFERENCES if "model_path" in path.read_text("utf-8")]
 WITH_PARAMETERS = [path for path in REFERENCES if "declare_parameter" in path.read_text("utf-8")]
 
+# rclpy's handler of Ctrl-C can be a moment faster than its own try_shutdown() (ros2/rclpy#1352).
+SHUT_DOWN_TWICE = "rcl_shutdown already called on the given context"
+
 
 class Call:
     """Pickled, it is a call that unpickling makes."""
@@ -51,6 +54,8 @@ def interrupt(nodes: dict[Path, Process]) -> None:
         node.popen.send_signal(signal.SIGINT)
     for path, node in nodes.items():
         said = node.rest()
+        if SHUT_DOWN_TWICE in said and said.count("Traceback") == 1:
+            continue
         assert node.popen.returncode == 0, f"{path.name}:\n{said}"
         assert "Traceback" not in said, f"{path.name}:\n{said}"
 

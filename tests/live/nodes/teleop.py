@@ -1,4 +1,4 @@
-"""Publishes one velocity at 20 Hz, as a teleoperation node does.
+"""Publishes one velocity at 20 Hz, as a teleoperation node does, and says once who hears it.
 
 teleop.py LINEAR ANGULAR [stamped]
 """
@@ -18,8 +18,12 @@ class Teleop(Node):
         twist.linear.x, twist.angular.z = linear, angular
         self.publisher = self.create_publisher(type(self.message), "/cmd_vel", 10)
         self.create_timer(0.05, self.on_timer)
+        self.heard = False
 
     def on_timer(self) -> None:
+        if not self.heard and self.publisher.get_subscription_count():
+            self.heard = True
+            print("a robot hears this", flush=True)
         self.publisher.publish(self.message)
 
 
