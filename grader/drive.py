@@ -20,6 +20,8 @@ from grader.host.frames import MAX_STDIN
 from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Endpoint, Recording, account_of
+from grader.recording.deaths import told_first
+from grader.recording.words import last_words
 from grader.report.terminal import printable
 from grader.trial.training import MAX_FILE
 from grader.trial.trials import mixed_seed
@@ -32,6 +34,7 @@ FIRST_GOAL = 0.5  # [s]
 PARAMETER = re.compile(r"[A-Za-z_][\w.]*:=.+")
 REMAPPING = re.compile(r"[^\s:]+(:[^\s:=]+)?:=\S+")  # FROM:=TO, also NODE:FROM:=TO
 LAST_LINES = 12  # of a traceback
+LAST_WORDS = 10  # lines of what the node printed and logged
 
 
 def scenario_for(
@@ -198,10 +201,17 @@ def print_summary(recording: Recording, *, file: str, practice: str = "") -> Non
     say("[bold]What happened[/]")
     for line in event_lines(recording):
         say(f"  {escape(printable(line, console))}")
-    for line in recording.outcome.detail.splitlines()[-LAST_LINES:]:
+    detail = recording.outcome.detail
+    for line in told_first(detail) or detail.splitlines()[-LAST_LINES:]:
         say(f"    {escape(printable(line, console))}", style="dim")
     for line in account_of(recording):
         say(f"  {line}")
+    if said := last_words(recording, LAST_WORDS):
+        say()
+        say("[bold]What the node said[/]" + (", the last lines" if len(recording.log) > LAST_WORDS
+                                             else ""))  # fmt: skip
+        for line in said:
+            say(f"  {escape(printable(line, console))}")
     if practice:
         say(f"  {practice}", style="yellow")
 

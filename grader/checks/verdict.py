@@ -28,6 +28,8 @@ class CheckFailed(AssertionError):
         at: float | None = None,
         scenario: str | None = None,
         help: str = "",
+        where: str = "",
+        title: str = "",
     ) -> None:
         super().__init__(message)
         self.message = message
@@ -36,6 +38,13 @@ class CheckFailed(AssertionError):
         self.at = at  # [s]
         self.scenario = scenario
         self.help = help
+        self.where = where
+        self.title = title  # in place of the check's own
+
+    @property
+    def of_one_message(self) -> bool:
+        """The node ran, and died of a message: where it lived on, other checks can judge it."""
+        return bool(self.title)
 
 
 class Inconclusive(Exception):
@@ -50,6 +59,8 @@ def fail(
     at: float | None = None,
     recording: Recording | None = None,
     help: str = "",
+    where: str = "",
+    title: str = "",
 ) -> NoReturn:
     """Fail the check.
 
@@ -65,6 +76,11 @@ def fail(
         The trial in which it happened.
     help
         What to look at next.
+    where
+        The student's lines that were being run, innermost first.
+    title
+        What is shown as the check's title: a node that dies of a message has started, and the
+        checks that need this one are judged in the trials in which it lived on.
 
     Raises
     ------
@@ -78,6 +94,8 @@ def fail(
         at=None if at is None else float(at),
         scenario=recording.name if recording else None,
         help=help,
+        where=where,
+        title=title,
     )
 
 

@@ -7,11 +7,11 @@ fifteen failures without a cause.
 from __future__ import annotations
 
 import difflib
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 from grader.checks.verdict import fail
 from grader.course.exercises import Service, Topic, find_exercise
-from grader.recording import Endpoint, Recording
+from grader.recording import Death, Endpoint, Recording, death_of
 
 _ENDS = {
     "missing": "Put all files of the exercise into one folder, and grade that folder.",
@@ -25,6 +25,7 @@ _ENDS = {
     "flooded": "Does something publish in a loop without waiting?",
 }
 
+SURVIVES = "The node survives every message that it gets."
 OURS = "/course_"  # prefix of the nodes that the grader runs beside the student's
 KINDS = {
     "publish": "publisher",
@@ -61,26 +62,57 @@ def require_alive(recording: Recording) -> None:
     outcome = recording.outcome
     if outcome.completed:
         return
+    death = death_of(outcome.detail)
     text = outcome.text or f"the node's program ended ({outcome.kind})"
-    last = _last_delivery(recording)
     if outcome.kind == "exception":
-        where = f"a callback, after {last}" if last else "the start-up, before any message came"
-        fail(
-            f"the node died of an exception in {where}: {text}",
-            expected="a node that never dies of a message",
-            actual=text,
-            at=_time_of_end(recording),
-            recording=recording,
-            help=_last_line_of(outcome.detail) or "Read the traceback from its last line upwards.",
-        )
+        _fail_of_exception(recording, text, death)
+    ends = _ENDS.get(outcome.kind, "")
+    if death and death.loop:
+        ends = f"Does this loop ever end? {death.loop} {ends}"
+    if death and death.advice:
+        ends = _sentence(death.advice)
     fail(
         text,
         expected="a node that runs until the end of the scenario",
         actual=outcome.kind.replace("_", " "),
         at=_time_of_end(recording),
         recording=recording,
-        help=_ENDS.get(outcome.kind, ""),
+        help=ends,
+        where=_lines_of(death),
     )
+
+
+def _fail_of_exception(recording: Recording, text: str, death: Death | None) -> NoReturn:
+    """Fail with the place of an exception, the message that was handled, and the lines."""
+    last = _last_delivery(recording, death.topic if death else "")
+    if death is None:
+        where = f"a callback, after {last}" if last else "the start-up, before any message came"
+    elif death.in_callback:
+        where = death.place + (f", {'at' if death.topic else 'after'} {last}" if last else "")
+    else:
+        where = death.place + ("" if last else ", before any message came")
+    runs = bool(last) if death is None else death.in_callback
+    look = _last_line_of(recording.outcome.detail) or "Read the traceback from its last line up."
+    fail(
+        f"the node died of an exception in {where}: {text}",
+        expected="a node that never dies of a message" if runs else "a node that starts and spins",
+        actual=death.said if death and death.said else text,
+        at=_time_of_end(recording),
+        recording=recording,
+        help=_sentence(death.advice) if death and death.advice else look,
+        where=_lines_of(death),
+        title=SURVIVES if runs else "",
+    )
+
+
+def _lines_of(death: Death | None) -> str:
+    """Return the student's lines, innermost first."""
+    return "\n".join(str(frame) for frame in death.frames) if death else ""
+
+
+def _sentence(text: str) -> str:
+    end = "" if text.endswith((".", "?", "!")) else "."
+    return f"{text[0].upper()}{text[1:]}{end}"
 
 
 def _time_of_end(recording: Recording) -> float:
@@ -89,11 +121,15 @@ def _time_of_end(recording: Recording) -> float:
     return max(times, default=0) / 1e9
 
 
-def _last_delivery(recording: Recording) -> str:
-    """Return the last message that the node was sent, in words; empty if there was none."""
+def _last_delivery(recording: Recording, topic: str) -> str:
+    """Return the last message that the node was sent, in words; empty if there was none.
+
+    `topic`: the last one on this topic, if there is one.
+    """
     if not recording.delivered:
         return ""
-    message = recording.delivered[-1]
+    on_topic = [message for message in recording.delivered if message.topic == topic]
+    message = (on_topic or recording.delivered)[-1]
     text = f"the message on {message.topic} at {message.time / 1e9:.3f} s"
     bench = recording.scenario.bench_scans
     index = len(recording.scans()) - 1
@@ -104,6 +140,9 @@ def _last_delivery(recording: Recording) -> str:
 
 def _last_line_of(traceback: str) -> str:
     """Return where to look: the last line of the student's own code in a traceback."""
+    if death := death_of(traceback):
+        inner = death.frames[0] if death.frames else None
+        return f"Look at line {inner.line} of {inner.file}, in {inner.function}." if inner else ""
     places = [line.strip() for line in traceback.splitlines() if line.strip().startswith("File ")]
     own = [place for place in places if "/rclpy/" not in place and "/lib/python" not in place]
     return f"Look at {own[-1][0].lower()}{own[-1][1:]}." if own else ""

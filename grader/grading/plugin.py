@@ -14,7 +14,7 @@ where these libraries are installed; elsewhere it is UNAVAILABLE, and its scenar
 from __future__ import annotations
 
 from collections.abc import Generator, Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import pytest
@@ -22,6 +22,7 @@ import pytest
 from grader.checks.verdict import CheckFailed, Inconclusive, inconclusive
 from grader.errors import GraderError, InputError
 from grader.recording import Recording
+from grader.recording.words import words_of
 from grader.trial.progress import CHECK, OnProgress, ignore
 from grader.trial.trials import NoRecording, TrialFault, Trials
 
@@ -65,6 +66,8 @@ class CheckResult:
     time: float | None = None  # [s]
     help: str = ""
     scenario: str | None = None
+    where: str = ""  # the student's lines that were being run, innermost first
+    log: str = ""  # what the node said around that time
 
     def as_dict(self) -> dict[str, Any]:
         """Return the JSON object of this result."""
@@ -88,6 +91,7 @@ class CheckPlugin:
         self._on_progress = on_progress
         self._checks: dict[str, Check] = {}  # by node id
         self._lacks: dict[str, str] = {}  # by check id: the libraries that are not installed
+        self._died: set[str] = set()  # checks that failed since the node died of one message
         self._spared: set[str] = set()  # checks not judged since the grader failed in a trial
         self.results: dict[str, CheckResult] = {}  # by check id
         self.fault: Exception | None = None  # why the checks could not be collected
@@ -132,6 +136,8 @@ class CheckPlugin:
                 continue
             if result.outcome in UNJUDGED:
                 inconclusive(f"not judged, because “{result.title}” could not be judged")
+            if need in self._died and self._lived(check):
+                continue
             if result.outcome != PASS:
                 raise _Unmet(f"not judged, because “{result.title}” did not pass")
         if check.field:
@@ -151,12 +157,26 @@ class CheckPlugin:
             return
         if call.excinfo is not None:
             error = call.excinfo.value
-            self.results[check.id] = _judge(check, self._excused(check, error))
+            error = self._excused(check, error)
+            self.results[check.id] = self._with_log(_judge(check, error))
             if isinstance(error, TrialFault):
                 self._spared.add(check.id)
+            if _died_of_one(check, error):
+                self._died.add(check.id)
         elif call.when == "call":
             self.results[check.id] = _result(check, PASS)
         self._on_progress(CHECK, len(self.results), len(self._checks))
+
+    def _lived(self, check: Check) -> bool:
+        """Tell whether the node lived on to the end of all of a check's trials."""
+        return all(self._trials.get(name).outcome.completed for name in check.scenarios)
+
+    def _with_log(self, result: CheckResult) -> CheckResult:
+        """Quote what the node itself said at the moment of a failure."""
+        if result.outcome != FAIL or result.scenario is None:
+            return result
+        said = words_of(self._trials.get(result.scenario), result.time)
+        return replace(result, log="\n".join(said)[:MAX_MESSAGE])
 
     def _excused(self, check: Check, error: BaseException) -> BaseException:
         """Return the error; an `Inconclusive` instead if the machine may have caused it."""
@@ -237,6 +257,11 @@ def _read_check(item: pytest.Item) -> Check:
     )
 
 
+def _died_of_one(check: Check, error: BaseException) -> bool:
+    """Tell whether a first check fails since the node, which ran, died of one message."""
+    return isinstance(error, CheckFailed) and error.of_one_message and not check.needs
+
+
 def _judge(check: Check, error: BaseException) -> CheckResult:
     match error:
         case CheckFailed():
@@ -249,6 +274,8 @@ def _judge(check: Check, error: BaseException) -> CheckResult:
                 time=error.at,
                 help=error.help,
                 scenario=error.scenario,
+                where=error.where,
+                **({"title": error.title} if _died_of_one(check, error) else {}),
             )
         case Inconclusive():
             return _result(check, INCONCLUSIVE, message=str(error))
@@ -270,7 +297,7 @@ def _result(check: Check, outcome: str, **details: Any) -> CheckResult:
     }
     return CheckResult(
         id=check.id,
-        title=check.title,
+        title=texts.pop("title", check.title),
         kind=check.kind,
         points=check.points if outcome == PASS else 0,
         max_points=check.points,

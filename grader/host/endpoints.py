@@ -62,6 +62,9 @@ class EndpointWatch:
 def report(kind: str, node: Any, endpoint: Any, mismatch: str = "") -> EndpointReport:
     """Describe an endpoint for the judge."""
     owner = node.get_fully_qualified_name()
+    is_topic = kind in ("publisher", "subscription")
+    # a destroyed endpoint, as it is after an exception, has no name any more
+    endpoint._course_name = endpoint.topic_name if is_topic else endpoint.service_name
     if kind in ("service", "client"):
         return EndpointReport(kind, owner, endpoint.service_name, type_name(endpoint.srv_type))
     qos = endpoint.qos_profile

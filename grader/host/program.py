@@ -13,13 +13,14 @@ import types
 from collections.abc import Iterator
 from pathlib import Path
 
-from . import hints, libraries, randomness
+from . import deaths, hints, libraries, randomness
 from .frames import ProgramStart, Start
 from .source import compiled
 from .virtual import signals
 from .virtual.session import Session
 
 OURS = Path(__file__).parent
+MAX_ACCOUNT, MAX_TRACE = 4_000, 12_000  # [characters]
 
 
 def run(session: Session, start: Start) -> None:
@@ -66,7 +67,7 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
         return "exited", f"sys.exit({'' if error.code is None else repr(error.code)})", ""
     except BaseException as error:  # students may raise anything
         atexit._run_exitfuncs()
-        return "exception", _exception_text(error, program.file), _own_traceback(error)
+        return "exception", _exception_text(error, program.file), _detail(error, program.file)
     return "returned", "the program ran to its end", ""
 
 
@@ -129,6 +130,16 @@ def _first_line(error: BaseException) -> str:
         return (str(error).splitlines() or [""])[0]
     except Exception:
         return "(its text could not be read)"
+
+
+def _detail(error: BaseException, file: str) -> str:
+    """Tell of the student's own lines first; then comes Python's traceback."""
+    trace = _own_traceback(error)
+    try:
+        told = deaths.account(error, Path(file).parent)
+    except Exception:  # the exception is the student's, and may be anything
+        return trace
+    return f"{told[:MAX_ACCOUNT]}\n\n{trace[-MAX_TRACE:]}"
 
 
 def _own_traceback(error: BaseException) -> str:

@@ -1,6 +1,7 @@
 """What happened in one trial: the one thing that checks and reports see."""
 
 from grader.recording.costs import Costs, account_of, costs_of
+from grader.recording.deaths import Death, death_of
 from grader.recording.inferences import Inference
 from grader.recording.recording import COMPLETED, Compute, Endpoint, Live, Outcome, Recording
 from grader.recording.training import ModelAnswers, ScriptRun, Training
@@ -10,6 +11,7 @@ __all__ = [
     "COMPLETED",
     "Compute",
     "Costs",
+    "Death",
     "Endpoint",
     "Floats",
     "Goals",
@@ -25,4 +27,5 @@ __all__ = [
     "Twists",
     "account_of",
     "costs_of",
+    "death_of",
 ]

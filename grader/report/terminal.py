@@ -185,6 +185,7 @@ def facts_of(check: Check) -> list[tuple[str, str]]:
         facts.append(("when", f"{time:.2f} s" + (f" in {scenario}" if scenario else "")))
     elif scenario and check["outcome"] not in SKIPPED:
         facts.append(("run", str(scenario)))
+    facts += [("code", check.get("where")), ("log", check.get("log"))]
     facts.append(("next", check.get("help")))
     return [(name, str(text)) for name, text in facts if text]
 

@@ -24,6 +24,7 @@ from grader.link.workplace import Excess
 from grader.models.service import ModelService, TooManyQuestions
 from grader.recording import COMPLETED, Live, Outcome, Recording
 from grader.trial.endings import (
+    BUSY_WAIT,
     GRACE,
     NEVER_SPUN,
     died_text,
@@ -35,6 +36,7 @@ from grader.trial.endings import (
     without_folder,
 )
 from grader.trial.exclusive import TRIAL_LOCK
+from grader.trial.hangs import located
 from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over
 from grader.trial.recorder import Command, Flood, Recorder
 from grader.trial.staging import Stage, stage
@@ -94,7 +96,7 @@ def run_live_trial(
             models = ModelService(scenario, simulation.seed)
             hosts = LiveHosts(forkserver.live, staged, domain, simulation.seed, models)
             trial = _LiveTrial(simulation, Recorder(stamped=stamped), hosts, staged, models)
-            recording = trial.run(reason)
+            recording = located(trial.run(reason), submission)
         if not recording.live or not recording.live.stall:
             break
     return recording
@@ -126,10 +128,13 @@ class _LiveTrial:
         self._lateness = 0.0  # [s] of the robot's latest message
         self._answer_rate = AnswerRate()
         self._starved = 0.0  # [s] that a thread of a host has waited for a CPU, at worst
+        self._hung_after = HUNG_AFTER  # [s]
 
     def run(self, reason: str) -> Recording:
         """Run the trial to its end."""
         stall = ""
+        if reason == BUSY_WAIT:  # it hung before: a scenario may be shorter than HUNG_AFTER
+            self._hung_after = min(HUNG_AFTER, self._simulation.scenario.duration / 2)
         with priority(), self.hosts as hosts:
             try:
                 hosts.open()
@@ -234,7 +239,7 @@ class _LiveTrial:
         for program in programs:
             if program.start.stop is not None:
                 continue
-            if program.pulse.busy > HUNG_AFTER:
+            if program.pulse.busy > self._hung_after:
                 return self._outcome("hung", HUNG, program.link.stacks())
         return self._outcome(COMPLETED, "")
 

@@ -21,7 +21,7 @@ from grader.errors import GraderError, is_disk_full
 from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
-from grader.trial.endings import not_run
+from grader.trial.endings import BUSY_WAIT, not_run
 from grader.trial.progress import TRIAL, OnProgress, ignore
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
@@ -31,7 +31,6 @@ from sim.simulation import Simulation
 
 CANDIDATES = 6  # seeds to choose a comparable world from
 REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
-BUSY_WAIT = "a loop in the node waits without letting time pass (such as `while not done: pass`)"
 MAX_SAID = 200  # [characters] of an error in a message
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
 PATIENCE = 300.0  # [s] of wall time that the virtual trials of a submission may take in all

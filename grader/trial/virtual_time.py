@@ -31,6 +31,7 @@ from grader.trial.endings import (
     roll_on,
     without_folder,
 )
+from grader.trial.hangs import located
 from grader.trial.recorder import Flood, Recorder
 from grader.trial.staging import stage
 from sim.messages import EPOCH_NS, Message
@@ -107,7 +108,7 @@ def run_trial(
             except _Early as early:
                 lead = early.lead
                 continue
-            return trial.recording(outcome, staged.folder)
+            return located(trial.recording(outcome, staged.folder), submission)
 
 
 class _Early(Exception):

@@ -319,6 +319,7 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
             clock = None  # system and steady time are the same virtual time as the node's clock
         timer = create_timer(self, timer_period_sec, callback, callback_group, clock, **kwargs)
         timer._clock = theirs or timer._clock
+        timer._course_name = f"{float(timer_period_sec):g} s"
         return timer
 
     node_cls.create_timer = virtual_create_timer

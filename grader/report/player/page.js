@@ -143,7 +143,7 @@ function buildCheckBody(check, links) {
   const long = (value, name) => (value.length > 600
     ? { class: `${name} is-long`, dir: 'auto', tabindex: '0' } : { class: name, dir: 'auto' });
   const message = text(check.message);
-  const facts = [['Expected', check.expected], ['Actual', check.actual]].map(([name, value]) => [name, text(value)])
+  const facts = [['Expected', check.expected], ['Actual', check.actual], ['Code', check.where], ['Log', check.log]].map(([name, value]) => [name, text(value)])
     .filter(([, value]) => value);
   return [
     message && el('p', long(message, 'message'), message),

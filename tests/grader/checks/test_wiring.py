@@ -53,7 +53,7 @@ def test_a_wired_node_passes(run_node: RunNode) -> None:
             "the publisher on /cmd_vel has the type TwistStamped; the robot's end of it is Twist",
         ),
         (node(PUBLISHER, TRANSIENT), "cannot talk: their QoS does not match"),
-        (node(callback="raise KeyError('x')"), "the node died of an exception in a callback"),
+        (node(callback="raise KeyError('x')"), "the node died of an exception in the callback of /scan, at the message"),
         ("raise KeyError('x')", "the node died of an exception in the start-up"),
         ("rclpy.init()", "the program ran to its end"),
     ],
@@ -70,5 +70,6 @@ def test_the_line_of_the_student_is_named(run_node: RunNode) -> None:
     recording = run_node(node(callback="raise KeyError('x')"), short(0.5))
     with pytest.raises(CheckFailed) as caught:
         require_alive(recording)
-    assert "in on_scan" in caught.value.help
+    assert "in on_scan" in caught.value.where
+    assert "raise KeyError('x')" in caught.value.where
     assert caught.value.at == recording.scans()[0].t

@@ -1,0 +1,248 @@
+"""How a program died, in the student's terms: the place, its own lines, and the values there.
+
+`account` writes what `grader.recording.deaths` reads::
+
+    in the callback of /scan
+    agent.py, line 58, in choose_speed
+        if distance < 0.5:
+        distance = None
+    TypeError: '<' not supported between instances of 'NoneType' and 'float'
+    try: …
+
+Values are told for the reader only: the program made them, so they prove nothing. No `__repr__` of
+the program's own is called; it could do anything.
+"""
+
+from __future__ import annotations
+
+import array
+import linecache
+import math
+import re
+import traceback
+from collections.abc import Iterator
+from pathlib import Path
+from types import CodeType, FrameType, FunctionType, MemberDescriptorType, MethodType, ModuleType, TracebackType
+from typing import Any
+
+from .plain_words import plain_words
+
+MAX_FRAMES = 4
+MAX_VALUES = 6  # of a frame
+MAX_VALUE = 60  # [characters]
+MAX_SOURCE = 160  # [characters] of a line
+MAX_ITEMS = 4  # of a list
+MAX_NAME = 100  # [characters]
+MAX_SAID = 400  # [characters] of an exception's text
+RCLPY = ("rclpy", "executors.py")
+NAMES = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
+SILENT = (ModuleType, FunctionType, MethodType, type, CodeType)
+MISSING = object()
+NO_RESPONSE = "a service's callback has to end with `return response`, on every path"
+NO_RESULT = (
+    "result() is None until the answer has come: use it in a function given to "
+    "future.add_done_callback(…), or ask future.done() first"
+)
+
+Line = tuple[FrameType, int]
+
+
+
+def account(error: BaseException, folder: Path) -> str:
+    """Tell of an exception: where, what lines of files in `folder` led to it, and what to try."""
+    frames = list(_frames(error.__traceback__))
+    inner = _since_callback(frames)
+    own = [(frame, line) for frame, line in inner if _is_in(frame, folder)]
+    entity = _entity_of(frames)
+    place = _place(frames, entity, own)
+    lines = [f"in {place}"]
+    for frame, line in reversed(own[-MAX_FRAMES:]):
+        lines += _told(frame, line)
+    if not own and entity is not None:
+        lines += _callback(entity)
+    lines.append(_said(error))
+    if words := _advice(error, place, own):
+        lines.append(f"try: {words}")
+    return "\n".join(lines)
+
+
+def _advice(error: BaseException, place: str, own: list[Line]) -> str:
+    if not own and isinstance(error, TypeError) and place.startswith("the service"):
+        return NO_RESPONSE
+    if own and "NoneType" in str(error) and ".result()" in _lines_before(*own[-1]):
+        return NO_RESULT
+    return plain_words(error)
+
+
+def _since_callback(frames: list[Line]) -> list[Line]:
+    """Leave out what led to the callback: main() and rclpy.spin()."""
+    outer = [i for i, (frame, _) in enumerate(frames) if _is_executors(frame)]
+    return frames[outer[-1] + 1 :] if outer else frames
+
+
+def _frames(trace: TracebackType | None) -> Iterator[Line]:
+    while trace is not None:
+        yield trace.tb_frame, trace.tb_lineno
+        trace = trace.tb_next
+
+
+def _is_in(frame: FrameType, folder: Path) -> bool:
+    return Path(frame.f_code.co_filename).parent == folder
+
+
+def _is_executors(frame: FrameType) -> bool:
+    return Path(frame.f_code.co_filename).parts[-2:] == RCLPY
+
+
+def _entity_of(frames: list[Line]) -> Any:
+    """Return the subscription, timer, service or client that was called back."""
+    for frame, _ in reversed(frames):
+        if _is_executors(frame) and frame.f_code.co_name == "handler":
+            return frame.f_locals.get("entity")
+    return None
+
+
+def _place(frames: list[Line], entity: Any, own: list[Line]) -> str:
+    """Say what was running: a callback, and which, or the start-up."""
+    if entity is not None:
+        return _entity(entity)
+    if any(_is_executors(frame) for frame, _ in frames):
+        return "a callback"
+    names = [frame.f_code.co_name for frame, _ in own]
+    return "the constructor" if "__init__" in names else "the start-up"
+
+
+def _callback(entity: Any) -> list[str]:
+    """Return the head of a callback, for an exception that came after it."""
+    code = getattr(getattr(entity, "callback", None), "__code__", None)
+    if code is None:
+        return []
+    source = linecache.getline(code.co_filename, code.co_firstlineno).strip()[:MAX_SOURCE]
+    head = f"{Path(code.co_filename).name}, line {code.co_firstlineno}, in {code.co_name}"
+    return [head, f"    {source}"] if source else [head]
+
+
+def _lines_before(frame: FrameType, line: int, count: int = 4) -> str:
+    """Return a line and those before it."""
+    file = frame.f_code.co_filename
+    return "".join(linecache.getline(file, n) for n in range(max(1, line - count), line + 1))
+
+
+def _entity(entity: Any) -> str:
+    """Name what was called back; the node may be destroyed by now, and its ends have no names."""
+    name = str(getattr(entity, "_course_name", ""))[:MAX_NAME]
+    words = {
+        "Subscription": f"the callback of {name}" if name else "the callback of a topic",
+        "Timer": f"a timer ({name})" if name else "a timer",
+        "Service": f"the service {name}" if name else "a service",
+        "Client": f"the answer of the service {name}" if name else "the answer of a service",
+    }
+    return words.get(type(entity).__name__, "a callback")
+
+
+def _told(frame: FrameType, line: int) -> list[str]:
+    """Return the lines about a frame."""
+    code = frame.f_code
+    source = linecache.getline(code.co_filename, line).strip()[:MAX_SOURCE]
+    told = [f"{Path(code.co_filename).name}, line {line}, in {code.co_name}"]
+    if source:
+        told.append(f"    {source}")
+    if values := _values(frame, source):
+        told.append(f"    {', '.join(values)}")
+    return told
+
+
+def _values(frame: FrameType, source: str) -> list[str]:
+    """Return the values of the names in a line, such as `speed` and `self.pose.x`."""
+    told: dict[str, str] = {}
+    for path in NAMES.findall(source):
+        first, *rest = path.split(".")
+        if first not in frame.f_locals:
+            continue
+        name, value = first, frame.f_locals[first]
+        for attribute in rest:
+            found = _attribute(value, attribute)
+            if found is MISSING:
+                break
+            name, value = f"{name}.{attribute}", found
+        if name != "self" and not isinstance(value, SILENT):
+            told[name] = f"{name} = {value_words(value)}"
+    return list(told.values())[:MAX_VALUES]
+
+
+def _attribute(owner: Any, name: str) -> Any:
+    """Return an attribute without calling anything; fields of messages lie under `_name`."""
+    fields = getattr(type(owner), "_fields", ())
+    if isinstance(owner, tuple) and name in fields:
+        return tuple.__getitem__(owner, fields.index(name))
+    for key in (name, f"_{name}"):
+        try:
+            inside = object.__getattribute__(owner, "__dict__")
+        except AttributeError:
+            inside = {}
+        if key in inside:
+            return inside[key]
+        slot = type(owner).__dict__.get(key)
+        if isinstance(slot, MemberDescriptorType):
+            try:
+                return slot.__get__(owner)
+            except AttributeError:
+                continue
+    return MISSING
+
+
+def value_words(value: Any) -> str:
+    """Return a value in few characters, without calling any code of the program's."""
+    try:
+        words = _words(value, depth=1)
+    except Exception:
+        words = f"<{type(value).__name__}>"
+    words = " ".join(words.split())
+    return words if len(words) <= MAX_VALUE else words[: MAX_VALUE - 1] + "…"
+
+
+def _words(value: Any, depth: int) -> str:
+    kind = type(value)
+    if value is None or kind in (bool, float, complex):
+        return repr(value)
+    if kind is int:
+        return repr(value) if value.bit_length() < 200 else "a huge int"
+    if kind in (str, bytes):
+        return repr(value[:MAX_VALUE])
+    if kind in (list, tuple, set, frozenset, dict):
+        return _items(value, depth)
+    if kind is array.array:
+        return _numbers(list(value), f"array of {len(value)}")
+    if kind.__module__ == "numpy":
+        if hasattr(value, "shape") and kind.__name__ == "ndarray":
+            return _numbers(value.ravel().tolist(), f"array {value.shape} of {value.dtype}")
+        return f"{kind.__name__}({value})"
+    return f"<{kind.__name__}>"
+
+
+def _items(value: Any, depth: int) -> str:
+    size = f"{type(value).__name__} of {len(value)}"
+    if not depth or len(value) > MAX_ITEMS:
+        flat = [x for x in value if type(x) in (int, float)] if type(value) is not dict else []
+        return _numbers(flat, size) if flat and len(flat) == len(value) else size
+    if type(value) is dict:
+        inner = [f"{_words(k, 0)}: {_words(v, 0)}" for k, v in value.items()]
+        return "{" + ", ".join(inner) + "}"
+    return f"[{', '.join(_words(item, 0) for item in value)}]"
+
+
+def _numbers(numbers: list[Any], size: str) -> str:
+    usable = [x for x in numbers if isinstance(x, int | float) and not math.isnan(x)]
+    if not usable:
+        return size
+    lost = len(numbers) - len(usable)
+    return f"{size}, {min(usable):.3g} … {max(usable):.3g}" + (f", {lost} NaN" if lost else "")
+
+
+def _said(error: BaseException) -> str:
+    """Return Python's own words in one line."""
+    try:
+        text = "".join(traceback.format_exception_only(error))
+    except Exception:
+        text = type(error).__name__
+    return " ".join(text.split())[:MAX_SAID]

@@ -1,0 +1,210 @@
+"""The exceptions that beginners meet most often, in plain words: what it means, and what to try.
+
+Python says what it could not do. These lines say what most often leads there in a ROS node.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Callable
+from typing import Any
+
+NO_VALUE = (
+    "something is None: does every path of the function that made it `return` a value, also at "
+    "the limits, and has the first message come?"
+)
+CALLED = (
+    "is a method called where it should only be named? Write self.scan_callback, without brackets: "
+    "ROS calls it. A method's first parameter is self"
+)
+PARAMETER = "get_parameter('…') gives a Parameter; its value is get_parameter('…').value"
+
+# (exception, what its text matches, what to try); the first that fits is told.
+COMMON: tuple[tuple[str, str, str], ...] = (
+    ("TypeError", r"missing \d+ required positional argument", CALLED),
+    (
+        "TypeError",
+        r"takes \d+ positional arguments? but \d+ (was|were) given",
+        "does the method's first parameter say self? Python hands over the object itself, too",
+    ),
+    ("TypeError", r"for \^", "`^` is not a power in Python: write x**2"),
+    ("TypeError", r"'Parameter'", PARAMETER),
+    ("TypeError", r"Parameter\b.*\bfloat|float.*\bParameter\b", PARAMETER),
+    ("TypeError", r"NoneType", NO_VALUE),
+    ("AttributeError", r"^'NoneType' object", NO_VALUE),
+    (
+        "TypeError",
+        r"'\w+' object is not callable",
+        "there are brackets after something that is no function; does a variable have the name of "
+        "a function, such as min or sum?",
+    ),
+    (
+        "TypeError",
+        r"not subscriptable|does not support indexing",
+        "square brackets need a list, an array or a dict",
+    ),
+    ("TypeError", r"not iterable", "a loop needs a list; one number is none"),
+    (
+        "TypeError",
+        r"can only concatenate str|must be str, not",
+        'a text and a number can\'t be added: write f"… {number:.2f}"',
+    ),
+    (
+        "TypeError",
+        r"unexpected keyword argument",
+        "look at the names of that function's parameters",
+    ),
+    (
+        "TypeError",
+        r"only length-1 arrays|only 0-dimensional arrays",
+        "this needs one number, and got an array: take one item of it, such as prediction[0]",
+    ),
+    ("TypeError", r"not supported between instances", "these two are not of the same kind"),
+    (
+        "AssertionError",
+        r"field must be of type 'float'|must be a float|of type 'float'",
+        "a float field takes a float, not an int or None: write 0.0 for 0, or float(…)",
+    ),
+    (
+        "AssertionError",
+        r"field must be",
+        "the field takes another type: `ros2 interface show TYPE` lists them",
+    ),
+    (
+        "UnboundLocalError",
+        r"",
+        "the variable is only given a value on some paths (in an `if` that was not true, or in a "
+        "loop that never ran): give it one before",
+    ),
+    ("NameError", r"", "is it misspelt, or does it lack `self.` or an import?"),
+    (
+        "IndexError",
+        r"list index out of range|array index|out of bounds|index out of range",
+        "count from the length of the list, and try the smallest lists: an empty scan has none",
+    ),
+    ("KeyError", r"", "the dict has no such key: is it misspelt, or not filled yet?"),
+    ("ZeroDivisionError", r"", "what if there is nothing to divide by: an empty list, equal times?"),
+    (
+        "ValueError",
+        r"min\(\)|max\(\)|zero-size array|empty sequence|iterable argument is empty",
+        "there may be no usable reading at all: ask before min()",
+    ),
+    (
+        "ValueError",
+        r"truth value of an array",
+        "a comparison of an array gives many answers: use .any(), .all() or a mask",
+    ),
+    (
+        "ValueError",
+        r"Expected 2D array|expecting \d+ features|Reshape your data",
+        "the model wants a row for each sample, (1, 5) here: features.reshape(1, -1)",
+    ),
+    (
+        "ValueError",
+        r"broadcast|shape mismatch|inhomogeneous|all the input array",
+        "two arrays don't have the same length: print their shapes",
+    ),
+    (
+        "ValueError",
+        r"math domain error",
+        "a root or a logarithm of a negative number, or an angle of infinity",
+    ),
+    (
+        "ValueError",
+        r"cannot convert float NaN|could not convert|invalid literal",
+        "this is no number: a scan may hold NaN, a text may hold anything",
+    ),
+    ("ValueError", r"unpack", "there are not as many values as names on the left"),
+    (
+        "OverflowError",
+        r"infinity",
+        "a scan may hold infinity, which has no int: ask math.isfinite first",
+    ),
+    (
+        "InvalidArgument",
+        r"Got invalid input|Invalid rank|INVALID_ARGUMENT",
+        "ONNX wants float32 of the shape of its input, (1, 5) here: "
+        "features.astype(np.float32).reshape(1, -1)",
+    ),
+    (
+        "FileNotFoundError",
+        r"",
+        "the file is looked for in the folder from which the node was started; a model's path "
+        "comes from the parameter model_path",
+    ),
+    ("RecursionError", r"", "a function calls itself for ever"),
+    (
+        "NotInitializedException",
+        r"",
+        "rclpy.init() comes first, before any node is made",
+    ),
+    (
+        "ParameterNotDeclaredException",
+        r"",
+        "declare it in the constructor: self.declare_parameter('name', default)",
+    ),
+    ("IndentationError", r"", "indent with four spaces, and the same in a whole block"),
+    ("TabError", r"", "indent with four spaces everywhere, never with tabs"),
+    ("SyntaxError", r"never closed|unmatched", "a bracket is missing, often in the line before"),
+    ("SyntaxError", r"expected ':'", "a line with if, for, while, def or class ends with a colon"),
+    ("SyntaxError", r"instead of '='|Maybe you meant '=='", "a comparison is written =="),
+    ("SyntaxError", r"", "look at the end of the line before, too"),
+)
+FITS = [(name, re.compile(text), advice) for name, text, advice in COMMON]
+
+
+def plain_words(error: BaseException) -> str:
+    """Return what most often leads to such an exception, and what to try; "" if unknown."""
+    try:
+        return _words(error)
+    except Exception:  # the exception is the program's own, and may be anything
+        return ""
+
+
+def _words(error: BaseException) -> str:
+    text = str(error)
+    special = SPECIAL.get(type(error).__name__)
+    if special and (said := special(error)):
+        return said
+    names = [kind.__name__ for kind in type(error).__mro__]
+    for name, fits, advice in FITS:
+        if name in names and fits.search(text):
+            return advice
+    return ""
+
+
+def _attribute(error: Any) -> str:
+    """Say which attributes there are instead."""
+    owner, name = getattr(error, "obj", None), getattr(error, "name", None)
+    if owner is None or not isinstance(name, str):
+        return ""
+    fields = getattr(type(owner), "_fields_and_field_types", None)
+    if isinstance(fields, dict):
+        return f"a {type(owner).__name__} has no {name}; it has {', '.join(map(str, fields))}"
+    if hasattr(type(owner), name.strip()) or isinstance(owner, type):
+        return ""
+    known = [*getattr(owner, "__dict__", {}), *dir(type(owner))]
+    near = difflib.get_close_matches(name, known, n=1)
+    if near:
+        return f"is it {near[0]}, not {name}?"
+    if hasattr(owner, "__dict__"):
+        return (
+            f"nothing has given self.{name} a value yet: do so in __init__, before it is used "
+            "and before anything can call back"
+        )
+    return f"a {type(owner).__name__} has no {name}"
+
+
+def _name(error: Any) -> str:
+    """Say that `self.` is missing, where the object has an attribute of that name."""
+    name, trace = getattr(error, "name", None), error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    owner = trace.tb_frame.f_locals.get("self") if trace else None
+    if isinstance(name, str) and owner is not None and name in {*vars(owner), *dir(type(owner))}:
+        return f"is it self.{name}?"
+    return ""
+
+
+SPECIAL: dict[str, Callable[[Any], str]] = {"AttributeError": _attribute, "NameError": _name}

@@ -1,0 +1,60 @@
+"""What a node said around a moment: its log, what it printed, its diagnostics.
+
+It is the program's own word, quoted to help its author; no verdict depends on it.
+"""
+
+from __future__ import annotations
+
+from grader.link.log import LogLine
+from grader.recording.recording import Recording
+from sim.messages import decode
+
+BEFORE, AFTER = 1.0, 0.05  # [s] around the moment
+MOST = 3  # lines
+MAX_TEXT = 300  # [characters] of one
+URGENT = ("warn", "error", "fatal", "stderr")
+DIAGNOSTICS, DIAGNOSTIC_ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
+
+
+def words_of(recording: Recording, moment: float | None) -> list[str]:
+    """Return what the node said around a moment [s]; of a whole run its last warnings."""
+    if moment is None:
+        return [_told(line) for line in recording.log if line.level in URGENT][-MOST:]
+    near = [line for line in recording.log if moment - BEFORE <= line.t <= moment + AFTER]
+    urgent = [line for line in near if line.level in URGENT]
+    said = [_told(line) for line in _different(urgent or near)[-MOST:]]
+    return said + _diagnostics(recording, moment)
+
+
+def last_words(recording: Recording, most: int) -> list[str]:
+    """Return the last lines that the node printed and logged."""
+    return [_told(line) for line in recording.log[-most:]]
+
+
+def _told(line: LogLine) -> str:
+    level = "" if line.level in ("stdout", "stderr") else f"{line.level}: "
+    return f"{line.t:.2f} s  {level}{line.text[:MAX_TEXT]}"
+
+
+def _different(lines: list[LogLine]) -> list[LogLine]:
+    """Leave out lines that repeat an earlier one."""
+    return list({line.text: line for line in reversed(lines)}.values())[::-1]
+
+
+def _diagnostics(recording: Recording, moment: float) -> list[str]:
+    """Return the newest diagnostic at that moment."""
+    sent = [
+        message
+        for message in recording.published
+        if message.topic == DIAGNOSTICS
+        and message.type == DIAGNOSTIC_ARRAY
+        and message.time / 1e9 <= moment + AFTER
+    ]
+    if not sent:
+        return []
+    try:
+        array = decode(sent[-1].data, DIAGNOSTIC_ARRAY)
+        texts = [f"{status.name}: {status.message}" for status in array.status[:1]]
+    except Exception:  # the node's bytes may be anything
+        return []
+    return [f"{sent[-1].time / 1e9:.2f} s  {DIAGNOSTICS} {text[:MAX_TEXT]}" for text in texts]
