@@ -76,6 +76,8 @@ def test_what_a_result_says(run: Run) -> None:
         "time": 1.25,
         "help": "stop",
         "scenario": None,
+        "where": "",
+        "log": "",
     }
     assert skipped.message == "not judged, because “It is bad.” did not pass"
     assert broken.message == "the grader failed here: KeyError: 'key'"

@@ -114,7 +114,8 @@ def test_a_host_that_hangs_up_is_dead(forge) -> None:  # type: ignore[no-untyped
 def test_a_host_that_says_nothing_hangs(forge) -> None:  # type: ignore[no-untyped-def]
     outcome = forge(settled(), hang_up=False, step=0.05).outcome
 
-    assert (outcome.kind, outcome.detail) == ("hung", '  File "agent.py", line 7 in on_scan')
+    assert outcome.kind == "hung"
+    assert outcome.detail.startswith("in the start-up\nagent.py, line 7, in on_scan\n\n")
 
 
 def test_a_forged_flood_is_a_flood(forge, monkeypatch) -> None:  # type: ignore[no-untyped-def]
