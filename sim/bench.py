@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sim.lidar import LidarProfile
 
 Angle = Annotated[float, Meta(ge=-180, le=180)]
+Turn = Annotated[int, Meta(ge=-180, le=180)]
 Offset = Annotated[float, Meta(ge=-3600, le=3600)]  # [s]
 EXACT = (0.5, 1.0)  # [m] thresholds of exercises: sent as they are ...
 NEAR = 0.008  # [m] ... and what else is to be seen, this much to either side
@@ -44,7 +45,7 @@ class BenchScan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     stamp_offset: Offset = 0.0  # added to the header's stamp, as by a driver with a wrong clock [s]
     # Another seed turns the patches together by whole degrees between these two, which leave what
     # is right for the scan as it is.
-    turn_deg: tuple[Angle, Angle] = (0, 0)
+    turn_deg: tuple[Turn, Turn] = (0, 0)
 
 
 def varied(
@@ -59,7 +60,7 @@ def varied(
 
 
 def _turned(scan: BenchScan, rng: np.random.Generator) -> BenchScan:
-    low, high = (round(end) for end in scan.turn_deg)
+    low, high = scan.turn_deg
     if not (angle := int(rng.integers(low, high + 1))):
         return scan
     patches = tuple(
