@@ -242,6 +242,7 @@ class Scenario(_Table, frozen=True, dict=True):
     raw: Annotated[tuple[RawCommands, ...], Meta(max_length=1000)] = ()
     script: Annotated[tuple[ScriptEvent, ...], Meta(max_length=1000)] = ()
     bench: Annotated[tuple[BenchScan, ...], Meta(max_length=MAX_BENCH_SCANS)] = ()
+    any_order: bool = False  # no scan of the bench builds on another: each other seed shuffles them
 
     def __post_init__(self) -> None:
         """Refuse a bench that would take forever."""
