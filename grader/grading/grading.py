@@ -6,8 +6,8 @@ import contextlib
 import importlib.metadata
 import os
 import platform
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +18,10 @@ from grader.course.installed import COURSE
 from grader.course.students import Seed, public_seed
 from grader.course.submission import Submission
 from grader.errors import DiskFull, GraderError, is_disk_full
+from grader.grading.causes import Cause, find_cause
 from grader.grading.plugin import (
     ERROR,
+    FAIL,
     INCONCLUSIVE,
     PASS,
     UNAVAILABLE,
@@ -33,6 +35,7 @@ from grader.trial.progress import OnProgress, ignore
 from grader.trial.trials import NodeTrials, TrialFault, Trials
 
 ATTEMPTS = 2
+SEE_CAUSE = "See the cause, above all checks."
 REPORTED_PACKAGES = (
     "ros-jazzy-rclpy", "numpy", "pymunk", "rosbags", "pytest",
     "scikit-learn", "onnxruntime", "torch", "keras",
@@ -60,6 +63,7 @@ class Grading:
     practice: str = ""  # why it is for practice only; "" if it counts
     faults: tuple[TrialFault, ...] = ()  # trials in which the grader failed
     trial_notes: tuple[str, ...] = ()
+    cause: Cause | None = None  # the most probable one of what failed
 
     @property
     def score(self) -> int:
@@ -118,6 +122,7 @@ class Grading:
             "isolation": self.isolation,
             "practice": self.practice,
             "notes": self.notes(),
+            "cause": None if self.cause is None else msgspec.to_builtins(self.cause),
             "checks": [check.as_dict() for check in self.checks],
             "recordings": [_describe(recording) for recording in self.recordings],
             "versions": versions(),
@@ -161,17 +166,37 @@ def grade(
         raise DiskFull(f"the disk is full: {full}") from full
     if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED) or not plugin.results:
         raise GraderError(f"the checks of {exercise.slug} can't be run (pytest: {code!r})")
+    checks, recordings = tuple(plugin.results.values()), tuple(trials.recordings())
+    cause = _cause(exercise, checks, recordings)
     return Grading(
         exercise=exercise,
         file=file,
         tier=tier,
-        checks=tuple(plugin.results.values()),
-        recordings=tuple(trials.recordings()),
+        checks=tuple(_helped(check, cause) for check in checks),
+        recordings=recordings,
         isolation=isolation,
         practice=practice,
         faults=faults,
         trial_notes=tuple(trials.notes()),
+        cause=cause,
     )
+
+
+def _cause(
+    exercise: Exercise, checks: Sequence[CheckResult], recordings: Sequence[Recording]
+) -> Cause | None:
+    """Return the cause of what failed; whatever goes wrong in finding it costs nobody a grading."""
+    try:
+        return find_cause(exercise, [c for c in checks if c.outcome == FAIL], recordings)
+    except Exception:
+        return None
+
+
+def _helped(check: CheckResult, cause: Cause | None) -> CheckResult:
+    """Return the check without its own help where the cause explains more than it could know."""
+    if cause is None or check.id not in cause.explains:
+        return check
+    return replace(check, help=SEE_CAUSE)
 
 
 def grade_submission(

@@ -13,6 +13,7 @@ from grader.report.terminal import (
     OUTCOMES,
     PROVISIONAL,
     PROVISIONAL_WHY,
+    cause_of,
     facts_of,
     field_words,
     group_fact,
@@ -60,6 +61,7 @@ STYLE = f"""\
 .course-check .facts span:nth-child(odd) {{ opacity: .72; }}
 .course-check .facts span {{ white-space: pre-wrap; overflow-wrap: anywhere; }}
 .course-check .message {{ white-space: pre-wrap; }}
+.course-check .cause {{ margin: 8px 0; padding: 6px 12px; border-left: 4px solid #b83f00; }}
 .course-check .score {{ display: flex; align-items: center; gap: 14px; margin-top: 14px;
   padding-top: 10px; border-top: 2px solid rgba(128,128,128,.45); }}
 .course-check .label {{ display: inline-block; width: 48px; opacity: .72; }}
@@ -131,9 +133,25 @@ def grading_html(grading: Mapping[str, Any]) -> str:
     heading = f"<b>{_escaped(grading.get('exercise', ''))}</b>" + "".join(
         f'<span class="quiet">  ·  {_escaped(fact)}</span>' for fact in facts if fact
     )
-    return (
-        f'{STYLE}<div class="course-check"><p>{heading}</p>{"".join(groups)}{_score(grading)}</div>'
-    )
+    inside = f"<p>{heading}</p>{_cause(grading)}{''.join(groups)}{_score(grading)}"
+    return f'{STYLE}<div class="course-check">{inside}</div>'
+
+
+def _cause(grading: Mapping[str, Any]) -> str:
+    """Return the most probable cause, with its hint unfolded; nothing if none is known."""
+    told = dict(cause_of(grading))
+    if not told:
+        return ""
+    lines = [f'<p class="message"><b>Cause</b> {_escaped(told["cause"])}</p>']
+    if "line" in told:
+        lines.append(f'<p class="message">{_escaped(told["line"])}</p>')
+    if "hint" in told:
+        text = (grading["cause"].get("hint") or {}).get("text", "")
+        lines.append(
+            f"<details open><summary>Hint: {_escaped(told['hint'])}</summary>"
+            f'<p class="message">{_escaped(text)}</p></details>'
+        )
+    return f'<div class="cause">{"".join(lines)}</div>'
 
 
 def replays_html(grading: Mapping[str, Any], page: str, first: str) -> str:

@@ -10,6 +10,7 @@ import re
 from dataclasses import dataclass
 
 MAX_LINES = 40
+VALUES = "   ["  # before the values in the line of a frame
 MAX_LINE = 420  # [characters]
 FRAME = re.compile(r"(?P<file>[^/\n]{1,100}), line (?P<line>\d{1,6}), in (?P<function>\S{1,80})")
 
@@ -27,7 +28,7 @@ class Frame:
     def __str__(self) -> str:
         text = f"line {self.line} of {self.file}, in {self.function}"
         text += f":  {self.source}" if self.source else ""
-        return text + (f"   [{self.values}]" if self.values else "")
+        return text + (f"{VALUES}{self.values}]" if self.values else "")
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ def words_of(recording: Recording, moment: float | None) -> list[str]:
         return [_told(line) for line in recording.log if line.level in URGENT][-MOST:]
     near = [line for line in recording.log if moment - BEFORE <= line.t <= moment + AFTER]
     urgent = [line for line in near if line.level in URGENT]
-    said = [_told(line) for line in _different(urgent or near)[-MOST:]]
+    said = [_told(line) for line in (_different(urgent) or near)[-MOST:]]
     return said + _diagnostics(recording, moment)
 
 
@@ -37,8 +37,9 @@ def _told(line: LogLine) -> str:
 
 
 def _different(lines: list[LogLine]) -> list[LogLine]:
-    """Leave out lines that repeat an earlier one."""
-    return list({line.text: line for line in reversed(lines)}.values())[::-1]
+    """Leave out lines that are said again later."""
+    last = {line.text: i for i, line in enumerate(lines)}
+    return [line for i, line in enumerate(lines) if last[line.text] == i]
 
 
 def _diagnostics(recording: Recording, moment: float) -> list[str]:

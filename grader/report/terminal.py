@@ -56,6 +56,9 @@ def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
     width = min(console.width, MAX_WIDTH)
     console.print()
     console.print(_heading(grading, console), width=width)
+    if told := cause_of(grading):
+        console.print()
+        console.print(_cause(told, console), width=width)
     for kind in ("core", "field"):
         group = [check for check in checks if check.get("kind", "core") == kind]
         if group:
@@ -159,6 +162,18 @@ def readable(text: str) -> str:
 # --- words that notebooks and nbgrader use too ---------------------------------------------------
 
 
+def cause_of(grading: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return the most probable cause of what failed, as lines (name, text); [] if none is known."""
+    cause = grading.get("cause") or {}
+    hint = cause.get("hint") or {}
+    lines = [
+        ("cause", cause.get("text", "")),
+        ("line", cause.get("where", "")),
+        ("hint", f"{hint.get('title', '')} ({hint.get('anchor', '')})" if hint else ""),
+    ]
+    return [(name, str(text)) for name, text in lines if text]
+
+
 def group_fact(kind: str, group: Sequence[Check]) -> str:
     """Say how a group of checks, `core` or `field`, came out."""
     if kind != "core":
@@ -249,6 +264,16 @@ def _heading(grading: Mapping[str, Any], console: Console) -> Text:
 
 def _tier(grading: Mapping[str, Any]) -> str:
     return f"tier {grading['tier']}" if grading.get("tier") is not None else ""
+
+
+def _cause(told: Iterable[tuple[str, str]], console: Console) -> Padding:
+    facts = Table.grid(padding=(0, 2, 0, 0))
+    facts.add_column(no_wrap=True, style="bold")
+    facts.add_column()
+    for name, text in told:
+        style = "bold" if name == "cause" else ""
+        facts.add_row(name.capitalize(), Text(printable(text, console), style=style))
+    return Padding(facts, (0, 0, 0, 1))
 
 
 def _group_title(kind: str, group: Sequence[Check], console: Console) -> Text:

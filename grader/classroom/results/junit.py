@@ -63,7 +63,7 @@ def _case(check: Check, result: StoredResult) -> ET.Element:
     if kind != "skipped":
         child.set("type", outcome)
         lines = [visible(check.get("title") or ""), visible(check.get("message") or "")]
-        lines += [f"{key}: {visible(check[key])}" for key in ("expected", "actual", "help")
+        lines += [f"{key}: {visible(check[key])}" for key in ("expected", "actual", "where", "log", "help")
                   if check.get(key)]  # fmt: skip
         child.text = "\n".join(line for line in lines if line)
     return case

@@ -7,8 +7,9 @@ from pathlib import PurePath
 from typing import Any
 
 from grader.recording import Recording
+from grader.recording.deaths import VALUES
 
-DETAILS = ("message", "expected", "actual")
+DETAILS = ("message", "expected", "actual", "where", "log")
 FIELD_RUN = "field"  # in the names of the field checks' scenarios
 
 
@@ -29,6 +30,7 @@ def for_students(
         for recording in grading.get("recordings") or ()
         if shows_run(str(recording.get("scenario")), hidden)
     ]
+    shown["cause"] = _cause(grading.get("cause"), hidden)
     if "field" in hidden:
         shown["field_ready"] = None
     if hides_worlds(hidden):
@@ -59,10 +61,29 @@ def runs_for_students(
     return [recording for recording in recordings if shows_run(recording.name, hidden)]
 
 
+def _cause(cause: Any, hidden: Collection[str]) -> dict[str, Any] | None:
+    """Return what may be told of the cause: nothing of what the node saw in a hidden world."""
+    if not isinstance(cause, Mapping) or "details" in hidden:
+        return None
+    if "field" in hidden and cause.get("kind") == "field":
+        return None
+    shown = dict(cause)
+    if hides_worlds(hidden):
+        shown["where"] = _without_values(cause.get("where"))
+    return shown
+
+
+def _without_values(where: Any) -> str:
+    """Return the student's lines without the values that they had."""
+    lines = str(where or "").splitlines()
+    return "\n".join(line.partition(VALUES)[0].rstrip() for line in lines)
+
+
 def _check(check: Mapping[str, Any], hidden: Collection[str]) -> dict[str, Any]:
     shown = dict(check)
     if hides_worlds(hidden):
         shown["time"] = shown["scenario"] = None
+        shown["where"], shown["log"] = _without_values(check.get("where")), ""
     if "details" in hidden and check.get("outcome") == "fail":
         shown.update(dict.fromkeys(DETAILS, ""))
         shown["message"] = "What this check saw is not published."

@@ -108,6 +108,21 @@ function buildBadge(grading, field) {
 
 const sign = (outcome) => el('span', { class: `sign is-${outcome}` }, icon(outcome));
 
+// --- the cause ---------------------------------------------------------------------------------
+
+/** The most probable cause of what failed, with the hint that fits. */
+function buildCause(cause) {
+  const said = cause && text(cause.text);
+  if (!said) return null;
+  const where = text(cause.where);
+  const hint = cause.hint || {};
+  return el('section', { class: 'cause', 'aria-label': 'Most probable cause' },
+    el('p', { class: 'message', dir: 'auto' }, el('strong', {}, 'Cause '), said),
+    where ? el('p', { class: 'message value', dir: 'auto' }, where) : null,
+    text(hint.title) ? el('details', {}, el('summary', {}, `Hint: ${text(hint.title)} (${text(hint.anchor)})`),
+      el('p', { class: 'message', dir: 'auto' }, text(hint.text))) : null);
+}
+
 // --- the checks ------------------------------------------------------------------------------
 
 function buildGroup(name, fact, checks, links) {
@@ -213,6 +228,7 @@ function buildPage(page, payload) {
   if (payload.embedded) page.classList.add('is-embedded'); // in a notebook, which says the rest
   const name = payload.embedded ? el('h1', { class: 'hidden-text' }, text(payload.title) || 'Replay') : null;
   replaceChildren(page, payload.embedded ? null : buildTop(payload), grading ? buildScore(grading, checks) : null,
+    grading ? buildCause(grading.cause) : null,
     el('div', { class: 'columns' },
       grading ? buildChecks(grading, checks, { runs: replays.map(toRun), show }) : null,
       grading ? el('aside', { class: 'replay-column', 'aria-label': 'Replay' }, root)

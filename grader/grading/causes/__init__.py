@@ -1,0 +1,50 @@
+"""One cause for a failed grading: the most probable mistake, in the student's terms.
+
+From the surest to the least sure; the first that fits is told, and none rather than a wrong one:
+
+1. `ends`: the node died, hung, never spun, or is not wired. That explains itself.
+2. `perception`: which beams the node reacts to, from its answers to the scans it was sent.
+3. `habits`: bursts of commands, ages in the wrong unit, a memory that never fills.
+4. `own_words`: an error of Python's that the node logs again and again.
+5. `known`: it fails exactly as a mistake that is known does, with the same figures.
+
+It explains; it never decides anything. Where two known mistakes fit, it says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from grader.course.exercises import Exercise
+from grader.grading.causes.cause import Cause, Failed
+from grader.grading.causes.ends import cause_of_end
+from grader.grading.causes.habits import cause_of_habit
+from grader.grading.causes.known import known_cause
+from grader.grading.causes.own_words import logged_error
+from grader.grading.causes.perception import cause_of_perception
+from grader.recording import Recording
+
+__all__ = ["Cause", "Failed", "find_cause"]
+
+LOOKS = (cause_of_end, cause_of_perception, cause_of_habit, logged_error, known_cause)
+
+
+def find_cause(
+    exercise: Exercise, failed: Sequence[Failed], recordings: Sequence[Recording]
+) -> Cause | None:
+    """Return the most probable cause of these failures; None if none is known.
+
+    Parameters
+    ----------
+    failed
+        The checks that failed, in order.
+    recordings
+        All trials.
+    """
+    if not failed:
+        return None
+    by_name = {recording.name: recording for recording in recordings}
+    for look in LOOKS:
+        if cause := look(exercise, failed, by_name):
+            return cause
+    return None

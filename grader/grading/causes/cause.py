@@ -1,0 +1,132 @@
+"""What a cause is, and the hint that goes with it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Annotated, NamedTuple, Protocol
+
+import msgspec
+
+from grader.course.exercises import Exercise
+from grader.recording import Recording
+from sim.toml_input import convert, parse_toml, read_toml
+
+HINTS = "hints.md"
+MAX_HINTS = 64 * 1024  # [characters]
+_HINT = re.compile(r"<details><summary>(?P<title>[^<]*)</summary>(?P<text>.*?)</details>", re.S)
+PLACES = Path(__file__).parent / "hints.toml"
+_Text = Annotated[str, msgspec.Meta(pattern=r"^\d+\.\d+$")]
+_Table = dict[str, dict[str, _Text]]
+_HEADING = re.compile(r"(?m)^## (?P<title>.+)$")
+
+
+class Failed(Protocol):
+    """A check that failed; `grader.grading.plugin.CheckResult` is one."""
+
+    @property
+    def id(self) -> str: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def message(self) -> str: ...
+    @property
+    def actual(self) -> str: ...
+    @property
+    def help(self) -> str: ...
+    @property
+    def where(self) -> str: ...
+    @property
+    def time(self) -> float | None: ...
+    @property
+    def scenario(self) -> str | None: ...
+
+
+ByName = Mapping[str, Recording]
+
+
+class Hint(msgspec.Struct, frozen=True):
+    """A hint of the exercise."""
+
+    title: str  # "Task 2: perceive, hint 1: which beam is ahead?"
+    anchor: str  # "hints.md#task-2-perceive"
+    text: str  # Markdown
+
+
+class Cause(msgspec.Struct, frozen=True):
+    """The most probable mistake."""
+
+    text: str
+    kind: str  # core or field, of the checks that it explains
+    where: str = ""  # the student's line, where it can be told
+    hint: Hint | None = None
+    explains: tuple[str, ...] = ()  # ids of checks whose own help would lead elsewhere
+
+    @classmethod
+    def of(
+        cls,
+        exercise: Exercise,
+        text: str,
+        failed: Sequence[Failed],
+        *,
+        where: str = "",
+        hint: Hint | None = None,
+        all_of_it: bool = False,
+    ) -> Cause:
+        """Return the cause of some failed checks; `all_of_it`: their own help leads elsewhere."""
+        return cls(
+            f"{text[0].upper()}{text[1:]}",
+            failed[0].kind,
+            where,
+            hint or hint_for(exercise, failed),
+            tuple(check.id for check in failed) if all_of_it else (),
+        )
+
+
+class Place(NamedTuple):
+    """Where a hint stands in hints.md."""
+
+    task: int  # the first number in its heading; 0: it has none
+    number: int  # from 1
+
+
+def hint_at(exercise: Exercise, place: Place | None) -> Hint | None:
+    """Return a hint of the exercise's own page; None if there is none there."""
+    path = exercise.folder / HINTS
+    if place is None or not path.is_file():
+        return None
+    text = path.read_text("utf-8")[:MAX_HINTS]
+    parts = _HEADING.split(text)
+    for title, body in zip(parts[1::2], parts[2::2], strict=True):
+        hints = list(_HINT.finditer(body))
+        number = re.search(r"\d+", title)
+        if int(number[0] if number else 0) == place.task and 0 < place.number <= len(hints):
+            found = hints[place.number - 1]
+            said = f"{title}. {found['title'].strip()}"
+            return Hint(said, anchor(title), found["text"].strip())
+    return None
+
+
+def hint_for(exercise: Exercise, failed: Sequence[Failed]) -> Hint | None:
+    """Return the hint for the first of the failed checks that has one."""
+    places = _places().get(exercise.slug, {})
+    found = next((places[check.id] for check in failed if check.id in places), None)
+    return hint_at(exercise, found)
+
+
+def anchor(heading: str) -> str:
+    """Return the address of a heading, as GitHub and the site make it."""
+    words = re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-")
+    return f"{HINTS}#{words}"
+
+
+@cache
+def _places() -> dict[str, dict[str, Place]]:
+    """Return where the hints for checks stand, by exercise and check."""
+    table = convert(parse_toml(read_toml(PLACES), str(PLACES)), _Table, str(PLACES))
+    return {
+        slug: {check: Place(*map(int, text.split("."))) for check, text in checks.items()}
+        for slug, checks in table.items()
+    }

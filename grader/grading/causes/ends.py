@@ -1,0 +1,44 @@
+"""Causes that a trial's end tells: an exception, a hang, a node that is not wired."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from grader.course.exercises import Exercise
+from grader.grading.causes.cause import ByName, Cause, Failed
+from grader.recording import Death, death_of
+
+WIRED = "wiring"  # in the names of the checks that every other one needs
+
+
+def cause_of_end(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return why the first node that did not run to the end didn't; or what is not wired."""
+    for check in failed:
+        recording = trials.get(check.scenario or "")
+        if recording is not None and not recording.outcome.completed and check.where:
+            return _cause_of(exercise, death_of(recording.outcome.detail), check)
+    first = failed[0]
+    if WIRED in first.id or (first.kind == "core" and _ended(first, trials)):
+        return Cause.of(exercise, _told(first), [first], where=first.where)
+    return None
+
+
+def _ended(check: Failed, trials: ByName) -> bool:
+    recording = trials.get(check.scenario or "")
+    return recording is not None and not recording.outcome.completed
+
+
+def _told(check: Failed) -> str:
+    return f"{check.message}. {check.help}".strip()
+
+
+def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
+    if death is None:
+        return Cause.of(exercise, _told(check), [check], where=check.where)
+    where = str(death.frames[0]) if death.frames else ""
+    if death.said:
+        text = f"The node dies in {death.place}: {death.said}"
+    else:
+        text = f"The node hangs in {death.place}"
+        text += f", in the loop of {death.loop}" if death.loop else ""
+    return Cause(f"{text}. {check.help}".strip(), check.kind, where)

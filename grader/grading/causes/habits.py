@@ -1,0 +1,99 @@
+"""Habits that a recording shows whatever the exercise's figures are: bursts, ages, silence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from grader.checks.reading import published
+from grader.course.exercises import Exercise
+from grader.grading.causes.cause import ByName, Cause, Failed
+from grader.recording import Recording
+from sim.messages import CMD_VEL_TOPIC
+
+BURST = 20  # commands at one moment: no timer does that
+STALE = "stale_"  # begins the reasons of exercise 7 for what is too old
+SETTLED = 0.6  # [s] after the start
+FULL = 12  # readings; a memory of ten is full
+ZERO = 1e-6  # [m/s]
+
+
+def cause_of_habit(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return what the node does all the time, if that explains the first failure."""
+    recording = trials.get(failed[0].scenario or "")
+    if recording is None or not recording.outcome.completed:
+        return None
+    if text := _burst(recording):
+        return Cause.of(exercise, text, failed, all_of_it=True)
+    look = {
+        "safety_supervisor": _always_stale,
+        "trend_memory": _never_ten,
+        "slow_model": _never_a_prediction,
+    }.get(exercise.slug)
+    text = look(trials) if look else ""
+    return Cause.of(exercise, text, failed, all_of_it=True) if text else None
+
+
+def _burst(recording: Recording) -> str:
+    """Many commands at the very same moment come from a loop inside one callback."""
+    times = recording.times(CMD_VEL_TOPIC)
+    if not len(times):
+        return ""
+    moments, counts = np.unique(np.round(times, 6), return_counts=True)
+    most = int(counts.argmax())
+    if recording.live is not None or counts[most] < BURST:
+        return ""
+    return (
+        f"the node publishes {counts[most]} commands within one callback, at {moments[most]:.2f} s: "
+        "a loop in there goes on, though the message that it looks at never changes. Publish once "
+        "and return; the next message calls the callback again."
+    )
+
+
+def _always_stale(trials: ByName) -> str:
+    """A node that finds everything too old, though it comes all the time."""
+    recording = trials.get("safe_pass")
+    if recording is None:
+        return ""
+    texts = [
+        str(value.status[0].message)
+        for time, value in published(recording, "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
+        if time > SETTLED and value.status
+    ]
+    if not texts or not all(text.startswith(STALE) for text in texts):
+        return ""
+    return (
+        f"the node calls everything stale ({texts[0].split()[0]}), though messages keep coming: its "
+        "ages are wrong. Are they in seconds? A Duration counts nanoseconds (divide by 1e9). And is "
+        "each arrival kept, by the clock that it is compared with?"
+    )
+
+
+def _never_ten(trials: ByName) -> str:
+    """A memory that never has ten readings."""
+    recording = trials.get("trend_approach")
+    if recording is None or len(recording.scans()) < FULL or not len(recording.twists().t):
+        return ""
+    if len(recording.of("/closing_speed")):
+        return ""
+    return (
+        "the node never publishes a closing speed: either it waits for more than ten readings, "
+        "which a memory of ten never has, or its memory is emptied again and again. Is the stamp in "
+        "seconds, sec + nanosec * 1e-9? Otherwise it seems to jump with each scan."
+    )
+
+
+def _never_a_prediction(trials: ByName) -> str:
+    """A node that stands still, though the model has answered."""
+    recording = trials.get("slow_leader")
+    if recording is None or len(recording.inferences) < FULL:
+        return ""
+    speeds = recording.twists().linear_x
+    if not len(speeds) or np.abs(speeds).max() > ZERO:
+        return ""
+    return (
+        "the model answers, and the node never uses it: every command is zero. Does inference keep "
+        "its prediction where control reads it? And is its age in seconds, from the scan's stamp "
+        "to the node's clock (get_clock(), not time.time())?"
+    )

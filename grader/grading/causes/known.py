@@ -1,0 +1,75 @@
+"""Known mistakes by how they fail: which checks, when, with which figures.
+
+`known/EXERCISE.toml` is written by `python -m grader.authoring.causes` from the mutants. A mistake
+is found by a fingerprint of its failures, so the file says nothing of what checks expect.
+The figures are those of the scenarios' own seeds: with another seed nothing is found, and nothing
+is said.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+
+from grader.course.exercises import Exercise
+from grader.grading.causes.cause import ByName, Cause, Failed
+from sim.toml_input import convert, parse_toml, read_toml
+
+KNOWN = Path(__file__).parent / "known"
+MOST = 2  # causes that are told; if more fit, none is
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
+
+
+Text = Annotated[str, msgspec.Meta(min_length=1, max_length=300)]  # "Takes index 0 for …"
+
+
+class _Catalogue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    causes: dict[str, list[Text]]  # by fingerprint
+
+
+def known_cause(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return the known mistake that fails exactly so; both if two do."""
+    found = catalogue(exercise.slug).get(fingerprint(failed), [])
+    if not found or len(found) > MOST:
+        return None
+    text = ", or ".join(_sentence(text) for text in found)
+    text = f"most probably, {text}" if len(found) == 1 else f"one of two: {text}"
+    return Cause.of(exercise, f"{text}.", failed, all_of_it=len(failed) > 1)
+
+
+def _sentence(text: str) -> str:
+    return f"the node {text[0].lower()}{text[1:].rstrip('.')}"
+
+
+def fingerprint(failed: Sequence[Failed]) -> str:
+    """Return what is the same for all programs with the same mistake."""
+    rows = sorted(
+        (
+            check.id,
+            "" if check.time is None else f"{check.time:.2f}",
+            *_NUMBER.findall(f"{check.message} {check.actual}"),
+        )
+        for check in failed
+    )
+    return hashlib.blake2b(repr(rows).encode(), digest_size=8).hexdigest()
+
+
+@cache
+def catalogue(slug: str) -> dict[str, list[str]]:
+    """Return the known mistakes of an exercise; none if nobody has collected them.
+
+    Raises
+    ------
+    InputError
+        The file is broken.
+    """
+    path = KNOWN / f"{slug}.toml"
+    if not path.is_file():
+        return {}
+    return convert(parse_toml(read_toml(path), str(path)), _Catalogue, str(path)).causes

@@ -1,0 +1,38 @@
+"""A cause that the node itself names: the error of Python's that it catches and logs."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+from grader.course.exercises import Exercise
+from grader.grading.causes.cause import ByName, Cause, Failed
+
+OFTEN = 3  # times in a trial: once may be a model of ours that raises
+MAX_LINE = 240  # [characters]
+# What a slip leads to. The models that raise on purpose raise RuntimeError.
+SLIPS = re.compile(
+    r"\b(TypeError|AttributeError|NameError|UnboundLocalError|IndexError|KeyError"
+    r"|ZeroDivisionError|InvalidArgument|ValueError)\b(?!\('(no model|the model says))"
+)
+SHAPE = re.compile(r"shape|rank|dimension|2D array|1D array|features|reshape|not defined|attribute")
+
+
+def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return the slip that the node logs again and again in the trial that failed first."""
+    check = failed[0]
+    recording = trials.get(check.scenario or "")
+    if recording is None:
+        return None
+    said = Counter(
+        line.text
+        for line in recording.log
+        if line.level in ("error", "fatal", "warn") and SLIPS.search(line.text)
+    )
+    for text, times in said.most_common(1):
+        if times >= OFTEN and ("ValueError" not in text or SHAPE.search(text)):
+            line = " ".join(text.split())[:MAX_LINE]
+            text = f"the node catches this error again and again: {line}"
+            return Cause.of(exercise, text, failed, all_of_it=True)
+    return None

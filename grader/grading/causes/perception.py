@@ -1,0 +1,133 @@
+"""Which beams a node reacts to, from its answers to bench scans: for exercise 1.
+
+A node that perceives rightly may still decide wrongly; but its speed never falls as the distance
+that it sees grows. So the right sector, and each wrong one, is tried: does the speed follow the
+smallest distance in it? Perception is judged before decisions: zones are not its business.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grader.checks.commands import Answer, answers
+from grader.course.exercises import Exercise
+from grader.grading.causes.cause import ByName, Cause, Failed, Place, hint_at
+from grader.recording import Floats
+
+EXERCISE, BENCH = "obstacle_avoidance", "avoid_zones"
+SAME = 1e-3  # [m/s], [m]
+LEAST = 12  # scans with an answer
+HINT = Place(2, 1)
+# checks whose scans a wrong sector reads wrongly
+SEEN = (
+    "clear_zone", "slow_zone", "stop_zone", "ignores_behind", "sees_sides", "infinite_readings",
+    "invalid_readings", "minus_infinity", "blind", "no_contact", "drives_on",
+)  # fmt: skip
+
+Sector = Callable[[Floats], NDArray[np.bool_]]  # of the beams' angles [°], -180 … 180
+
+
+class Mistake(NamedTuple):
+    """A wrong sector."""
+
+    text: str
+    sees: Sector
+
+
+def _cone(half: float) -> Sector:
+    return lambda degrees: np.abs(degrees) <= half
+
+
+def _right(degrees: Floats) -> NDArray[np.bool_]:
+    return np.abs(degrees) <= 90
+
+
+MISTAKES = (
+    Mistake(
+        "the node takes the first beam for straight ahead: it reacts to what is behind the robot, "
+        "and not to what is ahead. This lidar's first beam looks backwards (angle_min = -π).",
+        lambda degrees: np.abs(degrees) >= 90,
+    ),
+    Mistake(
+        "the node reacts to what is anywhere around the robot, also behind it; only ±90° of ahead "
+        "count. Is every beam's angle compared, and in radians (π/2, not 90)?",
+        lambda degrees: np.isfinite(degrees),
+    ),
+    Mistake(
+        "the node only reacts to what is on its left, ahead and behind: ahead is -90° … 90°, not "
+        "0° … 180°.",
+        lambda degrees: degrees >= 0,
+    ),
+    Mistake(
+        "the node only reacts to what is on its right, ahead and behind: ahead is -90° … 90°.",
+        lambda degrees: degrees <= 0,
+    ),
+    Mistake(
+        "the node reacts to the left half of what is ahead, and not to the right.",
+        lambda degrees: (degrees >= 0) & (degrees <= 90),
+    ),
+    Mistake(
+        "the node reacts to the right half of what is ahead, and not to the left.",
+        lambda degrees: (degrees <= 0) & (degrees >= -90),
+    ),
+)
+CONES = (2.0, 10.0, 15.0, 22.5, 30.0, 45.0, 60.0)  # [°] half of a sector that is too narrow
+DEGREES = (
+    "the node reacts to almost nothing but the beam straight ahead: are degrees compared with "
+    "radians? π/2 is 90°, and the angles of a scan are radians."
+)
+
+
+def cause_of_perception(
+    exercise: Exercise, failed: Sequence[Failed], trials: ByName
+) -> Cause | None:
+    """Return which wrong sector explains all the node's answers, if the right one doesn't."""
+    bench = trials.get(BENCH)
+    if exercise.slug != EXERCISE or bench is None or not bench.outcome.completed:
+        return None
+    told = [answer for answer in answers(bench) if answer.speed is not None]
+    if len(told) < LEAST or follows(told, _right):
+        return None
+    texts = [mistake.text for mistake in MISTAKES if follows(told, mistake.sees)]
+    if len(texts) > 1:
+        return None
+    cones = [half for half in CONES if follows(told, _cone(half))]
+    if cones and not texts:
+        narrow = f"the node only reacts to what is within about ±{cones[-1]:.0f}° of ahead"
+        texts = [DEGREES if CONES[0] in cones else f"{narrow}; everything within ±90° counts."]
+    elif cones:
+        return None
+    if not texts:
+        return None
+    seen = [check for check in failed if check.id in SEEN]
+    hint = hint_at(exercise, HINT)
+    return Cause.of(exercise, texts[0], seen, hint=hint, all_of_it=True) if seen else None
+
+
+def follows(told: Sequence[Answer], sees: Sector) -> bool:
+    """Tell whether the speed follows the smallest distance in a sector, and does change."""
+    rows = sorted((_nearest(answer, sees), answer.speed or 0.0) for answer in told)
+    distances, speeds = np.array(rows).T
+    if np.ptp(speeds) < SAME:
+        return False
+    highest = np.maximum.accumulate(speeds)
+    return bool(np.all(speeds >= highest - SAME)) and _same_for_same(distances, speeds)
+
+
+def _same_for_same(distances: Floats, speeds: Floats) -> bool:
+    """Tell whether the same distance always gave the same speed."""
+    near = np.diff(distances) < SAME
+    return bool(np.all(np.abs(np.diff(speeds)[near]) < SAME))
+
+
+def _nearest(answer: Answer, sees: Sector) -> float:
+    scan = answer.scan
+    angles = scan.first_angle + scan.angle_increment * np.arange(len(scan.ranges), dtype=float)
+    degrees = (np.degrees(angles) + 180.0) % 360.0 - 180.0
+    ranges = scan.ranges[sees(degrees)].astype(float)
+    ranges = ranges[np.isfinite(ranges)]
+    return round(float(ranges.min()), 3) if ranges.size else float(scan.range_max)
