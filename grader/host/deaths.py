@@ -22,7 +22,15 @@ import re
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
-from types import CodeType, FrameType, FunctionType, MemberDescriptorType, MethodType, ModuleType, TracebackType
+from types import (
+    CodeType,
+    FrameType,
+    FunctionType,
+    MemberDescriptorType,
+    MethodType,
+    ModuleType,
+    TracebackType,
+)
 from typing import Any
 
 from .plain_words import plain_words
@@ -47,7 +55,6 @@ NO_RESULT = (
 Line = tuple[FrameType, int]
 
 
-
 def account(error: BaseException, folder: Path) -> str:
     """Tell of an exception: where, what lines of files in `folder` led to it, and what to try."""
     frames = list(_frames(error.__traceback__))
@@ -62,6 +69,19 @@ def account(error: BaseException, folder: Path) -> str:
         lines += _callback(entity)
     lines.append(_said(error))
     if words := _advice(error, place, own):
+        lines.append(f"try: {words}")
+    return "\n".join(lines)
+
+
+def account_of_syntax(error: SyntaxError) -> str:
+    """Tell of a line that Python can't read."""
+    lines = ["in the start-up"]
+    if error.filename and error.lineno:
+        lines.append(f"{Path(error.filename).name}, line {error.lineno}, in <module>")
+        if source := (error.text or "").strip()[:MAX_SOURCE]:
+            lines.append(f"    {source}")
+    lines.append(f"{type(error).__name__}: {error.msg}"[:MAX_SAID])
+    if words := plain_words(error):
         lines.append(f"try: {words}")
     return "\n".join(lines)
 

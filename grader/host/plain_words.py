@@ -84,7 +84,11 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         "count from the length of the list, and try the smallest lists: an empty scan has none",
     ),
     ("KeyError", r"", "the dict has no such key: is it misspelt, or not filled yet?"),
-    ("ZeroDivisionError", r"", "what if there is nothing to divide by: an empty list, equal times?"),
+    (
+        "ZeroDivisionError",
+        r"",
+        "what if there is nothing to divide by: an empty list, equal times?",
+    ),
     (
         "ValueError",
         r"min\(\)|max\(\)|zero-size array|empty sequence|iterable argument is empty",

@@ -55,7 +55,7 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
     try:
         code = compiled(program.file)
     except (SyntaxError, ValueError) as error:  # ValueError: null bytes
-        return "syntax_error", _syntax_error_text(error), _own_traceback(error)
+        return "syntax_error", _syntax_error_text(error), _detail(error, program.file)
     linecache.checkcache(program.file)
     main = types.ModuleType("__main__")
     main.__file__ = program.file
@@ -136,7 +136,10 @@ def _detail(error: BaseException, file: str) -> str:
     """Tell of the student's own lines first; then comes Python's traceback."""
     trace = _own_traceback(error)
     try:
-        told = deaths.account(error, Path(file).parent)
+        if isinstance(error, SyntaxError) and error.filename == file:
+            told = deaths.account_of_syntax(error)
+        else:
+            told = deaths.account(error, Path(file).parent)
     except Exception:  # the exception is the student's, and may be anything
         return trace
     return f"{told[:MAX_ACCOUNT]}\n\n{trace[-MAX_TRACE:]}"

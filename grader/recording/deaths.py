@@ -55,7 +55,7 @@ class Death:
 
 def death_of(detail: str) -> Death | None:
     """Return what an outcome's detail tells; None if it is not told that way."""
-    lines = [line[:MAX_LINE] for line in detail.split("\n\n")[0].splitlines()[:MAX_LINES]]
+    lines = [line[:MAX_LINE] for line in detail.partition("\n\n")[0].splitlines()[:MAX_LINES]]
     if not lines or not lines[0].startswith("in "):
         return None
     frames: list[Frame] = []
@@ -79,7 +79,7 @@ def told_first(detail: str) -> list[str]:
     """Return the lines to show where there is little room: the account, not the traceback."""
     if death_of(detail) is None:
         return []
-    return [line[:MAX_LINE] for line in detail.split("\n\n")[0].splitlines()[:MAX_LINES]]
+    return [line[:MAX_LINE] for line in detail.partition("\n\n")[0].splitlines()[:MAX_LINES]]
 
 
 def _with(frame: Frame, text: str) -> Frame:

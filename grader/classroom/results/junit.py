@@ -14,6 +14,8 @@ from grader.classroom.results.marks import TO_HOLD, Check, Task, checks_of, is_h
 from grader.classroom.row import StoredResult
 from grader.report.terminal import SKIPPED
 
+FACTS = ("expected", "actual", "where", "log", "help")
+
 
 def junit_xml(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
     """Return the document."""
@@ -48,6 +50,8 @@ def _suite(result: StoredResult) -> ET.Element:
         attributes["timestamp"] = one_line(result.finished)
     suite = ET.Element("testsuite", attributes)
     suite.extend(cases)
+    if cause := (result.grading or {}).get("cause"):
+        ET.SubElement(suite, "system-out").text = f"cause: {visible(str(cause.get('text', '')))}"
     return suite
 
 
@@ -63,8 +67,7 @@ def _case(check: Check, result: StoredResult) -> ET.Element:
     if kind != "skipped":
         child.set("type", outcome)
         lines = [visible(check.get("title") or ""), visible(check.get("message") or "")]
-        lines += [f"{key}: {visible(check[key])}" for key in ("expected", "actual", "where", "log", "help")
-                  if check.get(key)]  # fmt: skip
+        lines += [f"{key}: {visible(check[key])}" for key in FACTS if check.get(key)]
         child.text = "\n".join(line for line in lines if line)
     return case
 

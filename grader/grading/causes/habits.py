@@ -45,9 +45,9 @@ def _burst(recording: Recording) -> str:
     if recording.live is not None or counts[most] < BURST:
         return ""
     return (
-        f"the node publishes {counts[most]} commands within one callback, at {moments[most]:.2f} s: "
-        "a loop in there goes on, though the message that it looks at never changes. Publish once "
-        "and return; the next message calls the callback again."
+        f"the node publishes {counts[most]} commands within one callback, "
+        f"at {moments[most]:.2f} s: a loop in there goes on, though the message that it looks at "
+        "never changes. Publish once and return; the next message calls the callback again."
     )
 
 
@@ -58,15 +58,17 @@ def _always_stale(trials: ByName) -> str:
         return ""
     texts = [
         str(value.status[0].message)
-        for time, value in published(recording, "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
+        for time, value in published(
+            recording, "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
+        )
         if time > SETTLED and value.status
     ]
     if not texts or not all(text.startswith(STALE) for text in texts):
         return ""
     return (
-        f"the node calls everything stale ({texts[0].split()[0]}), though messages keep coming: its "
-        "ages are wrong. Are they in seconds? A Duration counts nanoseconds (divide by 1e9). And is "
-        "each arrival kept, by the clock that it is compared with?"
+        f"the node calls everything stale ({texts[0].split()[0]}), though messages keep coming: "
+        "its ages are wrong. Are they in seconds? A Duration counts nanoseconds (divide by 1e9). "
+        "And is each arrival kept, by the clock that it is compared with?"
     )
 
 
@@ -79,8 +81,8 @@ def _never_ten(trials: ByName) -> str:
         return ""
     return (
         "the node never publishes a closing speed: either it waits for more than ten readings, "
-        "which a memory of ten never has, or its memory is emptied again and again. Is the stamp in "
-        "seconds, sec + nanosec * 1e-9? Otherwise it seems to jump with each scan."
+        "which a memory of ten never has, or its memory is emptied again and again. Is the stamp "
+        "in seconds, sec + nanosec * 1e-9? Otherwise it seems to jump with each scan."
     )
 
 

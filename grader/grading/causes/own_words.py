@@ -33,6 +33,6 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
     for text, times in said.most_common(1):
         if times >= OFTEN and ("ValueError" not in text or SHAPE.search(text)):
             line = " ".join(text.split())[:MAX_LINE]
-            text = f"the node catches this error again and again: {line}"
-            return Cause.of(exercise, text, failed, all_of_it=True)
+            told = f"the node catches this error again and again: {line}"
+            return Cause.of(exercise, told, failed, all_of_it=True)
     return None

@@ -21,6 +21,7 @@ from grader.recording import Floats
 EXERCISE, BENCH = "obstacle_avoidance", "avoid_zones"
 SAME = 1e-3  # [m/s], [m]
 LEAST = 12  # scans with an answer
+EDGE = 0.25  # [°] a beam's angle is a float32
 HINT = Place(2, 1)
 # checks whose scans a wrong sector reads wrongly
 SEEN = (
@@ -35,7 +36,7 @@ class Mistake(NamedTuple):
     """A wrong sector."""
 
     text: str
-    sees: Sector
+    sees: tuple[Sector, ...]  # with and without the beam on an edge
 
 
 def _cone(half: float) -> Sector:
@@ -50,29 +51,35 @@ MISTAKES = (
     Mistake(
         "the node takes the first beam for straight ahead: it reacts to what is behind the robot, "
         "and not to what is ahead. This lidar's first beam looks backwards (angle_min = -π).",
-        lambda degrees: np.abs(degrees) >= 90,
+        (lambda degrees: np.abs(degrees) >= 90,),
     ),
     Mistake(
         "the node reacts to what is anywhere around the robot, also behind it; only ±90° of ahead "
         "count. Is every beam's angle compared, and in radians (π/2, not 90)?",
-        lambda degrees: np.isfinite(degrees),
+        (np.isfinite,),
     ),
     Mistake(
         "the node only reacts to what is on its left, ahead and behind: ahead is -90° … 90°, not "
         "0° … 180°.",
-        lambda degrees: degrees >= 0,
+        (lambda degrees: degrees >= -EDGE, lambda degrees: degrees >= EDGE),
     ),
     Mistake(
         "the node only reacts to what is on its right, ahead and behind: ahead is -90° … 90°.",
-        lambda degrees: degrees <= 0,
+        (lambda degrees: degrees <= EDGE, lambda degrees: degrees <= -EDGE),
     ),
     Mistake(
         "the node reacts to the left half of what is ahead, and not to the right.",
-        lambda degrees: (degrees >= 0) & (degrees <= 90),
+        (
+            lambda degrees: (degrees >= -EDGE) & (degrees <= 90),
+            lambda degrees: (degrees >= EDGE) & (degrees <= 90),
+        ),
     ),
     Mistake(
         "the node reacts to the right half of what is ahead, and not to the left.",
-        lambda degrees: (degrees <= 0) & (degrees >= -90),
+        (
+            lambda degrees: (degrees <= EDGE) & (degrees >= -90),
+            lambda degrees: (degrees <= -EDGE) & (degrees >= -90),
+        ),
     ),
 )
 CONES = (2.0, 10.0, 15.0, 22.5, 30.0, 45.0, 60.0)  # [°] half of a sector that is too narrow
@@ -92,7 +99,9 @@ def cause_of_perception(
     told = [answer for answer in answers(bench) if answer.speed is not None]
     if len(told) < LEAST or follows(told, _right):
         return None
-    texts = [mistake.text for mistake in MISTAKES if follows(told, mistake.sees)]
+    texts = [
+        mistake.text for mistake in MISTAKES if any(follows(told, sees) for sees in mistake.sees)
+    ]
     if len(texts) > 1:
         return None
     cones = [half for half in CONES if follows(told, _cone(half))]

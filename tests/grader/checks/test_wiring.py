@@ -53,7 +53,10 @@ def test_a_wired_node_passes(run_node: RunNode) -> None:
             "the publisher on /cmd_vel has the type TwistStamped; the robot's end of it is Twist",
         ),
         (node(PUBLISHER, TRANSIENT), "cannot talk: their QoS does not match"),
-        (node(callback="raise KeyError('x')"), "the node died of an exception in the callback of /scan, at the message"),
+        (
+            node(callback="raise KeyError('x')"),
+            "the node died of an exception in the callback of /scan, at the message",
+        ),
         ("raise KeyError('x')", "the node died of an exception in the start-up"),
         ("rclpy.init()", "the program ran to its end"),
     ],

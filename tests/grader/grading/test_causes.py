@@ -1,0 +1,143 @@
+"""The most probable cause: found by evidence, silent where there is none, never in the way."""
+
+from dataclasses import dataclass
+
+import pytest
+from node_runs import RunNode
+
+from grader.authoring.causes import known_toml
+from grader.course.exercises import all_exercises, find_exercise
+from grader.grading.causes import find_cause
+from grader.grading.causes.cause import hint_for
+from grader.grading.causes.known import KNOWN, MOST, catalogue, fingerprint, known_cause
+from grader.recording import Recording
+from sim.scenario import load_scenario
+
+EXERCISE = find_exercise("obstacle_avoidance")
+
+
+@dataclass(frozen=True)
+class Check:
+    """A check that failed."""
+
+    id: str
+    message: str = ""
+    actual: str = ""
+    time: float | None = None
+    scenario: str | None = None
+    kind: str = "core"
+    outcome: str = "fail"
+    help: str = ""
+    where: str = ""
+
+
+NODE = """
+class Agent(Node):
+    def __init__(self):
+        super().__init__('agent')
+        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
+        self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
+    def on_scan(self, scan):
+        beams = list(scan.ranges)
+        near = min({beams})
+        twist = Twist()
+        twist.linear.x = 0.0 if near < 0.5 else {slow} if near < 1.0 else 0.5
+        {publish}
+rclpy.init()
+rclpy.spin(Agent())
+"""
+PUBLISH = "self.publisher.publish(twist)"
+
+
+def run(run_node: RunNode, beams: str, slow: str = "0.15", publish: str = PUBLISH) -> Recording:
+    source = NODE.format(beams=beams, slow=slow, publish=publish)
+    return run_node(source, load_scenario("avoid_zones"))
+
+
+@pytest.mark.parametrize(
+    ("beams", "said"),
+    [
+        ("beams[:90] + beams[270:]", "first beam for straight ahead"),
+        ("beams", "anywhere around the robot"),
+        ("beams[135:226]", "within about ±45°"),
+        ("beams[178:183]", "degrees compared with radians"),
+        ("beams[180:]", "on its left"),
+        ("beams[90:181]", "right half of what is ahead"),
+    ],
+)
+def test_the_beams_that_a_node_reacts_to_are_named(
+    run_node: RunNode, beams: str, said: str
+) -> None:
+    # decisions may be wrong as well: perception is judged first
+    recording = run(run_node, beams, slow="0.25")
+    failed = [Check("slow_zone", scenario="avoid_zones"), Check("only_linear_x")]
+
+    cause = find_cause(EXERCISE, failed, [recording])
+
+    assert cause is not None
+    assert said in cause.text
+    assert cause.hint is not None
+    assert cause.hint.anchor == "hints.md#task-2-perceive"
+    assert cause.explains == ("slow_zone",)
+
+
+@pytest.mark.parametrize(("beams", "slow"), [("beams[90:271]", "0.3"), ("beams[90:271]", "0.6")])
+def test_who_sees_right_is_not_told_about_beams(run_node: RunNode, beams: str, slow: str) -> None:
+    failed = [Check("slow_zone", scenario="avoid_zones")]
+    assert find_cause(EXERCISE, failed, [run(run_node, beams, slow)]) is None
+
+
+def test_a_loop_that_publishes_is_named(run_node: RunNode) -> None:
+    recording = run(run_node, "beams[90:271]", publish=f"[{PUBLISH} for _ in range(40)]")
+    cause = find_cause(EXERCISE, [Check("one", scenario="avoid_zones")], [recording])
+    assert cause is not None
+    assert "40 commands within one callback" in cause.text
+
+
+def test_a_death_is_the_cause_whatever_else_failed(run_node: RunNode) -> None:
+    recording = run(run_node, "beams[400:401]")
+    where = "line 33 of node.py, in on_scan:  near = min(beams[400:401])"
+    failed = [Check("slow_zone"), Check("blind", scenario="avoid_zones", where=where)]
+
+    cause = find_cause(EXERCISE, failed, [recording])
+
+    assert cause is not None
+    assert cause.text.startswith("The node dies in the callback of /scan: ValueError")
+    assert "near = min(beams[400:401])" in cause.where
+
+
+# --- known mistakes ------------------------------------------------------------------------------
+
+STOPS_LATE = [Check("stop_zone", "“0.49 m ahead”", "0.15 m/s", 1.613), Check("no_contact")]
+
+
+def test_known_mistakes_are_found_by_their_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = {fingerprint(STOPS_LATE): ["Stops late.", "Counts in feet."]}
+    monkeypatch.setattr("grader.grading.causes.known.catalogue", lambda _: known)
+
+    cause = known_cause(EXERCISE, STOPS_LATE, {})
+    other = [Check("stop_zone", "“0.49 m ahead”", "0.20 m/s", 1.613), Check("no_contact")]
+
+    assert cause is not None
+    assert cause.text == "One of two: the node stops late, or the node counts in feet."
+    assert known_cause(EXERCISE, other, {}) is None
+
+
+def test_what_too_many_mistakes_share_is_not_told() -> None:
+    rows = [(f"Mistake {i}.", STOPS_LATE) for i in range(MOST + 1)]
+    assert known_toml("x", rows).count("Mistake") == 0  # type: ignore[arg-type]
+    assert known_toml("x", rows[:MOST]).count("Mistake") == MOST  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
+def test_the_tables_can_be_read_and_every_hint_is_there(exercise) -> None:  # type: ignore[no-untyped-def]
+    from grader.grading.causes.cause import _places  # noqa: PLC0415
+
+    assert catalogue(exercise.slug)
+    assert (KNOWN / f"{exercise.slug}.toml").stat().st_size < 40_000
+    for check in _places()[exercise.slug]:
+        assert hint_for(exercise, [Check(check)]), check
+
+
+def test_no_failure_has_no_cause() -> None:
+    assert find_cause(EXERCISE, [], []) is None

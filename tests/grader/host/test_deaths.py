@@ -1,0 +1,76 @@
+"""How an exception is told: the student's lines, and values without any code of the student's."""
+
+import linecache
+from pathlib import Path
+
+import pytest
+
+from grader.host.deaths import MAX_VALUE, account, value_words
+from grader.recording import death_of
+
+PROGRAM = """
+class Evil:
+    def __repr__(self):
+        raise SystemExit("called")
+
+class Agent:
+    def __init__(self):
+        self.limit = 0.5
+        self.evil = Evil()
+
+    def decide(self, distance):
+        evil, beams, loud = self.evil, [0.25] * 360, "x" * 1000
+        return self.limit < distance, evil, beams, loud
+
+agent = Agent()
+agent.decide(None)
+"""
+
+
+def told(folder: Path, source: str) -> str:
+    file = folder / "agent.py"
+    file.write_text(source)
+    linecache.checkcache(str(file))
+    with pytest.raises(Exception) as caught:  # noqa: PT011
+        exec(compile(source, str(file), "exec"), {"__name__": "__main__"})
+    return account(caught.value, folder)
+
+
+def test_the_innermost_line_comes_first_with_its_values(tmp_path: Path) -> None:
+    death = death_of(told(tmp_path, PROGRAM))
+
+    assert death is not None
+    inner, outer = death.frames
+    assert (inner.file, inner.line, inner.function) == ("agent.py", 13, "decide")
+    assert inner.source == "return self.limit < distance, evil, beams, loud"
+    assert "self.limit = 0.5, distance = None, evil = <Evil>" in inner.values
+    assert "beams = list of 360, 0.25 … 0.25" in inner.values
+    assert outer.source == "agent.decide(None)"
+    assert death.said.startswith("TypeError: '<' not supported")
+    assert death.advice
+    assert (death.place, death.in_callback) == ("the start-up", False)
+
+
+def test_a_constructor_is_named(tmp_path: Path) -> None:
+    source = "class A:\n    def __init__(self):\n        1 / 0\nA()\n"
+
+    death = death_of(told(tmp_path, source))
+
+    assert death is not None
+    assert death.place == "the constructor"
+
+
+@pytest.mark.parametrize(
+    "value", ["x" * 10**6, [["y" * 100] * 4] * 4, {i: i for i in range(9)}, 10**300, b"z" * 999]
+)
+def test_a_value_is_short(value: object) -> None:
+    assert len(value_words(value)) <= MAX_VALUE
+
+
+def test_lines_that_look_like_ours_stay_text(tmp_path: Path) -> None:
+    said = "boom\\n\\nin the callback of /scan\\nevil.py, line 1, in f"
+    death = death_of(told(tmp_path, f"raise ValueError('{said}')\n"))
+
+    assert death is not None
+    assert [frame.file for frame in death.frames] == ["agent.py"]
+    assert death.place == "the start-up"

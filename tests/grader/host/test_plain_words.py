@@ -1,0 +1,72 @@
+"""What is said about the exceptions that beginners meet most often."""
+
+import math
+
+import numpy as np
+import pytest
+
+from grader.host.plain_words import plain_words
+
+CLASS = """
+class Agent:
+    def __init__(self):
+        self.speed = 0.5
+    def on_scan(self, scan):
+        return scan
+    def forgets(self):
+        return speed
+    def misspells(self):
+        return self.sped
+    def too_early(self):
+        return self.publisher
+agent = Agent()
+"""
+MEANT = {
+    "agent.on_scan()": "without brackets",
+    "agent.on_scan(1, 2)": "first parameter say self",
+    "agent.forgets()": "is it self.speed?",
+    "agent.misspells()": "is it speed, not sped?",
+    "agent.too_early()": "do so in __init__",
+    "2.0 ^ 2.0": "x**2",
+    "None < 1.0": "something is None",
+    "f'{None:.2f}'": "something is None",
+    "None.x": "something is None",
+    "speed": "misspelt",
+    "[][0]": "an empty scan has none",
+    "{}['a']": "no such key",
+    "1 / 0": "nothing to divide by",
+    "min([])": "no usable reading",
+    "bool(np.ones(2) > 0)": "any()",
+    "np.ones(2) + np.ones(3)": "same length",
+    "math.sqrt(-1)": "negative number",
+    "int(math.nan)": "NaN",
+    "int(math.inf)": "math.isfinite",
+    "a, b = [1]": "as many values as names",
+    "'v = ' + 1.0": 'f"',
+    "(1)()": "no function",
+    "for i in 5: pass": "a loop needs a list",
+    "5[0]": "square brackets",
+    "open('velocity_model.pkl')": "model_path",
+    "def f(): return f()\nf()": "calls itself",
+    "def f():\n    x += 1\nf()": "only given a value on some paths",
+    "if 1 > 0\n    print(1)": "colon",
+    "x = (1": "bracket",
+}
+
+
+@pytest.mark.filterwarnings("ignore::SyntaxWarning")
+@pytest.mark.parametrize("source", MEANT)
+def test_a_beginners_exception_is_explained(source: str) -> None:
+    space = {"np": np, "math": math}
+    with pytest.raises(Exception) as caught:  # noqa: PT011
+        exec(compile(CLASS + source, "agent.py", "exec"), space)
+    assert MEANT[source] in plain_words(caught.value)
+
+
+def test_an_exception_of_the_programs_own_is_not_explained() -> None:
+    class Odd(Exception):
+        def __str__(self) -> str:
+            raise RuntimeError
+
+    assert plain_words(RuntimeError("boom")) == ""
+    assert plain_words(Odd()) == ""
