@@ -68,9 +68,9 @@ def require_alive(recording: Recording) -> None:
         _fail_of_exception(recording, text, death)
     ends = _ENDS.get(outcome.kind, "")
     if death and death.loop:
-        ends = f"Does this loop ever end? {death.loop} {ends}"
+        ends = f"Does the loop of {death.loop} ever end? {ends}"
     if death and death.advice:
-        ends = _sentence(death.advice)
+        ends = advice_on(death)
     fail(
         text,
         expected="a node that runs until the end of the scenario",
@@ -78,7 +78,7 @@ def require_alive(recording: Recording) -> None:
         at=_time_of_end(recording),
         recording=recording,
         help=ends,
-        where=_lines_of(death),
+        where=lines_of(death),
     )
 
 
@@ -91,28 +91,30 @@ def _fail_of_exception(recording: Recording, text: str, death: Death | None) -> 
         where = death.place + (f", {'at' if death.topic else 'after'} {last}" if last else "")
     else:
         where = death.place + ("" if last else ", before any message came")
+    if death and death.advice:  # told as what to look at next
+        text = text.removesuffix(f"; {death.advice}")
     runs = bool(last) if death is None else death.in_callback
-    look = _last_line_of(recording.outcome.detail) or "Read the traceback from its last line up."
     fail(
         f"the node died of an exception in {where}: {text}",
         expected="a node that never dies of a message" if runs else "a node that starts and spins",
         actual=death.said if death and death.said else text,
         at=_time_of_end(recording),
         recording=recording,
-        help=_sentence(death.advice) if death and death.advice else look,
-        where=_lines_of(death),
+        help=advice_on(death) or "Read the traceback from its last line upwards.",
+        where=lines_of(death),
         title=SURVIVES if runs else "",
     )
 
 
-def _lines_of(death: Death | None) -> str:
+def lines_of(death: Death | None) -> str:
     """Return the student's lines, innermost first."""
     return "\n".join(str(frame) for frame in death.frames) if death else ""
 
 
 def _sentence(text: str) -> str:
     end = "" if text.endswith((".", "?", "!")) else "."
-    return f"{text[0].upper()}{text[1:]}{end}"
+    first = text.split(" ", maxsplit=1)[0]
+    return f"{text[0].upper() if first.isalpha() else text[0]}{text[1:]}{end}"
 
 
 def _time_of_end(recording: Recording) -> float:
@@ -138,14 +140,12 @@ def _last_delivery(recording: Recording, topic: str) -> str:
     return text
 
 
-def _last_line_of(traceback: str) -> str:
-    """Return where to look: the last line of the student's own code in a traceback."""
-    if death := death_of(traceback):
-        inner = death.frames[0] if death.frames else None
-        return f"Look at line {inner.line} of {inner.file}, in {inner.function}." if inner else ""
-    places = [line.strip() for line in traceback.splitlines() if line.strip().startswith("File ")]
-    own = [place for place in places if "/rclpy/" not in place and "/lib/python" not in place]
-    return f"Look at {own[-1][0].lower()}{own[-1][1:]}." if own else ""
+def advice_on(death: Death | None) -> str:
+    """Return what to try, or where to look."""
+    if death is not None and death.advice:
+        return _sentence(death.advice)
+    inner = death.frames[0] if death is not None and death.frames else None
+    return f"Look at line {inner.line} of {inner.file}, in {inner.function}." if inner else ""
 
 
 def _require_end(recording: Recording, wanted: _Wanted) -> None:

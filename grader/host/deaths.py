@@ -33,6 +33,7 @@ from types import (
 )
 from typing import Any
 
+from . import hints
 from .plain_words import plain_words
 
 MAX_FRAMES = 4
@@ -91,7 +92,15 @@ def _advice(error: BaseException, place: str, own: list[Line]) -> str:
         return NO_RESPONSE
     if own and "NoneType" in str(error) and ".result()" in _lines_before(*own[-1]):
         return NO_RESULT
-    return plain_words(error)
+    return _surroundings(error) or plain_words(error)
+
+
+def _surroundings(error: BaseException) -> str:
+    """Return what to do about an exception that comes from where the node runs."""
+    try:
+        return hints.hint(error)
+    except Exception:  # the exception is the program's own, and may be anything
+        return ""
 
 
 def _since_callback(frames: list[Line]) -> list[Line]:

@@ -6,7 +6,6 @@ typed to: Python's own words for these (`[Errno 1] Operation not permitted`) hel
 
 from __future__ import annotations
 
-import difflib
 import errno
 import functools
 import os
@@ -43,12 +42,6 @@ WHEELS = frozenset((
     "visualization_msgs",
 ))  # fmt: skip
 
-LIBRARIES = ("rclpy", "numpy", "sklearn", "onnxruntime", "onnx", "skl2onnx", "joblib", "scipy",
-             "math", "time", "random", "threading", "collections", "statistics")  # fmt: skip
-THERE = (
-    "Python's own modules, rclpy and ROS messages, numpy, scikit-learn and onnxruntime; a training "
-    "script also onnx, skl2onnx and joblib"
-)
 OF_ROS_1 = {"rospy": "rclpy", "roslib": "rclpy", "tf": "tf2_ros", "actionlib": "rclpy.action"}
 INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
 
@@ -71,7 +64,7 @@ def hint(error: BaseException) -> str:
     """Return what to do about an exception, in a sentence; "" if it is the program's own."""
     if isinstance(error, ModuleNotFoundError):
         name = (error.name or "").partition(".")[0]
-        return missing_package(name) or missing_library(name)
+        return missing_package(name)
     if isinstance(error, EOFError):
         return KEYBOARD if "reading a line" in str(error) else ""
     for cause in _causes(error):
@@ -103,14 +96,6 @@ def missing_package(name: str) -> str:
             "setup.bash before `course`"
         )
     return ""
-
-
-def missing_library(name: str) -> str:
-    """Say what there is instead of a module that is not installed."""
-    near = difflib.get_close_matches(name, LIBRARIES, n=1, cutoff=0.75)
-    if near and near[0] != name:
-        return f"is it {near[0]}?"
-    return f"{name or 'it'} is not installed here: a program may import {THERE}"
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:

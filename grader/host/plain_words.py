@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 NO_VALUE = (
@@ -19,6 +19,13 @@ CALLED = (
     "ROS calls it. A method's first parameter is self"
 )
 PARAMETER = "get_parameter('…') gives a Parameter; its value is get_parameter('…').value"
+
+LIBRARIES = ("rclpy", "numpy", "sklearn", "onnxruntime", "onnx", "skl2onnx", "joblib", "scipy",
+             "math", "time", "random", "threading", "collections", "statistics")  # fmt: skip
+THERE = (
+    "Python's own modules, rclpy and ROS messages, numpy, scikit-learn and onnxruntime; a training "
+    "script also onnx, skl2onnx and joblib"
+)
 
 # (exception, what its text matches, what to try); the first that fits is told.
 COMMON: tuple[tuple[str, str, str], ...] = (
@@ -171,11 +178,24 @@ def _words(error: BaseException) -> str:
     special = SPECIAL.get(type(error).__name__)
     if special and (said := special(error)):
         return said
-    names = [kind.__name__ for kind in type(error).__mro__]
+    return words_for([kind.__name__ for kind in type(error).__mro__], text)
+
+
+def words_for(names: Sequence[str], text: str) -> str:
+    """Return what to try, by the names of an exception's classes and its text."""
     for name, fits, advice in FITS:
         if name in names and fits.search(text):
             return advice
     return ""
+
+
+def _module(error: Any) -> str:
+    """Say what there is instead of a module that is not installed."""
+    name = str(error.name or "").partition(".")[0]
+    near = difflib.get_close_matches(name, LIBRARIES, n=1, cutoff=0.75)
+    if near and near[0] != name:
+        return f"is it {near[0]}?"
+    return f"there is no {name} here: a program may import {THERE}"
 
 
 def _attribute(error: Any) -> str:
@@ -211,4 +231,8 @@ def _name(error: Any) -> str:
     return ""
 
 
-SPECIAL: dict[str, Callable[[Any], str]] = {"AttributeError": _attribute, "NameError": _name}
+SPECIAL: dict[str, Callable[[Any], str]] = {
+    "AttributeError": _attribute,
+    "NameError": _name,
+    "ModuleNotFoundError": _module,
+}

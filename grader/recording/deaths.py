@@ -39,7 +39,7 @@ class Death:
     frames: tuple[Frame, ...]
     said: str = ""  # Python's own words
     advice: str = ""
-    loop: str = ""  # "line 46: while index < len(scan.ranges):", of a node that hangs
+    loop: str = ""  # "line 46, `while index < len(scan.ranges):`", of a node that hangs
 
     @property
     def in_callback(self) -> bool:

@@ -5,6 +5,8 @@ It is the program's own word, quoted to help its author; no verdict depends on i
 
 from __future__ import annotations
 
+import re
+
 from grader.link.log import LogLine
 from grader.recording.recording import Recording
 from sim.messages import decode
@@ -12,6 +14,8 @@ from sim.messages import decode
 BEFORE, AFTER = 1.0, 0.05  # [s] around the moment
 MOST = 3  # lines
 MAX_TEXT = 300  # [characters] of one
+# the stacks of a node that hangs, for which the judge asked; and what a library grumbles
+NOISE = re.compile(r'  File ".*", line \d+ in |(Current t|T)hread 0x|.*\[[EW]:onnxruntime:')
 URGENT = ("warn", "error", "fatal", "stderr")
 DIAGNOSTICS, DIAGNOSTIC_ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
 
@@ -20,10 +24,11 @@ def words_of(recording: Recording, moment: float | None) -> list[str]:
     """Return what the node said around a moment [s]; of a whole run its last warnings."""
     if moment is None:
         return [_told(line) for line in recording.log if line.level in URGENT][-MOST:]
-    near = [line for line in recording.log if moment - BEFORE <= line.t <= moment + AFTER]
+    said = [line for line in recording.log if not NOISE.match(line.text)]
+    near = [line for line in said if moment - BEFORE <= line.t <= moment + AFTER]
     urgent = [line for line in near if line.level in URGENT]
-    said = [_told(line) for line in (_different(urgent) or near)[-MOST:]]
-    return said + _diagnostics(recording, moment)
+    told = [_told(line) for line in (_different(urgent) or near)[-MOST:]]
+    return told + _diagnostics(recording, moment)
 
 
 def last_words(recording: Recording, most: int) -> list[str]:

@@ -100,7 +100,7 @@ def _loop(own: Sequence[_Entry], sources: Sources) -> str:
     """Return the innermost `while` around the lines, or else the innermost `for`."""
     loops = [loop for entry in own for loop in _around(sources.get(entry.file, []), entry.line)]
     loops.sort(key=lambda loop: not loop[1].startswith("while"))
-    return f"line {loops[0][0]}: {loops[0][1][:MAX_SOURCE]}" if loops else ""
+    return f"line {loops[0][0]}, `{loops[0][1][:MAX_SOURCE]}`" if loops else ""
 
 
 def _around(source: list[str], line: int) -> Iterator[tuple[int, str]]:

@@ -7,7 +7,8 @@ import pytest
 
 from grader.checks.model_commands import require_safe_drive
 from grader.checks.verdict import fail, inconclusive
-from grader.recording import ModelAnswers, Recording, ScriptRun, Training
+from grader.checks.wiring import advice_on, lines_of
+from grader.recording import ModelAnswers, Recording, ScriptRun, Training, death_of
 
 ACCURACY = 0.03  # [m/s] mean absolute error
 PREDICTION_LIMIT = 0.1  # [s], p99
@@ -225,17 +226,16 @@ def _training(recording: Recording) -> Training:
 def _require_success(recording: Recording, training: Training, run: ScriptRun) -> None:
     if run.succeeded:
         return
-    lines = [line.strip() for line in run.detail.splitlines() if line.strip().startswith("File ")]
-    own = [line for line in lines if training.script in line]
+    death = death_of(run.detail)
     said = [line.text for line in recording.log if line.text.strip()]
     fail(
         f"the training script failed: {run.text}",
         expected=COMMAND.format(training.script) + " to end without an error",
         actual=said[-1] if run.kind == "exited" and said else run.text,
         recording=recording,
-        help=f"Look at {own[-1][0].lower()}{own[-1][1:]}." if own else
-        "Run it yourself: `course dataset train.npz` makes data to learn from.",
-    )  # fmt: skip
+        help=advice_on(death) or "Run it yourself: `course dataset train.npz` makes data.",
+        where=lines_of(death),
+    )
 
 
 def _require_files(recording: Recording, run: ScriptRun, files: tuple[str, str]) -> None:

@@ -36,9 +36,9 @@ def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
     if death is None:
         return Cause.of(exercise, _told(check), [check], where=check.where)
     where = str(death.frames[0]) if death.frames else ""
+    who = "The node" if death.in_callback else "The program"
     if death.said:
-        text = f"The node dies in {death.place}: {death.said}"
+        text = f"{who} dies in {death.place}: {death.said}"
     else:
-        text = f"The node hangs in {death.place}"
-        text += f", in the loop of {death.loop}" if death.loop else ""
+        text = f"{who} hangs in {death.place}"
     return Cause(f"{text}. {check.help}".strip(), check.kind, where)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from grader.checks.reading import published
 from grader.course.exercises import Exercise
-from grader.grading.causes.cause import ByName, Cause, Failed
+from grader.grading.causes.cause import ByName, Cause, Failed, Place, hint_at
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
 
 BURST = 20  # commands at one moment: no timer does that
+SILENT = ("one_command_per_scan", "silent_until_ready")  # nothing before the first message
 STALE = "stale_"  # begins the reasons of exercise 7 for what is too old
 SETTLED = 0.6  # [s] after the start
 FULL = 12  # readings; a memory of ten is full
@@ -26,13 +27,13 @@ def cause_of_habit(exercise: Exercise, failed: Sequence[Failed], trials: ByName)
         return None
     if text := _burst(recording):
         return Cause.of(exercise, text, failed, all_of_it=True)
-    look = {
-        "safety_supervisor": _always_stale,
-        "trend_memory": _never_ten,
-        "slow_model": _never_a_prediction,
-    }.get(exercise.slug)
-    text = look(trials) if look else ""
-    return Cause.of(exercise, text, failed, all_of_it=True) if text else None
+    if failed[0].id in SILENT and (text := _at_start(recording)):
+        return Cause.of(exercise, text, failed[:1])
+    if exercise.slug not in LOOKS:
+        return None
+    look, place = LOOKS[exercise.slug]
+    text, hint = look(trials), hint_at(exercise, place)
+    return Cause.of(exercise, text, failed, hint=hint, all_of_it=True) if text else None
 
 
 def _burst(recording: Recording) -> str:
@@ -51,6 +52,18 @@ def _burst(recording: Recording) -> str:
     )
 
 
+def _at_start(recording: Recording) -> str:
+    """One command before anything came: it stands in the constructor, or in main()."""
+    first = min((m.time for m in recording.delivered), default=0)
+    early = [m for m in recording.published if m.topic == CMD_VEL_TOPIC and m.time < first]
+    if len(early) != 1 or early[0].time or recording.live is not None:
+        return ""
+    return (
+        "the node publishes a command while it starts, before any message has come. Is there a "
+        "publish() in the constructor?"
+    )
+
+
 def _always_stale(trials: ByName) -> str:
     """A node that finds everything too old, though it comes all the time."""
     recording = trials.get("safe_pass")
@@ -65,8 +78,9 @@ def _always_stale(trials: ByName) -> str:
     ]
     if not texts or not all(text.startswith(STALE) for text in texts):
         return ""
+    reason = texts[0].split()[0].rstrip(":")
     return (
-        f"the node calls everything stale ({texts[0].split()[0]}), though messages keep coming: "
+        f"the node calls everything stale ({reason}), though messages keep coming: "
         "its ages are wrong. Are they in seconds? A Duration counts nanoseconds (divide by 1e9). "
         "And is each arrival kept, by the clock that it is compared with?"
     )
@@ -99,3 +113,10 @@ def _never_a_prediction(trials: ByName) -> str:
         "its prediction where control reads it? And is its age in seconds, from the scan's stamp "
         "to the node's clock (get_clock(), not time.time())?"
     )
+
+
+LOOKS: dict[str, tuple[Callable[[ByName], str], Place]] = {
+    "safety_supervisor": (_always_stale, Place(1, 2)),
+    "trend_memory": (_never_ten, Place(3, 4)),
+    "slow_model": (_never_a_prediction, Place(4, 1)),
+}

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed
+from grader.host.plain_words import words_for
 
 OFTEN = 3  # times in a trial: once may be a model of ours that raises
 MAX_LINE = 240  # [characters]
@@ -33,6 +34,12 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
     for text, times in said.most_common(1):
         if times >= OFTEN and ("ValueError" not in text or SHAPE.search(text)):
             line = " ".join(text.split())[:MAX_LINE]
-            told = f"the node catches this error again and again: {line}"
-            return Cause.of(exercise, told, failed, all_of_it=True)
+            told = f"The node catches this error again and again: {line}"
+            return Cause(told + _advice(text), check.kind, explains=tuple(c.id for c in failed))
     return None
+
+
+def _advice(text: str) -> str:
+    match = SLIPS.search(text)
+    words = words_for([match[1]], text) if match else ""
+    return f". Perhaps: {words}." if words else ""

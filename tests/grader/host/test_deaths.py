@@ -31,7 +31,7 @@ def told(folder: Path, source: str) -> str:
     file = folder / "agent.py"
     file.write_text(source)
     linecache.checkcache(str(file))
-    with pytest.raises(Exception) as caught:  # noqa: PT011
+    with pytest.raises(Exception) as caught:
         exec(compile(source, str(file), "exec"), {"__name__": "__main__"})
     return account(caught.value, folder)
 

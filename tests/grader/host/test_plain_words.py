@@ -32,6 +32,8 @@ MEANT = {
     "f'{None:.2f}'": "something is None",
     "None.x": "something is None",
     "speed": "misspelt",
+    "import pandass": "there is no pandass here",
+    "import nunpy": "is it numpy?",
     "[][0]": "an empty scan has none",
     "{}['a']": "no such key",
     "1 / 0": "nothing to divide by",
@@ -58,7 +60,7 @@ MEANT = {
 @pytest.mark.parametrize("source", MEANT)
 def test_a_beginners_exception_is_explained(source: str) -> None:
     space = {"np": np, "math": math}
-    with pytest.raises(Exception) as caught:  # noqa: PT011
+    with pytest.raises(Exception) as caught:
         exec(compile(CLASS + source, "agent.py", "exec"), space)
     assert MEANT[source] in plain_words(caught.value)
 

@@ -63,7 +63,7 @@ def test_the_line_and_the_loop_are_named(tmp_path: Path) -> None:
     assert death.place == "a callback"
     assert [frame.line for frame in death.frames] == [8]
     assert death.frames[0].source == "found.append(reading)"
-    assert death.loop == "line 6: while i < len(scan):"
+    assert death.loop == "line 6, `while i < len(scan):`"
     assert outcome.text == "the node did not come back from a callback (line 8, in near)"
     assert outcome.detail.endswith(CALLBACK)
 
@@ -72,7 +72,7 @@ def test_a_thread_that_is_called_instead_of_started_is_named(tmp_path: Path) -> 
     death = death_of(hung(tmp_path, CONSTRUCTOR).outcome.detail)
 
     assert death is not None
-    assert (death.place, death.loop) == ("the constructor", "line 17: while True:")
+    assert (death.place, death.loop) == ("the constructor", "line 17, `while True:`")
     assert "target" in death.advice
 
 
