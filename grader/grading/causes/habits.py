@@ -14,6 +14,12 @@ from sim.messages import CMD_VEL_TOPIC
 
 BURST = 20  # commands at one moment: no timer does that
 SILENT = ("one_command_per_scan", "silent_until_ready")  # nothing before the first message
+BLOCKS, ASKED = "never_blocks", "it had asked"  # a check of exercise 6, and what it saw
+WAITS = (
+    "a callback of the client waits for the answer to its request, and while it waits nothing can "
+    "deliver that answer: client.call(), a spin, a sleep or a loop until the future is done, or "
+    "one callback group for everything. Ask with call_async(), and let add_done_callback() tell."
+)
 STALE = "stale_"  # begins the reasons of exercise 7 for what is too old
 SETTLED = 0.6  # [s] after the start
 FULL = 12  # readings; a memory of ten is full
@@ -29,6 +35,8 @@ def cause_of_habit(exercise: Exercise, failed: Sequence[Failed], trials: ByName)
         return Cause.of(exercise, text, failed, all_of_it=True)
     if failed[0].id in SILENT and (text := _at_start(recording)):
         return Cause.of(exercise, text, failed[:1])
+    if failed[0].id == BLOCKS and ASKED in failed[0].actual:
+        return Cause.of(exercise, WAITS, failed[:1])
     if exercise.slug not in LOOKS:
         return None
     look, place = LOOKS[exercise.slug]

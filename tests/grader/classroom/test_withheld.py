@@ -19,6 +19,7 @@ from grader.errors import InputError
 SECRET = check(
     "b", "fail", 40, message="0.42 m ahead", expected="0.00 m/s", actual="0.50 m/s",
     time=2.2, scenario="avoid_zones", help="compare with 0.5 m",
+    where="line 3 of a.py, in f:  go(d)   [d = 0.42]", log="2.20 s  info: I see 0.42",
 )  # fmt: skip
 
 
@@ -29,7 +30,8 @@ def hiding(hide: str) -> dict[str, Any]:
         {"scenario": name, "title": name, "seed": 4711, "outcome": "completed", "bag": "/b"}
         for name in ("avoid_zones", "avoid_field_lds01")
     ]
-    one.grading.update(recordings=runs, field_ready=False)
+    cause = {"text": "stops late", "kind": "core", "where": "line 3 of a.py   [d = 0.42]"}
+    one.grading.update(recordings=runs, field_ready=False, cause=cause)
     return for_students(one.grading, ("agent.py",), ResultOptions(hide=hide).hidden)
 
 
@@ -39,6 +41,20 @@ def test_students_never_see_the_instructors_paths() -> None:
     assert "/b" not in shown
     assert "4711" in shown
     assert "0.42 m ahead" in shown
+
+
+def test_hidden_worlds_leave_the_lines_and_not_their_values() -> None:
+    shown = hiding("worlds")
+    failed = next(c for c in shown["checks"] if c["id"] == "b")
+    assert (failed["where"], failed["log"]) == ("line 3 of a.py, in f:  go(d)", "")
+    assert shown["cause"]["where"] == "line 3 of a.py"
+    assert shown["cause"]["text"] == "stops late"
+
+
+def test_hidden_details_leave_no_cause() -> None:
+    shown = hiding("details")
+    assert shown["cause"] is None
+    assert "0.42" not in json.dumps(shown)
 
 
 def test_hidden_field_checks_leave_no_trace() -> None:

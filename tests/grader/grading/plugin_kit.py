@@ -4,7 +4,7 @@ import itertools
 from collections.abc import Callable, Sequence
 
 from grader.grading.grading import Grading
-from grader.recording import Live, Recording
+from grader.recording import Live, Outcome, Recording
 from grader.trial.trials import NoRecording, TrialFault
 
 PREAMBLE = """\
@@ -37,6 +37,10 @@ class FakeRecording(str):
     @property
     def live(self) -> Live | None:
         return Live(0, "", 1.0, 0.0, "a message was late") if self == "late" else None
+
+    @property
+    def outcome(self) -> Outcome:
+        return Outcome("exception" if self == "dead" else "completed")
 
 
 class FakeTrials:

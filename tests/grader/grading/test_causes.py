@@ -87,11 +87,27 @@ def test_who_sees_right_is_not_told_about_beams(run_node: RunNode, beams: str, s
     assert find_cause(EXERCISE, failed, [run(run_node, beams, slow)]) is None
 
 
+def test_an_error_that_is_caught_again_and_again_is_quoted(run_node: RunNode) -> None:
+    caught = "self.get_logger().error(repr(NameError('speed is not defined')))"
+    recording = run(run_node, "beams[90:271]", publish=f"{PUBLISH}; {caught}")
+    cause = find_cause(EXERCISE, [Check("slow_zone", scenario="avoid_zones")], [recording])
+    assert cause is not None
+    assert "again and again: NameError('speed is not defined')" in cause.text
+
+
 def test_a_loop_that_publishes_is_named(run_node: RunNode) -> None:
     recording = run(run_node, "beams[90:271]", publish=f"[{PUBLISH} for _ in range(40)]")
     cause = find_cause(EXERCISE, [Check("one", scenario="avoid_zones")], [recording])
     assert cause is not None
     assert "40 commands within one callback" in cause.text
+
+
+def test_a_client_that_waits_for_its_answer_is_told(run_node: RunNode) -> None:
+    recording = run(run_node, "beams[90:271]")
+    said = Check("never_blocks", actual="none; it had asked /detect", scenario="avoid_zones")
+    cause = find_cause(find_exercise("model_server"), [said], [recording])
+    assert cause is not None
+    assert "call_async()" in cause.text
 
 
 def test_a_death_is_the_cause_whatever_else_failed(run_node: RunNode) -> None:

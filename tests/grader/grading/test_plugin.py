@@ -349,3 +349,45 @@ def test_only_twice_the_same(run: Run) -> None:
 def test_an_unknown_check(run: Run) -> None:
     with pytest.raises(InputError, match="unknown check 'thrid'; there are: first, second, third"):
         run(CHAIN.format(scenario="a", body="pass"), only=["thrid"])
+
+
+# --- a node that dies of one message --------------------------------------------------------------
+
+DIED = """
+    @check(points=5, scenarios=("dead",))
+    def test_wiring(recordings):
+        '''It starts.'''
+        fail("it died", where="line 3", title="It survives every message.")
+
+    @check(points=10, scenarios=("dead", "alive"), needs=("wiring",))
+    def test_there(recordings):
+        '''In the trial in which it died.'''
+
+    @check(points=20, scenarios=("alive",), needs=("wiring",))
+    def test_elsewhere(recordings):
+        '''In another one.'''
+
+    @check(points=20, scenarios=("alive",), needs=("there",))
+    def test_after(recordings):
+        '''After one that was not judged.'''
+"""
+
+
+def test_a_node_that_dies_of_a_message_is_judged_where_it_lived_on(run: Run) -> None:
+    grading = run(DIED)
+
+    assert outcomes(grading) == {
+        "wiring": "fail",
+        "there": "skip",
+        "elsewhere": "pass",
+        "after": "skip",
+    }
+    assert grading.checks[0].title == "It survives every message."
+    assert grading.checks[0].where == "line 3"
+    assert grading.score == 20
+    assert "It survives every message." in grading.checks[1].message
+
+
+def test_a_node_that_is_not_wired_is_judged_nowhere(run: Run) -> None:
+    grading = run(DIED.replace(', title="It survives every message."', ""))
+    assert outcomes(grading)["elsewhere"] == "skip"
