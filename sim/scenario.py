@@ -117,7 +117,9 @@ class Faults(_Table, frozen=True):
     """[faults] What goes wrong: noise of the lidar, lost messages, slip; nothing by default."""
 
     range_noise: Noise = 0.0  # of the lidar: standard deviation of every reading [m]
-    range_bias: Annotated[float, Meta(ge=-10, le=10)] = 0.0  # of the lidar: added to every one [m]
+    range_bias: Annotated[float, Meta(ge=-10, le=10)] = (
+        0.0  # of the lidar: added to each reading [m]
+    )
     beam_dropout: Probability = 0.0  # that a beam sees nothing
     nan_speckle: Probability = 0.0  # that a beam reads NaN
     scan_latency: Delay = 0.0  # from measurement to delivery [s]
