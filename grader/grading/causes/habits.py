@@ -24,6 +24,8 @@ STALE = "stale_"  # begins the reasons of exercise 7 for what is too old
 SETTLED = 0.6  # [s] after the start
 FULL = 12  # readings; a memory of ten is full
 ZERO = 1e-6  # [m/s]
+HAIR = 0.005  # [s]
+LONG = 100_000_000  # [ns] of a model: two periods of the control loop
 
 
 def cause_of_habit(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
@@ -108,6 +110,30 @@ def _never_ten(trials: ByName) -> str:
     )
 
 
+def _waits_or_never_uses(trials: ByName) -> str:
+    return _waits_for_the_model(trials) or _never_a_prediction(trials)
+
+
+def _waits_for_the_model(trials: ByName) -> str:
+    """No command comes while the model computes."""
+    recording = trials.get("slow_leader")
+    if recording is None:
+        return ""
+    times = recording.times(CMD_VEL_TOPIC)
+    spans = [
+        (each.asked / 1e9 + HAIR, each.answered / 1e9 - HAIR)
+        for each in recording.inferences
+        if not each.is_load and each.took > LONG and each.answered / 1e9 < recording.duration_s
+    ]
+    if len(spans) < FULL or any(((times > a) & (times < b)).any() for a, b in spans):
+        return ""
+    return (
+        "not one command comes while the model computes: control waits for inference. They need "
+        "two threads: callback groups of their own and a MultiThreadedExecutor, both of them, or a "
+        "worker thread for the model."
+    )
+
+
 def _never_a_prediction(trials: ByName) -> str:
     """A node that stands still, though the model has answered."""
     recording = trials.get("slow_leader")
@@ -126,5 +152,5 @@ def _never_a_prediction(trials: ByName) -> str:
 LOOKS: dict[str, tuple[Callable[[ByName], str], Place]] = {
     "safety_supervisor": (_always_stale, Place(1, 2)),
     "trend_memory": (_never_ten, Place(3, 4)),
-    "slow_model": (_never_a_prediction, Place(4, 1)),
+    "slow_model": (_waits_or_never_uses, Place(2, 2)),
 }
