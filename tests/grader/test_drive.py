@@ -110,6 +110,26 @@ def test_the_summary(drive: Recording, capsys: pytest.CaptureFixture[str]) -> No
     assert "drove 0.00 m" in said
 
 
+def test_the_summary_tells_of_a_death_and_of_the_last_words(
+    run_node: RunNode, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = """
+        class Dies(Echo):
+            def on_scan(self, scan):
+                distance = None
+                print("looking")
+                return distance < 0.5
+        rclpy.init()
+        rclpy.spin(Dies())
+        """
+    said = summary(run_node(source, short(0.5)), capsys)
+
+    assert "in the callback of /scan node.py, line " in said
+    assert "return distance < 0.5 distance = None TypeError:" in said
+    assert "What the node said 0.01 s looking" in said
+    assert "Traceback" not in said
+
+
 def test_what_is_wrong_with_the_topics(
     run_node: RunNode, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -90,6 +90,21 @@ def test_the_words_are_the_terminals(given: dict[str, Any]) -> None:
     assert sorted(read(grading_html(given)).text.split()) == sorted(terminal)
 
 
+HINT = {"title": "Task 2. Hint 1", "anchor": "hints.md#task-2", "text": f"Not index 0. {HOSTILE}"}
+CAUSE = {"text": f"It looks back {HOSTILE}", "kind": "core", "where": HOSTILE, "hint": HINT}
+
+
+def test_the_cause_stands_above_the_table_with_its_hint_unfolded() -> None:
+    given = grading(check("fail"), cause=CAUSE)
+    page = grading_html(given)
+
+    assert page.index("It looks back") < page.index("A check that is fail.")
+    assert "<details open><summary>Hint: Task 2. Hint 1 (hints.md#task-2)</summary>" in page
+    assert "Not index 0." in page
+    assert not {"script", "img"} & set(read(page).tags)
+    assert "It looks back" not in grading_html(grading(check("fail"), cause=None))
+
+
 def test_every_outcome_has_a_colour_a_sign_and_a_word() -> None:
     assert COLOURS.keys() == OUTCOMES.keys()
     for colour in COLOURS.values():  # white on it: at least 4.5
@@ -103,7 +118,7 @@ def luminance(colour: str) -> float:
 
 
 def test_nothing_of_a_students_is_markup() -> None:
-    texts = ("title", "message", "expected", "actual", "help", "scenario")
+    texts = ("title", "message", "expected", "actual", "help", "scenario", "where", "log")
     hostile = check("fail", time=1.0, **dict.fromkeys(texts, HOSTILE))
     given = grading(hostile, exercise=HOSTILE, file=HOSTILE, notes=[HOSTILE])
     report = CheckReport(given, HOSTILE, "<p>page</p>", HOSTILE)

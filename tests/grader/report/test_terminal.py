@@ -85,6 +85,22 @@ def test_a_failure_says_all_that_is_known() -> None:
         assert part in shown
 
 
+def test_lines_and_log_are_quoted() -> None:
+    shown = words(render(grading(failure(where="line 3, in f:  go(None)", log="1.00 s  hello"))))
+    assert "code line 3, in f: go(None)" in shown
+    assert "log 1.00 s hello" in shown
+
+
+def test_the_cause_stands_above_the_table() -> None:
+    hint = {"title": "Task 2. Hint 1", "anchor": "hints.md#task-2", "text": "Not index 0."}
+    cause = {"text": "It looks back.\x1b[31m", "where": "line 3", "kind": "core", "hint": hint}
+    shown = words(render(grading(failure(), cause=cause)))
+    assert "Cause It looks back. Line line 3 Hint Task 2. Hint 1 (hints.md#task-2)" in shown
+    assert shown.index("Cause") < shown.index("FAIL")
+    assert "\x1b" not in shown
+    assert "Cause" not in render(grading(failure(), cause=None))
+
+
 def test_outcomes_can_be_told_without_colour() -> None:
     outcomes = ("pass", "fail", "skip", "error", "inconclusive", "unheard-of")
     shown = render(grading(*(check(outcome) for outcome in outcomes)))
