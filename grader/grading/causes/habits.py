@@ -14,6 +14,7 @@ from sim.messages import CMD_VEL_TOPIC
 
 BURST = 20  # commands at one moment: no timer does that
 SILENT = ("one_command_per_scan", "silent_until_ready")  # nothing before the first message
+ONCE = "one_command_per_scan"
 BLOCKS, ASKED = "never_blocks", "it had asked"  # a check of exercise 6, and what it saw
 WAITS = (
     "a callback of the client waits for the answer to its request, and while it waits nothing can "
@@ -36,6 +37,8 @@ def cause_of_habit(exercise: Exercise, failed: Sequence[Failed], trials: ByName)
     if text := _burst(recording):
         return Cause.of(exercise, text, failed, all_of_it=True)
     if failed[0].id in SILENT and (text := _at_start(recording)):
+        return Cause.of(exercise, text, failed[:1])
+    if failed[0].id == ONCE and (text := _not_once(recording)):
         return Cause.of(exercise, text, failed[:1])
     if failed[0].id == BLOCKS and ASKED in failed[0].actual:
         return Cause.of(exercise, WAITS, failed[:1])
@@ -72,6 +75,24 @@ def _at_start(recording: Recording) -> str:
         "the node publishes a command while it starts, before any message has come. Is there a "
         "publish() in the constructor?"
     )
+
+
+def _not_once(recording: Recording) -> str:
+    """Twice for each scan, or by a timer of its own."""
+    times = np.round(recording.times(CMD_VEL_TOPIC), 6)
+    scans = np.round([scan.t for scan in recording.scans()], 6)
+    if recording.live is not None or len(scans) < FULL or len(times) < FULL:
+        return ""
+    if not np.isin(times, scans).any():
+        step = float(np.median(np.diff(times)))
+        return (
+            f"no command comes with a scan: they come every {step:.3f} s, from a timer. Publish in "
+            "the callback of /scan."
+        )
+    moments, counts = np.unique(times, return_counts=True)
+    if np.array_equal(moments, scans) and (counts == 2).all():
+        return "the node publishes two commands for each scan: is there a second publish()?"
+    return ""
 
 
 def _always_stale(trials: ByName) -> str:

@@ -17,6 +17,7 @@ from typing import Annotated
 
 import msgspec
 
+from grader.checks.commands import answers
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed
 from sim.toml_input import convert, parse_toml, read_toml
@@ -35,29 +36,47 @@ class _Catalogue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 def known_cause(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
     """Return the known mistake that fails exactly so; both if two do."""
-    found = catalogue(exercise.slug).get(fingerprint(failed), [])
+    found = catalogue(exercise.slug).get(fingerprint(failed, trials), [])
     if not found or len(found) > MOST:
         return None
     text = ", or ".join(_sentence(text) for text in found)
-    text = f"most probably, {text}" if len(found) == 1 else f"one of two: {text}"
-    return Cause.of(exercise, f"{text}.", failed, all_of_it=len(failed) > 1)
+    sure = len(found) == 1 and (len(failed) > 1 or _has_bench(failed[0], trials))
+    how = "most probably" if sure else "perhaps" if len(found) == 1 else "one of two, perhaps"
+    return Cause.of(exercise, f"{how}: {text}.", failed, all_of_it=len(failed) > 1)
 
 
 def _sentence(text: str) -> str:
     return f"the node {text[0].lower()}{text[1:].rstrip('.')}"
 
 
-def fingerprint(failed: Sequence[Failed]) -> str:
-    """Return what is the same for all programs with the same mistake."""
+def fingerprint(failed: Sequence[Failed], trials: ByName) -> str:
+    """Return what is the same for all programs with the same mistake.
+
+    When each check failed and with which figures; and all answers to the scans of its bench.
+    """
     rows = sorted(
         (
             check.id,
             "" if check.time is None else f"{check.time:.2f}",
             *_NUMBER.findall(f"{check.message} {check.actual}"),
+            *_trail(check, trials),
         )
         for check in failed
     )
     return hashlib.blake2b(repr(rows).encode(), digest_size=8).hexdigest()
+
+
+def _has_bench(check: Failed, trials: ByName) -> bool:
+    recording = trials.get(check.scenario or "")
+    return recording is not None and bool(recording.scenario.bench_scans)
+
+
+def _trail(check: Failed, trials: ByName) -> list[str]:
+    """Return the speed after each scan of a bench."""
+    if not _has_bench(check, trials):
+        return []
+    told = answers(trials[check.scenario or ""])
+    return ["-" if answer.speed is None else f"{answer.speed:.2f}" for answer in told]
 
 
 @cache

@@ -81,11 +81,26 @@ MISTAKES = (
             lambda degrees: (degrees <= -EDGE) & (degrees >= -90),
         ),
     ),
+    Mistake(
+        "the node only looks at the first beam, which points backwards (angle_min = -π). Look at "
+        "every beam within ±90° of ahead.",
+        (lambda degrees: np.abs(degrees) >= 180 - 2 * EDGE,),
+    ),
+    Mistake(
+        "the node reacts to all of the right side, also behind: is only angle > π/2 left out, and "
+        "not angle < -π/2?",
+        (lambda degrees: degrees <= 90,),
+    ),
+    Mistake(
+        "the node reacts to all of the left side, also behind: is only angle < -π/2 left out, and "
+        "not angle > π/2?",
+        (lambda degrees: degrees >= -90,),
+    ),
 )
 CONES = (2.0, 10.0, 15.0, 22.5, 30.0, 45.0, 60.0)  # [°] half of a sector that is too narrow
-DEGREES = (
-    "the node reacts to almost nothing but the beam straight ahead: are degrees compared with "
-    "radians? π/2 is 90°, and the angles of a scan are radians."
+NARROW = (
+    "the node reacts to almost nothing but the beam straight ahead. Does it look at one beam only, "
+    "or compare degrees with radians? Everything within ±90° (π/2) counts."
 )
 
 
@@ -107,7 +122,7 @@ def cause_of_perception(
     cones = [half for half in CONES if follows(told, _cone(half))]
     if cones and not texts:
         narrow = f"the node only reacts to what is within about ±{cones[-1]:.0f}° of ahead"
-        texts = [DEGREES if CONES[0] in cones else f"{narrow}; everything within ±90° counts."]
+        texts = [NARROW if CONES[0] in cones else f"{narrow}; everything within ±90° counts."]
     elif cones:
         return None
     if not texts:

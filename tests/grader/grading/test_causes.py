@@ -60,7 +60,8 @@ def run(run_node: RunNode, beams: str, slow: str = "0.15", publish: str = PUBLIS
         ("beams[:90] + beams[270:]", "first beam for straight ahead"),
         ("beams", "anywhere around the robot"),
         ("beams[135:226]", "within about ±45°"),
-        ("beams[178:183]", "degrees compared with radians"),
+        ("beams[178:183]", "compare degrees with radians"),
+        ("[beams[0]]", "only looks at the first beam"),
         ("beams[180:]", "on its left"),
         ("beams[90:181]", "right half of what is ahead"),
     ],
@@ -93,6 +94,14 @@ def test_an_error_that_is_caught_again_and_again_is_quoted(run_node: RunNode) ->
     cause = find_cause(EXERCISE, [Check("slow_zone", scenario="avoid_zones")], [recording])
     assert cause is not None
     assert "again and again: NameError('speed is not defined')" in cause.text
+
+
+def test_two_commands_for_each_scan_are_named(run_node: RunNode) -> None:
+    recording = run(run_node, "beams[90:271]", publish=f"{PUBLISH}; {PUBLISH}")
+    failed = [Check("one_command_per_scan", scenario="avoid_zones")]
+    cause = find_cause(EXERCISE, failed, [recording])
+    assert cause is not None
+    assert "two commands for each scan" in cause.text
 
 
 def test_a_loop_that_publishes_is_named(run_node: RunNode) -> None:
@@ -128,21 +137,30 @@ STOPS_LATE = [Check("stop_zone", "“0.49 m ahead”", "0.15 m/s", 1.613), Check
 
 
 def test_known_mistakes_are_found_by_their_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    known = {fingerprint(STOPS_LATE): ["Stops late.", "Counts in feet."]}
+    known = {fingerprint(STOPS_LATE, {}): ["Stops late.", "Counts in feet."]}
     monkeypatch.setattr("grader.grading.causes.known.catalogue", lambda _: known)
 
     cause = known_cause(EXERCISE, STOPS_LATE, {})
     other = [Check("stop_zone", "“0.49 m ahead”", "0.20 m/s", 1.613), Check("no_contact")]
 
     assert cause is not None
-    assert cause.text == "One of two: the node stops late, or the node counts in feet."
+    assert cause.text == "One of two, perhaps: the node stops late, or the node counts in feet."
     assert known_cause(EXERCISE, other, {}) is None
 
 
 def test_what_too_many_mistakes_share_is_not_told() -> None:
-    rows = [(f"Mistake {i}.", STOPS_LATE) for i in range(MOST + 1)]
-    assert known_toml("x", rows).count("Mistake") == 0  # type: ignore[arg-type]
-    assert known_toml("x", rows[:MOST]).count("Mistake") == MOST  # type: ignore[arg-type]
+    rows = [(f"Mistake {i}.", "abc") for i in range(MOST + 1)]
+    assert known_toml("x", rows).count("Mistake") == 0
+    assert known_toml("x", rows[:MOST]).count("Mistake") == MOST
+
+
+def test_who_answers_otherwise_later_is_not_taken_for_it(run_node: RunNode) -> None:
+    failed = [Check("stop_zone", "“0.49 m ahead”", "0.15 m/s", 1.613, "avoid_zones")]
+    prints = {
+        fingerprint(failed, {"avoid_zones": run(run_node, "beams[90:271]", slow)})
+        for slow in ("0.15", "0.15", "0.2")
+    }
+    assert len(prints) == 2
 
 
 @pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
