@@ -6,8 +6,10 @@ Python says what it could not do. These lines say what most often leads there in
 from __future__ import annotations
 
 import difflib
+import dis
 import re
 from collections.abc import Callable, Sequence
+from types import FunctionType
 from typing import Any
 
 NO_VALUE = (
@@ -208,7 +210,9 @@ def _attribute(error: Any) -> str:
         return f"a {type(owner).__name__} has no {name}; it has {', '.join(map(str, fields))}"
     if hasattr(type(owner), name.strip()) or isinstance(owner, type):
         return ""
-    known = [*getattr(owner, "__dict__", {}), *dir(type(owner))]
+    if _is_given_somewhere(type(owner), name):
+        return f"self.{name} is used before it is given a value: do that first, in __init__"
+    known = [*getattr(owner, "__dict__", {}), *vars(type(owner))]
     near = difflib.get_close_matches(name, known, n=1)
     if near:
         return f"is it {near[0]}, not {name}?"
@@ -218,6 +222,16 @@ def _attribute(error: Any) -> str:
             "and before anything can call back"
         )
     return f"a {type(owner).__name__} has no {name}"
+
+
+def _is_given_somewhere(cls: type, name: str) -> bool:
+    """Tell whether a method of the class gives `self.NAME` a value."""
+    codes = [method.__code__ for method in vars(cls).values() if isinstance(method, FunctionType)]
+    return any(
+        step.opname == "STORE_ATTR" and step.argval == name
+        for code in codes
+        for step in dis.get_instructions(code)
+    )
 
 
 def _name(error: Any) -> str:

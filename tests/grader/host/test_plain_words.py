@@ -19,6 +19,10 @@ class Agent:
         return self.sped
     def too_early(self):
         return self.publisher
+    def wire(self):
+        self.subscription = None
+    def before(self):
+        return self.subscription
 agent = Agent()
 """
 MEANT = {
@@ -27,6 +31,7 @@ MEANT = {
     "agent.forgets()": "is it self.speed?",
     "agent.misspells()": "is it speed, not sped?",
     "agent.too_early()": "do so in __init__",
+    "agent.before()": "used before it is given a value",
     "2.0 ^ 2.0": "x**2",
     "None < 1.0": "something is None",
     "f'{None:.2f}'": "something is None",
