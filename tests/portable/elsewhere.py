@@ -3,8 +3,11 @@
 So is what came with ROS's wheels: other systems have only what the course's own wheel asks for.
 
     python elsewhere.py COURSE_ARGUMENT …
+    python elsewhere.py pytest PYTEST_ARGUMENT …
+    python elsewhere.py prepare
 
-runs the command `course` there. The hosts that it starts begin with `impoverish()`, too.
+runs the command `course` there, or pytest with the course's fixtures, or a notebook's `prepare`.
+The hosts that it starts begin with `impoverish()`, too.
 """
 
 from __future__ import annotations
@@ -140,6 +143,21 @@ if __name__ == "__main__":
     from grader.link import practice
 
     practice.PRELUDE = PRELUDE
+    if sys.argv[1] == "pytest":
+        import pytest
+
+        os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # of others
+        sys.exit(pytest.main([*sys.argv[2:], "-p", "grader.testing.plugin"]))
+    if sys.argv[1] == "prepare":
+        import platform
+
+        from grader.link import ros_environment
+        from grader.notebook.preparation import prepare_kernel
+
+        platform.machine = lambda: "aarch64"
+        ros_environment._has_rclpy = lambda _: False
+        prepare_kernel(ros_in_kernel=True)
+        sys.exit()
     from grader.cli import main
 
     main()
