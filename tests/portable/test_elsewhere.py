@@ -119,3 +119,19 @@ def test_a_notebook_gets_ready_without_the_wheels_of_ros() -> None:
     said = " ".join(done.stdout.split())
     assert "Ready: everything is installed; rclpy works in this kernel." in said, done.stderr
     assert PRACTICE[1:] in said and "has never been run on" in said
+
+
+def test_an_exercise_is_copied_once(tmp_path: Path) -> None:
+    command = [sys.executable, str(ELSEWHERE), "list", "--copy", "2"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    first, second = (
+        subprocess.run(
+            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+        for _ in range(2)
+    )
+    assert (first.returncode, second.returncode) == (0, 2), first.stderr
+    assert {path.name for path in (tmp_path / "ml_velocity").iterdir()} == {
+        "README.md", "hints.md", "ml_velocity_controller.py", "train_velocity_model.py",
+    }  # fmt: skip
+    assert "ml_velocity is there already" in second.stderr
