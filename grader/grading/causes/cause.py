@@ -77,7 +77,9 @@ class Cause(msgspec.Struct, frozen=True):
     ) -> Cause:
         """Return the cause of some failed checks; `all_of_it`: their own help leads elsewhere."""
         return cls(
-            f"{text[0].upper()}{text[1:]}" if text.split(" ", maxsplit=1)[0].isalpha() else text,
+            f"{text[0].upper()}{text[1:]}"
+            if text.split(" ", maxsplit=1)[0].rstrip(",:").isalpha()
+            else text,
             failed[0].kind,
             where,
             hint or hint_for(exercise, failed),
