@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from grader.classroom.account import Account
+from grader.classroom.roster import NOBODY, Roster
+from grader.classroom.row import StudentRow
 from grader.errors import InputError
 
 HIDE = {
@@ -28,7 +31,12 @@ class ResultOptions:
     # (student, exercise): file name → content; without them there is no search for similar files
     sources: Sources = field(default_factory=dict)
     replays: bool = True  # put replays into the feedback pages (where there are recordings)
+    files: Sequence[tuple[str, str]] = ()  # what else is written, and what it is
     workers: int = 1  # processes that make the feedback pages
+    account: Account = field(default_factory=Account)  # what became of each file
+    students: Mapping[str, StudentRow] = field(default_factory=dict)  # by `StoredResult.student`
+    roster: Roster = NOBODY
+    columns: Mapping[str, str] = field(default_factory=dict)  # slug: title in the gradebook
 
     def __post_init__(self) -> None:
         """Check the words of `hide`.
