@@ -60,8 +60,10 @@ def assert_complete(out: Path) -> None:
     assert len(rows) == len(results)
     formulas = [value for row in rows for value in row.values() if value[:1] in ("=", "+", "@")]
     assert not formulas
-    for name in ("canvas.csv", "moodle.csv"):
-        assert len((out / name).read_text("utf-8").splitlines()) > 1
+    for name in ("canvas", "moodle"):
+        for file in (out / name).glob("*.csv"):
+            assert len(file.read_text("utf-8").splitlines()) > 1
+        assert list((out / name).iterdir())
     suites = ET.parse(out / "junit.xml").getroot().findall("testsuite")
     assert len(suites) == len(results)
     assert len(list((out / "feedback").glob("*/index.html"))) == len(students)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -41,8 +42,9 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
         if not people:
             reason = f"{METADATA} does not say whose it is"
             found.set_aside.append(SetAside(path.name, reason))
-        time = str(about.get(":created_at") or "") if isinstance(about, Mapping) else ""
-        found.entries.extend(Entry(path, who, time=time[:40]) for who in people)
+        time = about.get(":created_at") if isinstance(about, Mapping) else None
+        text = time.isoformat() if isinstance(time, datetime) else ""
+        found.entries.extend(Entry(path, who, time=text) for who in people)
     missing = sorted(set(map(str, known)) - {path.name for path in paths})
     found.set_aside.extend(
         SetAside(name, f"in {METADATA}, but there is no such folder") for name in missing

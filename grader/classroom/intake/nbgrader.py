@@ -26,12 +26,13 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
     found = Read()
     names = {path.name for path in paths}
     for path in paths:
-        if path.is_symlink() or not path.is_dir():
+        beside = {each for side in names.intersection(SIDES) for each in SIDES[side]}
+        if path.name in beside:
+            found.set_aside.append(SetAside(path.name, "a part of nbgrader's course", fault=False))
+        elif path.is_symlink() or not path.is_dir():
             found.left.append(path)
         elif path.name in SIDES and names.intersection(SIDES[path.name]):
             _of_course(path, found)
-        elif names.intersection(SIDES) and path.name in {s for v in SIDES.values() for s in v}:
-            found.set_aside.append(SetAside(path.name, "a part of nbgrader's course", fault=False))
         else:
             _attempt(path, found)
     return _latest(found)
@@ -52,7 +53,7 @@ def _attempt(path: Path, found: Read) -> None:
     if match is None:
         found.left.append(path)
         return
-    time = match["time"]
+    time = match["time"] if _microseconds(match["time"]) else ""
     who = Who(match["user"], "nbgrader", match["user"])
     found.entries.append(Entry(path, who, version=_microseconds(time), time=time))
 
@@ -67,9 +68,10 @@ def _collected(student: Path) -> Iterator[Entry]:
 
 def _stamp(file: Path) -> str:
     try:
-        return read_regular_file(file, 100).decode("utf-8", "replace").strip()[:40]
+        time = read_regular_file(file, 100).decode("utf-8", "replace").strip()
     except OSError:
         return ""
+    return time if _microseconds(time) else ""
 
 
 def _microseconds(time: str) -> int:

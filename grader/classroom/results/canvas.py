@@ -32,8 +32,8 @@ def canvas_csv(book: Book, task: Task) -> str | None:
         handed = mark.handed(task.slug)
         id_ = mark.row.ids.get("canvas") or (handed.id if handed.system == "canvas" else "")
         login = mark.row.ids.get("login", "")
-        if not id_ and not login and not book.roster.people and handed.system == "folder":
-            login = mark.student  # folders may be called by it
+        if not id_ and not login and not book.roster.people:
+            login = mark.login(task.slug)
         if id_ or login:
             rows.append([mark.name, _id(id_), _id(login), mark.row.section, mark.points])
         else:

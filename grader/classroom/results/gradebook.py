@@ -14,6 +14,7 @@ from grader.errors import InputError
 
 MOST_NAMED = 10  # students in a remark
 UNKNOWN = Handed("folder")
+LOGIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")  # a name that a platform may give a user
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,11 @@ class Mark:
     def name(self) -> str:
         """The name for people."""
         return self.row.name or self.student
+
+    def login(self, slug: str) -> str:
+        """Return the folder's name if, without a roster, it may be the user's at the platform."""
+        is_folder = self.handed(slug).system == "folder"
+        return self.student if is_folder and LOGIN.fullmatch(self.student) else ""
 
 
 @dataclass
