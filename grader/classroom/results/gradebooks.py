@@ -26,6 +26,7 @@ SCORES = (
     "max_score", "field_ready", "passed", "failed", "skipped", "attempts", "wall_s", "cpu_s",
     "handed_in", "late", "finished", "problem",
 )  # fmt: skip
+ID_FIRST = ("canvas", "id", "idnumber", "sis", "login", "email", "github")
 NBGRADER = (
     "assignment", "duedate", "timestamp", "student_id", "last_name", "first_name", "email",
     "raw_score", "late_submission_penalty", "score", "max_score",
@@ -69,6 +70,11 @@ def nbgrader_csv(book: Book, tasks: Sequence[Task]) -> str:
     return csv_text(rows)
 
 
+def _id(row: StudentRow) -> str:
+    """Return the id that the instructor's lists most likely have."""
+    return next((row.ids[kind] for kind in ID_FIRST if row.ids.get(kind)), "")
+
+
 def _scores_row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
     held = is_held(result)
     handed = row.handed.get(result.exercise)
@@ -79,7 +85,7 @@ def _scores_row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]
     return [
         result.student,
         row.name,
-        Verbatim(next(iter(row.ids.values()), handed.id if handed else "")),
+        Verbatim(_id(row) or (handed.id if handed else "")),
         row.section,
         result.exercise,
         state_of(result),

@@ -126,7 +126,10 @@ def _read(file: Path) -> tuple[str, tuple[str, ...], list[tuple[str, ...]]]:
         raise InputError(f"{file}: cannot read the roster ({error.strerror})") from None
     if len(data) > MAX_SHEET:
         raise InputError(f"{file}: over {MAX_SHEET:,} bytes; {HELP}")
-    lines = list(_rows(_decoded(data)))
+    try:
+        lines = list(_rows(_decoded(data)))
+    except csv.Error as error:
+        raise InputError(f"{file}: a broken CSV ({error}); {HELP}") from None
     if not lines or len(lines) > MAX_ROWS:
         raise InputError(f"{file}: {len(lines):,} lines; {HELP}")
     header = tuple(heading.strip() for heading in lines[0])
@@ -154,12 +157,9 @@ def _decoded(data: bytes) -> str:
 def _rows(text: str) -> Iterator[list[str]]:
     first = text.partition("\n")[0]
     delimiter = max(",;\t", key=first.count)
-    try:
-        for line in csv.reader(io.StringIO(text, newline=""), delimiter=delimiter):
-            if any(cell.strip() for cell in line):
-                yield line
-    except csv.Error:
-        return
+    for line in csv.reader(io.StringIO(text, newline=""), delimiter=delimiter):
+        if any(cell.strip() for cell in line):
+            yield line
 
 
 def _kind(header: Sequence[str]) -> str:
