@@ -159,14 +159,14 @@ def _wanted(
 def _handed_in_nothing(student: Student, found: Sequence[Found]) -> bool:
     """Tell whether what a student has no file of was not handed in, as far as can be told.
 
-    It was perhaps, if a part can't be read, or if nothing at all has the name of an exercise's file
-    and something is there that may be one. Then a person has to look.
+    It was perhaps, if a part can't be read, or if something is there and none of it has the name of
+    an exercise's file. Then a person has to look.
     """
     if student.problem:
         return False
     if any(each.files for each in found):
         return True
-    return not left_over(student, ()) and not student.links
+    return not student.files and not student.links
 
 
 # --- the account ---------------------------------------------------------------------------------

@@ -15,16 +15,17 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from grader.classroom.intake.entries import Entry, Read, SetAside, Who
+from grader.classroom.intake.entries import Entry, Read, Who
 
 # From the left: what the student called the file can't reach the ids in front of it.
 _WHO = r"(?:(?P<name>\w*?)_)??(?:(?P<late>LATE)_)?(?P<id>\d+|anon_[A-Za-z0-9]+)"
 UPLOAD = re.compile(rf"{_WHO}_(?P<attachment>\d+)_(?P<file>.+)", re.DOTALL)
 TYPED = re.compile(rf"{_WHO}_(?P<kind>text|link)\.html")
+TYPED_IN = {"text": "text typed into Canvas.html", "link": "web address.html"}
 
 
 def read(folder: Path, paths: Sequence[Path]) -> Read:
-    """Return the uploads among the files; what was typed into a form is set aside."""
+    """Return the uploads among the files, and what was typed into a form."""
     found = Read()
     for path in paths:
         upload, typed = UPLOAD.fullmatch(path.name), TYPED.fullmatch(path.name)
@@ -40,11 +41,9 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
                     late=upload["late"] is not None,
                 )
             )
-        elif typed is not None:
-            what = "a text typed into Canvas" if typed["kind"] == "text" else "a web address"
-            found.set_aside.append(
-                SetAside(path.name, f"{what}, expected a file; read it, and ask for the file")
-            )
+        elif typed is not None:  # shows what is there if there is no file
+            late = typed["late"] is not None
+            found.entries.append(Entry(path, _who(typed), TYPED_IN[typed["kind"]], late=late))
         else:
             found.left.append(path)
     return found

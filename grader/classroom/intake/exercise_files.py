@@ -12,7 +12,7 @@ from grader.classroom.intake.names import copy_number, plain
 from grader.classroom.intake.unpack import is_archive, is_unread_archive
 from grader.course.submission import read_regular_file
 
-WORK = (".py", ".ipynb")  # what may be an exercise under another name
+WORK = (".py", ".pyw", ".py.txt", ".ipynb")  # what may be an exercise under another name
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,11 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from grader.classroom.intake.entries import Entry, Read, SetAside, Who
+from grader.classroom.intake.entries import Entry, Read, Who
 
 _WHO = r"(?P<name>[^_]+)_(?P<id>\d+)_assignsubmission_(?P<plugin>file|onlinetext)"
 FOLDER = re.compile(rf"{_WHO}_?")
 FLAT = re.compile(rf"{_WHO}_(?P<file>.+)", re.DOTALL)
-TYPED = "a text typed into Moodle, expected a file; read it, and ask for the file"
 
 
 def read(folder: Path, paths: Sequence[Path]) -> Read:
@@ -29,8 +28,6 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
         match = (FOLDER if path.is_dir() else FLAT).fullmatch(path.name)
         if match is None or path.is_symlink():
             found.left.append(path)
-        elif match["plugin"] == "onlinetext":
-            found.set_aside.append(SetAside(path.name, TYPED))
         else:
             called = "" if path.is_dir() else match["file"]
             found.entries.append(Entry(path, Who(match["name"], "moodle", match["id"]), called))

@@ -164,7 +164,7 @@ def canvas(people: list[Someone], place: Path) -> Download:
                     member = f"{prefix}_{late}{100 + p.number}_{attachment}_{name}"
                     archive.writestr(member, data)
                     made.entries += 1
-            archive.writestr("typerterry_999_text.html", "<p>my code</p>")
+            archive.writestr("index.html", "<p>nobody's</p>")
             made.junk += 1
         made.sources.append(source)
     return made
@@ -189,7 +189,7 @@ def _moodle(people: list[Someone], place: Path, folders: bool) -> Download:
                 write(folder / (f"{prefix}/{name}" if folders else f"{prefix}_{name}"), data)
                 made.entries += 1
         write(place / f"Grades-{slug}.csv", target.getvalue())
-        write(folder / "Cy Dee_6999_assignsubmission_onlinetext/onlinetext.html", "<p>hello")
+        write(folder / "notes.txt", "nobody's")
         made.junk += 1
         made.sources.append(folder)
         made.rosters.append(place / f"Grades-{slug}.csv")

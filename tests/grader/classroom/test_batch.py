@@ -52,11 +52,13 @@ def test_settings_are_part_of_what_was_graded(grade_class: Any) -> None:
 def test_missing_and_unreadable_files_are_held(grade_class: Any, handed_in: Path) -> None:
     (handed_in / "lea").mkdir()
     (handed_in / "lea" / "robot.py").write_text("# a wrong name\n")
+    (handed_in / "max").mkdir()
+    (handed_in / "max" / "report.pdf").write_bytes(b"no program, but handed in")
     (handed_in / "kim.zip").write_bytes(b"broken")
     results, workers, _ = grade_class()
     assert workers.students == ["ann", "bob", "eve"]
     assert results["lea"].problem == f"expected a file {FILE}; there is robot.py"
-    assert results["lea"].state == results["kim"].state == HELD
+    assert {results[student].state for student in ("lea", "kim", "max")} == {HELD}
 
 
 def test_what_was_not_handed_in_is_neither_queued_nor_held(
