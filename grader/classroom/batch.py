@@ -108,6 +108,7 @@ def _autograde(
             account=taken_in.account,
             students=store.students(),
             roster=options.roster,
+            nbgrader=options.nbgrader,
             columns=column_titles(options.columns),
         )
         missing = write_results(results, out, wanted).missing

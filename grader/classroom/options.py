@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from grader.classroom.roster import NOBODY, Roster
 
@@ -25,4 +26,5 @@ class Options:
     hide: str = "nothing"
     retry_held: bool = False
     roster: Roster = NOBODY  # with it everybody in it has a row
+    nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
     columns: tuple[str, ...] = ()  # "EXERCISE=TITLE": the gradebook's column of an exercise

@@ -34,6 +34,11 @@ Examples:
 @click.option(
     "--column", "columns", multiple=True, metavar="EXERCISE=TITLE", help="The gradebook's column."
 )
+@click.option(
+    "--nbgrader",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the points into this gradebook.db of nbgrader's, too.",
+)
 @click.option("--list", "only_list", is_flag=True, help="Say who handed in what; grade nothing.")
 @click.option(
     "--workers", type=click.IntRange(1, 256), default=1, help="Processes on this machine."
@@ -90,6 +95,10 @@ def autograde(
 
     ResultOptions(hide=options["hide"])  # refuses unknown words before the work
     column_titles(options["columns"])
+    if options["nbgrader"] is not None:
+        from grader.nbgrader.class_scores import check_available  # noqa: PLC0415
+
+        check_available()
     chosen = Options(
         secret=None if secret is None else read_secret(secret),
         bags=not no_bags,

@@ -11,7 +11,8 @@ from grader.classroom.results.canvas import canvas_csv
 from grader.classroom.results.clean import cell
 from grader.classroom.results.files import replacing, write_text
 from grader.classroom.results.gradebook import Book
-from grader.classroom.results.gradebooks import nbgrader_csv, scores_csv
+from grader.classroom.results.gradebooks import nbgrader_csv, scores_csv, write_into_nbgrader
+from grader.classroom.results.gradescope_upload import by_submission, write_autograder
 from grader.classroom.results.junit import junit_xml
 from grader.classroom.results.marks import Task
 from grader.classroom.results.missing import Parts
@@ -24,6 +25,7 @@ WHAT = {
     "intake.csv": "what became of each file",
     "canvas": "Canvas gradebook, a file per exercise",
     "moodle": "Moodle: grade import, worksheets, feedback files",
+    "gradescope": "Gradescope: an autograder that hands out the results, and each results.json",
     "nbgrader.csv": "as nbgrader exports",
     "junit.xml": "JUnit XML",
 }
@@ -59,6 +61,17 @@ def write_exports(
             text = make()
             if text is not None:
                 written.append(write_text(out / name, text))
+    autograder = out / "gradescope" / "autograder.zip"
+    autograder.unlink(missing_ok=True)
+    if "gradescope" in systems:
+        with parts.part(autograder.relative_to(out).as_posix()):
+            final = by_submission(book.results, tasks, book.students, options.hidden)
+            with replacing(autograder) as file:
+                write_autograder(file, final)
+            written.append(autograder)
+    if options.nbgrader is not None:
+        with parts.part(f"nbgrader's gradebook {options.nbgrader}"):
+            write_into_nbgrader(options.nbgrader, book, tasks)
     return written
 
 
@@ -81,5 +94,5 @@ def there(written: Sequence[Path], out: Path) -> list[tuple[str, str]]:
     """Return the files and folders that were written, with what they are."""
     names = {path.relative_to(out).parts[0] for path in written}
     return [
-        (f"{name}/" if name in OURS else name, what) for name, what in WHAT.items() if name in names
+        (name if "." in name else f"{name}/", what) for name, what in WHAT.items() if name in names
     ]

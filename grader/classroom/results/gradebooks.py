@@ -6,8 +6,9 @@ Held and missing gradings are empty cells, never zeros.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
-from grader.classroom.results.gradebook import Book
+from grader.classroom.results.gradebook import Book, Mark
 from grader.classroom.results.marks import (
     Task,
     checks_of,
@@ -61,13 +62,34 @@ def nbgrader_csv(book: Book, tasks: Sequence[Task]) -> str:
         for mark in book.marks(task):
             handed = mark.handed(task.slug)
             first, _, last = mark.name.rpartition(" ")
-            id_ = handed.id if handed.system == "nbgrader" else mark.row.ids.get("login", "")
             rows.append(
-                [task.slug, None, Verbatim(handed.time), Verbatim(id_ or mark.student),
+                [task.slug, None, Verbatim(handed.time), Verbatim(nbgrader_id(mark, task)),
                  last, first, Verbatim(mark.row.ids.get("email", "")), mark.points, 0,
                  mark.points, task.points]
             )  # fmt: skip
     return csv_text(rows)
+
+
+def nbgrader_id(mark: Mark, task: Task) -> str:
+    """Return what nbgrader calls a student."""
+    handed = mark.handed(task.slug)
+    id_ = handed.id if handed.system == "nbgrader" else mark.row.ids.get("login", "")
+    return id_ or mark.student
+
+
+def write_into_nbgrader(db: Path, book: Book, tasks: Sequence[Task]) -> None:
+    """Write the points into nbgrader's own gradebook."""
+    from grader.nbgrader.class_scores import Score, write_scores  # noqa: PLC0415  (an extra)
+
+    scores = [
+        Score(
+            nbgrader_id(mark, task), task.slug, mark.points, task.points, mark.row.name,
+            mark.row.ids.get("email", ""),
+        )
+        for task in tasks
+        for mark in book.marks(task)
+    ]  # fmt: skip
+    write_scores(db, scores)
 
 
 def _id(row: StudentRow) -> str:

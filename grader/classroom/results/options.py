@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from grader.classroom.account import Account
 from grader.classroom.roster import NOBODY, Roster
@@ -36,6 +37,7 @@ class ResultOptions:
     account: Account = field(default_factory=Account)  # what became of each file
     students: Mapping[str, StudentRow] = field(default_factory=dict)  # by `StoredResult.student`
     roster: Roster = NOBODY
+    nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
     columns: Mapping[str, str] = field(default_factory=dict)  # slug: title in the gradebook
 
     def __post_init__(self) -> None:

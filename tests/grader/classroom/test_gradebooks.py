@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import csv
 import io
+import json
+import subprocess
+import sys
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +23,7 @@ from grader.classroom.results.moodle import grades_csv, worksheet_csv
 from grader.classroom.roster import Roster, read_roster
 from grader.classroom.row import ABSENT, Handed, StoredResult, StudentRow
 from grader.errors import InputError
+from grader.nbgrader.class_scores import write_scores
 
 SLUG = "obstacle_avoidance"
 
@@ -234,3 +239,59 @@ def test_nbgrader_has_a_row_for_each_score(tmp_path: Path) -> None:
         SLUG, "ann+x", "2026-05-04",
     )  # fmt: skip
     assert (line["score"], line["max_score"]) == ("60", "100")
+
+
+@pytest.mark.long  # nbgrader takes a while to import
+def test_nbgraders_own_gradebook(tmp_path: Path) -> None:
+    api = pytest.importorskip("nbgrader.api")
+    db = tmp_path / "gradebook.db"
+    students = {"ann": StudentRow("ann", "Ann Lee", ids={"login": "alee", "email": "a@uni.edu"})}
+    write_scores(db, [])  # makes it
+    with api.Gradebook(f"sqlite:///{db}") as book:
+        book.add_student("alee", last_name="Kept")
+        book.add_assignment("week1")
+    options = ResultOptions(students=students, nbgrader=db)
+    for points in (60, 70):
+        done = write_results([graded("ann", points), absent("bob")], tmp_path / "out", options)
+        assert done.missing == []
+    with api.Gradebook(f"sqlite:///{db}") as book:
+        found = book.find_submission(SLUG, "alee")
+        assert (found.score, found.max_score) == (70.0, 100.0)
+        assert (found.student.first_name, found.student.last_name) == ("Ann", "Kept")
+        assert [s.id for s in book.students] == ["alee"]
+        assert {a.name for a in book.assignments} == {"week1", SLUG}
+        book.add_notebook("01_loop", SLUG)
+    (missing,) = write_results([graded("ann")], tmp_path / "out", options).missing
+    assert "give another file to --nbgrader" in str(missing)
+
+
+# --- Gradescope ----------------------------------------------------------------------------------
+
+
+def test_gradescope_hands_out_what_was_graded_here(tmp_path: Path) -> None:
+    handed = {"ann": "submission_101", "bob": "submission_101", "cy": "submission_103"}
+    students = {
+        s: StudentRow(s, handed={SLUG: Handed("gradescope", s, entry=e)}) for s, e in handed.items()
+    }
+    held = replace(graded("cy"), state="held")
+    options = ResultOptions(students=students)
+    done = write_results([graded("ann"), graded("bob"), held], tmp_path / "out", options)
+    assert done.missing == []
+    root = tmp_path / "autograder"
+    with zipfile.ZipFile(tmp_path / "out" / "gradescope" / "autograder.zip") as archive:
+        archive.extractall(root / "source")
+        modes = {info.filename: info.external_attr >> 16 for info in archive.infolist()}
+    assert modes["run_autograder"] & modes["setup.sh"] & 0o111
+    assert sorted(path.name for path in (root / "source" / "graded").iterdir()) == ["101.json"]
+
+    def run(submission: int) -> subprocess.CompletedProcess[str]:
+        (root / "submission_metadata.json").write_text(json.dumps({"id": submission}))
+        return subprocess.run(
+            [sys.executable, str(root / "source" / "run_autograder")],
+            env={"AUTOGRADER_ROOT": str(root)}, text=True, capture_output=True, check=False,
+        )  # fmt: skip
+
+    assert run(103).returncode == 1
+    assert not (root / "results").exists()
+    assert run(101).returncode == 0
+    assert json.loads((root / "results" / "results.json").read_text())["score"] == 60.0
