@@ -22,12 +22,12 @@ from grader.classroom.intake.entries import (
 from grader.classroom.intake.names import may_enter, student_id, unique
 from grader.classroom.intake.unpack import (
     ARCHIVES,
-    MANY,
     MAX_DEPTH,
     Refused,
     is_archive,
     is_unread_archive,
     unpack,
+    unpack_class,
 )
 from grader.classroom.roster import NOBODY, Person, Roster, folded
 from grader.errors import InputError, is_disk_full
@@ -107,7 +107,7 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
             f"of a learning platform ({', '.join(ARCHIVES)})"
         )
     try:
-        twice = unpack(source, room, times=MANY)
+        odd = unpack_class(source, room)
     except Refused as refused:
         raise InputError(f"{source}: {refused}") from None
     except Exception as error:
@@ -116,7 +116,7 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
         raise InputError(
             f"{source}: a broken archive ({type(error).__name__}); download it again"
         ) from None
-    set_aside += [SetAside(name, f"twice in {source.name}; the first counts") for name in twice]
+    set_aside += [SetAside(f"{source.name}: {name}", why) for name, why in odd]
     while (inner := _wrapped(room)) is not None:
         room = inner
     return room
@@ -248,7 +248,7 @@ def _add_file(pile: _Pile, file: HandedIn, room: Path, set_aside: list[SetAside]
         pile.files.append(file)
         return
     try:
-        twice = unpack(file.path, room)
+        odd = unpack(file.path, room)
     except Refused as refused:
         pile.problems.append(f"{file.name}: {refused}")
         return
@@ -260,8 +260,7 @@ def _add_file(pile: _Pile, file: HandedIn, room: Path, set_aside: list[SetAside]
         pile.problems.append(" ".join(text.split()))
         return
     set_aside += [
-        SetAside(f"{file.entry.path.name}: {name}", "twice in the archive; the first counts", False)
-        for name in twice
+        SetAside(f"{file.entry.path.name}: {name}", why, fault=False) for name, why in odd
     ]
     inner, _ = _files(room)
     pile.files += [

@@ -28,7 +28,11 @@ MAX_RATIO = 200  # unpacked to packed size, above SMALL; source code has about 5
 SMALL = 4 * 1024 * 1024  # [bytes]
 MAX_DEPTH = 6  # folders below a student's
 MANY = 100  # a class's download may have so many times more
+CUT = 20 * 1024 * 1024  # [bytes] of a file in a class's download: one can't keep out the others
 CHUNK = 64 * 1024  # [bytes]
+
+
+Odd = tuple[str, str]  # a member's name, and what is odd about it
 
 
 class Refused(Exception):
@@ -53,56 +57,79 @@ def archive_stem(name: str) -> str:
     return name[: len(name) - len(suffix)]
 
 
-def unpack(archive: Path, room: Path, *, times: int = 1) -> list[str]:
-    """Unpack an archive into `room`; return the names that were in it twice: the first counts.
-
-    `times` as much as a student's may be in it.
+def unpack(archive: Path, room: Path) -> list[Odd]:
+    """Unpack a student's archive into `room`; return what is odd in it.
 
     Raises
     ------
     Refused
         It is locked, or a trap.
     """
+    size = min(MAX_UNPACKED, max(SMALL, MAX_RATIO * archive.stat().st_size))
+    left = _Allowance(size, MAX_MEMBERS)
+    return _unpack(archive, room, left, MAX_DEPTH + 1, None)
+
+
+def unpack_class(archive: Path, room: Path) -> list[Odd]:
+    """Unpack a platform's download of a whole class; files that are too long are cut off.
+
+    Raises
+    ------
+    Refused
+        It is locked, or a trap.
+    """
+    left = _Allowance(MANY * MAX_UNPACKED, MANY * MAX_MEMBERS)
+    return _unpack(archive, room, left, MAX_DEPTH + 3, CUT)
+
+
+def _unpack(archive: Path, room: Path, left: _Allowance, depth: int, cut: int | None) -> list[Odd]:
     room.mkdir(parents=True, exist_ok=True)
-    most = times * MAX_UNPACKED
-    size = min(most, max(SMALL, MAX_RATIO * archive.stat().st_size))
-    left = _Allowance(size, times * MAX_MEMBERS)
     is_zip = archive.name.lower().endswith(".zip")
-    members = _zip(archive, left) if is_zip else _tar(archive, left, 2 * most)
+    members = _zip(archive, left) if is_zip else _tar(archive, left)
     with contextlib.closing(members):
-        return _write(members, room, left, MAX_DEPTH + (1 if times == 1 else 3))
+        return _write(members, room, left, depth, cut)
 
 
 def _write(
-    members: Iterable[tuple[str, IO[bytes]]], room: Path, left: _Allowance, depth: int
-) -> list[str]:
-    twice = []
+    members: Iterable[tuple[str, IO[bytes]]],
+    room: Path,
+    left: _Allowance,
+    depth: int,
+    cut: int | None,
+) -> list[Odd]:
+    odd = []
     for name, source in members:
         target = _inside(room, name, depth)
         if target is None:
             continue
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists():
-            twice.append(name)
+            odd.append((name, "twice in the archive; the first counts"))
             continue
+        size = 0
         with source, target.open("wb") as file:
             while chunk := source.read(CHUNK):
+                size += len(chunk)
+                if cut is not None and size > cut:
+                    odd.append((name, f"over {cut // 2**20} MiB, so its end was cut off"))
+                    break
                 left.take(len(chunk))
                 file.write(chunk)
-    return twice
+    return odd
 
 
 class _Allowance:
     """How much an archive may still unpack to."""
 
     def __init__(self, size: int, members: int) -> None:
-        self._left = size  # [bytes]
+        self.size = self._left = size  # [bytes]
         self._most = self._members = members
 
     def take(self, size: int) -> None:
         self._left -= size
         if self._left < 0:
-            raise Refused("over 100 MiB, or far larger unpacked than packed; not unpacked")
+            most = max(self.size, MAX_UNPACKED) // 2**20
+            raise Refused(f"over {most:,} MiB, or far larger unpacked than packed; not unpacked")
 
     def member(self) -> None:
         self._members -= 1
@@ -133,14 +160,12 @@ def _zip(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], No
                 yield member.filename, opened.open(member)
 
 
-def _tar(
-    archive: Path, left: _Allowance, most: int
-) -> Generator[tuple[str, IO[bytes]], None, None]:
+def _tar(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], None, None]:
     with contextlib.ExitStack() as stack:
         packed: Any = stack.enter_context(open_regular_file(archive))
         if not archive.name.lower().endswith(".tar"):
             packed = stack.enter_context(gzip.GzipFile(fileobj=packed))
-        counted: Any = _Counted(packed, _Allowance(most, 0))
+        counted: Any = _Counted(packed, _Allowance(2 * max(left.size, MAX_UNPACKED), 0))
         opened = stack.enter_context(tarfile.open(fileobj=counted, mode="r|"))
         for member in opened:
             left.member()

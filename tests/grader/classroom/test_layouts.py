@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.intake import Intake, find_files, take_in
+from grader.classroom.intake import Intake, find_files, take_in, unpack
 from grader.classroom.roster import read_roster
 from grader.errors import InputError
 
@@ -266,6 +266,18 @@ def test_a_trap_in_a_packed_download(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="points outside"):
         taken(tmp_path / "class.zip")
     assert not list(tmp_path.rglob("leecarla*"))
+
+
+def test_one_cannot_keep_out_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(unpack, "CUT", 1024 * 1024)
+    with zipfile.ZipFile(tmp_path / "class.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(f"ann_1_2_{AGENT}", "# fine\n")
+        archive.writestr(f"eve_2_3_{AGENT}", b"#" * 8 * 1024 * 1024)
+        archive.writestr("eve_2_4_bomb.zip", bytes(16 * 1024 * 1024))
+    intake = taken(tmp_path / "class.zip")
+    assert graded(intake)["ann_1"] == "fine"
+    assert "broken archive" in intake.students[1].problem
+    assert sum("cut off" in reason for reason in faults(intake).values()) == 2
 
 
 def test_links_in_a_download_are_not_followed(download: Path, tmp_path: Path) -> None:
