@@ -22,7 +22,7 @@ grade: $(VENV)/.course ## set up, grade a reference solution, print the table, w
 test: $(VENV)/.dev ## set up, run the tests but for those that take long
 	$(PYTEST) -m "not long"
 
-test-long: $(VENV)/.dev ## run the tests that take long: most of the proof, attacks, browsers, DDS, nbgrader
+test-long: $(VENV)/.dev ## run the tests that take long: attacks, browsers, DDS, nbgrader
 	$(PYTEST) -m long
 
 test-all: test test-long ## both, as CI does
@@ -58,6 +58,7 @@ conform: $(VENV)/.dev ## is virtual time like time, and portable like real? RCLP
 	$(if $(RCLPY),$(BIN)/python -m grader.authoring.conform rclpy $(RCLPY))
 	$(if $(NODES),$(BIN)/python -m grader.authoring.conform nodes $(NODES))
 	$(BIN)/python -m grader.authoring.conform portable
+	COURSE_PORTABLE=full $(PYTEST) tests/portable
 
 wheel: $(VENV)/.course ## build the wheel for every system into dist (docs/portable.md)
 	$(PIP) wheel --no-deps --wheel-dir dist .

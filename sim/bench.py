@@ -4,6 +4,7 @@ An open-loop test of perception needs exact readings at exact angles, whatever t
 """
 
 import math
+from collections.abc import Sequence
 from typing import Annotated
 
 import msgspec
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from sim.lidar import LidarProfile
 
 Angle = Annotated[float, Meta(ge=-180, le=180)]
+Turn = Annotated[int, Meta(ge=-180, le=180)]
 Offset = Annotated[float, Meta(ge=-3600, le=3600)]  # [s]
 EXACT = (0.5, 1.0)  # [m] thresholds of exercises: sent as they are ...
 NEAR = 0.008  # [m] ... and what else is to be seen, this much to either side
@@ -41,6 +43,38 @@ class BenchScan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     repeat: Annotated[int, Meta(ge=1, le=10_000)] = 1  # times in a row
     empty: bool = False  # a scan without beams
     stamp_offset: Offset = 0.0  # added to the header's stamp, as by a driver with a wrong clock [s]
+    # Another seed turns the patches together by whole degrees between these two, which leave what
+    # is right for the scan as it is.
+    turn_deg: tuple[Turn, Turn] = (0, 0)
+
+
+def varied(
+    bench: Sequence[BenchScan], any_order: bool, rng: np.random.Generator
+) -> tuple[BenchScan, ...]:
+    """Return the bench as another seed has it: turned, and in its own order.
+
+    A table of the public scans then knows neither what comes when, nor where things are.
+    """
+    order = rng.permutation(len(bench)) if any_order else range(len(bench))
+    return tuple(_turned(bench[i], rng) for i in order)
+
+
+def _turned(scan: BenchScan, rng: np.random.Generator) -> BenchScan:
+    low, high = scan.turn_deg
+    if not (angle := int(rng.integers(low, high + 1))):
+        return scan
+    patches = tuple(
+        msgspec.structs.replace(
+            patch, from_deg=_wrapped(patch.from_deg + angle), to_deg=_wrapped(patch.to_deg + angle)
+        )
+        for patch in scan.patches
+    )
+    label = f"{scan.label}, turned {abs(angle)}° to the {'left' if angle > 0 else 'right'}"
+    return msgspec.structs.replace(scan, label=label, patches=patches)
+
+
+def _wrapped(degrees: float) -> float:
+    return (degrees + 180) % 360 - 180
 
 
 def bench_ranges(

@@ -2,8 +2,8 @@
 
 The profiles `default` and `wide` follow REP-117: +inf = nothing within range, -inf = something
 closer than the sensor can measure, NaN = erroneous. The drivers of the TurtleBot 3's LDS sensors do
-not: they send 0.0 for “no return” and for “too near”. How much noise a lidar has, and how many
-beams and scans it loses, is set by `Faults` in `sim/scenario.py`, and by each scenario's file.
+not: they send 0.0 for “no return” and for “too near”. A lidar has no noise and loses nothing unless
+the scenario's `[faults]` say so: `Faults` in `sim/scenario.py` has the keys and defaults.
 
 ========  =====  ==============  ======  ============  =========  ========
 profile   beams  angles [°]      [Hz]    range [m]     no return  too near

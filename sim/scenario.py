@@ -117,7 +117,9 @@ class Faults(_Table, frozen=True):
     """[faults] What goes wrong: noise of the lidar, lost messages, slip; nothing by default."""
 
     range_noise: Noise = 0.0  # of the lidar: standard deviation of every reading [m]
-    range_bias: Annotated[float, Meta(ge=-10, le=10)] = 0.0  # of the lidar: added to every one [m]
+    range_bias: Annotated[float, Meta(ge=-10, le=10)] = (
+        0.0  # of the lidar: added to each reading [m]
+    )
     beam_dropout: Probability = 0.0  # that a beam sees nothing
     nan_speckle: Probability = 0.0  # that a beam reads NaN
     scan_latency: Delay = 0.0  # from measurement to delivery [s]
@@ -242,6 +244,7 @@ class Scenario(_Table, frozen=True, dict=True):
     raw: Annotated[tuple[RawCommands, ...], Meta(max_length=1000)] = ()
     script: Annotated[tuple[ScriptEvent, ...], Meta(max_length=1000)] = ()
     bench: Annotated[tuple[BenchScan, ...], Meta(max_length=MAX_BENCH_SCANS)] = ()
+    any_order: bool = False  # no scan of the bench builds on another: each other seed shuffles them
 
     def __post_init__(self) -> None:
         """Refuse a bench that would take forever."""

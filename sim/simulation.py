@@ -45,9 +45,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.bench import varied
 from sim.clearance import clearance
 from sim.faults import sensor_rng
 from sim.layout import Floats, Layout, Pose
@@ -104,14 +106,14 @@ class Simulation:
         The robot's start is not free, or the clutter does not fit.
     """
 
-    scenario: Scenario
+    scenario: Scenario  # with the bench as this seed has it
     layout: Layout
     seed: int
     now: int  # since the scenario's start [ns]
 
     def __init__(self, scenario: Scenario, seed: int | None = None) -> None:
-        self.scenario = scenario
         self.seed = scenario.seed if seed is None else seed
+        self.scenario = scenario = _of_seed(scenario, self.seed)
         self.now = 0
         self.layout = scenario_layout(scenario, self.seed)
         slip = scenario.faults.wheel_slip
@@ -295,3 +297,11 @@ class Simulation:
 def _between(before: Pose, after: Pose, part: float) -> Pose:
     (x0, y0, yaw0), (x1, y1, yaw1) = before, after
     return x0 + part * (x1 - x0), y0 + part * (y1 - y0), yaw0 + part * (yaw1 - yaw0)
+
+
+def _of_seed(scenario: Scenario, seed: int) -> Scenario:
+    """Return the scenario with its bench as the seed has it; its own seed has it as written."""
+    if not scenario.bench or seed == scenario.seed:
+        return scenario
+    bench = varied(scenario.bench, scenario.any_order, sensor_rng(seed, "bench"))
+    return msgspec.structs.replace(scenario, bench=bench)

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import PurePath
 from typing import Any
 
-from .sandbox.amounts import MAX_FILES, MAX_FOLDER, MAX_PROCESSES
+from .sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES, MAX_PROCESSES
 
 DISTRO = "jazzy"
 
@@ -48,7 +48,7 @@ INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
 PROCESSES = "a node is one process here and may start no other: let a thread do it, or do without"
 NETWORK = "a node has no network here: what it needs has to lie in a file beside it"
 FILES = "a node may use the files in its own folder only, besides the libraries that it imports"
-SPACE = f"a node's folder holds {MAX_FOLDER >> 20} MiB in {MAX_FILES:,} files, and is full"
+SPACE = f"a node's folder holds {MAX_FOLDER >> 20} MiB in {MAX_FOLDER_FILES:,} files, and is full"
 THREADS = f"a node may have {MAX_PROCESSES} threads"
 KEYBOARD = (
     "nobody types to a node here: `course drive --stdin FILE` gives it something to read; what is "

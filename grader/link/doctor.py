@@ -12,9 +12,14 @@ from dataclasses import dataclass
 
 from grader.errors import GraderError, InputError
 from grader.host.frames import Hello
-from grader.host.sandbox.amounts import MAX_FILE, MAX_FOLDER, MAX_PROCESSES
+from grader.host.sandbox.amounts import (
+    MAX_FILE,
+    MAX_FOLDER,
+    MAX_MEMORY,
+    MAX_OPEN_FILES,
+    MAX_PROCESSES,
+)
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
-from grader.host.sandbox.limits import MAX_DESCRIPTORS, MAX_MEMORY
 from grader.link.hosts import ForkServer
 from grader.link.link import PATROL
 from sim.messages import EPOCH_NS
@@ -35,7 +40,7 @@ NEEDS: Mapping[str, str] = {  # a layer: what a machine must have for it
     CALLS: "seccomp filters, on x86_64 or arm64",
 }
 KEEPS: Mapping[str, str] = {
-    LIMITS: f"core dumps, files over {MAX_FILE >> 20} MiB, more than {MAX_DESCRIPTORS} "
+    LIMITS: f"core dumps, files over {MAX_FILE >> 20} MiB, more than {MAX_OPEN_FILES} "
     f"descriptors, more than {MAX_MEMORY >> 30} GiB of memory",
     USER: "signals to the grader and to other students' nodes, files that are not for everybody",
     MOUNTS: f"/tmp, shared memory of other programs, more than {MAX_FOLDER >> 20} MiB of files",

@@ -16,12 +16,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.host.sandbox.amounts import MAX_FILE, MAX_FILES, MAX_FOLDER, MAX_PROCESSES
+from grader.host.sandbox.amounts import MAX_FILE, MAX_FOLDER, MAX_FOLDER_FILES, MAX_PROCESSES
 
 BLOCK = 512  # [bytes] the unit of st_blocks, on any file system
 THREADS = 17  # where /proc/PID/stat counts them, after the process's name
 MAPS_EVERY = 0.1  # [s] between looks at a process's maps, which are long
-IN_FOLDER = f"{MAX_FILES:,} files or {MAX_FOLDER:,} bytes in its folder"
+IN_FOLDER = f"{MAX_FOLDER_FILES:,} files or {MAX_FOLDER:,} bytes in its folder"
 
 
 class Excess(Exception):
@@ -90,7 +90,7 @@ def check_folder(folder: Path, hidden: int = 0) -> None:
     for count, entry in enumerate(_entries(folder), start=1):
         with contextlib.suppress(OSError):
             size += entry.stat(follow_symlinks=False).st_blocks * BLOCK
-        if size > MAX_FOLDER or count > MAX_FILES:
+        if size > MAX_FOLDER or count > MAX_FOLDER_FILES:
             raise Excess(f"more than {IN_FOLDER}")
     if size > MAX_FOLDER:
         raise Excess(f"more than {IN_FOLDER}")
@@ -143,7 +143,7 @@ def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
     while pending:
         try:
             with os.scandir(pending.pop()) as entries:
-                found = list(itertools.islice(entries, MAX_FILES + 1))
+                found = list(itertools.islice(entries, MAX_FOLDER_FILES + 1))
         except OSError as error:
             if error.errno == errno.ENAMETOOLONG:
                 raise Excess("folders in one another without end") from None

@@ -1,8 +1,8 @@
 """A class of hostile submissions ends with all its results, and costs honest ones nothing.
 
-`make test` grades a few that aim at the reporting. `make test-long` sends all of these through
-`course autograde`, and some of the hostile files with honest ones among them;
-`COURSE_ATTACKS=full` (`make attacks`) every hostile file, with one worker and with two.
+`make test` grades a few that aim at the reporting, `make test-long` all of these. `make attacks`
+(`COURSE_ATTACKS=full`) sends every hostile file through `course autograde`, with honest submissions
+among them, for one worker and for two.
 """
 
 import csv
@@ -14,7 +14,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 import reporting
-from arena import EXERCISE, FULL, HOSTILE, ROOT, claim
+from arena import EXERCISE, FULL, HOSTILE, ROOT
 from whole_class import COURSE, hand_in, hand_in_hostile, honest
 
 from grader.classroom.row import GRADED, StoredResult
@@ -23,7 +23,6 @@ from grader.classroom.store import Store, stable
 FILE = EXERCISE.files[0]
 HONEST = (EXERCISE.solutions / FILE).read_bytes()
 LIMIT = 3600  # [s]
-EVERY = 6  # of the hostile files that do not wait, one is in the sample
 MAX_PAGE = 8 * 1024 * 1024  # [bytes] of a feedback page, whatever a node says and does
 SOME = ("quotes", "coding rot13", "surrogates", "null bytes", "unseen log", "no XML")
 Key = tuple[str, str]
@@ -117,18 +116,13 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> dict[Key, str]:
     return found
 
 
-def without_waiting() -> list[Path]:
-    """Return the hostile files whose trials do not end by the clock."""
-    return [p for p in HOSTILE if not claim(p).hangs and not p.stem.startswith("exhaust_")]
-
-
 @pytest.mark.long
-@pytest.mark.parametrize("workers", [1, 2] if FULL else [2])
+@pytest.mark.skipif(not FULL, reason="every hostile file at once: make attacks")
+@pytest.mark.parametrize("workers", [1, 2])
 def test_honest_ones_among_hostile_ones(
     workers: int, alone: dict[Key, str], tmp_path: Path
 ) -> None:
-    hostile = HOSTILE if FULL else without_waiting()[::EVERY]
-    students = hand_in_hostile(tmp_path / "in", hostile, FILE)
+    students = hand_in_hostile(tmp_path / "in", HOSTILE, FILE)
     for student, files in honest().items():
         hand_in(tmp_path / "in", student, files)
     out = tmp_path / "out"

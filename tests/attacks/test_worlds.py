@@ -1,4 +1,4 @@
-"""A table of the public scans is worth nothing with a secret, and no process knows its seed."""
+"""With a secret no table of the public worlds helps, and no process knows which world it is in."""
 
 import json
 import zlib
@@ -21,8 +21,14 @@ from sim.messages import EPOCH_NS
 HERE = Path(__file__).resolve().parent / "worlds"
 EXERCISE = find_exercise("obstacle_avoidance")
 REFERENCE = Submission(EXERCISE.solutions / EXERCISE.files[0])
-KEY = student_key(b"a secret of a course", "ada", EXERCISE.slug)
+SECRET = b"a secret of a course"
+KEY = student_key(SECRET, "ada", EXERCISE.slug)
 BENCHES = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
+DRIVES = ("avoid_wall", "avoid_cart")
+SCENARIO, NOISY = "avoid_wall", "avoid_field_speckle"
+BENCH = (
+    "clear_zone", "slow_zone", "stop_zone", "sees_sides", "infinite_readings", "invalid_readings",
+)  # fmt: skip
 ONLY = ("clear_zone", "slow_zone", "stop_zone", "invalid_readings")
 
 
@@ -69,6 +75,141 @@ def test_a_table_of_scans_is_worth_nothing_with_a_secret(
     wiring = points(REFERENCE, forkserver, KEY)
     assert own_worlds < 0.7 * open_worlds <= wiring
     assert spoilt <= own_worlds
+
+
+def examples(recordings: list[Recording]) -> list[dict[str, list[object]]]:
+    """Return each bench's scans and what is right for them."""
+    return [
+        {
+            "scans": [scan.ranges.tolist() for scan in recording.scans() if len(scan.ranges)],
+            "speeds": [min(right_speeds(s)) for s in recording.scans() if len(s.ranges)],
+        }
+        for recording in recordings
+    ]
+
+
+def handed_in(folder: Path, attack: str, table: object = None) -> Submission:
+    """Hand in an attack under the exercise's name, with its table."""
+    node, others = folder / EXERCISE.files[0], ()
+    node.write_text((HERE / f"{attack}.py").read_text())
+    if table is not None:
+        others = (folder / "table.json",)
+        others[0].write_text(json.dumps(table))
+    return Submission(node, others=others)
+
+
+@pytest.mark.parametrize("attack", ["table_by_order", "nearest_scan"])
+def test_neither_order_nor_likeness_tells_a_students_scans(
+    attack: str, forkserver: ForkServer, public: list[Recording], tmp_path: Path
+) -> None:
+    submission = handed_in(tmp_path, attack, examples(public))
+    open_worlds, own_worlds = (
+        grade_submission(EXERCISE, submission, forkserver, file="x.py", only=BENCH, seed=key).score
+        for key in (None, KEY)
+    )
+    assert open_worlds >= 55
+    assert own_worlds <= 5
+
+
+def drives(forkserver: ForkServer, submission: Submission, key: str | None) -> list[Recording]:
+    with NodeTrials(submission, forkserver, seed=key) as trials:
+        return [trials.get(name) for name in DRIVES]
+
+
+@pytest.mark.long
+def test_commands_played_by_the_clock_stop_elsewhere(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    """In the public worlds they are the reference's; in a student's the robot stops elsewhere."""
+    shown = drives(forkserver, REFERENCE, None)
+    table = [
+        {
+            "first": np.nan_to_num(recording.scans()[0].ranges, posinf=30.0).tolist(),
+            "speeds": recording.twists().linear_x.tolist(),
+        }
+        for recording in shown
+    ]
+    attack = handed_in(tmp_path, "open_loop", table)
+    for recording, same in zip(drives(forkserver, attack, None), shown, strict=True):
+        assert recording.twists().linear_x.tolist() == same.twists().linear_x.tolist()
+    right = drives(forkserver, REFERENCE, KEY)
+    for recording, other in zip(drives(forkserver, attack, KEY), right, strict=True):
+        assert recording.twists().linear_x.tolist() != other.twists().linear_x.tolist()
+
+
+@pytest.mark.long
+def test_what_a_new_process_is_given_names_no_world(
+    forkserver: ForkServer, public: list[Recording], tmp_path: Path
+) -> None:
+    def marks(key: str | None) -> list[str]:
+        with NodeTrials(handed_in(tmp_path, "fingerprint"), forkserver, seed=key) as trials:
+            logs = [trials.get(name).log for name in BENCHES]
+        return [line.text for log in logs for line in log if line.text.startswith("MARK")]
+
+    known, own = marks(None), marks(KEY)
+    assert len(known) == len(own) == len(BENCHES)
+    assert not {*known} & {*own}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("attack", "looked", "found"),
+    [
+        ("predicts_noise", "TRIED", "PREDICTED"),
+        ("listens_everywhere", "GRAPH", SCENARIO),
+        ("reads_its_surroundings", "LOOKED", SCENARIO),
+        ("remembers", "WROTE", "REMEMBERED"),
+    ],
+)
+def test_a_nodes_process_learns_no_world(
+    attack: str, looked: str, found: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    """Neither in the first trial nor in the third of a submission."""
+    with NodeTrials(handed_in(tmp_path, attack), forkserver, seed=KEY) as trials:
+        recordings = [trials.get(name) for name in (SCENARIO, NOISY, "avoid_zones")]
+    for recording in recordings:
+        said = " ".join(line.text for line in recording.log)
+        assert looked in said, (said, recording.outcome)
+        assert found not in said
+        assert recording.scenario.title not in said
+
+
+@pytest.mark.long
+def test_the_noise_is_predicted_by_who_knows_the_seed(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    """So the attack that finds no seed would use one."""
+    attack = handed_in(tmp_path, "predicts_noise")
+    with NodeTrials(REFERENCE, forkserver, seed=KEY) as trials:
+        seed = trials.get(NOISY).seed
+    text = attack.path.read_text().replace("numbers = {0, 1,", f"numbers = {{{seed}, 0, 1,")
+    attack.path.write_text(text)
+    with NodeTrials(attack, forkserver, seed=KEY) as trials:
+        assert f"PREDICTED {seed}" in [line.text for line in trials.get(NOISY).log]
+
+
+@pytest.mark.long
+def test_another_try_meets_the_same_worlds(forkserver: ForkServer, tmp_path: Path) -> None:
+    """Nothing is won by handing in until a world is easy."""
+    node = tmp_path / EXERCISE.files[0]
+    worlds = []
+    for text in ("", "# another try\n"):
+        node.write_text(REFERENCE.path.read_text() + text)
+        worlds.append(drives(forkserver, Submission(node), KEY))
+    for first, again in zip(*worlds, strict=True):
+        assert first.seed == again.seed
+        assert first.digest() == again.digest()
+
+
+@pytest.mark.parametrize(
+    "other", ["Ada", "ada ", "ada\n", "ad", "adaobstacle", "a\u0064a\u0301", ""]
+)
+def test_no_other_name_has_a_students_worlds(other: str) -> None:
+    keys = {student_key(SECRET, name, EXERCISE.slug) for name in ("ada", other)}
+    assert len(keys) == 2
+    assert student_key(SECRET, "ada", "x" + EXERCISE.slug) != student_key(
+        SECRET, "adax", EXERCISE.slug
+    )
 
 
 def test_a_nodes_process_finds_no_seed(forkserver: ForkServer) -> None:

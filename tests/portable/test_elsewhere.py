@@ -14,6 +14,8 @@ from grader.course.exercises import all_exercises
 from grader.link.practice import PRACTICE
 
 ROOT = Path(__file__).resolve().parents[2]
+FULL = os.environ.get("COURSE_PORTABLE") == "full"  # make conform: all exercises
+SOME = ("trend_memory", "model_server")
 ELSEWHERE = Path(__file__).with_name("elsewhere.py")
 
 
@@ -53,7 +55,7 @@ def test_a_node_is_graded() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("slug", [exercise.slug for exercise in all_exercises()])
+@pytest.mark.parametrize("slug", [e.slug for e in all_exercises()] if FULL else SOME)
 def test_every_reference_gets_full_marks(slug: str) -> None:
     done = course("grade", slug, f"solutions/{slug}", "--field", "--json", "-")
     grading = json.loads(done.stdout)

@@ -2,11 +2,14 @@
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 
-from sim.bench import BenchScan, Patch, bench_ranges
+from sim.bench import BenchScan, Patch, bench_ranges, varied
 from sim.lidar import PROFILES
+from sim.scenario import load_scenario
+from sim.simulation import Simulation
 
 
 def covered(profile, from_deg, to_deg):
@@ -69,3 +72,43 @@ def test_a_jitter_never_leaves_the_lidars_limits_and_belongs_to_its_seed():
     assert jittered(far, 1).max() <= 11.95
     assert (jittered(far, 1) == jittered(far, 1)).all()
     assert (jittered(far, 1) != jittered(far, 2)).mean() > 0.5
+
+
+AHEAD = BenchScan("a box", fill=5.0, patches=(Patch(-5, 5, 0.4), Patch(100, -170, 1.0)))
+TURNING = msgspec.structs.replace(AHEAD, turn_deg=(-80, 60))
+
+
+def test_another_seed_turns_what_may_be_turned_by_whole_degrees():
+    seen = set()
+    for seed in range(40):
+        (scan,) = varied([TURNING], False, np.random.default_rng(seed))
+        first, second = scan.patches
+        angle = first.from_deg + 5
+        assert angle == round(angle)
+        assert -80 <= angle <= 60
+        assert first == Patch(angle - 5, angle + 5, 0.4)
+        assert (second.from_deg - 100 - angle) % 360 == 0
+        assert -180 <= second.to_deg < 180
+        side = "left" if angle > 0 else "right"
+        assert scan.label == (
+            f"a box, turned {abs(angle):.0f}° to the {side}" if angle else "a box"
+        )
+        seen.add(angle)
+    assert len(seen) > 20
+    assert varied([AHEAD], True, np.random.default_rng(1)) == (AHEAD,)
+
+
+def test_another_seed_shuffles_where_the_order_does_not_matter():
+    bench = [BenchScan(label=str(i)) for i in range(9)]
+    for any_order in (False, True):
+        scans = varied(bench, any_order, np.random.default_rng(3))
+        assert (list(scans) != bench) == any_order
+        assert sorted(scan.label for scan in scans) == [scan.label for scan in bench]
+
+
+def test_a_recording_has_the_bench_as_its_seed_has_it():
+    scenario = load_scenario("avoid_zones")
+    assert Simulation(scenario).scenario is scenario
+    other = Simulation(scenario, 2**63 + 5).scenario
+    assert [scan.label for scan in other.bench] != [scan.label for scan in scenario.bench]
+    assert len(other.bench_scans) == len(scenario.bench_scans)

@@ -145,7 +145,11 @@ def _counts(outcomes: dict[str, str]) -> str:
 
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="grader.authoring.conform", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="grader.authoring.conform",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     kinds = parser.add_subparsers(dest="suite", required=True)
     rclpy = kinds.add_parser("rclpy")
     rclpy.add_argument("path", help="a checkout of ros2/rclpy")

@@ -11,7 +11,6 @@ from grader.recording import Recording
 
 SPEED_TOLERANCE = 1e-3  # [m/s]; all formats compute in float32
 LOUD = ("warn", "error", "fatal")
-ABOUT_DEVICES = ("cuda", "gpu", "device")
 
 
 def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
@@ -31,15 +30,6 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
 def loud_lines(recording: Recording) -> list[LogLine]:
     """Return the warnings and errors in the log."""
     return [line for line in recording.log if line.level in LOUD]
-
-
-def remarks_on_devices(recording: Recording) -> list[LogLine]:
-    """Return the warnings and errors that are about a device."""
-    return [
-        line
-        for line in loud_lines(recording)
-        if any(word in line.text.lower() for word in ABOUT_DEVICES)
-    ]
 
 
 def _advice(recording: Recording, answer: Answer, help: str) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from grader.checks.model_formats.contract import KERAS, ONNX, TORCH, model_file
-from grader.checks.model_formats.evidence import loud_lines, remarks_on_devices, require_speeds
+from grader.checks.model_formats.contract import KERAS, ONNX, TORCH
+from grader.checks.model_formats.evidence import loud_lines, require_speeds
 from grader.checks.moments import first_asked
 from grader.checks.verdict import fail
 from grader.recording import Recording
@@ -80,19 +80,9 @@ def test_model_raises(recordings: Recordings) -> None:
     requires=ONNX,
 )
 def test_device_ignored(recordings: Recordings) -> None:
-    """With .pkl and .onnx the parameter device is ignored, without a warning."""
+    """With .pkl and .onnx the parameter device changes nothing; a warning is allowed."""
     for recording in recordings:
         require_speeds(recording, "features", "device concerns PyTorch only.")
-        for line in remarks_on_devices(recording)[:1]:
-            fail(
-                f"device:=cuda means nothing to {model_file(recording.scenario)}, "
-                "and the node complains",
-                expected="no warning: the parameter concerns PyTorch only",
-                actual=line.text.strip(),
-                at=line.time,
-                recording=recording,
-                help="Look for a GPU only when a .pt2 is loaded.",
-            )
 
 
 @pytest.mark.check(

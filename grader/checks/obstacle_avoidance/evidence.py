@@ -28,9 +28,9 @@ def require_speeds(recording: Recording, tag: str, help: str = "") -> None:
 
 
 def require_reaction(recording: Recording) -> None:
-    """Fail if the node always commands the same speed, though the scans ask for different ones.
+    """Fail if the node always commands the same speed, though the scans call for different ones.
 
-    Without this a node that only ever stops would win the points of every stop.
+    Without this a node that only ever stops would pass every check that expects a stop.
     """
     found = answers(recording)
     same_is_right = bool(frozenset.intersection(*(right_speeds(answer.scan) for answer in found)))

@@ -144,6 +144,18 @@ def require_rate(recording: Recording, least: float) -> None:
     seconds = max(recording.duration_s - begin, LATEST_STOP)
     rate = len(np.unique(scans[known])) / seconds
     if rate < least:
+        answered = [i.answered for i in recording.inferences if i.method == "predict"]
+        each_second = len([t for t in answered if t <= recording.duration_s * 1e9]) / seconds
+        if each_second >= least:
+            fail(
+                "inference keeps going, but its results are too old when they arrive",
+                expected=f"at least {least} new predictions per second that count",
+                actual=f"{rate:.1f} of the model's {each_second:.1f} answers per second",
+                at=begin,
+                recording=recording,
+                help="Where does the scan wait before the model sees it, and the result before it "
+                "is published? A model that runs in the scan's callback makes both wait.",
+            )
         fail(
             "inference does not keep going",
             expected=f"at least {least} new predictions per second",

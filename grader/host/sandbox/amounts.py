@@ -1,8 +1,10 @@
-"""How much of the machine a host may take; what enforces it is in the other modules."""
+"""How much of the machine a student's process, the host, may use; other modules enforce it."""
 
 from __future__ import annotations
 
 MAX_FILE = 64 * 1024 * 1024  # [bytes] of one file
+MAX_OPEN_FILES = 256  # of one process
+MAX_MEMORY = 4 * 1024 * 1024 * 1024  # [bytes] of address space: numeric libraries map a lot
 MAX_PROCESSES = 512  # threads count too; of the unprivileged user as a whole
 MAX_FOLDER = 256 * 1024 * 1024  # [bytes] of a node's folder
-MAX_FILES = 5_000  # in it
+MAX_FOLDER_FILES = 5_000

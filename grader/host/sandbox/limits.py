@@ -1,7 +1,7 @@
 """The limits that every process puts on itself, on any Linux; the amounts are in `amounts.py`.
 
-Those of the folder are kept by its file system (`workplaces.py`), or by the judge where hosts can't
-have one (`grader/link/workplace.py`).
+The folder's limits are enforced by its file system (`workplaces.py`), or by the judge
+(`grader/link/workplace.py`) where a host can't have a file system of its own.
 """
 
 from __future__ import annotations
@@ -10,14 +10,12 @@ import contextlib
 import resource
 from pathlib import Path
 
-from .amounts import MAX_FILE
+from .amounts import MAX_FILE, MAX_MEMORY, MAX_OPEN_FILES
 
-MAX_DESCRIPTORS = 256
-MAX_MEMORY = 4 * 1024 * 1024 * 1024  # [bytes] address space: numeric libraries map a lot
 RESOURCE_LIMITS = {
     resource.RLIMIT_CORE: 0,
     resource.RLIMIT_FSIZE: MAX_FILE,
-    resource.RLIMIT_NOFILE: MAX_DESCRIPTORS,
+    resource.RLIMIT_NOFILE: MAX_OPEN_FILES,
     resource.RLIMIT_AS: MAX_MEMORY,
 }
 

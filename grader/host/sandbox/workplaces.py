@@ -11,7 +11,7 @@ import os
 import shutil
 from pathlib import Path
 
-from .amounts import MAX_FILES, MAX_FOLDER
+from .amounts import MAX_FOLDER, MAX_FOLDER_FILES
 from .users import mount, unmount
 
 MS_NOSUID, MS_NODEV = 2, 4
@@ -30,7 +30,9 @@ def furnish(folder: Path, uid: int) -> int:
     owner = uid or os.getuid()
     below = os.open(folder, os.O_PATH | os.O_DIRECTORY | os.O_NOFOLLOW)
     try:
-        options = f"mode=0700,size={MAX_FOLDER},nr_inodes={MAX_FILES},uid={owner},gid={owner}"
+        options = (
+            f"mode=0700,size={MAX_FOLDER},nr_inodes={MAX_FOLDER_FILES},uid={owner},gid={owner}"
+        )
         if owner == os.getuid():  # in a user namespace the group may be another
             options = options.replace(f"gid={owner}", f"gid={os.getgid()}")
         mount("tmpfs", str(folder), "tmpfs", MS_NOSUID | MS_NODEV, options)

@@ -75,6 +75,7 @@ class ProfiledController(Node):
         self.diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         self.create_subscription(LaserScan, "scan", self.on_scan, qos_profile_sensor_data)
         self.create_timer(1.0, self.report)
+        self.report()  # nobody has to wait a second to see that it runs
 
     def on_scan(self, scan: LaserScan) -> None:
         twist = Twist()

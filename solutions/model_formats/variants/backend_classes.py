@@ -102,6 +102,8 @@ class PolicyController(Node):
             known = ", ".join(Backend.by_suffix)
             self.get_logger().error(f"{path}: expected one of {known}")
         else:
+            if device != "cpu" and not path.lower().endswith(".pt2"):
+                self.get_logger().warning(f"device = {device} means nothing to {path}")
             try:
                 self.backend = backend(path, device, self.get_logger())
             except Exception as error:

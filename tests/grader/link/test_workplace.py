@@ -16,7 +16,7 @@ from ordinary import OUT_OF_REACH, ROOT, run_as_ordinary
 
 from grader.course.submission import Submission
 from grader.errors import GraderError
-from grader.host.sandbox.amounts import MAX_FILES, MAX_FOLDER
+from grader.host.sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES
 from grader.host.sandbox.layers import LAYERS, MOUNTS
 from grader.link.hosts import ForkServer
 from grader.link.scratch import fresh_folder
@@ -78,7 +78,7 @@ print(got)
 """,
 }  # fmt: skip
 BYTES = ("disk", "unlinked", "mapped")
-MOST = {**dict.fromkeys(BYTES, MAX_FOLDER), "files": MAX_FILES, "threads": 512}
+MOST = {**dict.fromkeys(BYTES, MAX_FOLDER), "files": MAX_FOLDER_FILES, "threads": 512}
 SCENE = """
 import json, sys, tempfile
 from pathlib import Path
