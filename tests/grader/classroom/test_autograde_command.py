@@ -25,9 +25,8 @@ def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
     week.mkdir()
     (week / f"leecarla_12345_678901_{AGENT}").write_text("# mine\n")
     roster = tmp_path / "class.csv"
-    roster.write_text(
-        'Student,ID,SIS Login ID,Section\n"Lee, Carla",12345,clee,A\n"Ray, Bo",2,b,B\n'
-    )
+    rows = ("Student,ID,SIS Login ID,Section", '"Lee, Carla",12345,clee,A', '"Ray, Bo",2,b,B')
+    roster.write_text("\n".join(rows))
     code, said = course(week, "--roster", roster, "--list")
     assert code == 0
     assert "leecarla_12345 (Carla Lee, A): obstacle_avoidance" in said
