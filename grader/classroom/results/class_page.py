@@ -21,7 +21,7 @@ from grader.classroom.results.marks import (
     why_held,
 )
 from grader.classroom.results.missing import Missing, Parts
-from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.options import Linked, ResultOptions
 from grader.classroom.results.page import Element, document, el, name, section, table
 from grader.classroom.results.words import NOTHING, moment, plural, points
 from grader.classroom.row import RUNNING, WAITING, StoredResult
@@ -72,8 +72,7 @@ def class_page(
         ),
         el(
             "footer",
-            el("p", "Also in this folder: ", _joined(
-                [[el("a", file, href=file), f" ({what})"] for file, what in options.files]), "."),
+            el("p", "Also in this folder: ", _joined(list(map(_linked, options.files))), "."),
             el("p", f"Made by {GENERATED_BY}."),
             class_="foot",
         ),
@@ -316,6 +315,14 @@ def _notes(results: Results, options: ResultOptions) -> Element:
         el("ul", notes, class_="notes") if notes else None,
         [el("h3", "Versions"), el("ul", versions, class_="notes")] if versions else None,
     )
+
+
+def _linked(each: Linked) -> list[Element | str]:
+    """Return a file's link, or a folder's name with the links of its files."""
+    if each.paths == (each.name,):
+        return [el("a", each.name, href=each.name), f" ({each.what})"]
+    files = _joined([[el("a", path.removeprefix(each.name), href=path)] for path in each.paths])
+    return [f"{each.name} ({each.what}: ", *files, ")"]
 
 
 def _joined(parts: Sequence[list[Element | str]]) -> list[Element | str]:

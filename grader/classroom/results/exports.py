@@ -17,7 +17,7 @@ from grader.classroom.results.junit import junit_xml
 from grader.classroom.results.marks import Task
 from grader.classroom.results.missing import Parts
 from grader.classroom.results.moodle import grades_csv, worksheet_csv, write_feedback_zip
-from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.options import Linked, ResultOptions
 
 BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 WHAT = {
@@ -90,9 +90,14 @@ def write_feedback_zips(book: Book, tasks: Sequence[Task], out: Path, parts: Par
     return written
 
 
-def there(written: Sequence[Path], out: Path) -> list[tuple[str, str]]:
-    """Return the files and folders that were written, with what they are."""
-    names = {path.relative_to(out).parts[0] for path in written}
-    return [
-        (name if "." in name else f"{name}/", what) for name, what in WHAT.items() if name in names
-    ]
+def there(written: Sequence[Path], out: Path) -> list[Linked]:
+    """Return what was written for the report's last lines; of folders, the files in them."""
+    names = sorted(path.relative_to(out).as_posix() for path in written)
+    found = []
+    for name, what in WHAT.items():
+        inside = [each for each in names if each.startswith(f"{name}/")]
+        if name in names:
+            found.append(Linked(name, what, (name,)))
+        elif inside:
+            found.append(Linked(f"{name}/", what, tuple(inside)))
+    return found

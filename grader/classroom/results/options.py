@@ -23,6 +23,15 @@ Sources = Mapping[tuple[str, str], Mapping[str, bytes]]
 
 
 @dataclass(frozen=True)
+class Linked:
+    """A file or a folder of the results, as the report names it."""
+
+    name: str
+    what: str
+    paths: tuple[str, ...]  # of the files, relative to the report
+
+
+@dataclass(frozen=True)
 class ResultOptions:
     """The instructor's choices, and what the batch knows."""
 
@@ -32,7 +41,7 @@ class ResultOptions:
     # (student, exercise): file name → content; without them there is no search for similar files
     sources: Sources = field(default_factory=dict)
     replays: bool = True  # put replays into the feedback pages (where there are recordings)
-    files: Sequence[tuple[str, str]] = ()  # what else is written, and what it is
+    files: Sequence[Linked] = ()  # what else is written
     workers: int = 1  # processes that make the feedback pages
     account: Account = field(default_factory=Account)  # what became of each file
     students: Mapping[str, StudentRow] = field(default_factory=dict)  # by `StoredResult.student`
