@@ -12,7 +12,7 @@ from grader.classroom.intake.names import copy_number, plain
 from grader.classroom.intake.unpack import is_archive, is_unread_archive
 from grader.course.submission import read_regular_file
 
-WORK = (".py", ".pyw", ".py.txt", ".ipynb")  # what may be an exercise under another name
+WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def _listed(files: Sequence[HandedIn]) -> str:
     if any(map(is_archive, names)):
         text += " (archives inside are not unpacked)"
     if any(name.lower().endswith(".ipynb") for name in names):
-        text += " (notebooks are graded by nbgrader autograde)"
+        text += " (no %%node cell of a notebook writes it, or it is still the skeleton)"
     return text
 
 

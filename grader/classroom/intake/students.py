@@ -9,7 +9,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.classroom.intake import canvas, folders, github, gradescope, moodle, nbgrader
+from grader.classroom.intake import (
+    canvas,
+    folders,
+    github,
+    gradescope,
+    moodle,
+    nbgrader,
+    notebooks,
+)
 from grader.classroom.intake.entries import (
     Entry,
     HandedIn,
@@ -31,12 +39,14 @@ from grader.classroom.intake.unpack import (
 )
 from grader.classroom.roster import NOBODY, Person, Roster, folded
 from grader.errors import InputError, is_disk_full
+from grader.nbgrader.intake import Unreadable
 
 # Each leaves what it does not know for the next; the last takes the rest.
 LAYOUTS: tuple[Layout, ...] = (
     gradescope.read, nbgrader.read, moodle.read, canvas.read, github.read, folders.read,
 )  # fmt: skip
 MAX_LISTED = 20_000  # files of a student's folder that are listed
+MAX_NOTEBOOKS = 50  # of a student that are opened
 LINK = "a link, which is not followed; expected a folder or an archive"
 UNREAD = f"an archive that is not read; ask for one of {', '.join(ARCHIVES)}"
 
@@ -88,6 +98,7 @@ def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> 
     for name, (pile, entries) in _named(piles, roster).items():
         for number, entry in entries:
             _collect(pile, entry, number, scratch / name / str(len(pile.who)), set_aside)
+        _open_notebooks(pile, scratch / name / "notebooks")
         students.append(
             Student(
                 name, tuple(pile.files), "; ".join(pile.problems), pile.links, pile.person,
@@ -266,6 +277,20 @@ def _add_file(pile: _Pile, file: HandedIn, room: Path, set_aside: list[SetAside]
     pile.files += [
         HandedIn(path, path.relative_to(room).as_posix(), file.entry, file.source) for path in inner
     ]
+
+
+def _open_notebooks(pile: _Pile, room: Path) -> None:
+    """Add the files that the notebooks' cells write."""
+    there = [file for file in pile.files if file.name.lower().endswith(notebooks.SUFFIX)]
+    for number, file in enumerate(there[:MAX_NOTEBOOKS]):
+        try:
+            made = notebooks.node_files(file.path, room / str(number))
+        except Unreadable as error:
+            pile.problems.append(f"{file.name}: {error}")
+            continue
+        pile.files += [
+            HandedIn(path, f"{file.name}/{path.name}", file.entry, file.source) for path in made
+        ]
 
 
 def _files(folder: Path) -> tuple[list[Path], bool]:

@@ -1,5 +1,6 @@
 """Downloads of learning platforms, with names as they write them and as students spoil them."""
 
+import json
 import tarfile
 import zipfile
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 
 from grader.classroom.intake import Intake, find_files, take_in, unpack
 from grader.classroom.roster import read_roster
+from grader.course.exercises import EXERCISES
 from grader.errors import InputError
 
 AGENT = "obstacle_avoidance_agent.py"
@@ -236,6 +238,34 @@ def test_metadata_that_are_none(download: Path, text: str) -> None:
     (download / "submission_metadata.yml").write_text(text)
     with pytest.raises(InputError, match="expected Gradescope's metadata"):
         taken(download)
+
+
+# --- notebooks -----------------------------------------------------------------------------------
+
+
+def notebook(*cells: str) -> str:
+    made = [{"cell_type": "code", "metadata": {}, "outputs": [], "source": c} for c in cells]
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": made})
+
+
+def test_nodes_in_notebooks_are_files(download: Path) -> None:
+    skeleton = (EXERCISES / "goal_seeking" / "goal_seeking_agent.py").read_text()
+    untouched = f"%%node goal_seeking_agent.py\n{skeleton}\n"
+    mine = f"%%node {AGENT}\n# mine\n"
+    for name, text in {
+        "ann_1_2_01_loop.ipynb": notebook("1/0", f"%%node {AGENT}\n# first\n", mine, untouched),
+        "bob_2_3_01_loop.ipynb": notebook(untouched),
+        "cy_3_4_01_loop.ipynb": "{",
+        "dee_4_5_01_loop.ipynb": notebook(mine),
+        f"dee_4_6_{AGENT}": "# loose\n",
+    }.items():
+        (download / name).write_text(text)
+    intake = taken(download)
+    assert graded(intake)["ann_1"] == "mine"
+    assert "still the skeleton" in graded(intake)["bob_2"]
+    assert graded(intake)["cy_3"].startswith("01_loop.ipynb: it is not JSON")
+    assert graded(intake)["dee_4"] == "loose"
+    assert not find_files(intake.students[0], ["goal_seeking_agent.py"]).files
 
 
 # --- all of them ---------------------------------------------------------------------------------
