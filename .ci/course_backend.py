@@ -20,7 +20,6 @@ from setuptools.build_meta import (
     build_sdist,
     get_requires_for_build_editable,
     get_requires_for_build_sdist,
-    get_requires_for_build_wheel,
     prepare_metadata_for_build_editable,
 )
 
@@ -35,6 +34,11 @@ PACKAGE = "rclpy_agents_course"
 FOLDERS = ("grader", "sim", "exercises", "rclpy_portable")
 FILES = ("constraints.txt",)
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "build", "*.pyc", ".unpacking-*", "resource")
+
+
+def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
+    """Return what the build needs: pip too, to fetch ROS's wheels; an isolated build has none."""
+    return [*build_meta.get_requires_for_build_wheel(config_settings), "pip"]
 
 
 def build_wheel(

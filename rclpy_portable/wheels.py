@@ -12,6 +12,7 @@ from pathlib import Path
 
 VERSIONS = {  # distribution: version; the same as in constraints.txt (a test compares)
     "ros-rclpy": "7.1.6",
+    "ros-ament-index-python": "1.8.1",
     "ros-rpyutils": "0.4.2",
     "ros-rosidl-parser": "4.6.6",
     "ros-action-msgs": "2.0.3",

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from grader.authoring.proof import Claim
     from grader.grading.grading import Grading
 
-PER_PROCESS = 100  # claims; then another process takes its place, and its memory is free
+# Claims of a process; then others take over, and the memory is free. (The executor's own
+# max_tasks_per_child deadlocks in CPython 3.11: python/cpython#115634.)
+PER_PROCESS = 50
 
 
 def gradings(claims: Sequence[Claim], workers: int) -> Iterator[Grading]:
@@ -30,10 +32,10 @@ def gradings(claims: Sequence[Claim], workers: int) -> Iterator[Grading]:
         How many processes grade.
     """
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(
-        workers, context, die_with_parent, (os.getpid(),), max_tasks_per_child=PER_PROCESS
-    ) as processes:
-        yield from processes.map(_graded, claims)
+    at_once = PER_PROCESS * workers
+    for begin in range(0, len(claims), at_once):
+        with ProcessPoolExecutor(workers, context, die_with_parent, (os.getpid(),)) as processes:
+            yield from processes.map(_graded, claims[begin : begin + at_once])
 
 
 def _graded(claim: Claim) -> Grading:

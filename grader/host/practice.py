@@ -7,7 +7,7 @@ else is imported; what the student's program prints goes to two files.
 from __future__ import annotations
 
 import functools
-import importlib
+import importlib.util
 import inspect
 import os
 import sys

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import importlib.metadata
 import os
 import platform
 import tempfile
@@ -20,16 +18,11 @@ from grader.host.sandbox.amounts import (
     MAX_PROCESSES,
 )
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
+from grader.link import system
 from grader.link.hosts import ForkServer
 from grader.link.link import PATROL
 from sim.messages import EPOCH_NS
 
-EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions
-    "exercise 2, 5, 6, 8 and 9 (extra `ml`)": ("scikit-learn", "onnxruntime", "onnx", "skl2onnx"),
-    "PyTorch and Keras in exercise 8 (extra `deep`)": ("torch", "keras"),
-    "grading on a cluster (extra `cluster`)": ("distributed",),
-    "notebooks (extra `notebooks`)": ("jupyterlab", "nbgrader"),
-}
 TRUNCATE_SINCE = 3  # version of Landlock that minds how files are emptied
 NEEDS: Mapping[str, str] = {  # a layer: what a machine must have for it
     LIMITS: "any Linux",
@@ -145,17 +138,10 @@ def diagnose() -> Diagnosis:
         ros=ros,
         problem=problem,
         layers=tuple(Layer(name, name in means.layers, _version(name, means)) for name in LAYERS),
-        extras={what: tuple(filter(_is_missing, names)) for what, names in EXTRAS.items()},
+        extras=system.missing_extras(),
         gaps=() if problem else gaps(means, root=os.getuid() == 0),
     )
 
 
 def _version(layer: str, means: Hello) -> str:
     return f"Landlock ABI {means.landlock}" if layer == FILES and means.landlock else ""
-
-
-def _is_missing(distribution: str) -> bool:
-    with contextlib.suppress(importlib.metadata.PackageNotFoundError):
-        importlib.metadata.version(distribution)
-        return False
-    return True

@@ -16,13 +16,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.errors import InputError
+from grader.link import system
 from rclpy_portable import unpacking
 from rclpy_portable.wheels import DownloadFailed
 
 DISTRO = "jazzy"
+PORTABLE = "portable"  # a kind of environment
 HOW_TO_INSTALL = (
     "install the wheels with `pip install '.[ros]'`, or source /opt/ros/jazzy/setup.bash"
 )
+NO_WHEELS = "there are no wheels of it for"
 # its stamps are those of the machine, as the stamps of DDS are
 PORTABLE_PRELUDE = (
     "import _time_machine, rclpy_portable.native.machine as machine;"
@@ -63,7 +66,7 @@ def portable_ros() -> RosEnvironment:
         folder = unpacking.folder(_tell)
     except DownloadFailed as error:
         raise InputError(str(error)) from error
-    return RosEnvironment("portable", (folder,), (), (), PORTABLE_PRELUDE)
+    return RosEnvironment(PORTABLE, (folder,), (), (), PORTABLE_PRELUDE)
 
 
 def _tell(text: str) -> None:
@@ -90,7 +93,8 @@ def find_ros(
     variables = dict(os.environ) if environ is None else environ
     found = _from_apt(variables) or _from_wheels(_site_folders() if folders is None else folders)
     if found is None:
-        raise InputError(f"ROS 2 {DISTRO.capitalize()} was not found: {HOW_TO_INSTALL}")
+        advice = HOW_TO_INSTALL if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
+        raise InputError(f"ROS 2 {DISTRO.capitalize()} was not found: {advice}")
     return found
 
 

@@ -21,7 +21,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from grader.errors import GraderError, InputError
-from grader.link.ros_environment import RosEnvironment, find_ros
+from grader.link import system
+from grader.link.ros_environment import PORTABLE, RosEnvironment, find_ros, portable_ros
 from grader.notebook.show import Progress
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -46,7 +47,7 @@ def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
         return
     importlib.invalidate_caches()
     try:
-        ros = find_ros()
+        ros = _ros()
     except InputError as error:
         print(f"Not ready: {error}", flush=True)
         return
@@ -60,6 +61,21 @@ def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
             return
         said += "; rclpy works in this kernel"
     print(f"{said}.", flush=True)
+    if ros.kind == PORTABLE:
+        from grader.link.practice import PRACTICE  # noqa: PLC0415  (needs what is installed now)
+
+        said = f"{PRACTICE[0].upper()}{PRACTICE[1:]}. {system.never_run()}"
+        print(said.strip(), flush=True)
+
+
+def _ros() -> RosEnvironment:
+    """Return the real ROS, or the portable one where there are no wheels of the real one."""
+    try:
+        return find_ros()
+    except InputError:
+        if system.has_ros_wheels():
+            raise
+        return portable_ros()
 
 
 def missing() -> list[str]:
@@ -68,7 +84,7 @@ def missing() -> list[str]:
     try:
         find_ros()
     except InputError:
-        wanted += ROS
+        wanted += ROS if system.has_ros_wheels() else ()
     return wanted
 
 
@@ -81,7 +97,7 @@ def adopt(ros: RosEnvironment) -> None:
         del sys.modules[name]
     for name, value in ros.variables().items():
         before = os.environ.get(name, "") if name in PATHS else ""
-        parts = [*value.split(os.pathsep), *filter(None, before.split(os.pathsep))]
+        parts = filter(None, [*value.split(os.pathsep), *before.split(os.pathsep)])
         os.environ[name] = os.pathsep.join(dict.fromkeys(parts))
     importlib.invalidate_caches()
 
@@ -105,6 +121,10 @@ def load_ros(ros: RosEnvironment) -> None:
     GraderError
         rclpy can't be imported.
     """
+    if ros.kind == PORTABLE:
+        sys.path.insert(0, str(ROOT))
+        importlib.import_module("rclpy")
+        return
     os.environ.setdefault("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
     # A notebook's nodes talk to each other, not to those on other machines in the lab.
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")

@@ -15,6 +15,8 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from grader.link import system
+
 if TYPE_CHECKING:
     from grader.link.doctor import Diagnosis
 
@@ -87,23 +89,16 @@ PRACTICE_HERE = (
     "course grade and course drive take the portable runtime instead: rclpy's own Python on a "
     "native half that is written in Python, in the same virtual time.",
     "It is for practice. Your instructor's grade comes from the real rclpy on Linux; "
-    "docs/portable.md says how the two were compared.",
-    "Nothing isolates a node here: your own code only. course autograde and --tier 2 need Linux.",
+    "docs/portable.md in the course's repository says how the two were compared.",
+    "Nothing isolates a node here: your own code only. course autograde, --tier 2 and the fixture "
+    "virtual_time need Linux.",
 )
 
 
 def render_diagnosis(found: Diagnosis, console: Console) -> None:
     """Print what `course doctor` found."""
     width = min(console.width, MAX_WIDTH)
-    facts = Table(box=None, show_header=False, padding=(0, 2, 0, 1))
-    facts.add_row("Python", found.python)
-    facts.add_row("ROS 2", found.ros or "not found")
-    for what, missing in found.extras.items():
-        facts.add_row(
-            Text("missing" if missing else "installed", style="yellow" if missing else "green"),
-            f"{what}: {', '.join(missing)}" if missing else what,
-        )
-    console.print(facts, width=width)
+    console.print(_facts(found.python, found.ros or "not found", found.extras), width=width)
     layers = Table(box=None, padding=(0, 2, 0, 1), header_style="bold")
     for heading in ("Layer", "", "What it is for"):
         layers.add_column(heading)
@@ -130,9 +125,27 @@ def render_diagnosis(found: Diagnosis, console: Console) -> None:
     console.print(said, width=width)
 
 
+def _facts(python: str, ros: str, extras: Mapping[str, tuple[str, ...]]) -> Table:
+    facts = Table(box=None, show_header=False, padding=(0, 2, 0, 1))
+    facts.add_row("Python", python)
+    facts.add_row("ROS 2", ros)
+    for what, missing in extras.items():
+        facts.add_row(
+            Text("missing" if missing else "installed", style="yellow" if missing else "green"),
+            f"{what}: {', '.join(missing)}" if missing else what,
+        )
+    return facts
+
+
 def render_practice(reason: str, console: Console) -> None:
     """Print what `course doctor` says where the real rclpy can't run."""
     width = min(console.width, MAX_WIDTH)
+    ros = "portable: rclpy's own Python, for practice"
+    console.print(_facts(system.name(), ros, system.missing_extras()), width=width)
+    console.print()
+    if untried := system.never_run():
+        console.print(Text(f" {untried}", style="bold yellow"), width=width)
+        console.print()
     console.print(Text(f" The real rclpy can't run here: {reason}", style="yellow"), width=width)
     console.print()
     for line in PRACTICE_HERE:

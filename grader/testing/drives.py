@@ -5,17 +5,21 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 from grader.course.submission import find_submission
 from grader.drive import drive_node, scenario_for
 from grader.errors import GraderError, InputError
-from grader.link.hosts import ForkServer
+from grader.link.choice import start_launcher
+from grader.link.practice import PracticeServer
 from grader.testing.run import Run, write_replays
 from grader.trial.staging import parameter_arguments
-from sim.messages import EPOCH_NS
 from sim.scenario import Scenario
+
+if TYPE_CHECKING:
+    from grader.link.hosts import ForkServer
 
 LONGEST = 150  # [characters] of a replay's file name
 
@@ -69,7 +73,7 @@ class Drive:
             recording = drive_node(
                 find_submission(self._folder / file, others=others),
                 chosen,
-                self._drives.forkserver,
+                self._drives.launcher,
                 seed=seed,
                 arguments=parameter_arguments(parameters or {}),
                 stamped=stamped,
@@ -99,14 +103,19 @@ class Drives:
 
     def __init__(self) -> None:
         self.runs: list[Run] = []  # of the present test
-        self._forkserver: ForkServer | None = None
+        self._launcher: ForkServer | PracticeServer | None = None
 
     @property
-    def forkserver(self) -> ForkServer:
+    def launcher(self) -> ForkServer | PracticeServer:
         """The process that runs the nodes."""
-        if self._forkserver is None:
-            self._forkserver = ForkServer(EPOCH_NS)
-        return self._forkserver
+        if self._launcher is None:
+            self._launcher = start_launcher()
+        return self._launcher
+
+    @property
+    def practice(self) -> str:
+        """Why these drives are for practice only; "" if they aren't."""
+        return "" if self._launcher is None else self._launcher.practice
 
     def for_folder(self, folder: Path) -> Drive:
         """Return the fixture for tests in a folder."""
@@ -133,8 +142,8 @@ class Drives:
 
     def close(self) -> None:
         """End the process."""
-        if self._forkserver is not None:
-            self._forkserver.__exit__()
+        if self._launcher is not None:
+            self._launcher.__exit__()
 
 
 def _place(folder: Path, item: pytest.Item) -> Path:

@@ -75,6 +75,11 @@ class Processes:
             self._drives.begin()
         if FIXTURE not in getattr(item, "fixturenames", ()) and not item.get_closest_marker(MARK):
             return None
+        from grader.link.choice import why_not_linux  # noqa: PLC0415
+
+        if reason := why_not_linux():
+            item.add_marker(pytest.mark.skip(reason=f"virtual_time needs the real rclpy: {reason}"))
+            return None
         if self._hosts is None:
             from grader.testing.virtual_time import TestHosts  # noqa: PLC0415
 
@@ -92,6 +97,11 @@ class Processes:
         if self._drives is not None and report.failed:
             report.sections += self._drives.explain(item, self._replays())
         return report
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        """Say what drives on the portable runtime are not."""
+        if self._drives is not None and self._drives.practice:
+            terminalreporter.write_line(f"drive: {self._drives.practice}", yellow=True)
 
     def pytest_unconfigure(self) -> None:
         """End the processes."""

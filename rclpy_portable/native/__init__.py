@@ -12,7 +12,7 @@ from .. import cdr
 from . import logging, names, queries
 from .action_client import ActionClient
 from .action_server import ActionServer
-from .arguments import without_ros_arguments
+from .arguments import SERVICE, TOPIC, without_ros_arguments
 from .clocks import Clock, ClockEvent, rcl_duration_t, rcl_time_point_t
 from .context import Context, configure_logging
 from .endpoints import Publisher, Subscription
@@ -144,10 +144,10 @@ class EventsExecutor:
         raise NotImplementedError("the portable runtime has no EventsExecutor")
 
 
-def rclpy_resolve_name(node: Node, name: str, only_expand: bool, _is_service: bool) -> str:
+def rclpy_resolve_name(node: Node, name: str, only_expand: bool, is_service: bool) -> str:
     """Return the full name of a topic or service, remapped unless only to be expanded."""
     try:
-        return node.resolve(name, remap=not only_expand)
+        return node.resolve(name, SERVICE if is_service else TOPIC, remap=not only_expand)
     except ValueError as error:
         raise RCLError(f"failed to resolve name: {error}") from None
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from .arguments import ACTION
 from .endpoints import Subscription
 from .handles import Destroyable
 from .qos import rmw_qos_profile_t
@@ -30,7 +31,7 @@ def action_name(node: Node, name: str) -> str:
     ValueError
         It is not valid.
     """
-    return node.resolve(name)
+    return node.resolve(name, ACTION)
 
 
 class ActionClient(Destroyable):

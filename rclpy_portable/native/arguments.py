@@ -10,15 +10,27 @@ from typing import Any, NamedTuple
 
 import yaml
 
+from . import values
 from .errors import RCLError, UnknownROSArgsError
 
 SWITCHES = re.compile(r"--(enable|disable)-(rosout|stdout|external-lib)-logs")
-WITH_VALUE = {"-e", "--enclave", "--log-config-file", "--log-file-name"}  # no effect here
+WITH_VALUE = {"--log-config-file", "--log-file-name"}  # no effect here
 NODE_NAMES = ("__node", "__name")
-NAME = re.compile(r"[A-Za-z_~/{][\w.~/{}*-]*")
-TRUE = {"y", "Y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"}
-FALSE = {"n", "N", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"}
-SPECIAL = {".nan": "nan", ".inf": "inf", "+.inf": "inf", "-.inf": "-inf"}
+TOPIC, SERVICE, ACTION = "rostopic", "rosservice", "rosaction"  # schemes of names
+TOKEN = r"[A-Za-z_](?:(?<!_)_|[A-Za-z0-9])*"
+NAME = rf"(?:~?/)?{TOKEN}(?:/{TOKEN})*"
+NODE = rf"(?:(?P<node>{TOKEN}):)?"
+# What rcl's lexer knows (rcl/src/rcl/lexer.c); more is refused, as there
+REMAPPING = re.compile(
+    rf"{NODE}(?:(?P<scheme>{TOPIC}|{SERVICE})://)?(?P<before>{NAME}):=(?P<after>{NAME})"
+)
+RENAMING = re.compile(rf"{NODE}(?P<before>__node|__name):=(?P<after>{TOKEN})")
+MOVING = re.compile(rf"{NODE}(?P<before>__ns):=(?P<after>/|(?:/{TOKEN})+)")
+OVERRIDE = re.compile(
+    rf"{NODE}(?P<name>(?!__)[A-Za-z_/][A-Za-z0-9_/]*(?:\.[A-Za-z_/][A-Za-z0-9_/]*)*):=(?P<value>.*)",
+    re.DOTALL,
+)
+LOG_LEVEL = re.compile(r"(?:(?P<name>(?:(?!:=).)+):=)?(?P<level>\w+)")
 LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 
 
@@ -28,6 +40,7 @@ class Rule(NamedTuple):
     node: str  # of which node; "": of all
     before: str
     after: str
+    scheme: str = ""  # TOPIC or SERVICE; "": for all
 
 
 class Override(NamedTuple):
@@ -35,7 +48,7 @@ class Override(NamedTuple):
 
     node: str  # pattern of full names
     name: str
-    value: Any
+    value: Any  # None: not set
 
 
 @dataclass
@@ -49,7 +62,15 @@ class Arguments:
 
     def of_node(self, full_name: str) -> dict[str, Any]:
         """Return the parameters of a node: name and value."""
-        return {o.name: o.value for o in self.parameters if _is_for(o.node, full_name)}
+        said: dict[str, dict[str, list[Any]]] = {}  # by pattern, in the order of their first use
+        for override in self.parameters:
+            said.setdefault(override.node, {}).setdefault(override.name, []).append(override.value)
+        return {
+            name: values.chosen(given)
+            for pattern, parameters in said.items()
+            if _is_for(pattern, full_name)
+            for name, given in parameters.items()
+        }
 
 
 def parse(words: Sequence[str]) -> Arguments:
@@ -67,16 +88,18 @@ def parse(words: Sequence[str]) -> Arguments:
     found, unknown, rest = Arguments(), [], iter(_ros_words(words))
     for word in rest:
         if word in ("-p", "--param"):
-            found.parameters.append(_override(_value(rest, word, "parameter override rule")))
+            found.parameters += _overrides(_value(rest, word, "parameter override rule found"))
         elif word in ("-r", "--remap"):
-            found.rules.append(_rule(_value(rest, word, "remap rule")))
+            found.rules.append(_rule(_value(rest, word, "remap rule found")))
         elif word == "--params-file":
-            found.parameters += _from_file(_value(rest, word, "file path"))
+            found.parameters += _from_file(_value(rest, word, "file path provided"))
         elif word == "--log-level":
-            name, level = _level(_value(rest, word, "log level"))
+            name, level = _level(_value(rest, word, "log level found"))
             found.levels[name] = level
+        elif word in ("-e", "--enclave"):
+            _check_enclave(_value(rest, word, "enclave path provided"))
         elif word in WITH_VALUE:
-            _value(rest, word, "value")
+            _value(rest, word, "value found")
         elif match := SWITCHES.fullmatch(word):
             if match[2] == "stdout":
                 found.stderr = match[1] == "enable"
@@ -114,7 +137,7 @@ def _ros_words(words: Sequence[str]) -> Iterator[str]:
 def _value(rest: Iterator[str], flag: str, what: str) -> str:
     value = next(rest, None)
     if value is None:
-        raise _refusal(f"Couldn't parse trailing {flag} flag. No {what} found.")
+        raise _refusal(f"Couldn't parse trailing {flag} flag. No {what}.")
     return f"{flag} {value}"
 
 
@@ -122,119 +145,56 @@ def _refusal(text: str) -> RCLError:
     return RCLError(f"failed to initialize rcl: {text}")
 
 
-def _override(said: str) -> Override:
-    _, _, text = said.partition(" ")
-    name, separator, value = text.partition(":=")
-    node, _, name = name.rpartition(":")
-    if not separator or not NAME.fullmatch(name) or (node and not NAME.fullmatch(node)):
+def _overrides(said: str) -> list[Override]:
+    match = OVERRIDE.fullmatch(said.partition(" ")[2])
+    if not match:
         raise _refusal(f"Couldn't parse parameter override rule: '{said}'")
     try:
-        return Override(node or "/**", name, read_yaml(value))
+        given = values.of_option(match["value"])
     except (ValueError, yaml.YAMLError) as error:
-        problem = " ".join(str(error).split())
-        text = f"Couldn't parse parameter override rule: '{said}'. Error: {problem}"
+        text = f"Couldn't parse parameter override rule: '{said}'. Error: {_problem(error)}"
         raise _refusal(text) from None
+    return [Override(match["node"] or "/**", match["name"], value) for value in given]
 
 
 def _rule(said: str) -> Rule:
     _, _, text = said.partition(" ")
-    before, separator, after = text.partition(":=")
-    node, _, before = before.rpartition(":")
-    if before.startswith("//"):  # rostopic://, rosservice://
-        node, before = node.rpartition(":")[0], before[2:]
-    if not separator or not NAME.fullmatch(before) or not NAME.fullmatch(after):
+    match = RENAMING.fullmatch(text) or MOVING.fullmatch(text) or REMAPPING.fullmatch(text)
+    if not match:
         raise _refusal(f"Couldn't parse remap rule: '{said}'")
-    return Rule(node, before, after)
+    parts = match.groupdict()
+    return Rule(parts["node"] or "", parts["before"], parts["after"], parts.get("scheme") or "")
 
 
 def _level(said: str) -> tuple[str, int]:
-    _, _, text = said.partition(" ")
-    name, _, level = text.rpartition(":=")
-    if level.lower() not in LEVELS:
+    match = LOG_LEVEL.fullmatch(said.partition(" ")[2])
+    if not match or match["level"].lower() not in LEVELS:
         problem = "Argument does not use a valid severity level"
         raise _refusal(f"Couldn't parse log level: '{said}'. Error: {problem}")
-    return name, LEVELS[level.lower()]
+    return match["name"] or "", LEVELS[match["level"].lower()]
 
 
-def _from_file(said: str) -> Iterator[Override]:
+def _check_enclave(said: str) -> None:
+    _, _, path = said.partition(" ")
+    if not path.startswith("/"):
+        problem = "context name must be absolute, it must lead with a '/'"
+        raise _refusal(f"Enclave name is not valid: '{problem}'. Invalid index: 0")
+
+
+def _from_file(said: str) -> list[Override]:
     _, _, path = said.partition(" ")
     try:
-        root = yaml.compose(Path(path).read_text("utf-8"), yaml.SafeLoader)
-        yield from _nodes(root, "")
+        return [Override(*found) for found in values.of_file(Path(path))]
     except OSError:
         problem = "Error opening YAML file"
         raise _refusal(f"Couldn't parse params file: '{said}'. Error: {problem}") from None
     except (ValueError, yaml.YAMLError) as error:
-        problem = " ".join(str(error).split())
-        raise _refusal(f"Couldn't parse params file: '{said}'. Error: {problem}") from None
+        text = f"Couldn't parse params file: '{said}'. Error: {_problem(error)}"
+        raise _refusal(text) from None
 
 
-def _nodes(tree: Any, prefix: str) -> Iterator[Override]:
-    """Find the parameters of nodes; names of nodes may stand below namespaces."""
-    if not isinstance(tree, yaml.MappingNode):
-        raise ValueError("expected names of nodes, and `ros__parameters` below each")
-    for key, value in tree.value:
-        name = key.value if not prefix else f"{prefix}/{key.value.lstrip('/')}"
-        if key.value == "ros__parameters":
-            for parameter, content in _flat(value, ""):
-                yield Override(prefix, parameter, content)
-        else:
-            yield from _nodes(value, name)
-
-
-def _flat(tree: Any, prefix: str) -> Iterator[tuple[str, Any]]:
-    if not isinstance(tree, yaml.MappingNode):
-        raise ValueError("expected names of parameters below `ros__parameters`")
-    for key, value in tree.value:
-        name = f"{prefix}{key.value}"
-        if isinstance(value, yaml.MappingNode):
-            yield from _flat(value, f"{name}.")
-        else:
-            yield name, _content(value)
-
-
-def read_yaml(text: str) -> Any:
-    """Return a parameter's value as rcl reads it: YAML 1.1, and arrays of one type.
-
-    Raises
-    ------
-    ValueError, yaml.YAMLError
-        It is none.
-    """
-    node = yaml.compose(text, yaml.SafeLoader)
-    return "" if node is None else _content(node)
-
-
-def _content(node: Any) -> Any:
-    if isinstance(node, yaml.SequenceNode):
-        values = [_content(entry) for entry in node.value]
-        if len({type(value) for value in values}) > 1:
-            raise ValueError("Sequence should be of same type")
-        if any(isinstance(value, list) for value in values):
-            raise ValueError("Sequences can only hold values")
-        return values
-    if not isinstance(node, yaml.ScalarNode):
-        raise ValueError("expected a value, or an array of values")
-    if node.style in ("'", '"') or (node.tag == "tag:yaml.org,2002:str" and node.style):
-        return node.value
-    return _plain(node.value)
-
-
-def _plain(text: str) -> Any:
-    if text in TRUE or text in FALSE:
-        return text in TRUE
-    if text.lower() in SPECIAL:
-        return float(SPECIAL[text.lower()])
-    try:
-        octal = re.fullmatch(r"([-+]?)0([0-7]+)", text)  # as strtoll reads it
-        number = int(f"{octal[1]}0o{octal[2]}", 8) if octal else int(text, 0)
-        if "_" not in text and -(2**63) <= number < 2**63:
-            return number
-    except ValueError:
-        pass
-    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", text):
-        return float(text)
-    return text
+def _problem(error: Exception) -> str:
+    return " ".join(str(error).split())
 
 
 def _is_for(pattern: str, full_name: str) -> bool:

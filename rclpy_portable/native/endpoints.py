@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import cdr
 from . import machine, names
+from .arguments import TOPIC
 from .enums import PolicyKind, PublisherEvent, SubscriptionEvent
 from .events import KINDS, SUBSCRIPTION_KINDS, Statuses, Watch
 from .graph import ros_type
@@ -32,8 +33,10 @@ class Sample(NamedTuple):
 class End(Destroyable):
     """What publishers, subscriptions, services and clients have in common."""
 
+    scheme = TOPIC
+
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
-        full = node.resolve(name)
+        full = node.resolve(name, self.scheme)
         if problem := names.full_topic_name_problem(full):
             raise ValueError(f"invalid topic name '{name}': {problem[0]}")
         self.node = node

@@ -15,15 +15,10 @@ if TYPE_CHECKING:
 
 
 class _Status:
-    """How often something has happened, and how often since the last look."""
+    """What has happened, and what since the last look."""
 
-    total_count = 0
-    total_count_change = 0
-
-    def count(self, times: int = 1) -> None:
+    def count(self, times: int) -> None:
         """Note that it has happened again."""
-        self.total_count += times
-        self.total_count_change += times
 
     def taken(self) -> Any:
         """Return what is to be told now; from then on changes count from here."""
@@ -34,31 +29,42 @@ class _Status:
         return told
 
 
-class rmw_requested_deadline_missed_status_t(_Status):  # noqa: N801
+class _Counted(_Status):
+    """How often something has happened, and how often since the last look."""
+
+    total_count = 0
+    total_count_change = 0
+
+    def count(self, times: int) -> None:
+        self.total_count += times
+        self.total_count_change += times
+
+
+class rmw_requested_deadline_missed_status_t(_Counted):  # noqa: N801
     pass
 
 
-class rmw_offered_deadline_missed_status_t(_Status):  # noqa: N801
+class rmw_offered_deadline_missed_status_t(_Counted):  # noqa: N801
     pass
 
 
-class rmw_liveliness_lost_status_t(_Status):  # noqa: N801
+class rmw_liveliness_lost_status_t(_Counted):  # noqa: N801
     pass
 
 
-class rmw_message_lost_status_t(_Status):  # noqa: N801
+class rmw_message_lost_status_t(_Counted):  # noqa: N801
     pass
 
 
-class rmw_incompatible_type_status_t(_Status):  # noqa: N801
+class rmw_incompatible_type_status_t(_Counted):  # noqa: N801
     pass
 
 
-class rmw_requested_qos_incompatible_event_status_t(_Status):  # noqa: N801
+class rmw_requested_qos_incompatible_event_status_t(_Counted):  # noqa: N801
     last_policy_kind = PolicyKind.RMW_QOS_POLICY_INVALID
 
 
-class rmw_matched_status_t(_Status):  # noqa: N801
+class rmw_matched_status_t(_Counted):  # noqa: N801
     current_count = 0
     current_count_change = 0
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from . import names, queries
-from .arguments import NODE_NAMES, Arguments, Rule, parse
+from .arguments import NODE_NAMES, TOPIC, Arguments, Rule, parse
 from .context import Context
 from .errors import RCLError, RCLInvalidROSArgsError
 from .handles import Destroyable
@@ -38,19 +38,21 @@ class Node(Destroyable):
             raise ValueError(f"error creating node: invalid namespace: {problem[0]}")
         self._name = name
         self._namespace = namespace
-        self._overrides = Arguments([*general.parameters, *own.parameters])  # its own win
+        self._arguments = general, own
         self.participant = context.participant
         self.participant.nodes.append(self)
 
-    def resolve(self, name: str, *, remap: bool = True) -> str:
-        """Return the full name of a topic or service, as its rules have it."""
+    def resolve(self, name: str, scheme: str = TOPIC, *, remap: bool = True) -> str:
+        """Return the full name of a topic, a service or an action, as its rules have it."""
         full = names.expand(name, self._name, self._namespace)
-        return self.remap(full) if remap else full
+        return self.remap(full, scheme) if remap else full
 
-    def remap(self, full: str) -> str:
+    def remap(self, full: str, scheme: str = TOPIC) -> str:
         """Return what a full name becomes by the rules of the command line."""
         for rule in self.rules:
             if rule.before.startswith("__") or rule.node not in ("", self._name):
+                continue
+            if rule.scheme not in ("", scheme):
                 continue
             if names.expand(rule.before, self._name, self._namespace) == full:
                 return names.expand(rule.after, self._name, self._namespace)
@@ -63,7 +65,8 @@ class Node(Destroyable):
     def get_parameters(self, parameter: Any) -> dict[str, Any]:
         """Return the values that the command line gives, as instances of this class, by name."""
         full = self.get_fully_qualified_name()
-        values = self._overrides.of_node(full)
+        general, own = self._arguments
+        values = general.of_node(full) | own.of_node(full)  # its own win
         kind = parameter.Type.from_parameter_value
         return {name: parameter(name, kind(value), value) for name, value in values.items()}
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import cdr
 from . import machine
+from .arguments import SERVICE
 from .endpoints import End
 from .handles import Destroyable
 from .qos import rmw_qos_profile_t
@@ -46,6 +47,8 @@ class _Letter(NamedTuple):
 
 class Service(End):
     """A service of a node."""
+
+    scheme = SERVICE
 
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, name, qos)
@@ -90,6 +93,8 @@ class Service(End):
 
 class Client(End):
     """A client of a service."""
+
+    scheme = SERVICE
 
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, name, qos)

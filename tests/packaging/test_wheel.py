@@ -72,3 +72,15 @@ def test_it_grades_in_an_empty_folder(wheel: Path, tmp_path: Path, portable: boo
 def test_the_extra_ros_can_be_asked_for_everywhere() -> None:
     about = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     assert all("platform_machine" in one for one in about["optional-dependencies"]["ros"])
+
+
+def test_an_isolated_build_has_a_pip_to_fetch_the_wheels_of_ros_with() -> None:
+    code = "import course_backend; print(course_backend.get_requires_for_build_wheel())"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=ROOT, env={**os.environ, "PYTHONPATH": ".ci"}, capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    assert "'pip'" in done.stdout.splitlines()[-1]
+    alone = tomllib.loads((ROOT / "rclpy_portable/pyproject.toml").read_text("utf-8"))
+    assert "pip" in alone["build-system"]["requires"]

@@ -1,15 +1,22 @@
 """Make this process as poor as one on Windows: what only Linux or Unix has is gone, or raises.
 
-    python elsewhere.py COURSE_ARGUMENT …
+So is what came with ROS's wheels: other systems have only what the course's own wheel asks for.
 
-runs the command `course` there. The hosts that it starts begin with `impoverish()`, too.
+    python elsewhere.py COURSE_ARGUMENT …
+    python elsewhere.py pytest PYTEST_ARGUMENT …
+    python elsewhere.py prepare
+
+runs the command `course` there, or pytest with the course's fixtures, or a notebook's `prepare`.
+The hosts that it starts begin with `impoverish()`, too.
 """
 
 from __future__ import annotations
 
 import builtins
 import importlib.abc
+import importlib.machinery
 import os
+import re
 import select
 import selectors
 import signal
@@ -32,6 +39,8 @@ LINUX_OURS = (
     "grader.host.sandbox.limits", "grader.host.sandbox.users", "grader.host.sandbox.workplaces",
     "grader.link.hosts", "grader.link.link", "grader.trial.real_",
 )  # fmt: skip
+ROS_BRINGS = re.compile(r"ros_.*|lark_parser|empy")  # distributions
+MODULE_IN_RECORD = re.compile(r"^(?:[^,]*-packages/)?(\w+)(?:/__init__)?\.py,", re.MULTILINE)
 OS = (
     "fork", "forkpty", "setsid", "pidfd_open", "chown", "lchown", "fchown",
     "getuid", "geteuid", "getgid", "setuid", "setgid", "setgroups", "killpg", "getpgid", "setpgid",
@@ -58,11 +67,33 @@ class OnlyLinux(Exception):
 
 
 class _Missing(importlib.abc.MetaPathFinder):
-    """Finds no module that only Unix has, nor ours that need Linux."""
+    """Finds no module that only Unix has, nor ours that need Linux, nor one that ROS brought."""
 
-    def find_spec(self, name: str, path: Any = None, target: Any = None) -> None:
+    def __init__(self) -> None:
+        self._of_ros = ros_modules()
+
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
         if name in MODULES or name.startswith(LINUX_OURS):
             raise ModuleNotFoundError(f"No module named {name!r} on this system", name=name)
+        if path is None and name in self._of_ros:
+            folders = [f for f in sys.path if Path(f).resolve() != self._of_ros[name]]
+            return importlib.machinery.PathFinder.find_spec(name, folders) or self._refuse(name)
+        return None
+
+    @staticmethod
+    def _refuse(name: str) -> None:
+        raise ModuleNotFoundError(f"No module named {name!r} without ROS's wheels", name=name)
+
+
+def ros_modules() -> dict[str, Path]:
+    """Return the modules that ROS's wheels brought, and the folder in which they are."""
+    found = {}
+    for folder in {Path(entry).resolve() for entry in sys.path if entry.endswith("-packages")}:
+        for about in folder.glob("*.dist-info"):
+            if ROS_BRINGS.fullmatch(about.name.partition("-")[0].lower()):
+                record = (about / "RECORD").read_text("utf-8")
+                found |= dict.fromkeys(MODULE_IN_RECORD.findall(record), folder)
+    return found
 
 
 def impoverish() -> None:
@@ -112,6 +143,21 @@ if __name__ == "__main__":
     from grader.link import practice
 
     practice.PRELUDE = PRELUDE
+    if sys.argv[1] == "pytest":
+        import pytest
+
+        os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # of others
+        sys.exit(pytest.main([*sys.argv[2:], "-p", "grader.testing.plugin"]))
+    if sys.argv[1] == "prepare":
+        import platform
+
+        from grader.link import ros_environment
+        from grader.notebook.preparation import prepare_kernel
+
+        platform.machine = lambda: "aarch64"
+        ros_environment._has_rclpy = lambda _: False
+        prepare_kernel(ros_in_kernel=True)
+        sys.exit()
     from grader.cli import main
 
     main()

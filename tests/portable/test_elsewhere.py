@@ -83,7 +83,8 @@ def test_doctor_explains() -> None:
     assert done.returncode == 1, done.stderr
     said = " ".join(done.stdout.split())
     assert "The real rclpy can't run here" in said
-    assert "for practice" in said and "course autograde and --tier 2 need Linux" in said
+    assert "portable: rclpy's own Python, for practice" in said and "extra `ml`" in said
+    assert "course autograde, --tier 2 and the fixture virtual_time need Linux" in said
 
 
 def test_a_class_is_refused(tmp_path: Path) -> None:
@@ -91,3 +92,48 @@ def test_a_class_is_refused(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "course autograde needs Linux" in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
+
+
+MINE = """
+def test_it_drives(drive):
+    run = drive({file!r}, scenario="demo_wall", duration=2)
+    assert len(run.messages("/cmd_vel")) == len(run.scans())
+
+
+def test_it_waits(virtual_time):
+    raise AssertionError
+"""
+
+
+def test_pytest_has_the_fixture_drive_and_says_what_is_not_there(tmp_path: Path) -> None:
+    test = tmp_path / "test_mine.py"
+    agent = ROOT / "solutions/obstacle_avoidance/obstacle_avoidance_agent.py"
+    test.write_text(MINE.format(file=str(agent)), "utf-8")
+    done = course("pytest", "-rs", "-c", os.devnull, str(test))
+    said = " ".join(done.stdout.split())
+    assert "1 passed, 1 skipped" in said, done.stdout + done.stderr
+    assert f"drive: {PRACTICE}" in said
+    assert "virtual_time needs the real rclpy" in said
+
+
+def test_a_notebook_gets_ready_without_the_wheels_of_ros() -> None:
+    done = course("prepare")
+    said = " ".join(done.stdout.split())
+    assert "Ready: everything is installed; rclpy works in this kernel." in said, done.stderr
+    assert PRACTICE[1:] in said and "has never been run on" in said
+
+
+def test_an_exercise_is_copied_once(tmp_path: Path) -> None:
+    command = [sys.executable, str(ELSEWHERE), "list", "--copy", "2"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    first, second = (
+        subprocess.run(
+            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+        for _ in range(2)
+    )
+    assert (first.returncode, second.returncode) == (0, 2), first.stderr
+    assert {path.name for path in (tmp_path / "ml_velocity").iterdir()} == {
+        "README.md", "hints.md", "ml_velocity_controller.py", "train_velocity_model.py",
+    }  # fmt: skip
+    assert "ml_velocity is there already" in second.stderr

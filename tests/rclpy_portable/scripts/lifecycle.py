@@ -66,7 +66,9 @@ print(len(ask(GetAvailableTransitions, "get_available_transitions").available_tr
 print(len(ask(GetAvailableTransitions, "get_transition_graph").available_transitions))
 print(node.trigger_deactivate(), node.trigger_cleanup(), node.trigger_shutdown())
 print(machine.current_state)
-for _ in range(20):
+for _ in range(500):  # a busy machine takes its time
+    if events and events[-1][-1] == "finalized":
+        break
     executor.spin_once(timeout_sec=0.02)
 print(events)
 rclpy.shutdown()

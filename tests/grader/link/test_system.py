@@ -1,0 +1,60 @@
+"""What is said of a computer: whether there are wheels of ROS for it, and who has tried it."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from grader.errors import InputError
+from grader.link import system
+from grader.link.ros_environment import find_ros
+from grader.report.terminal import render_practice
+
+TRIED = ("linux", "x86_64")
+UNTRIED = [("darwin", "arm64"), ("darwin", "x86_64"), ("win32", "AMD64"), ("linux", "aarch64")]
+
+
+def be(monkeypatch: pytest.MonkeyPatch, name: str, machine: str) -> None:
+    monkeypatch.setattr(sys, "platform", name)
+    monkeypatch.setattr(platform, "machine", lambda: machine)
+
+
+@pytest.mark.parametrize("found", UNTRIED, ids="-".join)
+def test_where_nobody_has_run_it_the_doctor_says_so(
+    monkeypatch: pytest.MonkeyPatch, found: tuple[str, str]
+) -> None:
+    be(monkeypatch, *found)
+    said = StringIO()
+    render_practice("the reason", Console(file=said, width=400))
+    assert "has never been run on" in said.getvalue()
+    assert not system.has_ros_wheels()
+
+
+def test_where_it_was_run_it_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    be(monkeypatch, *TRIED)
+    assert system.never_run() == ""
+
+
+@pytest.mark.parametrize("version", [(3, 13), (3, 14)])
+def test_wheels_end_with_python_3_13(
+    monkeypatch: pytest.MonkeyPatch, version: tuple[int, int]
+) -> None:
+    be(monkeypatch, *TRIED)
+    monkeypatch.setattr(sys, "version_info", version)
+    assert system.has_ros_wheels() == (version < (3, 14))
+
+
+@pytest.mark.parametrize("found", [TRIED, *UNTRIED], ids="-".join)
+def test_nobody_is_told_to_install_wheels_that_there_are_none_of(
+    monkeypatch: pytest.MonkeyPatch, found: tuple[str, str]
+) -> None:
+    be(monkeypatch, *found)
+    with pytest.raises(InputError) as error:
+        find_ros({}, ())
+    there_are = found == TRIED and sys.version_info < system.WHEELS_BEFORE
+    assert ("pip install" in str(error.value)) == there_are
+    assert ("no wheels of it" in str(error.value)) != there_are
