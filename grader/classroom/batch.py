@@ -8,15 +8,16 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.classroom.candidates import enter_candidates
+from grader.classroom.account import Account
+from grader.classroom.candidates import Class, enter_candidates, find_class
 from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import RegradeRun
-from grader.classroom.results import Missing, ResultOptions, write_results
+from grader.classroom.results import Missing, ResultOptions, column_titles, write_results
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.store import Store
 from grader.errors import GraderError, naming_a_full_disk
@@ -36,10 +37,28 @@ class GradedClass:
 
     results: list[StoredResult]
     missing: list[Missing]  # parts of the report that could not be made
+    account: Account = field(default_factory=Account)  # of what was handed in
+
+
+def look_at(submissions: Sequence[Path], options: Options) -> Class:
+    """Return who handed in what; nothing is graded, and nothing is written.
+
+    Raises
+    ------
+    InputError
+        The submissions can't be read.
+    """
+    with tempfile.TemporaryDirectory(prefix="course-") as scratch:
+        return find_class(submissions, Path(scratch), options)
 
 
 def autograde(
-    submissions: Path, out: Path, options: Options, progress: Progress, *, regrade: bool = False
+    submissions: Sequence[Path],
+    out: Path,
+    options: Options,
+    progress: Progress,
+    *,
+    regrade: bool = False,
 ) -> GradedClass:
     """Grade every submission that is new or changed; return all results.
 
@@ -60,14 +79,15 @@ def autograde(
 
 
 def _autograde(
-    submissions: Path, out: Path, options: Options, progress: Progress, *, regrade: bool
+    submissions: Sequence[Path], out: Path, options: Options, progress: Progress, *, regrade: bool
 ) -> GradedClass:
     out.mkdir(parents=True, exist_ok=True)
     scratch, parts = out / UNPACKED, out / RECORDINGS / PARTS
     with _locked(out), Store(out / STORE) as store, _emptied(scratch), _emptied(parts):
         sweep()
         store.requeue_running()
-        candidates = enter_candidates(submissions, scratch, store, options, regrade=regrade)
+        taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
+        candidates = taken_in.candidates
         if options.retry_held and not regrade:
             store.retry_held()
         run = RegradeRun if regrade else GradingRun
@@ -79,10 +99,20 @@ def _autograde(
         wanted = ResultOptions(
             hide=options.hide,
             notes=[*store.notes(), *notes, *_version_notes(results)],
-            sources={key: candidate.read_if_possible() for key, candidate in candidates.items()},
+            sources={
+                key: candidate.read_if_possible()
+                for key, candidate in candidates.items()
+                if not candidate.absent
+            },
             workers=options.workers,
+            account=taken_in.account,
+            students=store.students(),
+            roster=options.roster,
+            nbgrader=options.nbgrader,
+            columns=column_titles(options.columns),
         )
-        return GradedClass(results, write_results(results, out, wanted).missing)
+        missing = write_results(results, out, wanted).missing
+        return GradedClass(results, missing, taken_in.account)
 
 
 @contextlib.contextmanager

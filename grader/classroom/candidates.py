@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.classroom.account import STRANGER, Account, Line, set_aside_lines, student_lines
 from grader.classroom.conditions import HASHED, fingerprint, submission_hash
-from grader.classroom.intake import Found, find_files, find_students
+from grader.classroom.intake import Found, Intake, Student, find_files, left_over, take_in
 from grader.classroom.options import Options
+from grader.classroom.row import Handed, StudentRow
 from grader.classroom.store import Key, Store
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.students import Seed, student_key
@@ -25,6 +27,7 @@ class Candidate:
     found: Found
     seed: Seed | None
     conditions: str  # fingerprint of the grader that would judge them
+    absent: bool = False  # nothing was handed in for this exercise
 
     def read(self) -> dict[str, bytes]:
         """Return the files' contents by name.
@@ -51,9 +54,18 @@ class Candidate:
         return f"{submitted}{self.conditions}"
 
 
+@dataclass(frozen=True)
+class Class:
+    """Everybody's work, and the account of it."""
+
+    candidates: dict[Key, Candidate]
+    account: Account
+    students: tuple[StudentRow, ...] = ()
+
+
 def enter_candidates(
-    submissions: Path, scratch: Path, store: Store, options: Options, *, regrade: bool
-) -> dict[Key, Candidate]:
+    submissions: Sequence[Path], scratch: Path, store: Store, options: Options, *, regrade: bool
+) -> Class:
     """Find everybody's files and queue what is new or changed.
 
     A changed grader counts as a change too, except where recordings are to be judged again.
@@ -63,51 +75,142 @@ def enter_candidates(
     InputError
         Nobody handed in a file of any exercise, or `submissions` can't be read.
     """
-    candidates = _find_candidates(submissions, scratch, options)
-    for key, candidate in candidates.items():
+    found = find_class(submissions, scratch, options)
+    for key, candidate in found.candidates.items():
         problem, files = candidate.found.problem, {}
         try:
             files = candidate.read()
         except OSError as error:
             problem = f"a file that can't be read ({error.strerror})"
         input_hash = candidate.input_hash(files, options)
-        store.enter(key, input_hash, problem=problem, compared=HASHED if regrade else None)
+        store.enter(
+            key,
+            input_hash,
+            problem="" if candidate.absent else problem,
+            absent=candidate.absent,
+            compared=HASHED if regrade else None,
+        )
         if candidate.found.remark:
             store.note(f"{candidate.found.remark}.")
-    gone = store.keep_only(candidates, {key[1] for key in candidates})
+    gone = store.keep_only(found.candidates, {key[1] for key in found.candidates})
     if gone:
         store.note(f"{gone} earlier results were dropped: their students are no longer there.")
-    return candidates
+    store.know(found.students)
+    return found
 
 
-def _find_candidates(submissions: Path, scratch: Path, options: Options) -> dict[Key, Candidate]:
-    students = find_students(submissions, scratch)
-    named = [find_exercise(name) for name in options.exercises]
-    exercises = {exercise.slug: exercise for exercise in named or all_exercises()}
+def find_class(submissions: Sequence[Path], scratch: Path, options: Options) -> Class:
+    """Find everybody's files of every exercise that counts.
+
+    Raises
+    ------
+    InputError
+        Nobody handed in a file of any exercise, or `submissions` can't be read.
+    """
+    intake = take_in(submissions, scratch, options.roster)
+    everything = {exercise.slug: exercise for exercise in all_exercises()}
     found = {
         (student.id, slug): find_files(student, exercise.files)
-        for student in students
-        for slug, exercise in exercises.items()
+        for student in intake.students
+        for slug, exercise in everything.items()
     }
-    if not named:
-        handed_in = {slug for (_, slug), each in found.items() if each.files}
-        if not handed_in:
-            problem = next((each.problem for each in found.values() if each.problem), "")
-            raise InputError(
-                f"{submissions}: none of {len(students)} students has a file of any exercise; "
-                f"{students[0].id}: {problem}"
-            )
-        exercises = {slug: exercises[slug] for slug in exercises if slug in handed_in}
+    exercises = _wanted(everything, found, options, submissions, intake.students)
     conditions = {slug: fingerprint(exercise) for slug, exercise in exercises.items()}
-    secret = options.secret
-    return {
-        (student, slug): Candidate(
-            student,
-            exercises[slug],
-            each,
-            None if secret is None else student_key(secret, student, slug),
-            conditions[slug],
+    candidates = {}
+    for student in intake.students:
+        nothing = _handed_in_nothing(student, [found[student.id, slug] for slug in everything])
+        for slug, exercise in exercises.items():
+            each = found[student.id, slug]
+            candidates[student.id, slug] = Candidate(
+                student.id,
+                exercise,
+                each,
+                None if options.secret is None else student_key(options.secret, student.id, slug),
+                conditions[slug],
+                absent=nothing and not each.files,
+            )
+    account = _account(intake, found, list(exercises), options)
+    students = tuple(_row(student, found, list(exercises)) for student in intake.students)
+    return Class(candidates, account, students)
+
+
+def _wanted(
+    everything: Mapping[str, Exercise],
+    found: Mapping[Key, Found],
+    options: Options,
+    submissions: Sequence[Path],
+    students: Sequence[Student],
+) -> dict[str, Exercise]:
+    """Return the exercises that are graded: those named, or those that somebody handed in."""
+    if options.exercises:
+        named = [find_exercise(name) for name in options.exercises]
+        return {exercise.slug: exercise for exercise in named}
+    handed_in = {slug for (_, slug), each in found.items() if each.files}
+    if not handed_in:
+        problem = next((each.problem for each in found.values() if each.problem), "")
+        where = ", ".join(map(str, submissions))
+        raise InputError(
+            f"{where}: none of {len(students)} students has a file of any exercise; "
+            f"{students[0].id}: {problem}"
         )
-        for (student, slug), each in found.items()
-        if slug in exercises
-    }
+    return {slug: exercise for slug, exercise in everything.items() if slug in handed_in}
+
+
+def _handed_in_nothing(student: Student, found: Sequence[Found]) -> bool:
+    """Tell whether what a student has no file of was not handed in, as far as can be told.
+
+    It was perhaps, if a part can't be read, or if something is there and none of it has the name of
+    an exercise's file. Then a person has to look.
+    """
+    if student.problem:
+        return False
+    if any(each.files for each in found):
+        return True
+    return not student.files and not student.links
+
+
+# --- the account ---------------------------------------------------------------------------------
+
+
+def _account(
+    intake: Intake, found: Mapping[Key, Found], wanted: Sequence[str], options: Options
+) -> Account:
+    lines = []
+    slugs = list(dict.fromkeys(slug for _, slug in found))
+    for student in intake.students:
+        places = {id(file): place for place, file in enumerate(student.files)}
+        graded: dict[int, str] = {}
+        other: dict[int, str] = {}
+        older: dict[int, str] = {}
+        for slug in slugs:
+            each = found[student.id, slug]
+            for file in each.used:
+                (graded if slug in wanted else other)[places[id(file)]] = slug
+            older |= {places[id(file)]: slug for file in each.older}
+        missing = any(not found[student.id, slug].files for slug in wanted)
+        known = [student.files[place] for place in {**graded, **other, **older}]
+        held = not student.problem and not graded and not other  # then the unit itself says it
+        suspects = [] if held or not missing else left_over(student, known)
+        lines += student_lines(student, graded, other, older, [places[id(f)] for f in suspects])
+        if options.roster.people and student.person is None:
+            why = options.roster.why_not(student.who[0].name if student.who else student.id)
+            lines.append(Line(STRANGER, student=student.id, reason=why, fault=True))
+    return Account((*lines, *set_aside_lines(intake.set_aside)))
+
+
+def _row(student: Student, found: Mapping[Key, Found], wanted: Sequence[str]) -> StudentRow:
+    handed = {}
+    for slug in wanted:
+        entry = found[student.id, slug].entry
+        if entry is not None:
+            handed[slug] = Handed(
+                entry.who.system, entry.who.name, entry.who.id, entry.who.email, entry.path.name,
+                entry.late, entry.time,
+            )  # fmt: skip
+    if student.person is None:
+        return StudentRow(student.id, handed=handed)
+    person = student.person
+    return StudentRow(
+        student.id, person.label, person.section, dict(person.ids),
+        tuple(sorted(person.participants)), handed,
+    )  # fmt: skip

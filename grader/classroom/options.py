@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+
+from grader.classroom.roster import NOBODY, Roster
 
 CANARY_INTERVAL = 25  # units of an exercise between two rounds of canaries
 
@@ -22,3 +25,6 @@ class Options:
     canaries: int = CANARY_INTERVAL  # 0: none
     hide: str = "nothing"
     retry_held: bool = False
+    roster: Roster = NOBODY  # with it everybody in it has a row
+    nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
+    columns: tuple[str, ...] = ()  # "EXERCISE=TITLE": the gradebook's column of an exercise

@@ -11,33 +11,60 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from grader.classroom.row import GRADED, HELD
+from grader.classroom.row import ABSENT, GRADED, HELD
 from grader.report.terminal import printable
 
 if TYPE_CHECKING:
     from grader.classroom.batch import GradedClass
+    from grader.classroom.candidates import Class
 
 MOST_HELD = 20  # lines at the end
 
 
 def summary(graded_class: GradedClass, out: Path) -> tuple[str, int]:
-    """Return what the instructor reads at the end, and how many results are held for a person."""
+    """Return what the instructor reads at the end, and how many things wait for a person."""
     ours = [result for result in graded_class.results if not result.canary]
     held = [result for result in ours if result.state == HELD]
     graded = sum(result.state == GRADED for result in ours)
-    lines = [f"{graded} graded, {len(held)} held for a person. Open {out / 'class.html'}"]
+    absent = sum(result.state == ABSENT for result in ours)
+    counts = f"{graded} graded, {len(held)} held for a person"
+    counts += f", {absent} not handed in" if absent else ""
+    lines = [f"{counts}. Open {out / 'class.html'}"]
     for one in held[:MOST_HELD]:
         problem = " ".join(one.problem.split())
         lines.append(f"  held: {one.student}  {one.exercise}  {problem}")
     if len(held) > MOST_HELD:
         lines.append(f"  and {len(held) - MOST_HELD} more, in the class report")
+    faults = graded_class.account.summary()
+    if faults:
+        lines += ["Not all that was handed in was understood:", *faults]
     missing = graded_class.missing
     if missing:
         lines.append("The grader could not write all of it. Missing, as the class report says:")
         lines += [f"  missing: {each}" for each in missing[:MOST_HELD]]
     if len(missing) > MOST_HELD:
         lines.append(f"  and {len(missing) - MOST_HELD} more, in the class report")
-    return "\n".join(lines), len(held)
+    return "\n".join(lines), len(held) + len(graded_class.account.faults)
+
+
+def listing(found: Class) -> str:
+    """Return who handed in what, for the terminal."""
+    by_student: dict[str, list[str]] = {}
+    for (student, slug), candidate in found.candidates.items():
+        files = by_student.setdefault(student, [])
+        if not candidate.absent:
+            files.append(slug if candidate.found.files else f"{slug} (will be held)")
+    names = {row.student: row for row in found.students}
+    lines = []
+    for student, slugs in sorted(by_student.items()):
+        row = names.get(student)
+        about = ", ".join(filter(None, (row.name, row.section) if row else ()))
+        lines.append(
+            f"{student}{f' ({about})' if about else ''}: {', '.join(slugs) or 'nothing handed in'}"
+        )
+    counts = "; ".join(f"{state}: {count}" for state, count in found.account.counts().items())
+    lines.append(f"{len(by_student)} students. {counts}.")
+    return "\n".join([*lines, *found.account.summary()])
 
 
 def say(console: Console, text: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,8 +10,9 @@ WAITING: Final = "waiting"
 RUNNING: Final = "running"
 GRADED: Final = "graded"
 HELD: Final = "held"  # a person has to look before it counts
+ABSENT: Final = "not handed in"  # no fault of anybody's, and nobody has to look
 
-STATES = (WAITING, RUNNING, GRADED, HELD)
+STATES = (WAITING, RUNNING, GRADED, HELD, ABSENT)
 
 # Parts of a `problem`
 STALLS: Final = "the machine stalled"
@@ -35,3 +36,29 @@ class StoredResult:
     problem: str  # why it is held or could not be graded; "" if neither
     finished: str  # UTC, ISO 8601; "" while unfinished
     canary: bool  # a known solution, graded to check the grader
+    verified: bool = True  # the known solutions came out right after it, if there are any
+
+
+@dataclass(frozen=True)
+class Handed:
+    """How a learning platform knows what somebody handed in for one exercise."""
+
+    system: str  # "canvas", "moodle", …; "folder" if it was none
+    name: str = ""  # of the student, as in the download
+    id: str = ""
+    email: str = ""
+    entry: str = ""  # the folder or file in the download
+    late: bool = False  # says the platform
+    time: str = ""  # when, as the platform writes it; "" if it doesn't say
+
+
+@dataclass(frozen=True)
+class StudentRow:
+    """What is known of a student besides the work."""
+
+    student: str  # as in `StoredResult`
+    name: str = ""  # in the roster; "" without one
+    section: str = ""
+    ids: dict[str, str] = field(default_factory=dict)  # kind: id, of the roster
+    participants: tuple[str, ...] = ()  # Moodle's ids, one per assignment
+    handed: dict[str, Handed] = field(default_factory=dict)  # by exercise

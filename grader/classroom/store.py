@@ -16,7 +16,17 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from grader.classroom.row import GRADED, HELD, RUNNING, WAITING, StoredResult
+import msgspec
+
+from grader.classroom.row import (
+    ABSENT,
+    GRADED,
+    HELD,
+    RUNNING,
+    WAITING,
+    StoredResult,
+    StudentRow,
+)
 from grader.errors import InputError, is_disk_full
 
 SCHEMA = 1
@@ -35,6 +45,7 @@ CREATE TABLE IF NOT EXISTS units (
     finished TEXT NOT NULL DEFAULT '', problem TEXT NOT NULL DEFAULT '',
     PRIMARY KEY (student, exercise)
 ) STRICT;
+CREATE TABLE IF NOT EXISTS students (student TEXT PRIMARY KEY, about TEXT NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS notes (id INTEGER PRIMARY KEY, text TEXT NOT NULL UNIQUE) STRICT;
 """
 
@@ -87,20 +98,29 @@ class Store:
         self._db.close()
 
     def enter(
-        self, key: Key, input_hash: str, *, problem: str = "", compared: int | None = None
+        self,
+        key: Key,
+        input_hash: str,
+        *,
+        problem: str = "",
+        absent: bool = False,
+        compared: int | None = None,
     ) -> None:
         """Queue a unit unless it is stored unchanged; one with a problem is held.
+
+        What is `absent` was not handed in: it is neither queued nor held.
 
         Only the first `compared` characters of the hash count; all by default.
         """
         with self._change():
             old = self._db.execute(
-                "SELECT input_hash, problem FROM units WHERE student=? AND exercise=?", key
+                "SELECT input_hash, problem, state FROM units WHERE student=? AND exercise=?", key
             ).fetchone()
             same = old is not None and old[0][:compared] == input_hash[:compared]
+            same = same and (old[2] == ABSENT) == absent
             if same and (not problem or old[1] == problem):
                 return
-            state = HELD if problem else WAITING
+            state = ABSENT if absent else HELD if problem else WAITING
             self._db.execute(
                 "INSERT OR REPLACE INTO units (student, exercise, input_hash, state, problem,"
                 " verified, finished) VALUES (?, ?, ?, ?, ?, ?, ?)",
@@ -109,7 +129,7 @@ class Store:
                     input_hash,
                     state,
                     _text(problem),
-                    int(bool(problem)),
+                    int(bool(problem) or absent),
                     _now() if problem else "",
                 ),
             )
@@ -241,6 +261,18 @@ class Store:
         with self._change():
             self._db.execute("INSERT OR IGNORE INTO notes (text) VALUES (?)", (_text(text),))
 
+    def know(self, students: Iterable[StudentRow]) -> None:
+        """Keep what is known of the students, and of nobody else."""
+        rows = [(_text(row.student), msgspec.json.encode(row).decode()) for row in students]
+        with self._change():
+            self._db.execute("DELETE FROM students")
+            self._db.executemany("INSERT INTO students (student, about) VALUES (?, ?)", rows)
+
+    def students(self) -> dict[str, StudentRow]:
+        """Return what is known of the students."""
+        rows = self._db.execute("SELECT student, about FROM students ORDER BY student")
+        return {row[0]: msgspec.json.decode(row[1], type=StudentRow) for row in rows}
+
     def notes(self) -> list[str]:
         """Return the remarks."""
         return [row[0] for row in self._db.execute("SELECT text FROM notes ORDER BY id")]
@@ -265,7 +297,9 @@ class Store:
         """Return all units, in order."""
         rows = self._db.execute(
             "SELECT student, exercise, file_names, input_hash, state, grading, recordings, cpu_s,"
-            " wall_s, attempts, problem, finished, canary FROM units ORDER BY student, exercise"
+            " wall_s, attempts, problem, finished, canary, verified OR NOT EXISTS"
+            " (SELECT 1 FROM units AS known WHERE known.canary AND known.exercise=units.exercise)"
+            " FROM units ORDER BY student, exercise"
         )
         return [
             StoredResult(
@@ -274,7 +308,7 @@ class Store:
                 grading=None if row[5] is None else json.loads(row[5]),
                 recordings=None if row[6] is None else Path(row[6]),
                 cpu_s=row[7], wall_s=row[8], attempts=row[9], problem=row[10],
-                finished=row[11], canary=bool(row[12]),
+                finished=row[11], canary=bool(row[12]), verified=bool(row[13]),
             )
             for row in rows
         ]  # fmt: skip

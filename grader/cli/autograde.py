@@ -15,13 +15,31 @@ Examples:
   course autograde handed_in --out graded --workers 4
   course autograde handed_in --out graded --exercise 1 --field --secret course.secret
   course autograde handed_in --out graded --regrade
+  course autograde week1.zip week2.zip --roster gradebook.csv --out graded
+  course autograde submissions.zip --roster gradebook.csv --list
 """
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("submissions", type=click.Path(path_type=Path))
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Results and state.")
+@click.argument("submissions", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Results and state.")
 @click.option("--exercise", "exercises", multiple=True, metavar="EXERCISE", help="Only this one.")
+@click.option(
+    "--roster",
+    "rosters",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    help="Canvas's or Moodle's gradebook export, a grading worksheet, a CSV. May be repeated.",
+)
+@click.option(
+    "--column", "columns", multiple=True, metavar="EXERCISE=TITLE", help="The gradebook's column."
+)
+@click.option(
+    "--nbgrader",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the points into this gradebook.db of nbgrader's, too.",
+)
+@click.option("--list", "only_list", is_flag=True, help="Say who handed in what; grade nothing.")
 @click.option(
     "--workers", type=click.IntRange(1, 256), default=1, help="Processes on this machine."
 )
@@ -40,36 +58,58 @@ Examples:
               help="Grade known solutions every N submissions; 0: never.")  # fmt: skip
 @click.option("--hide", default="nothing", help="From students: nothing, field, worlds, details.")
 def autograde(
-    submissions: Path,
-    out: Path,
+    submissions: tuple[Path, ...],
+    out: Path | None,
+    rosters: tuple[Path, ...],
+    only_list: bool,
     secret: Path | None,
     regrade: bool,
     no_bags: bool,
     **options: Any,  # fields of grader.classroom.options.Options, under their own names
 ) -> int:
-    """Grade a class: SUBMISSIONS holds a folder or an archive per student.
+    """Grade a class.
+
+    SUBMISSIONS are downloads of Canvas, Moodle or Gradescope, as folders or archives, nbgrader's
+    exchange, GitHub Classroom's clones, or a folder with a folder or an archive per student.
 
     Safe to run again after anything: it continues, and grades only what is new or changed. Exit
-    code 0: all graded. 1: some are held for a person. 2: wrong usage, or the grader's fault.
+    code 0: all graded. 1: some are held, or not understood: a person should look. 2: wrong usage,
+    or the grader's fault.
     """
     from rich.console import Console  # noqa: PLC0415
 
     from grader.link.choice import why_no_class  # noqa: PLC0415
 
+    if out is None and not only_list:
+        raise InputError("expected --out FOLDER, where the results go (or --list)")
     no_class = "" if regrade or options["dask"] else why_no_class(trust=options["trust"])
-    if no_class:
+    if no_class and not only_list:
         raise InputError(no_class)
     from grader.classroom.batch import autograde as grade_class  # noqa: PLC0415
+    from grader.classroom.batch import look_at  # noqa: PLC0415
     from grader.classroom.options import Options  # noqa: PLC0415
-    from grader.classroom.progress import ConsoleProgress, say, summary  # noqa: PLC0415
-    from grader.classroom.results import ResultOptions  # noqa: PLC0415
+    from grader.classroom.progress import ConsoleProgress, listing, say, summary  # noqa: PLC0415
+    from grader.classroom.results import ResultOptions, column_titles  # noqa: PLC0415
+    from grader.classroom.roster import read_roster  # noqa: PLC0415
     from grader.course.students import read_secret  # noqa: PLC0415
 
     ResultOptions(hide=options["hide"])  # refuses unknown words before the work
+    column_titles(options["columns"])
+    if options["nbgrader"] is not None:
+        from grader.nbgrader.class_scores import check_available  # noqa: PLC0415
+
+        check_available()
     chosen = Options(
-        secret=None if secret is None else read_secret(secret), bags=not no_bags, **options
+        secret=None if secret is None else read_secret(secret),
+        bags=not no_bags,
+        roster=read_roster(rosters),
+        **options,
     )
     console = Console()
+    if only_list or out is None:
+        found = look_at(submissions, chosen)
+        say(console, listing(found))
+        return LESS if found.account.faults else FULL
     with ConsoleProgress(console) as progress:
         graded = grade_class(submissions, out, chosen, progress, regrade=regrade)
     lines, held = summary(graded, out)

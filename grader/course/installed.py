@@ -12,6 +12,7 @@ OPTIONAL = {  # module: its usual name, and our extra that installs it
     "sklearn": ("scikit-learn", "ml"),
     "onnx": ("onnx", "ml"),
     "onnxruntime": ("onnxruntime", "ml"),
+    "skl2onnx": ("skl2onnx", "ml"),
     "torch": ("PyTorch", "deep"),
     "keras": ("Keras", "deep"),
 }

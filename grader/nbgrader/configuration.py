@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from pathlib import Path
 from typing import Any
 
 from nbgrader.preprocessors import (
@@ -19,6 +16,7 @@ from nbgrader.preprocessors import (
 
 from grader.nbgrader.autograde import CourseExporter, JudgeNodes, RestoreCells
 from grader.nbgrader.offline import work_offline
+from grader.nbgrader.programs import find_programs
 from grader.nbgrader.release import LeaveSkeletons
 
 VALIDATION_LIMIT = 300  # [s] for a test cell in `nbgrader validate`; nbgrader's own is 30
@@ -26,7 +24,7 @@ VALIDATION_LIMIT = 300  # [s] for a test cell in `nbgrader validate`; nbgrader's
 
 def set_up(config: Any) -> None:
     """Add the course's steps to nbgrader's own."""
-    _find_programs()
+    find_programs()
     config.GenerateAssignment.preprocessors = [
         IncludeHeaderFooter,
         LockCells,
@@ -42,11 +40,3 @@ def set_up(config: Any) -> None:
     config.Autograde.autograde_preprocessors = [JudgeNodes, AssignLatePenalties, CheckCellMetadata]
     config.Execute.timeout = VALIDATION_LIMIT
     work_offline(config)
-
-
-def _find_programs() -> None:
-    """Let nbgrader find `alembic`, which it runs by name, in an environment not activated."""
-    programs = str(Path(sys.executable).parent)
-    paths = os.environ.get("PATH", os.defpath).split(os.pathsep)
-    if programs not in paths:
-        os.environ["PATH"] = os.pathsep.join([programs, *paths])

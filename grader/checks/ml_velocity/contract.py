@@ -9,6 +9,10 @@ from grader.models.files import probe
 from grader.recording import Recording, Scan
 from sim.scenario import Scenario
 
+# what a check requires where the judge runs: to make a trained model, to run a training
+FOREST = ("sklearn",)
+TRAINING = ("sklearn", "skl2onnx", "onnxruntime")
+
 
 def right_speed(recording: Recording, scan: Scan) -> SpeedInterval:
     """Return the speeds that the contract allows for this scan."""

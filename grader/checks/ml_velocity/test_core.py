@@ -10,6 +10,7 @@ from grader.checks.commands import (
     require_only_linear_x,
 )
 from grader.checks.inferences import require_one_load
+from grader.checks.ml_velocity.contract import FOREST
 from grader.checks.ml_velocity.evidence import require_going_on, require_speeds
 from grader.checks.model_commands import require_error_log, require_prompt, require_safe_drive
 from grader.checks.wiring import require_wiring
@@ -34,6 +35,7 @@ def test_wiring(recordings: Recordings) -> None:
     points=3,
     scenarios=("ml_front_min", "ml_blind", "ml_not_finite", "ml_raises", "ml_drive_wall"),
     needs=("wiring",),
+    requires=FOREST,
 )
 def test_one_command_per_scan(recordings: Recordings) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
@@ -43,7 +45,9 @@ def test_one_command_per_scan(recordings: Recordings) -> None:
             require_one_command_each(recording)
 
 
-@pytest.mark.check(points=2, scenarios=("ml_front_min", "ml_drive_wall"), needs=("wiring",))
+@pytest.mark.check(
+    points=2, scenarios=("ml_front_min", "ml_drive_wall"), needs=("wiring",), requires=FOREST
+)
 def test_only_linear_x(recordings: Recordings) -> None:
     """Every field of the Twist but linear.x is zero."""
     for recording in recordings:
@@ -195,7 +199,9 @@ def test_no_model(recordings: Recordings) -> None:
         require_error_log(recording, "the node has no model, and its log does not say so")
 
 
-@pytest.mark.check(points=3, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"))
+@pytest.mark.check(
+    points=3, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"), requires=FOREST
+)
 def test_drives(recordings: Recordings) -> None:
     """With a trained model the robot drives through three worlds and touches nothing."""
     for recording in recordings:

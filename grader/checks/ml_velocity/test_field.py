@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from grader.checks.commands import require_one_command_each
 from grader.checks.field import FieldSuite
+from grader.checks.ml_velocity.contract import FOREST
 from grader.checks.ml_velocity.evidence import require_speeds
 from grader.checks.model_commands import require_safe_drive
 from grader.recording import Recording
@@ -26,6 +27,7 @@ test_field_best_effort = field.best_effort("ml_field_best_effort")
 test_field_speckle = field.speckle(
     "ml_field_speckle",
     title="Takes NaN speckle and noise in its stride, in a mirrored and rotated world.",
+    requires=FOREST,
 )
 test_field_lost_scans = field.lost_scans(
     "ml_field_lost_scans", title="Answers the scans that come when one in five is lost."

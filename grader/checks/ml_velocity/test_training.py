@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grader.checks.ml_velocity.contract import TRAINING
 from grader.checks.model_commands import require_safe_drive
 from grader.checks.verdict import fail, inconclusive
 from grader.checks.wiring import advice_on, lines_of
@@ -23,7 +24,7 @@ OWN_DRIVES = ("ml_own_dense", "ml_own_crates")
 Recordings = tuple[Recording, ...]
 
 
-@pytest.mark.check(points=6, scenarios=("ml_training",))
+@pytest.mark.check(points=6, scenarios=("ml_training",), requires=TRAINING)
 def test_training_runs(recordings: Recordings) -> None:
     """The training script runs in 60 s and writes the two files that it is asked for."""
     for recording in recordings:
@@ -42,7 +43,9 @@ def test_training_runs(recordings: Recordings) -> None:
             _require_files(recording, run, files)
 
 
-@pytest.mark.check(points=4, scenarios=("ml_training",), needs=("training_runs",))
+@pytest.mark.check(
+    points=4, scenarios=("ml_training",), needs=("training_runs",), requires=TRAINING
+)
 def test_model_loads(recordings: Recordings) -> None:
     """The pickle loads without the script, and predicts one speed for each row of features."""
     for recording in recordings:
@@ -69,7 +72,7 @@ def test_model_loads(recordings: Recordings) -> None:
             )
 
 
-@pytest.mark.check(points=7, scenarios=("ml_training",), needs=("model_loads",))
+@pytest.mark.check(points=7, scenarios=("ml_training",), needs=("model_loads",), requires=TRAINING)
 def test_model_accuracy(recordings: Recordings) -> None:
     """On scans from rooms it has not seen the model errs by at most 0.03 m/s on average."""
     for recording in recordings:
@@ -92,7 +95,7 @@ def test_model_accuracy(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=3, scenarios=("ml_training",), needs=("model_loads",))
+@pytest.mark.check(points=3, scenarios=("ml_training",), needs=("model_loads",), requires=TRAINING)
 def test_prediction_time(recordings: Recordings) -> None:
     """One prediction takes at most 100 ms, at least 99 times in 100."""
     for recording in recordings:
@@ -116,7 +119,9 @@ def test_prediction_time(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=4, scenarios=("ml_training",), needs=("training_runs",))
+@pytest.mark.check(
+    points=4, scenarios=("ml_training",), needs=("training_runs",), requires=TRAINING
+)
 def test_onnx_form(recordings: Recordings) -> None:
     """The ONNX model takes one (n, 5) float32, and its first output is (n,) or (n, 1) float32."""
     for recording in recordings:
@@ -155,7 +160,9 @@ def test_onnx_form(recordings: Recordings) -> None:
             )
 
 
-@pytest.mark.check(points=3, scenarios=("ml_training",), needs=("model_loads", "onnx_form"))
+@pytest.mark.check(
+    points=3, scenarios=("ml_training",), needs=("model_loads", "onnx_form"), requires=TRAINING
+)
 def test_onnx_agrees(recordings: Recordings) -> None:
     """ONNX and pickle predict the same: to 1e-4 m/s on 98 % of the scans, to 0.02 m/s on all."""
     for recording in recordings:
@@ -183,7 +190,7 @@ def test_onnx_agrees(recordings: Recordings) -> None:
             )
 
 
-@pytest.mark.check(points=3, scenarios=("ml_training",), needs=("model_loads",))
+@pytest.mark.check(points=3, scenarios=("ml_training",), needs=("model_loads",), requires=TRAINING)
 def test_repeatable(recordings: Recordings) -> None:
     """Two trainings on the same data predict the same."""
     for recording in recordings:
@@ -210,6 +217,7 @@ def test_repeatable(recordings: Recordings) -> None:
     points=5,
     scenarios=OWN_DRIVES,
     needs=("drives", "model_accuracy", "prediction_time"),
+    requires=TRAINING,
 )
 def test_drives_own_model(recordings: Recordings) -> None:
     """Your model drives your controller through worlds denser than those it learned from."""

@@ -10,20 +10,22 @@ from grader.classroom.results.charts import sparkline
 from grader.classroom.results.clean import folder_name, one_line
 from grader.classroom.results.exercise_section import exercise_section, lost_section
 from grader.classroom.results.items import Distribution, distribution
-from grader.classroom.results.marks import Task, is_graded, is_held, points_of, so_far, why_held
+from grader.classroom.results.marks import (
+    Task,
+    is_absent,
+    is_graded,
+    is_held,
+    is_provisional,
+    points_of,
+    so_far,
+    why_held,
+)
 from grader.classroom.results.missing import Missing, Parts
-from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.options import Linked, ResultOptions
 from grader.classroom.results.page import Element, document, el, name, section, table
 from grader.classroom.results.words import NOTHING, moment, plural, points
-from grader.classroom.row import GRADED, StoredResult
+from grader.classroom.row import RUNNING, WAITING, StoredResult
 from grader.report.page import GENERATED_BY
-
-FILES = (
-    ("scores.csv", "every grading, for a spreadsheet"),
-    ("canvas.csv", "Canvas gradebook"),
-    ("moodle.csv", "Moodle grade import"),
-    ("junit.xml", "JUnit XML"),
-)
 
 Results = Sequence[StoredResult]
 Scores = Mapping[str, Distribution]  # by exercise
@@ -59,6 +61,7 @@ def class_page(
             "main",
             _absent(absent) if absent else None,
             _section(parts, "held", "Held for you", lambda: _held(held, tasks)),
+            _section(parts, "intake", "What was handed in", lambda: _intake(results, options)),
             _section(parts, "overview", "Overview", lambda: _overview(results, tasks, scores)),
             [
                 exercise_section(_of(results, task), task, scores[task.slug], options, parts)
@@ -69,8 +72,7 @@ def class_page(
         ),
         el(
             "footer",
-            el("p", "Also in this folder: ", _joined(
-                [[el("a", file, href=file), f" ({what})"] for file, what in FILES]), "."),
+            el("p", "Also in this folder: ", _joined(list(map(_linked, options.files))), "."),
             el("p", f"Made by {GENERATED_BY}."),
             class_="foot",
         ),
@@ -80,7 +82,7 @@ def class_page(
 def _top(results: Results, held: Results, tasks: Sequence[Task], options: ResultOptions) -> Element:
     students = len({result.student for result in results})
     graded = sum(is_graded(result) for result in results)
-    open_ = sum(result.state != GRADED and not is_held(result) for result in results)
+    open_ = sum(result.state in (WAITING, RUNNING) for result in results)
     last = max((result.finished for result in results if result.finished), default="")
     facts = [
         plural(students, "student"),
@@ -111,7 +113,9 @@ def bare_page(absent: Sequence[Missing]) -> str:
     return document("class report", el("main", _absent(absent)))
 
 
-def _section(parts: Parts, id_: str, heading: str, make: Callable[[], Element]) -> Element:
+def _section(
+    parts: Parts, id_: str, heading: str, make: Callable[[], Element | None]
+) -> Element | None:
     """Return a section; if it can't be made, one that says so."""
     return parts.made(
         f"the section “{heading}” of class.html",
@@ -173,6 +177,30 @@ def _held(held: Results, tasks: Sequence[Task]) -> Element:
     )
 
 
+# --- what was handed in --------------------------------------------------------------------
+
+
+def _intake(results: Results, options: ResultOptions) -> Element | None:
+    """Say what became of the files, and who handed in nothing; None if nothing is known."""
+    if not options.account.lines:
+        return None
+    counts = options.account.counts()
+    faults = options.account.faults
+    absent = sorted({result.student for result in results if is_absent(result)})
+    here = {result.student for result in results if not is_absent(result)}
+    nothing = [student for student in absent if student not in here]
+    return section(
+        "intake",
+        "What was handed in",
+        "Each file and entry, with what became of it, is in intake.csv.",
+        el("p", "; ".join(f"{state}: {count}" for state, count in counts.items()), "."),
+        el("ul", [el("li", el("span", one_line(line, 400), dir="auto")) for line in faults],
+           class_="notes is-warn") if faults else None,
+        el("p", f"{plural(len(nothing), 'student')} handed in nothing: ",
+           _joined([[name(student, 48)] for student in nothing]), ".") if nothing else None,
+    )  # fmt: skip
+
+
 # --- all exercises -------------------------------------------------------------------------
 
 
@@ -188,6 +216,7 @@ def _overview(results: Results, tasks: Sequence[Task], scores: Scores) -> Elemen
                 el("th", el("a", task.heading, href=f"#exercise-{task.folder}"), scope="row"),
                 el("td", str(sum(is_graded(result) for result in mine)), class_="number"),
                 el("td", str(sum(is_held(result) for result in mine)), class_="number"),
+                el("td", str(sum(is_absent(result) for result in mine)), class_="number"),
                 el("td", points(spread.median), class_="number"),
                 el("td", points(spread.mean), class_="number"),
                 el("td", str(spread.full), class_="number"),
@@ -198,7 +227,8 @@ def _overview(results: Results, tasks: Sequence[Task], scores: Scores) -> Elemen
         )  # fmt: skip
     number = "number"
     headings = [
-        ("Exercise", ""), ("Graded", number), ("Held", number), ("Median", number),
+        ("Exercise", ""), ("Graded", number), ("Held", number),
+        ("Not handed in", number), ("Median", number),
         ("Mean", number), ("Full marks", number), ("Field-ready", number), ("Scores", ""),
     ]  # fmt: skip
     return section("overview", "Overview", "", table("All exercises", headings, rows))
@@ -238,6 +268,8 @@ def _students(results: Results, tasks: Sequence[Task]) -> Element:
 def _mark(result: StoredResult | None, task: Task, folder: str) -> Element:
     if result is None:
         return el("td", NOTHING, class_="number quiet", title="nothing handed in")
+    if is_absent(result):
+        return el("td", NOTHING, class_="number quiet", title="nothing handed in")
     if is_held(result):
         return el("td", el("a", "held", href="#held"), class_="number is-warn")
     points = points_of(result, task)
@@ -247,6 +279,8 @@ def _mark(result: StoredResult | None, task: Task, folder: str) -> Element:
         return el("td", "not counted", class_="number quiet")
     full = points >= task.points
     link = el("a", f"{points:g}", href=f"{folder}/{quote(task.folder)}.html")
+    if is_provisional(result):
+        return el("td", link, " ", el("small", "provisional"), class_="number")
     return el("td", link, class_="number is-pass" if full else "number")
 
 
@@ -281,6 +315,14 @@ def _notes(results: Results, options: ResultOptions) -> Element:
         el("ul", notes, class_="notes") if notes else None,
         [el("h3", "Versions"), el("ul", versions, class_="notes")] if versions else None,
     )
+
+
+def _linked(each: Linked) -> list[Element | str]:
+    """Return a file's link, or a folder's name with the links of its files."""
+    if each.paths == (each.name,):
+        return [el("a", each.name, href=each.name), f" ({each.what})"]
+    files = _joined([[el("a", path.removeprefix(each.name), href=path)] for path in each.paths])
+    return [f"{each.name} ({each.what}: ", *files, ")"]
 
 
 def _joined(parts: Sequence[list[Element | str]]) -> list[Element | str]:

@@ -17,7 +17,8 @@ _UNSEEN = re.compile(
     "\ud800-\udfff\ufdd0-\ufdef\ufeff\ufffe\uffff]"
 )
 # What may begin a formula in a spreadsheet (OWASP, "CSV Injection"), full-width forms included.
-_FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20", "|", "%")
+_FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
+_FIGURE = re.compile(r"[-+]?\d+([.,]\d+)?")
 _FOLDER = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")
 _DIGESTED = re.compile(r"(?i).*-[0-9a-f]{10}")  # as if it had been made safe
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?$")  # on Windows
@@ -43,12 +44,10 @@ def one_line(text: object, most: int = MAX_NAME) -> str:
 def cell(text: object) -> str:
     """Return text that a spreadsheet does not evaluate: formulas get an apostrophe in front.
 
-    Source: OWASP, "CSV Injection".
+    Tabs and line ends, which may begin one too, become spaces. Source: OWASP, "CSV Injection".
     """
-    line = " ".join(ESCAPES.sub("", str(text)).split())
-    starts_badly = str(text).lstrip(" \u00a0").startswith(_FORMULA)
-    line = _UNSEEN.sub("", line)
-    return "'" + line if starts_badly or line.startswith(_FORMULA) else line
+    line = " ".join(_UNSEEN.sub("", ESCAPES.sub("", str(text))).split())
+    return "'" + line if line.startswith(_FORMULA) and not _FIGURE.fullmatch(line) else line
 
 
 def folder_name(name: str) -> str:

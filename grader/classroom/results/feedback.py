@@ -7,7 +7,14 @@ from pathlib import Path
 
 from grader.classroom.results import words
 from grader.classroom.results.clean import one_line
-from grader.classroom.results.marks import Task, checks_of, is_graded, is_held, points_of
+from grader.classroom.results.marks import (
+    Task,
+    checks_of,
+    is_absent,
+    is_graded,
+    is_held,
+    points_of,
+)
 from grader.classroom.results.page import Element, document, el, name, table
 from grader.classroom.results.withheld import for_students, hides_worlds, runs_for_students
 from grader.classroom.row import StoredResult
@@ -16,6 +23,7 @@ from grader.recording import Recording
 from grader.report.page import page_html, page_payload
 
 WAITING = "Not graded yet."
+ABSENT = "Nothing handed in."
 LOST = (
     "The grader could not make the page with your checks. That is its own fault, and your points "
     "count. Ask your instructor for the details."
@@ -73,7 +81,7 @@ def index_page(
 
 def _row(result: StoredResult, task: Task) -> Element:
     if not is_graded(result):
-        words = HELD if is_held(result) else WAITING
+        words = ABSENT if is_absent(result) else HELD if is_held(result) else WAITING
         return el("tr", el("th", task.heading, scope="row"), el("td", words, colspan=3))
     checks = [check for check in checks_of(result) if check.get("kind") != "field"]
     passed = sum(check.get("outcome") == "pass" for check in checks)

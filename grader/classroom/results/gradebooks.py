@@ -1,15 +1,14 @@
-"""Scores as CSV: for a spreadsheet, for Canvas, for Moodle.
+"""Scores for spreadsheets, and in the form of `nbgrader export`.
 
 Held and missing gradings are empty cells, never zeros.
 """
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
-from grader.classroom.results.clean import cell
+from grader.classroom.results.gradebook import Book, Mark
 from grader.classroom.results.marks import (
     Task,
     checks_of,
@@ -17,77 +16,101 @@ from grader.classroom.results.marks import (
     is_held,
     points_of,
     raw_points,
+    state_of,
     why_held,
 )
-from grader.classroom.row import GRADED, StoredResult
-
-Cell = str | float | int | None
+from grader.classroom.results.tables import Cell, Verbatim, csv_text
+from grader.classroom.row import GRADED, StoredResult, StudentRow
 
 SCORES = (
-    "student", "exercise", "state", "points", "max_points", "score", "max_score", "field_ready",
-    "passed", "failed", "skipped", "attempts", "wall_s", "cpu_s", "finished", "problem",
+    "student", "name", "id", "section", "exercise", "state", "points", "max_points", "score",
+    "max_score", "field_ready", "passed", "failed", "skipped", "attempts", "wall_s", "cpu_s",
+    "handed_in", "late", "finished", "problem",
+)  # fmt: skip
+ID_FIRST = ("canvas", "id", "idnumber", "sis", "login", "email", "github")
+NBGRADER = (
+    "assignment", "duedate", "timestamp", "student_id", "last_name", "first_name", "email",
+    "raw_score", "late_submission_penalty", "score", "max_score",
 )  # fmt: skip
 
 
-def scores_csv(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
+def scores_csv(
+    results: Sequence[StoredResult],
+    tasks: Sequence[Task],
+    students: Mapping[str, StudentRow] | None = None,
+) -> str:
     """Return one line per grading, with every figure."""
     by_slug = {task.slug: task for task in tasks}
-    rows = [_scores_row(result, by_slug[result.exercise]) for result in results]
-    return _text([SCORES, *rows])
+    known = students or {}
+    rows = [
+        _scores_row(
+            result, by_slug[result.exercise], known.get(result.student, StudentRow(result.student))
+        )
+        for result in results
+    ]
+    return csv_text([SCORES, *rows])
 
 
-def canvas_csv(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
-    """Return the gradebook as Canvas imports it.
+def nbgrader_csv(book: Book, tasks: Sequence[Task]) -> str:
+    """Return the points as nbgrader exports them.
 
-    Source: Canvas Instructor Guide, "How do I import grades in the Gradebook?": the columns
-    Student, ID, SIS Login ID and Section, then one per assignment, and below the headings a row
-    that begins with "Points Possible". Canvas matches a student by ID or SIS Login ID; here the
-    latter is the submission's name. It matches an assignment by its title, or by "Title (id)".
+    Source: jupyter/nbgrader, nbgrader/plugins/export.py, `CsvExportPlugin`. Unlike there, who
+    handed in nothing has no row: a zero would be a score.
     """
-    header: list[Cell] = ["Student", "ID", "SIS Login ID", "Section"]
-    header += [task.title for task in tasks]
-    possible: list[Cell] = ["    Points Possible", None, None, None]
-    possible += [task.points for task in tasks]
-    rows = [[name, None, name, None, *points] for name, points in _table(results, tasks)]
-    return _text([header, possible, *rows])
+    rows: list[Sequence[Cell]] = [NBGRADER]
+    for task in tasks:
+        for mark in book.marks(task):
+            handed = mark.handed(task.slug)
+            first, _, last = mark.name.rpartition(" ")
+            rows.append(
+                [task.slug, None, Verbatim(handed.time), Verbatim(nbgrader_id(mark, task)),
+                 last, first, Verbatim(mark.row.ids.get("email", "")), mark.points, 0,
+                 mark.points, task.points]
+            )  # fmt: skip
+    return csv_text(rows)
 
 
-def moodle_csv(results: Sequence[StoredResult], tasks: Sequence[Task]) -> str:
-    """Return the grades as Moodle imports them.
-
-    Source: Moodle documentation, "Grade import" (CSV import): headings are free; the import maps
-    `username` to the user's field and each exercise to its grade item. There are no feedback
-    columns, since Moodle would overwrite what teachers wrote.
-    """
-    header: list[Cell] = ["username", *(task.title for task in tasks)]
-    rows = [[name, *points] for name, points in _table(results, tasks)]
-    return _text([header, *rows])
+def nbgrader_id(mark: Mark, task: Task) -> str:
+    """Return what nbgrader calls a student."""
+    handed = mark.handed(task.slug)
+    id_ = handed.id if handed.system == "nbgrader" else mark.row.ids.get("login", "")
+    return id_ or mark.student
 
 
-def _table(
-    results: Sequence[StoredResult], tasks: Sequence[Task]
-) -> Iterable[tuple[str, list[Cell]]]:
-    found = {(result.student, result.exercise): result for result in results}
-    for student in sorted({result.student for result in results}):
-        points: list[Cell] = []
-        for task in tasks:
-            result = found.get((student, task.slug))
-            points.append(None if result is None else points_of(result, task))
-        if any(value is not None for value in points):  # else there is nothing to import
-            yield student, points
+def write_into_nbgrader(db: Path, book: Book, tasks: Sequence[Task]) -> None:
+    """Write the points into nbgrader's own gradebook."""
+    from grader.nbgrader.class_scores import Score, write_scores  # noqa: PLC0415  (an extra)
+
+    scores = [
+        Score(
+            nbgrader_id(mark, task), task.slug, mark.points, task.points, mark.row.name,
+            mark.row.ids.get("email", ""),
+        )
+        for task in tasks
+        for mark in book.marks(task)
+    ]  # fmt: skip
+    write_scores(db, scores)
 
 
-def _scores_row(result: StoredResult, task: Task) -> list[Cell]:
+def _id(row: StudentRow) -> str:
+    """Return the id that the instructor's lists most likely have."""
+    return next((row.ids[kind] for kind in ID_FIRST if row.ids.get(kind)), "")
+
+
+def _scores_row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
     held = is_held(result)
+    handed = row.handed.get(result.exercise)
     score, most = raw_points(result) if is_graded(result) else (None, None)
     core = [check for check in checks_of(result) if check.get("kind") != "field"]
     counts = [sum(c.get("outcome") == o for c in core) for o in ("pass", "fail", "skip")]
     ready = (result.grading or {}).get("field_ready")
-    state = "held" if held else result.state
     return [
         result.student,
+        row.name,
+        Verbatim(_id(row) or (handed.id if handed else "")),
+        row.section,
         result.exercise,
-        state,
+        state_of(result),
         points_of(result, task),
         task.points,
         score,
@@ -97,23 +120,8 @@ def _scores_row(result: StoredResult, task: Task) -> list[Cell]:
         result.attempts,
         round(result.wall_s, 2),
         round(result.cpu_s, 2),
+        Verbatim(handed.time if handed else ""),
+        "late" if handed and handed.late else "",
         result.finished,
         why_held(result).reason if held else result.problem,
     ]
-
-
-def _text(rows: Iterable[Sequence[Cell]]) -> str:
-    target = io.StringIO()
-    writer = csv.writer(target, lineterminator="\r\n")  # RFC 4180
-    for row in rows:
-        writer.writerow([_written(value) for value in row])
-    return target.getvalue()
-
-
-def _written(value: Cell) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, str):
-        # Canvas looks for this very cell, with its spaces
-        return value if value == "    Points Possible" else cell(value)
-    return f"{value:g}" if abs(value) < 1e5 else str(value)

@@ -11,7 +11,7 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 from grader.classroom.results.clean import one_line, visible
-from grader.classroom.results.marks import Check, Task, is_held, points_of
+from grader.classroom.results.marks import Check, Task, is_absent, is_held, points_of
 from grader.classroom.results.withheld import for_students
 from grader.classroom.row import StoredResult
 from grader.report.terminal import UNJUDGED
@@ -32,7 +32,8 @@ def results_json(
     Gradescope takes a missing score for zero, so it gets only final scores.
     """
     by_slug = {result.exercise: result for result in results}
-    mine = [(task, by_slug[task.slug]) for task in tasks if task.slug in by_slug]
+    there = [(task, by_slug[task.slug]) for task in tasks if task.slug in by_slug]
+    mine = [(task, result) for task, result in there if not is_absent(result)]
     scores = [points_of(result, task) for task, result in mine]
     final = [score for score in scores if score is not None]
     if not mine or len(final) < len(scores) or any(is_held(result) for _, result in mine):

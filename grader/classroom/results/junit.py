@@ -10,8 +10,16 @@ from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
 from grader.classroom.results.clean import one_line, visible
-from grader.classroom.results.marks import TO_HOLD, Check, Task, checks_of, is_held, why_held
-from grader.classroom.row import StoredResult
+from grader.classroom.results.marks import (
+    TO_HOLD,
+    Check,
+    Task,
+    checks_of,
+    is_absent,
+    is_held,
+    why_held,
+)
+from grader.classroom.row import ABSENT, StoredResult
 from grader.report.terminal import SKIPPED
 
 FACTS = ("expected", "actual", "where", "log", "help")
@@ -38,6 +46,10 @@ def _suite(result: StoredResult) -> ET.Element:
         reason = why_held(result).reason
         ET.SubElement(held, "error", message=reason, type="held").text = reason
         cases.append(held)
+    if is_absent(result):
+        nothing = ET.Element("testcase", classname=_class(result), name="graded", time="0")
+        ET.SubElement(nothing, "skipped", message=ABSENT)
+        cases.append(nothing)
     attributes = {
         "name": name,
         "tests": str(len(cases)),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from grader.classroom.results.clean import one_line
-from grader.classroom.row import GRADED, HELD, TWICE, StoredResult
+from grader.classroom.row import ABSENT, GRADED, HELD, TWICE, StoredResult
 from grader.course.exercises import all_exercises
 from grader.errors import GraderError
 from grader.report.terminal import UNJUDGED
@@ -15,6 +15,7 @@ from grader.report.terminal import UNJUDGED
 Check = Mapping[str, Any]
 
 TO_HOLD = ("error", "inconclusive")
+PROVISIONAL = "provisional"
 FULL = 100.0  # points of an exercise that no longer exists
 
 
@@ -68,6 +69,30 @@ def is_held(result: StoredResult) -> bool:
 def is_graded(result: StoredResult) -> bool:
     """Tell whether there is a score that counts."""
     return result.state == GRADED and not is_held(result)
+
+
+def is_absent(result: StoredResult) -> bool:
+    """Tell whether nothing was handed in, which is nobody's fault."""
+    return result.state == ABSENT
+
+
+def is_provisional(result: StoredResult) -> bool:
+    """Tell whether a score counts that may change yet.
+
+    It does if a core check could not be judged for want of a library, or if no known solution has
+    confirmed the grader since.
+    """
+    if not is_graded(result):
+        return False
+    core = (check for check in checks_of(result) if check.get("kind") != "field")
+    return not result.verified or any(check.get("outcome") in UNJUDGED for check in core)
+
+
+def state_of(result: StoredResult) -> str:
+    """Return the state in a word: graded, provisional, held, not handed in, waiting."""
+    if is_held(result):
+        return HELD
+    return PROVISIONAL if is_provisional(result) else result.state
 
 
 def points_of(result: StoredResult, task: Task) -> float | None:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
+from grader.classroom.account import Account
+from grader.classroom.roster import NOBODY, Roster
+from grader.classroom.row import StudentRow
 from grader.errors import InputError
 
 HIDE = {
@@ -19,6 +23,15 @@ Sources = Mapping[tuple[str, str], Mapping[str, bytes]]
 
 
 @dataclass(frozen=True)
+class Linked:
+    """A file or a folder of the results, as the report names it."""
+
+    name: str
+    what: str
+    paths: tuple[str, ...]  # of the files, relative to the report
+
+
+@dataclass(frozen=True)
 class ResultOptions:
     """The instructor's choices, and what the batch knows."""
 
@@ -28,7 +41,13 @@ class ResultOptions:
     # (student, exercise): file name → content; without them there is no search for similar files
     sources: Sources = field(default_factory=dict)
     replays: bool = True  # put replays into the feedback pages (where there are recordings)
+    files: Sequence[Linked] = ()  # what else is written
     workers: int = 1  # processes that make the feedback pages
+    account: Account = field(default_factory=Account)  # what became of each file
+    students: Mapping[str, StudentRow] = field(default_factory=dict)  # by `StoredResult.student`
+    roster: Roster = NOBODY
+    nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
+    columns: Mapping[str, str] = field(default_factory=dict)  # slug: title in the gradebook
 
     def __post_init__(self) -> None:
         """Check the words of `hide`.

@@ -6,7 +6,7 @@ import contextlib
 import hashlib
 import json
 import multiprocessing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -14,13 +14,16 @@ from pathlib import Path
 
 from grader.classroom.results.class_page import bare_page, class_page
 from grader.classroom.results.clean import folder_name
+from grader.classroom.results.exports import there, write_exports, write_feedback_zips
 from grader.classroom.results.feedback import (
     exercise_page,
     index_page,
     lost_page,
     wants_bags,
 )
-from grader.classroom.results.gradebooks import canvas_csv, moodle_csv, scores_csv
+from grader.classroom.results.files import write_text
+from grader.classroom.results.gradebook import Book
+from grader.classroom.results.gradebooks import scores_csv
 from grader.classroom.results.gradescope import results_json
 from grader.classroom.results.items import item_analysis
 from grader.classroom.results.junit import junit_xml
@@ -33,7 +36,6 @@ from grader.report.page import json_text, page_html
 CLASS_PAGE = "class.html"
 PAGES = ".pages.json"  # hashes of what each feedback page was made from
 MANY = 20  # pages; for fewer, starting more processes does not pay
-BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 
 
 @dataclass(frozen=True)
@@ -63,17 +65,10 @@ def write_results(
     tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
     order = {task.slug: index for index, task in enumerate(tasks)}
     known.sort(key=lambda result: (result.student, order[result.exercise]))
-    texts: dict[str, Callable[[], str]] = {
-        "scores.csv": lambda: BOM + scores_csv(known, tasks),
-        "canvas.csv": lambda: canvas_csv(known, tasks),
-        "moodle.csv": lambda: moodle_csv(known, tasks),
-        "junit.xml": lambda: junit_xml(known, tasks),
-    }
-    written = [_write_class_page(known, tasks, out, options, parts)]
-    for name, make in texts.items():
-        (out / name).unlink(missing_ok=True)  # an older one would be taken for this run's
-        with parts.part(name):
-            written.append(_write(out / name, make()))
+    book = Book(known, options.students, options.roster, options.columns)
+    written = write_exports(book, tasks, out, options, parts)
+    options = replace(options, notes=[*options.notes, *book.remarks], files=there(written, out))
+    written.append(_write_class_page(known, tasks, out, options, parts))
     pages = _Pages(out / PAGES)
     due: list[_Page] = []
     for student, each in groupby(known, key=lambda result: result.student):
@@ -81,6 +76,7 @@ def write_results(
     for page, lost in _make(due, options.workers):
         parts.missing += lost
         pages.forget(page)
+    written += write_feedback_zips(book, tasks, out, parts)
     with parts.part("the list of pages that are up to date"):
         pages.save()
     if parts.missing:
@@ -117,7 +113,7 @@ def _write_class_page(
         lambda _: bare_page([*parts.missing, *own.missing]),
     )
     parts.missing += [each for each in own.missing if each not in parts.missing]
-    return _write(out / CLASS_PAGE, text)
+    return write_text(out / CLASS_PAGE, text)
 
 
 @dataclass(frozen=True)
@@ -144,16 +140,16 @@ class _Page:
         """Write the page, without its replays if they can't be made; return what is missing."""
         parts = Parts()
         with parts.part(f"the replays of {self.name.removeprefix('the ')}"):
-            _write(self.path, exercise_page(self.result, self.task, self.hidden, self.bags))
+            write_text(self.path, exercise_page(self.result, self.task, self.hidden, self.bags))
             return []
         with parts.part(self.name):
-            _write(self.path, exercise_page(self.result, self.task, self.hidden, None))
+            write_text(self.path, exercise_page(self.result, self.task, self.hidden, None))
             return parts.missing[:1]
         return self.give_up(parts.missing[-1])
 
     def give_up(self, lost: Missing) -> list[Missing]:
         """Put a page that says so in the place of one that can't be made, or of an older one."""
-        _write(self.path, lost_page(self.result, self.task))
+        write_text(self.path, lost_page(self.result, self.task))
         return [lost]
 
 
@@ -214,7 +210,7 @@ class _Pages:
 
     def save(self) -> None:
         """Store the hashes, after the pages are written."""
-        _write(self._file, json.dumps(self._now, indent=1, sort_keys=True) + "\n")
+        write_text(self._file, json.dumps(self._now, indent=1, sort_keys=True) + "\n")
 
     def _load(self) -> dict[str, str]:
         try:
@@ -239,7 +235,7 @@ def _write_student(
     written = []
     with parts.part(f"the first page of the feedback of {student}"):
         text = index_page(student, results, tasks, options.title)
-        written.append(_write(folder / "index.html", text))
+        written.append(write_text(folder / "index.html", text))
     for result in results:
         task = by_slug[result.exercise]
         page = folder / f"{task.folder}.html"
@@ -254,7 +250,7 @@ def _write_student(
     with parts.part(f"the Gradescope results of {student}"):
         final = results_json(results, tasks, options.hidden)
         if final is not None:
-            written.append(_write(handed_in, json_text(final)))
+            written.append(write_text(handed_in, json_text(final)))
             return written
     handed_in.unlink(missing_ok=True)
     with contextlib.suppress(OSError):  # it is missing, or holds other files
@@ -275,14 +271,3 @@ def _state(bags: Path) -> list[tuple[str, int, int]]:
     files = sorted(path for path in bags.rglob("*") if path.is_file())
     stats = [(path.name, path.stat()) for path in files]
     return [(name, stat.st_size, stat.st_mtime_ns) for name, stat in stats]
-
-
-def _write(path: Path, text: str) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_bytes(text.encode("utf-8", "replace"))
-        return part.replace(path)
-    except OSError:  # a full disk: half a file would only take more of it
-        part.unlink(missing_ok=True)
-        raise

@@ -115,7 +115,9 @@ def grade_class(
         monkeypatch.setattr(engine, "open_workers", fake_workers)
         options.setdefault("exercises", (SLUG,))
         options.setdefault("canaries", 0)
-        graded = autograde(handed_in, tmp_path / "out", Options(**options), quiet, regrade=regrade)
+        graded = autograde(
+            [handed_in], tmp_path / "out", Options(**options), quiet, regrade=regrade
+        )
         return {r.student: r for r in graded.results if not r.canary}, workers, quiet
 
     return grade

@@ -1,5 +1,6 @@
 """A whole class: the queue, held units, canaries, quarantine, regrading, with a fake judge."""
 
+import csv
 import shutil
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
@@ -10,7 +11,8 @@ from fake_class import FILE, SLUG, fair, grading
 
 from grader.classroom import batch, candidates
 from grader.classroom.engine import DaskWorkers
-from grader.classroom.row import GRADED, HELD, RUNNING, TWICE
+from grader.classroom.roster import read_roster
+from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, TWICE
 from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
 from grader.course.students import student_key
@@ -49,11 +51,51 @@ def test_settings_are_part_of_what_was_graded(grade_class: Any) -> None:
 
 def test_missing_and_unreadable_files_are_held(grade_class: Any, handed_in: Path) -> None:
     (handed_in / "lea").mkdir()
+    (handed_in / "lea" / "robot.py").write_text("# a wrong name\n")
+    (handed_in / "max").mkdir()
+    (handed_in / "max" / "report.pdf").write_bytes(b"no program, but handed in")
     (handed_in / "kim.zip").write_bytes(b"broken")
     results, workers, _ = grade_class()
     assert workers.students == ["ann", "bob", "eve"]
-    assert results["lea"].problem == f"expected a file {FILE}; there are no files"
-    assert results["kim"].state == HELD
+    assert results["lea"].problem == f"expected a file {FILE}; there is robot.py"
+    assert {results[student].state for student in ("lea", "kim", "max")} == {HELD}
+
+
+def test_what_was_not_handed_in_is_neither_queued_nor_held(
+    grade_class: Any, handed_in: Path
+) -> None:
+    (handed_in / "lea").mkdir()
+    (handed_in / "kim").mkdir()
+    (handed_in / "kim" / "goal_seeking_agent.py").write_text("# another exercise\n")
+    results, workers, _ = grade_class()
+    assert workers.students == ["ann", "bob", "eve"]
+    assert results["lea"].state == results["kim"].state == ABSENT
+    (handed_in / "lea" / FILE).write_text("# at last\n")
+    results, workers, _ = grade_class(retry_held=True)
+    assert workers.students == ["lea"]
+    (handed_in / "lea" / FILE).unlink()
+    (handed_in / "ann" / FILE).unlink()
+    results, workers, _ = grade_class(regrade=True)
+    assert results["lea"].state == results["ann"].state == ABSENT
+    assert workers.students == ["bob", "eve"]
+
+
+def test_a_class_with_a_roster(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:
+    (tmp_path / "class.csv").write_text("id,name,section\n1,ann,A\n2,Bob,B\n3,Zoë Ünal,B\n")
+    results, _, _ = grade_class(roster=read_roster([tmp_path / "class.csv"]))
+    assert {s: r.state for s, r in results.items()} == {
+        "ann": GRADED, "bob": GRADED, "eve": GRADED, "Zoë Ünal": ABSENT,
+    }  # fmt: skip
+    page = (tmp_path / "out" / "class.html").read_text()
+    assert "not in the roster: eve" in page
+    assert "1 student handed in nothing" in page
+    table = csv.DictReader((tmp_path / "out" / "scores.csv").read_text("utf-8-sig").splitlines())
+    assert {row["student"]: (row["id"], row["section"], row["state"]) for row in table} == {
+        "ann": ("1", "A", "graded"),
+        "bob": ("2", "B", "graded"),
+        "eve": ("", "", "graded"),
+        "Zoë Ünal": ("3", "B", "not handed in"),
+    }
 
 
 def test_exercises_are_those_that_somebody_handed_in(grade_class: Any, handed_in: Path) -> None:

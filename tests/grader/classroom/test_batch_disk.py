@@ -93,7 +93,7 @@ def test_a_disk_that_fills_while_results_are_written(
 def test_an_archive_that_does_not_fit_is_not_broken(
     grade_class: Any, handed_in: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("grader.classroom.intake._unpack", full)
+    monkeypatch.setattr("grader.classroom.intake.students.unpack", full)
     (handed_in / "kim.zip").write_bytes(b"PK")
     with pytest.raises(DiskFull):
         grade_class()

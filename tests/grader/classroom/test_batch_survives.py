@@ -43,6 +43,8 @@ def handed_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / name).mkdir()
         (folder / name / FILE).write_text(text)
     (folder / "empty").mkdir()
+    (folder / "misnamed").mkdir()
+    (folder / "misnamed" / "robot.py").write_text("# whose exercise is this?\n")
     return folder
 
 
@@ -50,7 +52,7 @@ def handed_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def undisturbed(handed_in: Path, tmp_path_factory: pytest.TempPathFactory) -> Results:
     out = tmp_path_factory.mktemp("undisturbed")
     done = subprocess.run(_command(handed_in, out), check=False, stdout=subprocess.DEVNULL)
-    assert done.returncode == 1  # one is held: there is no file
+    assert done.returncode == 1  # one is held: no exercise has such a file
     return _results(out)
 
 
@@ -60,7 +62,7 @@ def test_what_the_class_came_to(undisturbed: Results) -> None:
 
     assert states == {
         "Ünal, Zoë": "graded", "bob": "graded", "cut off": "graded", "evil": "graded",
-        "empty": "held",
+        "empty": "not handed in", "misnamed": "held",
     }  # fmt: skip
     assert scores["Ünal, Zoë"] == 100
     assert scores["cut off"] == scores["evil"] == 0

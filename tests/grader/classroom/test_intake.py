@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom import intake
-from grader.classroom.intake import Student, find_files, find_students, student_id
+from grader.classroom.intake import Student, find_files, student_id, take_in, unpack
 from grader.course.submission import MAX_SIZE, read_regular_file
 from grader.errors import InputError
 
@@ -24,6 +23,15 @@ def handed_in(tmp_path: Path) -> Path:
     folder = tmp_path / "handed in"
     folder.mkdir()
     return folder
+
+
+def find_students(folder: Path, scratch: Path) -> list[Student]:
+    return take_in([folder], scratch).students
+
+
+def unpacked(handed_in: Path) -> list[Path]:
+    scratch = handed_in.parent / "scratch"
+    return [path for path in scratch.rglob("*") if path.is_file()]
 
 
 def the_one(handed_in: Path) -> Student:
@@ -127,7 +135,8 @@ def test_links_and_devices_in_archives_are_left_out(handed_in: Path) -> None:
     student = the_one(handed_in)
 
     assert student.problem == ""
-    assert [path.name for path in student.path.rglob("*")] == [AGENT]
+    assert [file.name for file in student.files] == [AGENT]
+    assert [path.name for path in unpacked(handed_in)] == [AGENT]
 
 
 def test_links_in_zips_are_left_out(handed_in: Path) -> None:
@@ -150,18 +159,18 @@ def test_bombs(handed_in: Path, suffix: str) -> None:
     student = the_one(handed_in)
 
     assert "larger unpacked than packed" in student.problem
-    assert sum(path.stat().st_size for path in handed_in.parent.rglob("agent.py")) <= intake.SMALL
+    assert sum(path.stat().st_size for path in handed_in.parent.rglob("agent.py")) <= unpack.SMALL
 
 
 def test_bomb_in_what_is_skipped(handed_in: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(intake, "MAX_UNPACKED", 1024 * 1024)
+    monkeypatch.setattr(unpack, "MAX_UNPACKED", 1024 * 1024)
     tar_with(handed_in / "eve.tgz", (tarfile.TarInfo(".git/pack"), bytes(8 * 1024 * 1024)))
 
     assert "not unpacked" in the_one(handed_in).problem
 
 
 def test_too_many_members(handed_in: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(intake, "MAX_MEMBERS", 5)
+    monkeypatch.setattr(unpack, "MAX_MEMBERS", 5)
     zipped(handed_in / "a.zip", **{f"{n}.py": b"" for n in range(6)})
     tar_with(handed_in / "b.tar", *[(tarfile.TarInfo(f"{n}.py"), b"") for n in range(6)])
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from grader.classroom.intake import find_files, find_students
+from grader.classroom.intake import Student, find_files, take_in
 from grader.classroom.results.clean import folder_name
 
 AGENT = "agent.py"
@@ -22,6 +22,10 @@ NAMES = st.tuples(
     st.lists(st.sampled_from(PIECES), min_size=1, max_size=3).map("".join),
     st.sampled_from(SUFFIXES),
 ).map("".join)
+
+
+def find_students(folder: Path, scratch: Path) -> list[Student]:
+    return take_in([folder], scratch).students
 
 
 def mark(name: str) -> str:

@@ -18,18 +18,30 @@ import pytest
 from made_results import check, classes, result
 
 from grader.classroom.results import ResultOptions, write, write_results
+from grader.classroom.results.canvas import canvas_csv
 from grader.classroom.results.clean import cell, folder_name, one_line, visible
-from grader.classroom.results.gradebooks import canvas_csv, moodle_csv, scores_csv
+from grader.classroom.results.gradebook import Book
+from grader.classroom.results.gradebooks import scores_csv
 from grader.classroom.results.gradescope import results_json
 from grader.classroom.results.items import distribution, item_analysis, point_biserial
 from grader.classroom.results.junit import junit_xml
 from grader.classroom.results.marks import points_of, tasks_of, why_held
-from grader.classroom.row import GRADED, HELD, RUNNING, StoredResult
+from grader.classroom.results.moodle import grades_csv
+from grader.classroom.row import ABSENT, HELD, RUNNING, StoredResult
 
-FORMULAS = ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "  =1", "\uff1d1", "%0A", "|x")
+FORMULAS = (
+    "=1+1", "+1+1", "-A1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "  =1", "\uff1d1", "\u202e=1",
+)  # fmt: skip
+TEXTS = ("-1", "+49", "-1.5", "%0A", "|x", "a=b", "ada")  # which no spreadsheet runs
+GRADEBOOKS = tuple(
+    f"{system}/{exercise}.csv"
+    for system in ("canvas", "moodle")
+    for exercise in ("obstacle_avoidance", "goal_seeking")
+)
 NAMES = (
-    *FORMULAS, "..", "../../etc/passwd", "a/b", "x" * 300, "e\u0301va", "\u05e9\u05dc\u05d5\u05dd",
-    "\u202eevil", "new\nline", "quote\"'<b>", "nul", "-rf", "\udcff", "\x1b[31mred", "a,b;c", "",
+    *FORMULAS, *TEXTS, "..", "../../etc/passwd", "a/b", "x" * 300, "e\u0301va",
+    "\u05e9\u05dc\u05d5\u05dd", "\u202eevil", "new\nline", "quote\"'<b>", "nul", "-rf", "\udcff",
+    "\x1b[31mred", "a,b;c", "",
 )  # fmt: skip
 
 
@@ -47,8 +59,11 @@ def rows(text: str) -> list[list[str]]:
 @pytest.mark.parametrize("text", FORMULAS)
 def test_no_cell_is_a_formula(text: str) -> None:
     assert cell(text).startswith("'")
-    assert cell("ada") == "ada"
-    assert cell("a=b") == "a=b"
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_only_formulas_are_changed(text: str) -> None:
+    assert cell(text) == text
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -84,12 +99,37 @@ def test_held_gradings_have_no_points_anywhere() -> None:
     for one in everyone[:-1]:
         assert points_of(one, tasks[0]) is None
         assert results_json([one], tasks, frozenset()) is None
-    assert [row[0] for row in rows(canvas_csv(everyone, tasks))[2:]] == ["zoe"]
-    assert [row[0] for row in rows(moodle_csv(everyone, tasks))[1:]] == ["zoe"]
-    states = {row[0]: (row[2], row[3]) for row in rows(scores_csv(everyone, tasks))[1:]}
+    assert [row[0] for row in rows(canvas_csv(Book(everyone), tasks[0]) or "")[2:]] == ["zoe"]
+    assert [row[0] for row in rows(grades_csv(Book(everyone), tasks[0]) or "")[1:]] == ["zoe"]
+    table = csv.DictReader(io.StringIO(scores_csv(everyone, tasks)))
+    states = {row["student"]: (row["state"], row["points"]) for row in table}
     assert states["ada"] == states["chen"] == states["eve"] == ("held", "")
     assert states["dan"] == ("running", "")
     assert states["zoe"] == ("graded", "100")
+
+
+def test_what_was_not_handed_in_is_no_fault() -> None:
+    other = replace(right("ada"), exercise="goal_seeking")
+    absent = replace(result("ada"), state=ABSENT)
+    everyone = [other, absent, replace(result("ben"), state=ABSENT)]
+    tasks = tasks_of(everyone)
+    assert canvas_csv(Book(everyone), tasks[0]) is None
+    assert results_json([other, absent], tasks, frozenset())["score"] == 100.0  # type: ignore[index]
+    assert results_json(everyone[2:], tasks, frozenset()) is None
+    root = ET.fromstring(junit_xml(everyone, tasks))
+    assert (root.get("skipped"), root.get("errors"), root.get("failures")) == ("2", "0", "0")
+    states = {
+        (row["student"], row["exercise"]): row["state"]
+        for row in csv.DictReader(io.StringIO(scores_csv(everyone, tasks)))
+    }
+    assert states["ben", "obstacle_avoidance"] == "not handed in"
+
+
+def test_an_unconfirmed_score_is_provisional(tmp_path: Path) -> None:
+    write_results([right("ada", verified=False), right("ben")], tmp_path)
+    states = {r[0]: r[5] for r in rows((tmp_path / "scores.csv").read_text("utf-8-sig"))[1:]}
+    assert states == {"ada": "provisional", "ben": "graded"}
+    assert (tmp_path / "class.html").read_text().count("provisional") == 1
 
 
 def test_the_reason_says_whose_fault_it_is_and_what_to_do() -> None:
@@ -112,31 +152,14 @@ def test_a_missing_library_costs_the_student_nothing() -> None:
     )
     task = tasks_of([some])[0]
     assert points_of(some, task) == 75.0
-    assert rows(scores_csv([some], [task]))[1][3:7] == ["75", "100", "45", "60"]
+    (row,) = csv.DictReader(io.StringIO(scores_csv([some], [task])))
+    assert [row[k] for k in ("points", "max_points", "score", "max_score")] == [
+        "75", "100", "45", "60",
+    ]  # fmt: skip
+    assert row["state"] == "provisional"
 
 
 # --- formats -------------------------------------------------------------------------------
-
-
-def test_canvas_reads_its_gradebook() -> None:
-    other = replace(right("zoe"), exercise="goal_seeking")
-    everyone = [right("ada"), right("=cmd|' /C calc'!A0"), other]
-    tasks = tasks_of(everyone)
-    header, possible, *students = rows(canvas_csv(everyone, tasks))
-    assert header == [
-        "Student", "ID", "SIS Login ID", "Section", "Obstacle avoidance", "Goal seeking",
-    ]  # fmt: skip
-    assert possible == ["    Points Possible", "", "", "", "100", "100"]
-    assert students == [
-        ["'=cmd|' /C calc'!A0", "", "'=cmd|' /C calc'!A0", "", "100", ""],
-        ["ada", "", "ada", "", "100", ""],
-        ["zoe", "", "zoe", "", "", "100"],
-    ]
-
-
-def test_moodle_reads_its_grades() -> None:
-    table = rows(moodle_csv([right("ada")], tasks_of([right("ada")])))
-    assert table == [["username", "Obstacle avoidance"], ["ada", "100"]]
 
 
 def test_gradescope_reads_its_results() -> None:
@@ -277,7 +300,7 @@ def test_everything_is_written_below_out(whole: tuple[Path, list[Path]]) -> None
     assert all(path.resolve().is_relative_to(out.resolve()) for path in written)
     there = {path for path in out.rglob("*") if path.is_file() and path.name != ".pages.json"}
     assert there == set(written)
-    for name in ("class.html", "scores.csv", "canvas.csv", "moodle.csv", "junit.xml"):
+    for name in ("class.html", "scores.csv", "junit.xml", *GRADEBOOKS):
         assert out / name in there
     assert not any("canary" in path.read_text("utf-8") for path in written if path.suffix == ".csv")
     assert not (out / "gradescope" / "ben").exists()  # one of his is held
@@ -356,7 +379,7 @@ def test_pages_are_made_again_only_for_another_result(tmp_path: Path) -> None:
 def test_an_empty_class_is_a_report_too(tmp_path: Path) -> None:
     write_results([], tmp_path)
     assert "Nothing is held" in (tmp_path / "class.html").read_text("utf-8")
-    assert GRADED not in (tmp_path / "canvas.csv").read_text("utf-8")
+    assert not (tmp_path / "canvas").exists()
 
 
 def test_pages_load_nothing_and_run_nothing(whole: tuple[Path, list[Path]]) -> None:

@@ -16,7 +16,7 @@ import pytest
 
 from grader.classroom.batch import GradedClass
 from grader.classroom.progress import summary
-from grader.classroom.results import Missing, ResultOptions, Written, write, write_results
+from grader.classroom.results import Missing, ResultOptions, Written, exports, write, write_results
 from grader.classroom.results import class_page as class_page_module
 from grader.classroom.results import exercise_section as exercise_section_module
 from grader.classroom.results.clean import folder_name
@@ -29,7 +29,13 @@ assert _spec and _spec.loader
 classes: Any = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(classes)
 
-FILES = ("scores.csv", "canvas.csv", "moodle.csv", "junit.xml")
+GRADEBOOKS = {  # the function that fails, and the files that it makes
+    "scores_csv": ["scores.csv"],
+    "canvas_csv": ["canvas/obstacle_avoidance.csv", "canvas/goal_seeking.csv"],
+    "grades_csv": ["moodle/obstacle_avoidance.csv", "moodle/goal_seeking.csv"],
+    "junit_xml": ["junit.xml"],
+}
+FILES = tuple(file for files in GRADEBOOKS.values() for file in files)
 SECTIONS = ("_top", "_held", "_overview", "_students", "_notes")
 PARTS = ("_scores", "_slowest", "_checks", "_similar", "item_analysis")
 CODINGS = (
@@ -66,23 +72,21 @@ def everything(out: Path) -> set[str]:
     return {p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file()}
 
 
-@pytest.mark.parametrize("name", ["scores_csv", "canvas_csv", "moodle_csv", "junit_xml"])
+@pytest.mark.parametrize("name", GRADEBOOKS)
 def test_a_gradebook_that_fails_costs_only_itself(
     name: str, whole: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out, complete, _ = whole()
     before = everything(out)
     assert complete.missing == []
-    real = getattr(write, name)
-    # with one result the figures are only tried (`_sound`)
-    monkeypatch.setattr(write, name, lambda r, t: real(r, t) if len(r) == 1 else broken())
+    monkeypatch.setattr(exports, name, broken)
 
     out, written, page = whole()
 
-    file = name.replace("_", ".")
-    assert written.missing == [Missing(file, "Broken: this <b>part</b>")]
-    assert everything(out) == before - {file}  # an old one would be taken for new
-    assert f"{file}: Broken: this &lt;b&gt;part&lt;/b&gt;" in page
+    lost = GRADEBOOKS[name]
+    assert written.missing == [Missing(file, "Broken: this <b>part</b>") for file in lost]
+    assert everything(out) == before - set(lost)  # an old one would be taken for new
+    assert f"{lost[0]}: Broken: this &lt;b&gt;part&lt;/b&gt;" in page
     assert "Not all results could be written" in page
 
     monkeypatch.undo()
@@ -238,7 +242,7 @@ def test_a_full_disk_is_no_missing_part(whole: Any, monkeypatch: pytest.MonkeyPa
     def full(*_: object) -> str:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(write, "junit_xml", lambda r, _t: "" if len(r) == 1 else full())
+    monkeypatch.setattr(exports, "junit_xml", full)
     with pytest.raises(OSError, match="No space left"):
         whole()
 

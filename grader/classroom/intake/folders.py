@@ -1,0 +1,31 @@
+"""Folders and archives: each is one student, and is called like them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from grader.classroom.intake.entries import Entry, Read, SetAside, Who
+from grader.classroom.intake.names import may_enter
+from grader.classroom.intake.unpack import archive_stem, is_archive, is_unread_archive
+
+FILE = (
+    "a file of nobody's: expected a folder or an archive per student, or files with the prefix of "
+    "Canvas or Moodle; put it into its student's folder"
+)
+LITTER = {"Thumbs.db", "desktop.ini", "__MACOSX", "__pycache__"}
+
+
+def read(folder: Path, paths: Sequence[Path]) -> Read:
+    """Return every folder and archive; what else lies there is set aside."""
+    found = Read()
+    for path in sorted(paths, key=lambda path: (not path.is_dir(), path.name)):
+        name = path.name
+        if not may_enter(name) or name in LITTER:
+            found.set_aside.append(SetAside(name, "no student's", fault=False))
+        elif path.is_dir() or is_archive(name) or is_unread_archive(name) or path.is_symlink():
+            stem = name if path.is_dir() else archive_stem(name)
+            found.entries.append(Entry(path, Who(stem, "folder")))
+        else:
+            found.set_aside.append(SetAside(name, FILE))
+    return found

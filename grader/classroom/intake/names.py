@@ -1,0 +1,63 @@
+"""Names: of students as safe folders, of files as students vary them."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import unicodedata
+from collections.abc import Container
+
+MAX_NAME = 80  # [characters] of a student's id
+MARK = 6  # [characters] that tell two of one name apart
+MARKED = re.compile(rf"~[0-9a-f]{{{MARK},}}$", re.IGNORECASE)
+NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
+# "agent (1).py", "agent-2.py", "agent - Copy.py"
+COPIED = re.compile(r"(?:\s*\((\d+)\)|-(\d+)|\s+-?\s*copy)$", re.IGNORECASE)
+
+
+def student_id(name: str) -> str:
+    """Return a name that looks the same and is safe for a folder: NFC, no separators, no dots."""
+    text = unicodedata.normalize("NFC", name.encode("utf-8", "replace").decode("utf-8"))
+    text = "".join(c if c.isprintable() and c not in '/\\:*?"<>|' else "_" for c in text)
+    text = text.strip(" .")[:MAX_NAME].strip(" .")
+    while len(text.encode()) > 200:  # a file system counts bytes
+        text = text[:-1]
+    return text or "unnamed"
+
+
+def unique(name: str, original: str, taken: Container[str]) -> str:
+    """Return the name, marked if another student has it; the same mark in every run.
+
+    Who hands in a name that looks marked gets a mark, too: nobody can choose another's.
+    """
+    if not MARKED.search(name) and name.casefold() not in taken:
+        return name
+    digest = hashlib.sha256(original.encode("utf-8", "surrogateescape")).hexdigest()
+    lengths = range(MARK, len(digest) + 1)  # of two entries, the originals differ
+    marked = (f"{name}~{digest[:length]}" for length in lengths)
+    return next(each for each in marked if each.casefold() not in taken)
+
+
+def may_enter(name: str) -> bool:
+    """Tell whether a file or folder of that name can be a student's work."""
+    return not name.startswith(".") and name not in NOT_THEIRS
+
+
+def plain(name: str) -> str:
+    """Return a file's name without what browsers and platforms add to a second copy."""
+    return _split(name)[0]
+
+
+def copy_number(name: str) -> int:
+    """Return the number of a copy: 2 for "agent (2).py"; 0 if there is none, -1 for a "Copy"."""
+    return _split(name)[1]
+
+
+def _split(name: str) -> tuple[str, int]:
+    stem, dot, suffix = unicodedata.normalize("NFC", name).casefold().rpartition(".")
+    stem, number = stem.strip(), 0
+    while found := COPIED.search(stem):
+        digits = found[1] or found[2]
+        number = max(number, int(digits[:9])) if digits else number or -1
+        stem = stem[: found.start()].strip()
+    return stem + dot + suffix, number

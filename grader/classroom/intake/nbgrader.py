@@ -1,0 +1,107 @@
+"""nbgrader's exchange, as `nbgrader submit` fills it, and what `nbgrader collect` makes of it.
+
+Source: jupyter/nbgrader, nbgrader/exchange/default/submit.py and collect.py: a folder
+`USER+ASSIGNMENT+TIMESTAMP`, perhaps with `+RANDOM`, in `inbound`; user names may hold `+`, so the
+parts are taken from the right. Collected work is `submitted/USER/ASSIGNMENT`, with its time in
+`timestamp.txt`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from grader.classroom.intake.entries import Entry, Read, SetAside, Who
+from grader.course.submission import read_regular_file
+
+_TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
+ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)
+SIDES = {"inbound": ("outbound", "feedback"), "submitted": ("source", "release", "gradebook.db")}
+
+
+def read(folder: Path, paths: Sequence[Path]) -> Read:
+    """Return each student's latest attempt at each assignment; older ones are set aside."""
+    found = Read()
+    names = {path.name for path in paths}
+    for path in paths:
+        beside = {each for side in names.intersection(SIDES) for each in SIDES[side]}
+        if path.name in beside:
+            found.set_aside.append(SetAside(path.name, "a part of nbgrader's course", fault=False))
+        elif path.is_symlink() or not path.is_dir():
+            found.left.append(path)
+        elif path.name in SIDES and names.intersection(SIDES[path.name]):
+            _of_course(path, found)
+        else:
+            _attempt(path, found)
+    return _latest(found)
+
+
+def _of_course(path: Path, found: Read) -> None:
+    for inner in sorted(path.iterdir()):
+        if inner.is_symlink() or not inner.is_dir():
+            found.set_aside.append(SetAside(f"{path.name}/{inner.name}", "no submission", False))
+        elif path.name == "inbound":
+            _attempt(inner, found)
+        else:
+            found.entries.extend(_collected(inner))
+
+
+def _attempt(path: Path, found: Read) -> None:
+    match = ATTEMPT.fullmatch(path.name)
+    if match is None:
+        found.left.append(path)
+        return
+    time = match["time"] if _microseconds(match["time"]) else ""
+    who = Who(match["user"], "nbgrader", match["user"])
+    found.entries.append(Entry(path, who, version=_microseconds(time), time=time))
+
+
+def _collected(student: Path) -> Iterator[Entry]:
+    who = Who(student.name, "nbgrader", student.name)
+    for assignment in sorted(student.iterdir()):
+        if assignment.is_dir() and not assignment.is_symlink():
+            time = _stamp(assignment / "timestamp.txt")
+            yield Entry(assignment, who, version=_microseconds(time), time=time)
+
+
+def _stamp(file: Path) -> str:
+    try:
+        time = read_regular_file(file, 100).decode("utf-8", "replace").strip()
+    except OSError:
+        return ""
+    return time if _microseconds(time) else ""
+
+
+def _microseconds(time: str) -> int:
+    """Return a time of nbgrader's, which is UTC, as a number; 0 if it is none."""
+    try:
+        moment = datetime.fromisoformat(re.sub(r" [A-Z]+$", "", time))
+    except ValueError:
+        return 0
+    return int(moment.replace(tzinfo=moment.tzinfo or UTC).timestamp() * 1e6)
+
+
+def _latest(found: Read) -> Read:
+    last: dict[tuple[str, str], Entry] = {}
+    for entry in found.entries:
+        key = (entry.who.id, _assignment(entry.path))
+        if key not in last or last[key].version < entry.version:
+            last[key] = entry
+    older = [entry for entry in found.entries if last[_key(entry)] is not entry]
+    found.set_aside.extend(
+        SetAside(entry.path.name, "an older attempt; the latest counts", fault=False)
+        for entry in older
+    )
+    found.entries[:] = [entry for entry in found.entries if last[_key(entry)] is entry]
+    return found
+
+
+def _key(entry: Entry) -> tuple[str, str]:
+    return entry.who.id, _assignment(entry.path)
+
+
+def _assignment(path: Path) -> str:
+    match = ATTEMPT.fullmatch(path.name)
+    return match["assignment"] if match else path.name

@@ -1,0 +1,50 @@
+"""The nodes in a notebook: what its `%%node` cells write is a student's work like any file."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from grader.course.exercises import all_exercises
+from grader.nbgrader.cells import last_definitions
+from grader.nbgrader.intake import read_cells
+
+SUFFIX = ".ipynb"
+
+
+def node_files(notebook: Path, room: Path) -> list[Path]:
+    """Write the exercises' files that a notebook's cells define into `room`; return them.
+
+    Of several cells for one file the last counts, as for nbgrader. What is still the skeleton was
+    not worked on, and is no file.
+
+    Raises
+    ------
+    Unreadable
+        It is no notebook.
+    """
+    skeletons = _skeletons()
+    cells = [(cell.kind, cell.source) for cell in read_cells(notebook)]
+    texts, _ = last_definitions(cells, list(skeletons))
+    made = []
+    for name, text in texts.items():
+        if _bare(text) != skeletons[name]:
+            room.mkdir(parents=True, exist_ok=True)
+            made.append(room / name)
+            made[-1].write_text(text, "utf-8")
+    return made
+
+
+@cache
+def _skeletons() -> dict[str, str]:
+    """Return the text of each exercise's file as students get it."""
+    return {
+        name: _bare((exercise.folder / name).read_text("utf-8"))
+        for exercise in all_exercises()
+        for name in exercise.files
+        if (exercise.folder / name).is_file()
+    }
+
+
+def _bare(text: str) -> str:
+    return "\n".join(line.rstrip() for line in text.strip().splitlines())

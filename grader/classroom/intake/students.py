@@ -1,0 +1,314 @@
+"""From downloads to students: read the layouts, unpack archives, bring together what is one's."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grader.classroom.intake import (
+    canvas,
+    folders,
+    github,
+    gradescope,
+    moodle,
+    nbgrader,
+    notebooks,
+)
+from grader.classroom.intake.entries import (
+    Entry,
+    HandedIn,
+    Layout,
+    Read,
+    SetAside,
+    Student,
+    Who,
+)
+from grader.classroom.intake.names import may_enter, student_id, unique
+from grader.classroom.intake.unpack import (
+    ARCHIVES,
+    MAX_DEPTH,
+    Refused,
+    is_archive,
+    is_unread_archive,
+    unpack,
+    unpack_class,
+)
+from grader.classroom.roster import NOBODY, Person, Roster, folded
+from grader.errors import InputError, is_disk_full
+from grader.nbgrader.intake import Unreadable
+
+# Each leaves what it does not know for the next; the last takes the rest.
+LAYOUTS: tuple[Layout, ...] = (
+    gradescope.read, nbgrader.read, moodle.read, canvas.read, github.read, folders.read,
+)  # fmt: skip
+MAX_LISTED = 20_000  # files of a student's folder that are listed
+MAX_NOTEBOOKS = 50  # of a student that are opened
+LINK = "a link, which is not followed; expected a folder or an archive"
+UNREAD = f"an archive that is not read; ask for one of {', '.join(ARCHIVES)}"
+
+Key = tuple[object, ...]  # what makes two entries one student's
+
+
+@dataclass(frozen=True)
+class Intake:
+    """A class as it was handed in."""
+
+    students: list[Student]  # by id; with a roster everybody in it
+    set_aside: list[SetAside]  # what is in the downloads and nobody's work
+
+
+@dataclass
+class _Pile:
+    """What one student handed in, while it is collected."""
+
+    name: str
+    original: str  # tells two of one name apart, the same in every run
+    person: Person | None = None
+    files: list[HandedIn] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+    links: bool = False
+    who: list[Who] = field(default_factory=list)
+
+
+def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> Intake:
+    """Return the students whose work lies in `sources`: folders, or a platform's archives.
+
+    Archives are unpacked below `scratch`. Everybody in the roster is a student.
+
+    Raises
+    ------
+    InputError
+        A source can't be read, or there is nothing in them.
+    """
+    set_aside: list[SetAside] = []
+    read: list[tuple[int, Entry]] = []
+    for number, source in enumerate(sources):
+        folder = _opened(source, scratch / ".downloads" / str(number), set_aside)
+        found = _layouts(folder, roster)
+        read += [(number, entry) for entry in found.entries]
+        set_aside += found.set_aside
+    if not read and not roster.people:
+        raise InputError(_nothing(sources, set_aside))
+    piles = _piles(read, roster)
+    students = []
+    for name, (pile, entries) in _named(piles, roster).items():
+        for number, entry in entries:
+            _collect(pile, entry, number, scratch / name / str(len(pile.who)), set_aside)
+        _open_notebooks(pile, scratch / name / "notebooks")
+        students.append(
+            Student(
+                name, tuple(pile.files), "; ".join(pile.problems), pile.links, pile.person,
+                tuple(pile.who),
+            )
+        )  # fmt: skip
+    return Intake(sorted(students, key=lambda student: student.id), set_aside)
+
+
+def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
+    """Return the folder with the entries of a download; an archive is unpacked first."""
+    if source.is_dir():
+        return source
+    if not source.is_file() or not is_archive(source.name):
+        raise InputError(
+            f"{source}: expected a folder with a folder or an archive per student, or the archive "
+            f"of a learning platform ({', '.join(ARCHIVES)})"
+        )
+    try:
+        odd = unpack_class(source, room)
+    except Refused as refused:
+        raise InputError(f"{source}: {refused}") from None
+    except Exception as error:
+        if is_disk_full(error):
+            raise
+        raise InputError(
+            f"{source}: a broken archive ({type(error).__name__}); download it again"
+        ) from None
+    set_aside += [SetAside(f"{source.name}: {name}", why) for name, why in odd]
+    while (inner := _wrapped(room)) is not None:
+        room = inner
+    return room
+
+
+def _wrapped(room: Path) -> Path | None:
+    """Return the one folder that holds all of an unpacked download, as people pack it."""
+    there = list(room.iterdir())
+    if len(there) != 1 or not there[0].is_dir() or any(e.who.id for e in _layouts(room).entries):
+        return None
+    return there[0] if _layouts(there[0]).entries else None
+
+
+def _layouts(folder: Path, roster: Roster = NOBODY) -> Read:
+    """Let each layout take what it knows."""
+    total, left = Read(), sorted(folder.iterdir())
+    left = [path for path in left if not roster.is_from(path)]
+    for layout in LAYOUTS:
+        found = layout(folder, left)
+        total.entries.extend(found.entries)
+        total.set_aside.extend(found.set_aside)
+        left = found.left
+    return total
+
+
+def _nothing(sources: Sequence[Path], set_aside: Sequence[SetAside]) -> str:
+    where = ", ".join(map(str, sources))
+    faults = [each for each in set_aside if each.fault]
+    said = f"; {faults[0].name!a}: {faults[0].reason}" if faults else ""
+    return (
+        f"{where}: expected a folder or an archive ({', '.join(ARCHIVES)}) per student, or a "
+        f"learning platform's download; found none{said}"
+    )
+
+
+# --- whose is it ---------------------------------------------------------------------------------
+
+
+def _piles(
+    read: Sequence[tuple[int, Entry]], roster: Roster
+) -> dict[Key, tuple[_Pile, list[tuple[int, Entry]]]]:
+    """Bring together the entries of each student."""
+    same_name = Counter(
+        (number, entry.who.name.casefold())
+        for number, entry in {(n, e.who.name, e.who.id): (n, e) for n, e in read}.values()
+    )
+    folders_called: Counter[tuple[int, str]] = Counter()
+    piles: dict[Key, tuple[_Pile, list[tuple[int, Entry]]]] = {}
+    for number, entry in read:
+        who = entry.who
+        person = roster.find(who.system, who.name, who.id, who.email)
+        nth = folders_called[number, who.name]
+        folders_called[number, who.name] += 1
+        key = _key(number, who, same_name[number, who.name.casefold()] > 1, nth)
+        original = entry.path.name if who.system == "folder" else f"{who.name}+{who.id}"
+        if person is not None:
+            key, original = ("person", person.key), person.key
+        _, entries = piles.setdefault(key, (_Pile(_label(who), original, person), []))
+        entries.append((number, entry))
+    return piles
+
+
+def _key(number: int, who: Who, ambiguous: bool, nth: int) -> Key:
+    """Return what is the same for two entries of one student, and for no other's."""
+    if who.system == "folder":
+        return ("folder", who.name, nth)  # a folder and an archive of one name are two students
+    if who.system == "moodle":  # whose ids are an assignment's
+        return ("moodle", number, who.id) if ambiguous else ("moodle", who.name)
+    if who.system == "gradescope":
+        return ("gradescope", who.email or who.id or who.name)
+    return (who.system, who.id or who.name)
+
+
+def _label(who: Who) -> str:
+    return f"{who.name}_{who.id}" if who.system == "canvas" and who.id else who.name
+
+
+def _named(
+    piles: dict[Key, tuple[_Pile, list[tuple[int, Entry]]]], roster: Roster
+) -> dict[str, tuple[_Pile, list[tuple[int, Entry]]]]:
+    """Give each student an id of their own; those in the roster who handed in nothing come last."""
+    named: dict[str, tuple[_Pile, list[tuple[int, Entry]]]] = {}
+    taken: set[str] = set()
+    here = {pile.person.key for pile, _ in piles.values() if pile.person is not None}
+    unclear = {folded(pile.name) for pile, _ in piles.values() if pile.person is None}
+    absent: list[tuple[_Pile, list[tuple[int, Entry]]]] = [
+        (_Pile(person.label, person.key, person), [])
+        for person in roster.people
+        if person.key not in here and not unclear.intersection(person.names)
+    ]
+    for pile, entries in [*piles.values(), *absent]:
+        name = unique(student_id(pile.name), pile.original, taken)
+        taken.add(name.casefold())
+        named[name] = (pile, entries)
+    return named
+
+
+# --- what is in it -------------------------------------------------------------------------------
+
+
+def _collect(pile: _Pile, entry: Entry, number: int, room: Path, set_aside: list[SetAside]) -> None:
+    """Add an entry's files to its student's."""
+    pile.who.append(entry.who)
+    called = entry.called or entry.path.name
+    if entry.path.is_symlink():
+        pile.problems.append(LINK)
+        return
+    if not entry.path.is_dir():
+        _add_file(pile, HandedIn(entry.path, called, entry, number), room, set_aside)
+        return
+    found, links = _files(entry.path)
+    pile.links |= links
+    handed_in = [
+        HandedIn(file, file.relative_to(entry.path).as_posix(), entry, number) for file in found
+    ]
+    archives = [each for each in handed_in if is_archive(each.name) or is_unread_archive(each.name)]
+    alone = len(archives) == 1 and not any(file.suffix.lower() == ".py" for file in found)
+    pile.files += [each for each in handed_in if not (alone and each is archives[0])]
+    if alone:  # a folder each, with the archive in it
+        _add_file(pile, archives[0], room, set_aside)
+
+
+def _add_file(pile: _Pile, file: HandedIn, room: Path, set_aside: list[SetAside]) -> None:
+    """Add a file, or what is in it if it is an archive."""
+    if is_unread_archive(file.name):
+        pile.problems.append(f"{file.name}: {UNREAD}")
+        return
+    if not is_archive(file.name):
+        pile.files.append(file)
+        return
+    try:
+        odd = unpack(file.path, room)
+    except Refused as refused:
+        pile.problems.append(f"{file.name}: {refused}")
+        return
+    except Exception as error:  # whatever a malicious file makes zipfile and tarfile raise
+        if is_disk_full(error):  # not the archive's fault, which is limited
+            raise
+        kind = type(error).__name__
+        text = f"{file.name}: a broken archive ({kind}: {str(error)[:200]}); ask for another copy"
+        pile.problems.append(" ".join(text.split()))
+        return
+    set_aside += [
+        SetAside(f"{file.entry.path.name}: {name}", why, fault=False) for name, why in odd
+    ]
+    inner, _ = _files(room)
+    pile.files += [
+        HandedIn(path, path.relative_to(room).as_posix(), file.entry, file.source) for path in inner
+    ]
+
+
+def _open_notebooks(pile: _Pile, room: Path) -> None:
+    """Add the files that the notebooks' cells write."""
+    there = [file for file in pile.files if file.name.lower().endswith(notebooks.SUFFIX)]
+    for number, file in enumerate(there[:MAX_NOTEBOOKS]):
+        try:
+            made = notebooks.node_files(file.path, room / str(number))
+        except Unreadable as error:
+            pile.problems.append(f"{file.name}: {error}")
+            continue
+        pile.files += [
+            HandedIn(path, f"{file.name}/{path.name}", file.entry, file.source) for path in made
+        ]
+
+
+def _files(folder: Path) -> tuple[list[Path], bool]:
+    """Return the ordinary files below a folder, sorted, and whether there are links.
+
+    Hidden files and links are left out.
+    """
+    found: list[Path] = []
+    seen, links = 0, False
+    for where, inner, files in os.walk(folder, followlinks=False):
+        depth = len(Path(where).relative_to(folder).parts)
+        links |= any(Path(where, name).is_symlink() for name in [*inner, *files])
+        inner[:] = sorted(f for f in inner if may_enter(f)) if depth < MAX_DEPTH else []
+        for name in sorted(files):
+            path = Path(where, name)
+            seen += 1
+            if not name.startswith(".") and stat.S_ISREG(path.lstat().st_mode):
+                found.append(path)
+        if seen > MAX_LISTED:
+            break
+    return found, links

@@ -1,0 +1,149 @@
+"""People of a roster, and how they are found by what a download calls them."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+# Kinds of ids. The first that a person has is what makes them who they are.
+CANVAS, SIS, LOGIN, EMAIL, NUMBER, GITHUB, OWN = (
+    "canvas", "sis", "login", "email", "idnumber", "github", "id",
+)  # fmt: skip
+PARTICIPANT = "participant"  # Moodle's, of one assignment: a person has several
+STRONG = (CANVAS, SIS, LOGIN, EMAIL, NUMBER, GITHUB, OWN)
+
+
+@dataclass(frozen=True)
+class Person:
+    """One who is in the class."""
+
+    name: str  # as the sheet writes it: "Lee, Carla"
+    section: str = ""
+    ids: Mapping[str, str] = field(default_factory=dict)  # kind: id
+    participants: frozenset[str] = frozenset()
+
+    @property
+    def key(self) -> str:
+        """What tells this person from all others."""
+        kind = next((kind for kind in STRONG if self.ids.get(kind)), "")
+        if kind:
+            return f"{kind}:{self.ids[kind]}"
+        return f"{PARTICIPANT}:{min(self.participants)}" if self.participants else self.name
+
+    @property
+    def label(self) -> str:
+        """The name for people, first name first."""
+        last, comma, first = self.name.partition(",")
+        return f"{first.strip()} {last.strip()}" if comma and first.strip() else self.name
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The forms of the name that a download may have, for comparison."""
+        return frozenset({folded(self.name), folded(self.label)}) - {""}
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A file that a roster was read from, as it came."""
+
+    file: Path
+    kind: str  # "canvas", "moodle", "worksheet", "gradescope", "github", "csv"
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]  # as long as the header
+    people: tuple[int, ...]  # of each row: its place in the roster
+    points: Mapping[str, str] = field(default_factory=dict)  # Canvas's "Points Possible"
+
+
+@dataclass(frozen=True)
+class Roster:
+    """Everybody in the class."""
+
+    people: tuple[Person, ...] = ()
+    sheets: tuple[Sheet, ...] = ()
+
+    def is_from(self, path: Path) -> bool:
+        """Tell whether the roster was read from this file."""
+        return any(path.exists() and path.samefile(sheet.file) for sheet in self.sheets)
+
+    def find(self, system: str, name: str, id_: str = "", email: str = "") -> Person | None:
+        """Return the person a download means; None if nobody or more than one can be meant.
+
+        The platform's own id counts before all, then other ids, then names.
+        """
+        index = self._index
+        if system == "canvas" and id_ and index.has_canvas:
+            return index.one(CANVAS, id_)
+        if system == "moodle" and id_ and (found := index.one(PARTICIPANT, id_)) is not None:
+            same = folded(found.name) == folded(name) or name.casefold() == "participant"
+            return found if same or index.by_name(name) is None else index.by_name(name)
+        words = [id_, email] if system in ("gradescope", "nbgrader", "github") else []
+        words += [name] if system in ("folder", "nbgrader", "github", "gradescope") else []
+        for word in filter(None, words):
+            for kind in STRONG:
+                if (found := index.one(kind, word)) is not None:
+                    return found
+        if system == "canvas":
+            return index.by_squeezed(name)
+        return index.by_name(name)
+
+    def why_not(self, name: str) -> str:
+        """Say why `find` found nobody."""
+        called = [person for person in self.people if folded(name) in person.names]
+        if len(called) > 1:
+            return (
+                f"{len(called)} people of the roster are called so; with Moodle, give the "
+                "assignment's grading worksheet as another --roster: it has the identifiers"
+            )
+        return "nobody in the roster is called so or has this id"
+
+    @cached_property
+    def _index(self) -> _Index:
+        return _Index(self.people)
+
+
+class _Index:
+    """Finds people by ids and names; what fits two people finds nobody."""
+
+    def __init__(self, people: Sequence[Person]) -> None:
+        self._by: dict[tuple[str, str], list[Person]] = {}
+        for person in people:
+            for kind, id_ in person.ids.items():
+                self._add(kind, id_.casefold(), person)
+            for participant in person.participants:
+                self._add(PARTICIPANT, participant, person)
+            for name in person.names:
+                self._add("name", name, person)
+            self._add("squeezed", squeezed(person.name), person)
+        self.has_canvas = any(person.ids.get(CANVAS) for person in people)
+
+    def _add(self, kind: str, word: str, person: Person) -> None:
+        if word:
+            self._by.setdefault((kind, word), []).append(person)
+
+    def one(self, kind: str, id_: str) -> Person | None:
+        found = self._by.get((kind, id_.casefold()), [])
+        return found[0] if len(found) == 1 else None
+
+    def by_name(self, name: str) -> Person | None:
+        return self.one("name", folded(name))
+
+    def by_squeezed(self, name: str) -> Person | None:
+        return self.one("squeezed", squeezed(name))
+
+
+def folded(name: str) -> str:
+    """Return a name for comparison: NFC, no capitals, single spaces, no underscores."""
+    text = unicodedata.normalize("NFC", name).replace("_", " ").casefold()
+    return " ".join(text.split())
+
+
+def squeezed(name: str) -> str:
+    """Return a sortable name as Canvas puts it in front of a file: only word characters."""
+    return re.sub(r"[\W_]", "", unicodedata.normalize("NFC", name).casefold())
+
+
+NOBODY = Roster()

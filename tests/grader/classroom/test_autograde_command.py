@@ -1,0 +1,48 @@
+"""`course autograde`, as far as it grades nothing: what it takes in, and its exit code."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from grader.course.exercises import ROOT
+
+AGENT = "obstacle_avoidance_agent.py"
+
+
+def course(*arguments: object) -> tuple[int, str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "grader.cli", "autograde", *map(str, arguments)],
+        capture_output=True, check=False, cwd=ROOT, text=True,
+        env={**os.environ, "COLUMNS": "200"}, timeout=120,
+    )  # fmt: skip
+    assert "Traceback" not in done.stderr
+    return done.returncode, done.stdout + done.stderr
+
+
+def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
+    week = tmp_path / "week"
+    week.mkdir()
+    (week / f"leecarla_12345_678901_{AGENT}").write_text("# mine\n")
+    roster = tmp_path / "class.csv"
+    rows = ("Student,ID,SIS Login ID,Section", '"Lee, Carla",12345,clee,A', '"Ray, Bo",2,b,B')
+    roster.write_text("\n".join(rows))
+    code, said = course(week, "--roster", roster, "--list")
+    assert code == 0
+    assert "leecarla_12345 (Carla Lee, A): obstacle_avoidance" in said
+    assert "Bo Ray (Bo Ray, B): nothing handed in" in said
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["class.csv", "week"]
+
+    (week / "\x1b[31mevil.docx").write_text("nobody's\n")
+    code, said = course(week, "--list")
+    assert code == 1
+    assert "not understood" in said
+    assert "a file of nobody's" in said
+    assert "\x1b" not in said
+
+
+def test_wrong_usage(tmp_path: Path) -> None:
+    assert course(tmp_path)[0] == 2
+    code, said = course(tmp_path, "--list", "--column", "1")
+    assert code == 2
+    assert "expected EXERCISE=TITLE" in said

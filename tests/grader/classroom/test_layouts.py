@@ -1,0 +1,330 @@
+"""Downloads of learning platforms, with names as they write them and as students spoil them."""
+
+import json
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from grader.classroom.intake import Intake, find_files, take_in, unpack
+from grader.classroom.roster import read_roster
+from grader.course.exercises import EXERCISES
+from grader.errors import InputError
+
+AGENT = "obstacle_avoidance_agent.py"
+
+
+@pytest.fixture
+def download(tmp_path: Path) -> Path:
+    folder = tmp_path / "download"
+    folder.mkdir()
+    return folder
+
+
+def put(folder: Path, *names: str) -> None:
+    """Make files that hold their own names."""
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(f"# {name}\n")
+
+
+def taken(*sources: Path, roster: Path | None = None) -> Intake:
+    people = read_roster([roster] if roster else [])
+    return take_in(list(sources), sources[0].parent / "scratch", people)
+
+
+def graded(intake: Intake) -> dict[str, str]:
+    """Return what each student's graded file holds."""
+    found = {student.id: find_files(student, [AGENT]) for student in intake.students}
+    return {
+        id_: each.files[AGENT].read_text()[2:-1] if each.files else each.problem
+        for id_, each in found.items()
+    }
+
+
+def faults(intake: Intake) -> dict[str, str]:
+    return {each.name: each.reason for each in intake.set_aside if each.fault}
+
+
+# --- Canvas --------------------------------------------------------------------------------------
+
+
+def test_canvas_files_carry_their_students(download: Path) -> None:
+    put(
+        download,
+        f"leecarla_12345_678901_{AGENT}",
+        "petersdan_LATE_2222_678950_obstacle_avoidance_agent-1.py",
+        f"müllerzoë_333_678902_{AGENT}",
+        f"anon_aB3xY_678903_{AGENT}",
+    )
+    intake = taken(download)
+    assert graded(intake) == {
+        "leecarla_12345": f"leecarla_12345_678901_{AGENT}",
+        "petersdan_2222": "petersdan_LATE_2222_678950_obstacle_avoidance_agent-1.py",
+        "müllerzoë_333": f"müllerzoë_333_678902_{AGENT}",
+        "anon_aB3xY": f"anon_aB3xY_678903_{AGENT}",
+    }
+    late = {s.id: s.files[0].entry.late for s in intake.students}
+    assert late["petersdan_2222"] is True
+    assert late["leecarla_12345"] is False
+
+
+def test_of_several_versions_canvas_received_last_counts(download: Path) -> None:
+    put(
+        download,
+        f"leecarla_12345_678901_{AGENT}",
+        "leecarla_12345_700002_obstacle_avoidance_agent-2.py",
+        "leecarla_12345_690000_obstacle_avoidance_agent-1.py",
+        "leecarla_LATE_12345_678905_notes.txt",
+    )
+    (lee,) = taken(download).students
+    found = find_files(lee, [AGENT])
+    assert found.files[AGENT].name.startswith("leecarla_12345_700002")
+    assert len(found.older) == 2
+    assert "3 different files" in found.remark
+    assert "700002" in found.remark and "the newest, was graded" in found.remark
+
+
+def test_nobody_can_hand_in_for_another(download: Path) -> None:
+    put(download, f"eve_66_900_bob_55_901_{AGENT}", f"bob_55_800_{AGENT}")
+    intake = taken(download)
+    assert {s.id: [f.name for f in s.files] for s in intake.students} == {
+        "bob_55": [AGENT],
+        "eve_66": [f"bob_55_901_{AGENT}"],
+    }
+
+
+def test_what_was_typed_into_canvas_is_told(download: Path) -> None:
+    put(download, f"ann_1_2_{AGENT}", "bob_55_text.html", "cy_LATE_56_link.html", "readme")
+    intake = taken(download)
+    assert "there is text typed into Canvas.html" in graded(intake)["bob_55"]
+    assert "there is web address.html" in graded(intake)["cy_56"]
+    assert "a file of nobody's" in faults(intake)["readme"]
+
+
+def test_canvas_archives_are_unpacked(download: Path) -> None:
+    with zipfile.ZipFile(download / "ann_1_22_homework.zip", "w") as archive:
+        archive.writestr(f"src/{AGENT}", "# packed\n")
+    put(download, "bob_2_23_homework.rar", "cy_3_24_homework.7z")
+    intake = taken(download)
+    assert graded(intake)["ann_1"] == "packed"
+    assert (
+        "homework.rar: an archive that is not read; ask for one of .zip" in graded(intake)["bob_2"]
+    )
+    assert "homework.7z" in graded(intake)["cy_3"]
+
+
+# --- Moodle --------------------------------------------------------------------------------------
+
+
+def test_moodle_folders_and_flat_files(download: Path) -> None:
+    put(
+        download,
+        f"Ann Lee_4711_assignsubmission_file/{AGENT}",
+        f"Bob-Jan O'Neill_4712_assignsubmission_file_/week 1/{AGENT}",
+        f"Zoë Ünal_4713_assignsubmission_file_{AGENT}",
+        f"Participant_4714_assignsubmission_file/{AGENT}",
+        "Cy Dee_4715_assignsubmission_onlinetext/onlinetext.html",
+    )
+    intake = taken(download)
+    assert sorted(graded(intake)) == [
+        "Ann Lee", "Bob-Jan O'Neill", "Cy Dee", "Participant", "Zoë Ünal",
+    ]  # fmt: skip
+    assert "there is onlinetext.html" in graded(intake).pop("Cy Dee")
+    assert all(AGENT in text for text in graded(intake).values())
+    assert {s.who[0].id for s in intake.students} == {"4711", "4712", "4713", "4714", "4715"}
+
+
+def test_two_of_one_name_stay_two(download: Path) -> None:
+    put(download, *(f"Ann Lee_{n}_assignsubmission_file/{AGENT}" for n in (4711, 4712)))
+    intake = taken(download)
+    assert len({s.id.casefold() for s in intake.students}) == 2
+    assert len(set(graded(intake).values())) == 2
+    assert {s.id for s in intake.students} == {s.id for s in taken(download).students}
+
+
+def test_two_assignments_of_moodle_are_one_class(tmp_path: Path) -> None:
+    one, two = tmp_path / "one", tmp_path / "two"
+    put(one, f"Ann Lee_4711_assignsubmission_file/{AGENT}")
+    put(two, "Ann Lee_5822_assignsubmission_file/goal_seeking_agent.py")
+    (ann,) = taken(one, two).students
+    assert find_files(ann, [AGENT]).files
+    assert find_files(ann, ["goal_seeking_agent.py"]).files
+
+
+# --- nbgrader, GitHub Classroom, Gradescope ------------------------------------------------------
+
+
+@pytest.mark.parametrize("course", ["", "course101/"])
+def test_the_exchange_of_nbgrader(download: Path, course: str) -> None:
+    put(
+        download,
+        f"{course}inbound/ann+lee@uni.edu+loop+2026-05-04 10:11:12.123456 UTC+abc_-1/{AGENT}",
+        f"{course}inbound/ann+lee@uni.edu+loop+2026-05-04 09:00:00.000000 UTC+zzz/{AGENT}",
+        f"{course}inbound/bob+loop+2026-05-03 10:11:12.1 UTC/{AGENT}",
+        f"{course}outbound/loop/01_loop.ipynb",
+    )
+    source = download / course if course else download
+    intake = taken(source)
+    assert graded(intake)["ann+lee@uni.edu"].startswith(
+        f"{course}inbound/ann+lee@uni.edu+loop+2026-05-04 10:11"
+    )
+    assert "bob" in graded(intake)
+    assert not faults(intake)
+    older = [each for each in intake.set_aside if "older attempt" in each.reason]
+    assert len(older) == 1
+    assert intake.students[1].files[0].entry.time == "2026-05-03 10:11:12.1 UTC"
+
+
+def test_collected_work_of_nbgrader(download: Path) -> None:
+    put(download, f"submitted/ann/loop/{AGENT}", "source/loop/01.ipynb", "gradebook.db")
+    (download / "submitted/ann/loop/timestamp.txt").write_text("2026-05-04 10:11:12.123456 UTC\n")
+    intake = taken(download)
+    assert list(graded(intake)) == ["ann"]
+    assert intake.students[0].files[0].entry.time.startswith("2026-05-04")
+    assert not faults(intake)
+
+
+def test_clones_of_github_classroom(tmp_path: Path) -> None:
+    named, other = tmp_path / "week-1-submissions", tmp_path / "clones"
+    for folder, users in ((named, ["ann-lee"]), (other, ["ann-lee", "ann-bo"])):
+        for user in users:
+            put(folder, f"week-1-{user}/.git/HEAD", f"week-1-{user}/{AGENT}")
+    assert list(graded(taken(named))) == ["ann-lee"]
+    assert len(graded(taken(other))) == 2
+    assert all(".git" not in f.name for s in taken(other).students for f in s.files)
+
+
+METADATA = """---
+submission_101:
+  :submitters:
+  - :name: Ann Lee
+    :sid: '4001'
+    :email: ann@uni.edu
+  :created_at: 2026-05-04 10:11:12.123456000 -07:00
+submission_102:
+  :submitters:
+  - :name: Bob Ray
+    :sid: '4002'
+    :email: bob@uni.edu
+  - :name: Cy Dee
+    :sid: '4003'
+    :email: cy@uni.edu
+submission_103:
+  :submitters:
+  - :name: Gone
+    :sid: '4004'
+"""
+
+
+def test_an_export_of_gradescope(download: Path) -> None:
+    put(download, *(f"submission_{n}/{AGENT}" for n in (101, 102, 104)))
+    (download / "submission_metadata.yml").write_text(METADATA)
+    intake = taken(download)
+    assert graded(intake) == {
+        "Ann Lee": f"submission_101/{AGENT}",
+        "Bob Ray": f"submission_102/{AGENT}",
+        "Cy Dee": f"submission_102/{AGENT}",  # a group: it counts for both
+    }
+    assert "does not say whose" in faults(intake)["submission_104"]
+    assert "no such folder" in faults(intake)["submission_103"]
+    assert intake.students[0].who[0].email == "ann@uni.edu"
+
+
+@pytest.mark.parametrize("text", ["- 1\n", "a: [", "!!python/object/apply:os.system [id]", "\0"])
+def test_metadata_that_are_none(download: Path, text: str) -> None:
+    put(download, f"submission_1/{AGENT}")
+    (download / "submission_metadata.yml").write_text(text)
+    with pytest.raises(InputError, match="expected Gradescope's metadata"):
+        taken(download)
+
+
+# --- notebooks -----------------------------------------------------------------------------------
+
+
+def notebook(*cells: str) -> str:
+    made = [{"cell_type": "code", "metadata": {}, "outputs": [], "source": c} for c in cells]
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": made})
+
+
+def test_nodes_in_notebooks_are_files(download: Path) -> None:
+    skeleton = (EXERCISES / "goal_seeking" / "goal_seeking_agent.py").read_text()
+    untouched = f"%%node goal_seeking_agent.py\n{skeleton}\n"
+    mine = f"%%node {AGENT}\n# mine\n"
+    for name, text in {
+        "ann_1_2_01_loop.ipynb": notebook("1/0", f"%%node {AGENT}\n# first\n", mine, untouched),
+        "bob_2_3_01_loop.ipynb": notebook(untouched),
+        "cy_3_4_01_loop.ipynb": "{",
+        "dee_4_5_01_loop.ipynb": notebook(mine),
+        f"dee_4_6_{AGENT}": "# loose\n",
+    }.items():
+        (download / name).write_text(text)
+    intake = taken(download)
+    assert graded(intake)["ann_1"] == "mine"
+    assert "still the skeleton" in graded(intake)["bob_2"]
+    assert graded(intake)["cy_3"].startswith("01_loop.ipynb: it is not JSON")
+    assert graded(intake)["dee_4"] == "loose"
+    assert not find_files(intake.students[0], ["goal_seeking_agent.py"]).files
+
+
+# --- all of them ---------------------------------------------------------------------------------
+
+
+def test_a_download_may_stay_packed(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "submissions.zip", "w") as archive:
+        archive.writestr(f"leecarla_12345_678901_{AGENT}", "# one\n")
+        archive.writestr("__MACOSX/._x", "")
+    put(tmp_path, f"inner/everything/Bob_22_assignsubmission_file/{AGENT}")
+    with tarfile.open(tmp_path / "moodle.tgz", "w:gz") as archive:
+        archive.add(tmp_path / "inner", "all")
+    intake = taken(tmp_path / "submissions.zip", tmp_path / "moodle.tgz")
+    assert sorted(graded(intake)) == ["Bob", "leecarla_12345"]
+
+
+@pytest.mark.parametrize("name", ["nowhere", "notes.txt", "class.rar", "broken.zip"])
+def test_what_is_no_download(tmp_path: Path, name: str) -> None:
+    if name != "nowhere":
+        (tmp_path / name).write_bytes(b"nothing")
+    with pytest.raises(InputError, match=r"expected a folder|broken archive"):
+        taken(tmp_path / name)
+
+
+def test_a_trap_in_a_packed_download(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "class.zip", "w") as archive:
+        archive.writestr(f"../leecarla_1_2_{AGENT}", "evil")
+    with pytest.raises(InputError, match="points outside"):
+        taken(tmp_path / "class.zip")
+    assert not list(tmp_path.rglob("leecarla*"))
+
+
+def test_one_cannot_keep_out_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(unpack, "CUT", 1024 * 1024)
+    with zipfile.ZipFile(tmp_path / "class.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(f"ann_1_2_{AGENT}", "# fine\n")
+        archive.writestr(f"eve_2_3_{AGENT}", b"#" * 8 * 1024 * 1024)
+        archive.writestr("eve_2_4_bomb.zip", bytes(16 * 1024 * 1024))
+    intake = taken(tmp_path / "class.zip")
+    assert graded(intake)["ann_1"] == "fine"
+    assert "broken archive" in intake.students[1].problem
+    assert sum("cut off" in reason for reason in faults(intake).values()) == 2
+
+
+def test_links_in_a_download_are_not_followed(download: Path, tmp_path: Path) -> None:
+    put(tmp_path, f"secret/{AGENT}", "secret.py")
+    for name in ("Eve_1_assignsubmission_file", "submission_9", "week-eve"):
+        (download / name).symlink_to(tmp_path / "secret")
+    (download / f"eve_1_2_{AGENT}").symlink_to(tmp_path / "secret.py")
+    assert {"a link" in text for text in graded(taken(download)).values()} == {True}
+
+
+def test_the_roster_may_lie_beside_the_work(download: Path) -> None:
+    put(download, f"ann/{AGENT}", "notes.pdf")
+    roster = download / "class.csv"
+    roster.write_text("id,name,section\n1,ann,A\n2,Bob Ray,B\n")
+    intake = taken(download, roster=roster)
+    assert faults(intake).keys() == {"notes.pdf"}
+    assert {s.id: s.person.section for s in intake.students if s.person} == {
+        "ann": "A",
+        "Bob Ray": "B",
+    }

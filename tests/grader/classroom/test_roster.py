@@ -1,0 +1,111 @@
+"""Rosters: sheets of the learning platforms and one's own, and who is meant by a download."""
+
+from pathlib import Path
+
+import pytest
+
+from grader.classroom.roster import Roster, read_roster
+from grader.errors import InputError
+
+CANVAS = (
+    "Student,ID,SIS User ID,SIS Login ID,Section,Goal seeking (7),Current Score\n"
+    ',,,,,Manual Posting,\n"    Points Possible",,,,,10,(read only)\n'
+    '"Lee, Carla",12345,s1,clee,A,,\n"Müller, Zoë",333,s2,zoe@uni.edu,"A and B",7,\n'
+    '"=""=1+1""",9,s3,=x,A,,\n'
+)
+MOODLE = (
+    "First name,Last name,ID number,Email address,Last downloaded from this course\n"
+    "Carla,Lee,4001,carla@uni.edu,1777900000\nZoë,Müller,4002,zoe@uni.edu,1777900000\n"
+)
+WORKSHEET = (
+    "Identifier,Full name,Email address,Status,Grade,Maximum grade,Last modified (grade)\n"
+    "Participant 4711,Carla Lee,carla@uni.edu,-,,50.00,-\n"
+    "Participant 4712,Zoë Müller,zoe@uni.edu,-,,50.00,-\n"
+)
+GITHUB = '"identifier","github_username","github_id","name"\n"s1","Carla-L","1","Carla Lee"\n'
+GRADESCOPE = "First Name,Last Name,SID,Email,Sections\nCarla,Lee,4001,carla@uni.edu,A\n"
+
+
+def read(tmp_path: Path, *texts: str | bytes) -> Roster:
+    files = []
+    for number, text in enumerate(texts):
+        files.append(tmp_path / f"{number}.csv")
+        files[-1].write_bytes(text if isinstance(text, bytes) else text.encode())
+    return read_roster(files)
+
+
+def name_of(roster: Roster, *asked: str) -> str:
+    person = roster.find(*asked)
+    return person.label if person else ""
+
+
+def test_canvas(tmp_path: Path) -> None:
+    roster = read(tmp_path, CANVAS)
+    assert [p.name for p in roster.people] == ["Lee, Carla", "Müller, Zoë", "=1+1"]
+    assert [p.section for p in roster.people] == ["A", "A and B", "A"]
+    assert roster.sheets[0].kind == "canvas"
+    assert roster.sheets[0].points["Goal seeking (7)"] == "10"
+    assert name_of(roster, "canvas", "whatever", "12345") == "Carla Lee"
+    assert name_of(roster, "canvas", "leecarla", "999") == ""  # the id counts, not the name
+    assert name_of(roster, "folder", "clee") == "Carla Lee"
+    assert name_of(roster, "folder", "Zoë  müller") == "Zoë Müller"
+
+
+def test_moodle_and_its_worksheets_are_one_roster(tmp_path: Path) -> None:
+    second = WORKSHEET.replace("4711", "5822").replace("4712", "5823")
+    roster = read(tmp_path, MOODLE, WORKSHEET, second)
+    assert len(roster.people) == 2
+    assert roster.people[0].participants == {"4711", "5822"}
+    assert name_of(roster, "moodle", "Participant", "4712") == "Zoë Müller"
+    assert name_of(roster, "moodle", "Carla Lee", "1") == "Carla Lee"
+    # another assignment's number says nothing against the name
+    assert name_of(roster, "moodle", "Zoë Müller", "4711") == "Zoë Müller"
+
+
+def test_sheets_of_two_platforms(tmp_path: Path) -> None:
+    roster = read(tmp_path, GRADESCOPE, GITHUB)
+    (carla,) = roster.people
+    assert carla.ids == {"sis": "4001", "email": "carla@uni.edu", "github": "Carla-L", "id": "s1"}
+    assert name_of(roster, "github", "carla-l", "carla-l") == "Carla Lee"
+    assert name_of(roster, "gradescope", "?", "4001") == "Carla Lee"
+    assert name_of(roster, "gradescope", "?", "", "CARLA@uni.edu") == "Carla Lee"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "id;name;section\n1;Ann Lee;A\n2;Zoë;B\n".encode("cp1252"),
+        "\ufeffid\tname\tsection\n1\tAnn Lee\tA\n2\tZoë\tB\n".encode(),
+        "Name,ID,Group\r\n\r\nAnn Lee,1,A\r\nZoë,2,B\r\n".encode("utf-16"),
+        b"name,id,section\nAnn Lee,1\nZo\xc3\xab,2,B,too many\n",
+    ],
+)
+def test_a_csv_of_ones_own(tmp_path: Path, text: bytes) -> None:
+    roster = read(tmp_path, text)
+    assert [(p.name, p.ids["id"]) for p in roster.people] == [("Ann Lee", "1"), ("Zoë", "2")]
+    assert roster.people[1].section == "B"
+
+
+def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
+    roster = read(tmp_path, "id,name\n1,Ann Lee\n2,Ann Lee\n3,Bob\n")
+    assert name_of(roster, "moodle", "Ann Lee", "71") == ""
+    assert "2 people of the roster are called so" in roster.why_not("Ann Lee")
+    assert "nobody in the roster" in roster.why_not("Eve")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "expected a CSV with headings"),
+        ("a,b\n1,2\n", "the headings are 'a, b'"),
+        ("id,name\n1,Ann\n1,Bob\n", "two are 'Bob'"),
+        ("name\nAnn\nAnn\n", "add a column id"),
+        ("\0\0\0", "expected a CSV"),
+        ("name," + "x" * 200_000 + "\n" + "y" * 200_000, "a broken CSV"),
+    ],
+)
+def test_what_is_no_roster(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read(tmp_path, text)
+    with pytest.raises(InputError, match="cannot read the roster"):
+        read_roster([tmp_path / "nowhere.csv"])
