@@ -27,13 +27,13 @@ MARKER = "resource"  # folder with a ROS package's marker file, which has no suf
 LESSONS = "lessons"
 KEPT = {
     "sim": (".py", ".toml", *PACKAGE),
-    "grader": (".py", ".xml", ".js", ".css", ".html"),
+    "grader": (".py", ".toml", ".xml", ".js", ".css", ".html"),
     "exercises": (".py", ".md", ".toml", *PACKAGE),
     LESSONS: (".md", ".png", ".svg"),
 }
 SINGLE = (
     "LICENSE", "LICENSE-lessons.md", "constraints.txt",
-    "docs/students.md", "docs/testing-your-node.md", "docs/live-robot.md",
+    "docs/students.md", "docs/testing-your-node.md", "docs/live-robot.md", "docs/portable.md",
     "docs/images/notebook-dark.png", "docs/images/notebook-light.png",
     "docs/images/notebook-wrong.png",
 )  # fmt: skip

@@ -54,7 +54,16 @@ def test_students_get_what_they_need(released: Path) -> None:
 
 def test_students_get_their_documents_and_no_other(released: Path) -> None:
     there = {path for path in files(released) if path.startswith("docs/") and path.endswith(".md")}
-    assert there == {"docs/students.md", "docs/testing-your-node.md", "docs/live-robot.md"}
+    names = ("students", "testing-your-node", "live-robot", "portable")
+    assert there == {f"docs/{name}.md" for name in names}
+
+
+def test_students_get_the_hints_to_likely_causes(released: Path) -> None:
+    causes = "grader/grading/causes"
+    tables = {path for path in files(ROOT / "grader") if path.startswith("grading/causes/")}
+    wanted = {f"grader/{path}" for path in tables if path.endswith(".toml")}
+    assert f"{causes}/hints.toml" in wanted
+    assert wanted <= set(files(released))
 
 
 def test_students_get_the_fixtures_of_pytest(released: Path) -> None:
