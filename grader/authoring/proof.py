@@ -33,7 +33,7 @@ from grader.course.installed import why_not
 from grader.course.submission import Submission, find_submission
 from grader.errors import InputError
 from grader.grading.grading import Grading, grade_submission
-from grader.grading.plugin import FAIL, UNAVAILABLE
+from grader.grading.plugin import FAIL, INCONCLUSIVE, UNAVAILABLE
 from grader.link.hosts import ForkServer
 from grader.link.launcher import Launcher
 from sim.messages import EPOCH_NS
@@ -177,6 +177,7 @@ class Tally:
     uncaught: list[str] = field(default_factory=list)  # mutants that don't fail as they say
     unneeded: list[str] = field(default_factory=list)  # checks that no mutant fails
     other: list[str] = field(default_factory=list)  # objections to right solutions and skeletons
+    stalled: list[Claim] = field(default_factory=list)  # the machine stalled while it was judged
 
     @property
     def objections(self) -> list[str]:
@@ -204,6 +205,8 @@ def main(arguments: list[str]) -> int:
     provable = [claim for each in everything.values() for claim in each if not claim.lacks]
     graded = gradings(provable, options.workers)
     tallies = [_prove(exercise, each, graded) for exercise, each in everything.items()]
+    for tally in tallies:
+        _prove_stalled(tally)
     print(f"\n  {'exercise':24} killed  of")
     for tally in tallies:
         rest = f"  ({tally.in_part} claims not proven in full here)" if tally.in_part else ""
@@ -253,8 +256,10 @@ def _prove(exercise: Exercise, claimed: list[Claim], graded: Iterator[Grading]) 
             print(f"~ {claim.name:64}   -  not proven here", flush=True)
             continue
         grading = next(graded)
-        against = [f"{claim.name}: {line}" for line in objections(claim, grading)]
+        against = _against(claim, grading)
         absent = unavailable(grading)
+        if any(check.outcome == INCONCLUSIVE for check in grading.checks):
+            tally.stalled.append(claim)
         judged |= {check.id for check in grading.checks if check.id not in absent}
         reasons |= {check.message: None for check in grading.checks if check.id in absent}
         by = sorted(check.id for check in grading.checks if check.outcome == FAIL)
@@ -277,6 +282,22 @@ def _prove(exercise: Exercise, claimed: list[Claim], graded: Iterator[Grading]) 
         print("".join(f"  {reason}\n" for reason in reasons), end="")
     tally.unneeded = [f"{exercise.slug}: {check}" for check in sorted(judged - used)]
     return tally
+
+
+def _prove_stalled(tally: Tally) -> None:
+    """Judge again, with nothing beside it, what could not be judged on a busy machine."""
+    for claim in tally.stalled:
+        (grading,) = gradings([claim], workers=1)
+        against = _against(claim, grading)
+        print(f"{'!' if against else ' '} {claim.name:64} {grading.score:3}  judged again, alone")
+        lines = tally.uncaught if claim.kind == "mutant" else tally.other
+        lines[:] = [x for x in lines if not x.startswith(f"{claim.name}: ")] + against
+        by = {f"{tally.slug}: {check.id}" for check in grading.checks if check.outcome == FAIL}
+        tally.unneeded = [line for line in tally.unneeded if line not in by]
+
+
+def _against(claim: Claim, grading: Grading) -> list[str]:
+    return [f"{claim.name}: {line}" for line in objections(claim, grading)]
 
 
 def _texts(exercise: Exercise, folder: Path) -> dict[str, str]:

@@ -4,10 +4,12 @@
 also the skeleton, two variants, and mutants enough for every check to have killed one.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from grader.authoring import proof
 from grader.authoring.proof import (
     Claim,
     claim_of,
@@ -157,6 +159,29 @@ def test_a_mutant_need_not_fail_what_can_not_be_judged(pair: Exercise) -> None:
     assert unproven(mutant, grading) == "asks"
     grading = graded(mutant, answers="pass", asks="unavailable")
     assert objections(mutant, grading) == ["should fail answers, and does not"]
+
+
+@pytest.mark.parametrize("second", ["fail", "pass", "inconclusive"])
+def test_what_a_stall_left_open_is_judged_again_alone(
+    second: str, pair: Exercise, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mutant = Claim(pair, "mutant", "a", {}, fails=frozenset({"asks"}))
+    first = graded(mutant, answers="pass", asks="inconclusive")
+    tally = proof._prove(pair, [mutant], iter([first]))
+    assert tally.stalled == [mutant]
+    assert tally.objections
+
+    asked = []
+
+    def again(claims: list[Claim], workers: int) -> Iterator[Grading]:
+        asked.append((claims, workers))
+        yield graded(mutant, answers="pass", asks=second)
+
+    monkeypatch.setattr(proof, "gradings", again)
+    proof._prove_stalled(tally)
+    assert asked == [([mutant], 1)]
+    assert bool(tally.uncaught) == (second != "fail")
+    assert ("pair: asks" in tally.unneeded) == (second == "pass") or second == "inconclusive"
 
 
 def test_a_mutant_may_need_a_library(pair: Exercise, monkeypatch: pytest.MonkeyPatch) -> None:
