@@ -38,7 +38,9 @@ def test_workers_killed_ctrl_c_and_resumed(tmp_path: Path) -> None:
     subprocess.run([*begin, str(undisturbed)], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
 
     command = [*begin, str(out), "--workers", "2"]
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as batch:
+    with subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.PIPE, text=True, preexec_fn=heed_ctrl_c
+    ) as batch:
         assert batch.stdout is not None
         batch.stdout.readline()
         killed = workers_of(batch.pid)
@@ -56,6 +58,11 @@ def test_workers_killed_ctrl_c_and_resumed(tmp_path: Path) -> None:
     assert verdicts(out, everybody) == verdicts(undisturbed, everybody)
     assert len(stored(out)) == len(everybody)
     assert_complete(out)
+
+
+def heed_ctrl_c() -> None:
+    """Take Ctrl-C, which background jobs of a shell ignore."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def mounted(*steps: list[str], place: Path, size: str) -> subprocess.CompletedProcess[str]:
