@@ -39,7 +39,11 @@ def test_workers_killed_ctrl_c_and_resumed(tmp_path: Path) -> None:
 
     command = [*begin, str(out), "--workers", "2"]
     with subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.PIPE, text=True, preexec_fn=heed_ctrl_c
+        command,
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        text=True,
+        preexec_fn=heed_ctrl_c,  # noqa: PLW1509  (it only sets a handler)
     ) as batch:
         assert batch.stdout is not None
         batch.stdout.readline()
