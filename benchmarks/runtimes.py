@@ -16,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
+from lockstep import ECHO, SPIN
 
 from grader.authoring.proof import claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
@@ -31,22 +32,6 @@ from sim.scenario import load_scenario
 RUNS = 2
 SECONDS = 30.0  # simulated
 KINDS = ("real", "portable", "launcher")
-ECHO = """
-import rclpy
-from geometry_msgs.msg import Twist
-from rclpy.node import Node
-from sensor_msgs.msg import LaserScan
-
-class Echo(Node):
-    def __init__(self):
-        super().__init__('echo')
-        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
-        self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
-    def on_scan(self, scan):
-        self.publisher.publish(Twist())
-
-rclpy.init(); rclpy.spin(Echo())
-"""
 
 
 def started(kind: str, libraries: tuple[str, ...] = ()) -> ForkServer | PracticeServer:
@@ -86,7 +71,7 @@ def main(names: list[str]) -> None:
     print(f"{'':24}" + "".join(f"{kind:>17}" for kind in KINDS))
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "echo.py")
-        file.write_text(ECHO, "utf-8")
+        file.write_text(ECHO + SPIN, "utf-8")
         scenario = msgspec.structs.replace(load_scenario("demo_wall"), duration=SECONDS)
         table(f"lock step, {SECONDS:.0f} s", side_by_side(
             (), lambda server: run_trial(Submission(file), scenario, server)))  # fmt: skip
