@@ -213,6 +213,7 @@ def _become_host(
 
 def _prepare_host(request: Request, output: tuple[int, int], *, live: bool) -> None:
     os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs ignore it
     null = os.open(os.devnull, os.O_RDONLY)
     for source, target in ((null, 0), (output[0], 1), (output[1], 2)):
         os.dup2(source, target)
