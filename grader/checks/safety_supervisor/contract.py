@@ -41,11 +41,29 @@ class Decision:
     reason: str
     speed: float = 0.0  # [m/s]
     turn_rate: float = 0.0  # [rad/s]
-    rising: bool = False  # the acceleration limit holds it back
+    wish: float = 0.0  # [m/s] the speed that the acceleration limit may hold back
 
-    def allows(self, speed: float, turn_rate: float) -> bool:
-        """Tell whether these are the right speed [m/s] and turn rate [rad/s]."""
-        return _same(speed, self.speed) and _same(turn_rate, self.turn_rate)
+    @property
+    def rising(self) -> bool:
+        """The acceleration limit holds it back."""
+        return self.wish > self.speed
+
+    def allows(self, speed: float, turn_rate: float, *, any_rise: bool = False) -> bool:
+        """Tell whether these are the right speed [m/s] and turn rate [rad/s].
+
+        With `any_rise`, a speed that rises faster than it may is right as well: that is one
+        mistake, and it has a check of its own.
+        """
+        if any_rise and self.rising:
+            fits = self.speed - TOLERANCE <= speed <= self.wish + TOLERANCE
+        else:
+            fits = _same(speed, self.speed)
+        return fits and _same(turn_rate, self.turn_rate)
+
+    @property
+    def moves(self) -> bool:
+        """It drives or turns."""
+        return self.speed != 0.0 or self.turn_rate != 0.0
 
 
 @dataclass(frozen=True)
@@ -94,6 +112,22 @@ class Tick:
     def is_right(self) -> bool:
         """Speed and turn rate are right."""
         return any(decision.allows(self.values[0], self.values[5]) for decision in self.right)
+
+    @property
+    def is_right_but_for_the_rise(self) -> bool:
+        """Speed and turn rate are right, or would be if there were no limit on acceleration."""
+        speed, turn_rate = self.values[0], self.values[5]
+        return any(decision.allows(speed, turn_rate, any_rise=True) for decision in self.right)
+
+    @property
+    def must_move(self) -> bool:
+        """No command is right that leaves the robot standing."""
+        return all(decision.moves for decision in self.right)
+
+    @property
+    def moves(self) -> bool:
+        """The command is one to drive or to turn; never true of NaN."""
+        return abs(self.values[0]) >= ZERO or abs(self.values[5]) >= ZERO
 
 
 def ticks(recording: Recording) -> list[Tick]:
@@ -187,9 +221,9 @@ def _moving(
     clamped = min(max(asked_speed, -MAX_SPEED), MAX_SPEED)
     speed = min(clamped, fastest)
     as_asked = speed == asked_speed and turn_rate == asked_turn_rate
-    yield Decision("ok" if as_asked else "limited", speed, turn_rate, rising=fastest < clamped)
+    yield Decision("ok" if as_asked else "limited", speed, turn_rate, wish=clamped)
     if abs(fastest - asked_speed) < TOLERANCE and turn_rate == asked_turn_rate:
-        yield Decision("limited" if as_asked else "ok", speed, turn_rate)
+        yield Decision("limited" if as_asked else "ok", speed, turn_rate, wish=clamped)
 
 
 def _same(value: float, wanted: float) -> bool:

@@ -21,6 +21,7 @@ from grader.checks.safety_supervisor.evidence import (
     require_other_fields,
     require_rate,
     require_reasons,
+    require_stops,
     require_text,
 )
 from grader.checks.verdict import fail
@@ -110,6 +111,7 @@ def test_acceleration(recordings: Recordings) -> None:
             "The most is max(0, last) + 0.045, where last is what you published one tick ago, "
             "whatever the reason for it was.",
             lambda tick: any(decision.rising for decision in tick.right),
+            right=lambda tick: tick.is_right,
         )
 
 
@@ -128,15 +130,16 @@ def test_never_delays(recordings: Recordings) -> None:
 def test_e_stop(recordings: Recordings) -> None:
     """While the last /e_stop was true the robot stands, from the next tick on."""
     for recording in recordings:
-        require_commands(recording, "Keep the last /e_stop: true holds until a false comes.")
+        require_stops(recording, "e_stop", "Keep the last /e_stop: true holds until a false comes.")
 
 
 @pytest.mark.check(points=5, scenarios=("safe_bad_command",), needs=("wiring",))
 def test_bad_command(recordings: Recordings) -> None:
     """A command with NaN or infinity in a field stops the robot until a good one comes."""
     for recording in recordings:
-        require_commands(
+        require_stops(
             recording,
+            "bad_command",
             "math.isfinite on each field, before you compare: comparisons with NaN are false.",
         )
 
@@ -145,8 +148,10 @@ def test_bad_command(recordings: Recordings) -> None:
 def test_stale_command(recordings: Recordings) -> None:
     """Without a raw command for more than 0.5 s (or at all) the robot stands."""
     for recording in recordings:
-        require_commands(
-            recording, "Note when each command arrives, and look at its age at every tick."
+        require_stops(
+            recording,
+            "stale_command",
+            "Note when each command arrives, and look at its age at every tick.",
         )
 
 
@@ -154,8 +159,10 @@ def test_stale_command(recordings: Recordings) -> None:
 def test_stale_scan(recordings: Recordings) -> None:
     """Without a scan for more than 0.5 s (or at all) the robot stands."""
     for recording in recordings:
-        require_commands(
-            recording, "Note when each scan arrives, and look at its age at every tick."
+        require_stops(
+            recording,
+            "stale_scan",
+            "Note when each scan arrives, and look at its age at every tick.",
         )
 
 
@@ -163,8 +170,9 @@ def test_stale_scan(recordings: Recordings) -> None:
 def test_blind_scan(recordings: Recordings) -> None:
     """When the newest scan has no usable reading ahead the robot stands; +inf is free."""
     for recording in recordings:
-        require_commands(
+        require_stops(
             recording,
+            "stale_scan",
             "The newest scan counts: if it is blind, an older distance is no help.",
         )
 
