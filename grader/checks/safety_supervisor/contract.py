@@ -21,6 +21,7 @@ STOP_DISTANCE = 0.5  # [m]
 MAX_SPEED = 0.5  # [m/s]
 MAX_TURN_RATE = 1.9  # [rad/s]
 MAX_RISE = 0.045  # [m/s] of linear.x in a tick
+SETTLED = 0.6  # [s] in which a speed is reached, up or down, with 0.9 m/s²
 TOLERANCE = 1e-3  # [m/s, rad/s] of a command that should not be zero
 
 LEVELS = {  # of diagnostic_msgs/DiagnosticStatus: 0 OK, 1 WARN, 2 ERROR
@@ -102,6 +103,7 @@ class Tick:
     values: tuple[float, ...]  # six fields
     situation: Situation
     right: tuple[Decision, ...]
+    same_for: float  # [s] since the model began to ask for what it asks for
 
     @property
     def reasons(self) -> set[str]:
@@ -130,9 +132,28 @@ class Tick:
         return abs(self.values[0]) >= ZERO or abs(self.values[5]) >= ZERO
 
 
+def is_settled(tick: Tick) -> bool:
+    """Tell whether what is asked for has been the same for long enough to be reached."""
+    return tick.same_for >= SETTLED
+
+
+def is_right_or_never_reverses(tick: Tick) -> bool:
+    """Tell whether a command is right, or 0.0 where it should drive backwards.
+
+    A node that never reverses makes one mistake, and `passes_on` is there for it.
+    """
+    speed, turn_rate = tick.values[0], tick.values[5]
+    never = abs(speed) <= ZERO and any(
+        decision.speed < 0.0 and decision.allows(decision.speed, turn_rate)
+        for decision in tick.right
+    )
+    return never or tick.is_right_but_for_the_rise
+
+
 def ticks(recording: Recording) -> list[Tick]:
     """Return every command that the node published, with what was right."""
     arrivals = _Arrivals(recording)
+    begins = np.array([0.0, *(stream.begin for stream in recording.scenario.raw)])
     twists = recording.twists()
     found = []
     last = 0.0  # [m/s] linear.x of the command before
@@ -140,7 +161,8 @@ def ticks(recording: Recording) -> list[Tick]:
         now = arrivals.at(t)
         just_before = arrivals.at(t - ARRIVAL_HAIR - recording.slack, age_at=t)
         right = [*_decisions(now, last), *_decisions(just_before, last)]
-        found.append(Tick(t, tuple(row), now, tuple(dict.fromkeys(right))))
+        same_for = t - float(begins[begins <= t].max())
+        found.append(Tick(t, tuple(row), now, tuple(dict.fromkeys(right)), same_for))
         last = row[0] if math.isfinite(row[0]) else 0.0
     return found
 

@@ -11,8 +11,8 @@ from grader.checks.safety_supervisor.contract import (
     MAX_SPEED,
     MAX_TURN_RATE,
     TOLERANCE,
-    Tick,
-    ticks,
+    is_right_or_never_reverses,
+    is_settled,
 )
 from grader.checks.safety_supervisor.evidence import (
     require_commands,
@@ -65,7 +65,9 @@ def test_passes_on(recordings: Recordings) -> None:
     """What is safe is passed on as it is, backwards too; the four other fields are zero."""
     for recording in recordings:
         require_commands(
-            recording, "Nothing is wrong here: linear.x and angular.z go out as they came in."
+            recording,
+            "Nothing is wrong here: linear.x and angular.z go out as they came in.",
+            is_settled,
         )
         require_other_fields(recording)
 
@@ -88,17 +90,11 @@ def test_limits(recordings: Recordings) -> None:
                     recording=recording,
                     help="Clamp both ways: max(-limit, min(limit, value)).",
                 )
-        ends = [stream.end for stream in recording.scenario.raw]
-        times = [tick.t for tick in ticks(recording)]
-        settled = [max((t for t in times if t < end), default=-1.0) for end in ends]
-
-        def _is_settled(tick: Tick, settled: list[float] = settled) -> bool:
-            return tick.t in settled
-
         require_commands(
             recording,
             "Clamp to the limit, not to zero; what is within is not touched.",
-            _is_settled,
+            is_settled,
+            right=is_right_or_never_reverses,
         )
 
 
@@ -123,6 +119,7 @@ def test_never_delays(recordings: Recordings) -> None:
             recording,
             "The limit is for getting faster forwards only: min(asked, max(0, last) + 0.045).",
             lambda tick: not any(d.rising or d.reason == "e_stop" for d in tick.right),
+            right=is_right_or_never_reverses,
         )
 
 
@@ -185,6 +182,7 @@ def test_obstacle(recordings: Recordings) -> None:
             recording,
             "Only if linear.x > 0 and something is nearer than 0.5 m ahead: linear.x = 0, "
             "angular.z as asked, within ±1.9.",
+            lambda tick: "obstacle" in tick.reasons or is_settled(tick),
         )
 
 
