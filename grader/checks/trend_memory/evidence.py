@@ -166,7 +166,7 @@ def require_forgotten(recording: Recording) -> None:
     emptied = False
     for case in cases(recording):
         emptied = emptied or case.step.emptied
-        if emptied and case.step.known < MEMORY_SIZE:
+        if emptied and case.answer.count and case.step.known < MEMORY_SIZE:
             help = "With the memory goes the closing speed: it is not known until there are ten."
             require_speed(recording, case, help)
 

@@ -148,7 +148,7 @@ def test_clears_backwards(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=("trend_jump",), needs=("forgets_old",))
 def test_clears_jump(recordings: Recordings) -> None:
-    """A stamp that jumps ahead by more than 1 s empties the memory first; 0.94 s does not."""
+    """A stamp that jumps ahead by more than 1 s empties the memory first; 0.96 s does not."""
     for recording in recordings:
         require_closing_speeds(
             recording, "Compare each stamp with the one before; clear, then remember the new one."
