@@ -50,9 +50,11 @@ def test_features(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=5, scenarios=("latency_clip",), needs=("wiring",))
+@pytest.mark.check(
+    points=5, scenarios=("latency_clip", "latency_default_speed"), needs=("wiring",)
+)
 def test_clipped(recordings: Recordings) -> None:
-    """Predictions are clipped to 0 … max_speed (here 0.4 m/s); all other fields are 0."""
+    """Predictions are clipped to 0 … max_speed (0.4 m/s, or not set); all other fields are 0."""
     for recording in recordings:
         require_speeds(recording, "clip", "max(0.0, min(max_speed, prediction))")
         require_zero(recording, FIELDS[1:], "This robot only drives straight ahead.")
