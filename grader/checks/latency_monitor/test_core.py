@@ -15,6 +15,7 @@ from grader.checks.latency_monitor.evidence import (
     require_reports,
     require_speeds,
 )
+from grader.checks.model_commands import require_error_log
 from grader.checks.moments import first_asked
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
@@ -88,6 +89,7 @@ def test_fail_safe(recordings: Recordings) -> None:
             recording=bare,
             help="No model: an error in the log, and 0.0.",
         )
+    require_error_log(bare, "the node has no model, and its log does not say so")
 
 
 @pytest.mark.check(points=10, scenarios=("latency_window", "latency_late_lidar"), needs=("wiring",))

@@ -28,6 +28,7 @@ from grader.checks.slow_model.evidence import (
     require_rate,
     spell,
 )
+from grader.checks.model_commands import require_error_log
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_wiring
 from grader.recording import Recording
@@ -216,12 +217,13 @@ def test_too_slow_model(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=(LEADER, "slow_no_model"), needs=("wiring",))
 def test_no_model(recordings: Recordings) -> None:
-    """Without a model that can be loaded the node lives and publishes 0.0."""
+    """Without a model that can be loaded: an error in the log, and 0.0 at each tick."""
     leader, bare = recordings
     require_moves(leader)
     _require_only_zeros(
         bare, "Without a model there is no prediction: an error in the log, and 0.0."
     )
+    require_error_log(bare, "the node has no model, and its log does not say so")
 
 
 def _require_only_zeros(recording: Recording, help: str) -> None:
