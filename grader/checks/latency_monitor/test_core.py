@@ -195,12 +195,15 @@ def test_levels(recordings: Recordings) -> None:
                 require_level(recording, report, choices)
 
 
-@pytest.mark.check(points=5, scenarios=("latency_raises",), needs=("status_form",))
+@pytest.mark.check(
+    points=5, scenarios=("latency_raises", "latency_nothing_to_say"), needs=("status_form",)
+)
 def test_raised_calls(recordings: Recordings) -> None:
-    """A call that raises leads to 0.0, is not counted, and does not end the node."""
-    for recording in recordings:
-        require_speeds(recording, "raises", "A model that raises gives no prediction: 0.0.")
-        require_speeds(recording, "good", "After an exception the next scan counts again.")
-        require_numbers(
-            recording, ("count",), "Append the latency after predict has returned, not in finally."
-        )
+    """A call that raises leads to 0.0 and is not counted; one that returns NaN is counted."""
+    raises, says_nan = recordings
+    require_speeds(raises, "raises", "A model that raises gives no prediction: 0.0.")
+    require_speeds(raises, "good", "After an exception the next scan counts again.")
+    require_numbers(
+        raises, ("count",), "Append the latency after predict has returned, not in finally."
+    )
+    require_numbers(says_nan, ("count",), "A call that returned NaN has taken its time, too.")
