@@ -59,16 +59,15 @@ class Single:
 
 def singles(right: Claim) -> Iterator[Claim]:
     """Return a right solution with each single edit of its nodes."""
-    for file, text in right.files.items():
-        if "rclpy" not in text:
-            continue
+    nodes = {file: text for file, text in right.files.items() if "rclpy" in text}
+    for file, text in nodes.items():
+        which = f"{file} " if len(nodes) > 1 else ""
         for edit in edits(file, text):
-            files = {**right.files, file: edit.text}
             yield replace(
                 right,
                 kind="mutant",
-                stem=f"{right.stem} {edit.name}",
-                files=files,
+                stem=f"{right.stem} {which}{edit.name}",
+                files={**right.files, file: edit.text},
                 about=edit.name,
                 field_ready=False,
             )
@@ -77,17 +76,12 @@ def singles(right: Claim) -> Iterator[Claim]:
 def edits(file: str, text: str) -> Iterator[Single]:
     """Return each single edit of a program."""
     known: Counter[tuple[str, str, str]] = Counter()
+    lines = [line.encode() for line in text.splitlines(keepends=True)]
     for where, node in _nodes(ast.parse(text)):
-        old = ast.get_source_segment(text, node) or ""
         for new in dict.fromkeys(_others(node)):
-            edited = _spliced(text, node, new)
-            try:
-                ast.parse(edited)
-            except SyntaxError:  # an f-string before Python 3.12 has no places of its own
-                continue
-            if edited == text:
-                continue
-            words = where, _short(old), _short(new)
+            before, old, after = _parted(lines, node)
+            edited = (before + new.encode() + after).decode()
+            words = where, _short(old.decode()), _short(new)
             known[words] += 1
             yield Single(file, *words, known[words], edited)
 
@@ -103,6 +97,7 @@ def _nodes(tree: ast.Module) -> Iterator[tuple[str, ast.expr | ast.stmt]]:
             elif isinstance(child, ast.ClassDef):
                 yield from bodies(child.body, child.name)
             elif not isinstance(child, ast.Import | ast.ImportFrom | ast.JoinedStr):
+                # (what is in an f-string has no place of its own before Python 3.12)
                 if isinstance(child, ast.expr | ast.stmt):
                     yield where, child
                 yield from visit(child, where)
@@ -166,13 +161,17 @@ def _defines(node: ast.stmt) -> bool:
     return any(isinstance(target, ast.Name | ast.Tuple) for target in targets)
 
 
-def _spliced(text: str, node: ast.expr | ast.stmt, new: str) -> str:
-    """Return the text with something else in the place of a node (its columns count bytes)."""
-    lines = [line.encode() for line in text.splitlines(keepends=True)]
+def _parted(lines: list[bytes], node: ast.expr | ast.stmt) -> tuple[bytes, bytes, bytes]:
+    """Return what stands before a node, the node, and what stands after it.
+
+    Columns count bytes.
+    """
     first, last = node.lineno - 1, (node.end_lineno or node.lineno) - 1
-    before = b"".join(lines[:first]) + lines[first][: node.col_offset]
-    after = lines[last][node.end_col_offset :] + b"".join(lines[last + 1 :])
-    return (before + new.encode() + after).decode()
+    begin, end = node.col_offset, node.end_col_offset
+    before = b"".join(lines[:first]) + lines[first][:begin]
+    after = lines[last][end:] + b"".join(lines[last + 1 :])
+    text = b"".join(lines)
+    return before, text[len(before) : len(text) - len(after)], after
 
 
 def _short(text: str) -> str:
