@@ -51,9 +51,7 @@ def test_features(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(
-    points=5, scenarios=("latency_clip", "latency_default_speed"), needs=("wiring",)
-)
+@pytest.mark.check(points=5, scenarios=("latency_clip", "latency_default_speed"), needs=("wiring",))
 def test_clipped(recordings: Recordings) -> None:
     """Predictions are clipped to 0 … max_speed (0.4 m/s, or not set); all other fields are 0."""
     for recording in recordings:

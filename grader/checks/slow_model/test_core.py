@@ -171,9 +171,7 @@ def test_features(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(
-    points=5, scenarios=("slow_clip", "slow_default_speed"), needs=("scan_age",)
-)
+@pytest.mark.check(points=5, scenarios=("slow_clip", "slow_default_speed"), needs=("scan_age",))
 def test_clipped(recordings: Recordings) -> None:
     """Predictions are clipped to 0 … max_speed (0.4 m/s, or not set); all other fields are 0."""
     for recording in recordings:

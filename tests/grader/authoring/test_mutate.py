@@ -86,7 +86,10 @@ def test_what_a_wrapper_adds_is_python() -> None:
 def test_a_wrapper_comes_before_the_program_starts() -> None:
     wrapper = next(w for w in wrappers(SUPERVISOR) if w.name == "hears /e_stop Expires 1")
     text = wrapped(REFERENCE, wrapper).files["safety_supervisor.py"]
-    hook, start = text.index("hears(rclpy.node.Node, '/e_stop', Expires(1.0))"), text.index("\nif __")
+    hook, start = (
+        text.index("hears(rclpy.node.Node, '/e_stop', Expires(1.0))"),
+        text.index("\nif __"),
+    )
     assert text.index("class SafetySupervisor") < hook < start
     assert "class Late" not in text
 
