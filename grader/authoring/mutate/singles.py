@@ -36,6 +36,7 @@ ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
     ast.FloorDiv: ast.Mult,
 }
 FACTORS = (0.5, 0.8, 1.25, 2.0)  # of a float
+NOTHING = "return None"
 UNTOUCHED = ("main", "__main__")  # how a program starts and ends is for other tests
 
 
@@ -111,6 +112,15 @@ def _nodes(tree: ast.Module) -> Iterator[tuple[str, ast.expr | ast.stmt]]:
 
 def _others(node: ast.expr | ast.stmt) -> Iterator[str]:
     """Return what may stand in the place of a node."""
+    if isinstance(node, ast.expr):
+        yield from _other_expressions(node)
+    elif _can_go(node):
+        yield "pass"
+    elif isinstance(node, ast.Return) and node.value is not None and ast.unparse(node) != NOTHING:
+        yield NOTHING
+
+
+def _other_expressions(node: ast.expr) -> Iterator[str]:
     if isinstance(node, ast.Compare):
         for i, operator in enumerate(node.ops):
             for other in COMPARISONS[type(operator)]:
@@ -118,13 +128,10 @@ def _others(node: ast.expr | ast.stmt) -> Iterator[str]:
                 changed.ops[i] = other()
                 yield ast.unparse(changed)
     elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
-        changed_op = copy.deepcopy(node)
-        changed_op.op = ARITHMETIC[type(node.op)]()
-        yield f"({ast.unparse(changed_op)})"
+        yield f"({ast.unparse(ast.BinOp(node.left, ARITHMETIC[type(node.op)](), node.right))})"
     elif isinstance(node, ast.BoolOp):
-        other_op = copy.deepcopy(node)
-        other_op.op = ast.Or() if isinstance(node.op, ast.And) else ast.And()
-        yield f"({ast.unparse(other_op)})"
+        other_op = ast.Or() if isinstance(node.op, ast.And) else ast.And()
+        yield f"({ast.unparse(ast.BoolOp(other_op, node.values))})"
         for i in range(len(node.values)):
             rest = [value for j, value in enumerate(node.values) if j != i]
             left = ast.BoolOp(node.op, rest) if len(rest) > 1 else rest[0]
@@ -133,17 +140,13 @@ def _others(node: ast.expr | ast.stmt) -> Iterator[str]:
         yield f"({ast.unparse(node.operand)})"
     elif isinstance(node, ast.Constant):
         yield from _other_constants(node.value)
-    elif isinstance(node, ast.If | ast.While):
-        pass  # its condition is edited, not the whole
-    elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
-        yield "pass"
-    elif isinstance(node, ast.Assign | ast.AugAssign) and not _defines(node):
-        yield "pass"
-    elif isinstance(node, ast.Continue):
-        yield "pass"
-    elif isinstance(node, ast.Return) and node.value is not None:
-        if not (isinstance(node.value, ast.Constant) and node.value.value is None):
-            yield "return None"
+
+
+def _can_go(node: ast.stmt) -> bool:
+    """Tell whether a statement can be left out: a call, a `continue`, an attribute's new value."""
+    call = isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
+    assigns = isinstance(node, ast.Assign | ast.AugAssign) and not _defines(node)
+    return call or assigns or isinstance(node, ast.Continue)
 
 
 def _other_constants(value: object) -> Iterator[str]:

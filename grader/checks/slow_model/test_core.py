@@ -7,6 +7,7 @@ import pytest
 
 from grader.checks.commands import FIELDS, is_zero, require_zero
 from grader.checks.inferences import require_one_at_a_time
+from grader.checks.model_commands import require_error_log
 from grader.checks.slow_model.contract import (
     AGE_P95,
     AGE_P95_5_HZ,
@@ -28,7 +29,6 @@ from grader.checks.slow_model.evidence import (
     require_rate,
     spell,
 )
-from grader.checks.model_commands import require_error_log
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_wiring
 from grader.recording import Recording

@@ -96,7 +96,7 @@ def test_a_wrapper_comes_before_the_program_starts() -> None:
 
 def test_a_program_without_a_start_cannot_be_wrapped() -> None:
     bare = replace(REFERENCE, files={"safety_supervisor.py": "print()\n"})
-    with pytest.raises(ValueError, match="safety_supervisor.py has no `if __name__"):
+    with pytest.raises(ValueError, match=r"safety_supervisor\.py has no `if __name__"):
         wrapped(bare, next(wrappers(SUPERVISOR)))
 
 
@@ -148,7 +148,8 @@ def test_survivors_are_equivalent_or_gaps(
         "safety_supervisor: equivalents.toml: 'killed*' matches no survivor",
         "safety_supervisor: equivalents.toml: 'nobody' matches no survivor",
     ]
-    assert capsys.readouterr().out.split() == "safety_supervisor 3 1 1 1 0 s".split()
+    words = ["safety_supervisor", "3", "1", "1", "1", "0", "s"]
+    assert capsys.readouterr().out.split() == words
 
 
 def test_lists_of_equivalents_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""Each sentence of a README that says what a node does is checked, or says that it is not graded."""
+"""Each sentence of a README on what a node does is checked, or says that it is not graded."""
 
 from collections import Counter
 from pathlib import Path
