@@ -27,14 +27,17 @@ def release(folder: Path, exercises: tuple[str, ...], student_package: bool, pla
 
     That is the lesson as a site, the skeletons, the notebooks, the public scenarios and the grader.
     """
-    from grader.authoring.handouts import handouts  # noqa: PLC0415
+    from grader.authoring.handouts import handouts, stay_behind  # noqa: PLC0415
     from grader.authoring.release import release as make_release  # noqa: PLC0415
-    from grader.course.exercises import find_exercise  # noqa: PLC0415
+    from grader.course.exercises import all_exercises, find_exercise  # noqa: PLC0415
 
     slugs = [find_exercise(name).slug for name in exercises]
     make = None if plain else handouts
     for leak in make_release(folder, exercises=slugs, archive=student_package, make=make):
         click.echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
+    left_out = {e.slug for e in all_exercises() if slugs and e.slug not in slugs}
+    for said in () if plain else stay_behind(left_out):
+        click.echo(f"Note: {said}.", err=True)
     click.echo(f"Students' material: {folder}")
     if student_package:
         click.echo(f"The same, packed: {folder}.zip")

@@ -29,7 +29,6 @@ from nbgrader_kit import (
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
-from grader.notebook.build import ASSIGNMENT
 
 pytestmark = pytest.mark.long
 NAME = "01_loop"
@@ -47,8 +46,8 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
     texts = {"ada": mutant.text, "ben": solution(SLUG, FILE)}
     for student, text in texts.items():
         hand_in(folder, student, NAME, fill(released(folder, NAME), {FILE: text}))
-    nbgrader(folder, "autograde", ASSIGNMENT, "--student", "ada")
-    nbgrader(folder, "generate_feedback", ASSIGNMENT)
+    nbgrader(folder, "autograde", NAME, "--student", "ada")
+    nbgrader(folder, "generate_feedback", NAME)
     return folder
 
 
@@ -86,13 +85,13 @@ def test_it_opens_within_jupyterlab(browser: Any, server: Server) -> None:
 
         frame = page.frame_locator("iframe[src*='formgrader']")
 
-        cells = frame.locator("table tbody tr", has_text=ASSIGNMENT)
+        cells = frame.locator("table tbody tr", has_text=NAME)
         cells.wait_for()
         assert cells.locator(".num-submissions").inner_text() == "2"
 
 
 def test_the_button_grades_as_the_command_does(page: Any, course: Path, server: Server) -> None:
-    page.goto(server.address(f"formgrader/manage_submissions/{ASSIGNMENT}"))
+    page.goto(server.address(f"formgrader/manage_submissions/{NAME}"))
     assert row(page, "ada").locator(".score").inner_text() == "90 / 100"
     assert "needs autograding" in row(page, "ben").inner_text()
 
@@ -113,7 +112,7 @@ def test_a_submission_is_listed_and_shows_the_judges_table(
 ) -> None:
     link = page.get_by_role("link", name="Manual Grading", exact=True)
     link.first.click()
-    page.get_by_role("link", name=ASSIGNMENT, exact=True).click()
+    page.get_by_role("link", name=NAME, exact=True).click()
     page.get_by_role("link", name=NAME, exact=True).click()
     listed = row(page, f"{points(course, 'ada'):g} / 100")
     listed.locator("a:visible").first.click()
@@ -140,7 +139,7 @@ def test_the_feedback_has_the_table_and_complains_about_nothing(
     browser: Any, server: Server
 ) -> None:
     with tab(browser, server) as opened:
-        path = f"feedback/ada/{ASSIGNMENT}/{NAME}.html"
+        path = f"feedback/ada/{NAME}/{NAME}.html"
         opened.page.goto(server.address(f"files/{path}"))
         text = opened.page.locator("body").inner_text()
     assert "✗ FAIL" in text

@@ -148,8 +148,8 @@ def test_plain_says_where_the_lesson_begins(released: Path) -> None:
 def test_a_leak_in_what_is_made_stops_the_release(tmp_path: Path) -> None:
     solution = (ROOT / "solutions/goal_seeking/goal_seeking_agent.py").read_text("utf-8")
     cell = {"cell_type": "code", "source": solution.splitlines(keepends=True), "outputs": []}
-    made = {"notebooks/03_state.ipynb": json.dumps({"cells": [cell]}).encode()}
-    with pytest.raises(GraderError, match=r"nothing was released: notebooks/03_state\.ipynb, cell"):
+    made = {"notebooks/03_goal.ipynb": json.dumps({"cells": [cell]}).encode()}
+    with pytest.raises(GraderError, match=r"nothing was released: notebooks/03_goal\.ipynb, cell"):
         release(tmp_path / "out", make=lambda _: made)
     assert list(tmp_path.iterdir()) == []
 
@@ -221,8 +221,8 @@ def test_secrets_lying_about_are_left_where_they_are(tmp_path: Path) -> None:
         "secret.txt", "exercises/a/secret.toml", "exercises/a/a_solution.py", "exercises/a/.env.py",
         "sim/scenarios/hidden/final.toml", "sim/scenarios/a/hidden_exam.toml", "grader/key.pem",
         "lessons/private.md", "docs/mutants.md", "exercises/a/build/a.py", "notebooks/secret.txt",
-        "notebooks/gradebook.db", "notebooks/source/lesson_3_2/01_loop.ipynb",
-        "notebooks/submitted/ada/lesson_3_2/01_loop.ipynb",
+        "notebooks/gradebook.db", "notebooks/source/01_loop/01_loop.ipynb",
+        "notebooks/submitted/ada/01_loop/01_loop.ipynb",
     ):  # fmt: skip
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text("secret = 1", "utf-8")
