@@ -17,6 +17,7 @@ pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `no
 
 from lab_server import Server, picture, serving, tab
 from nbgrader_kit import (
+    cell_named,
     fill,
     grades,
     hand_in,
@@ -32,6 +33,7 @@ from grader.course.exercises import find_exercise
 
 pytestmark = pytest.mark.long
 NAME = "01_loop"
+QUIZ = "07_quiz"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
 MISTAKE = "slow_is_too_fast"  # one of exercise 1's mutants
@@ -41,12 +43,16 @@ WIDE = {"viewport": {"width": 1280, "height": 1000}}
 @pytest.fixture(scope="module")
 def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Ada's notebook has a mistake and is graded; Ben's is right and not graded yet."""
-    folder = make_course(tmp_path_factory.mktemp("course"), [NAME])
+    folder = make_course(tmp_path_factory.mktemp("course"), [NAME, QUIZ])
     mutant = find_mutant(find_exercise(SLUG), MISTAKE)
     texts = {"ada": mutant.text, "ben": solution(SLUG, FILE)}
     for student, text in texts.items():
         hand_in(folder, student, NAME, fill(released(folder, NAME), {FILE: text}))
+    quiz = released(folder, QUIZ)
+    cell_named(quiz, "quiz-1")["source"] = "Perception, decision, action."
+    hand_in(folder, "ada", QUIZ, quiz)
     nbgrader(folder, "autograde", NAME, "--student", "ada")
+    nbgrader(folder, "autograde", QUIZ)
     nbgrader(folder, "generate_feedback", NAME)
     return folder
 
@@ -144,3 +150,19 @@ def test_the_feedback_has_the_table_and_complains_about_nothing(
         text = opened.page.locator("body").inner_text()
     assert "✗ FAIL" in text
     assert "20 / 30 points" in text
+
+
+def test_the_mark_scheme_stands_above_the_answer(page: Any, server: Server) -> None:
+    page.goto(server.address(f"formgrader/gradebook/{QUIZ}/{QUIZ}"))
+    row(page, "0 / 15").locator("a:visible").first.click()
+
+    scheme = page.locator(".text_cell_render, .jp-RenderedMarkdown").filter(
+        has_text="Mark scheme (students don't get it)"
+    )
+    scheme.first.wait_for()
+    assert scheme.count() == 5
+    assert scheme.first.locator("table tr").count() == 4
+    answer = page.get_by_text("Perception, decision, action.")
+    assert scheme.first.bounding_box()["y"] < answer.bounding_box()["y"]
+    page.locator("input.score").nth(4).wait_for()
+    picture(page, "formgrader-quiz")

@@ -118,6 +118,17 @@ def test_every_file_of_the_ros_packages_is_released(released: Path) -> None:
                     assert file.relative_to(ROOT).as_posix() in there
 
 
+def test_a_notebook_that_stays_behind_is_told() -> None:
+    chosen = {"obstacle_avoidance", "goal_seeking", "safety_supervisor"}
+    left_out = {exercise.slug for exercise in all_exercises()} - chosen
+
+    assert list(handouts.stay_behind(left_out)) == [
+        "the notebook 02_trained_model has exercise 7, but stays behind because it has exercise 2, "
+        "too"
+    ]
+    assert list(handouts.stay_behind(())) == []
+
+
 # --- what is made ----------------------------------------------------------------------------
 
 
