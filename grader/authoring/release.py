@@ -29,6 +29,7 @@ KEPT = {
     "sim": (".py", ".toml", *PACKAGE),
     "grader": (".py", ".toml", ".xml", ".js", ".css", ".html"),
     "exercises": (".py", ".md", ".toml", *PACKAGE),
+    "rclpy_portable": (".py",),
     LESSONS: (".md", ".png", ".svg"),
 }
 SINGLE = (
@@ -42,6 +43,7 @@ PRIVATE = re.compile(
 )
 QUIZ = "lessons/quiz.md"  # its tables are the rubric
 
+BACKEND = 'build-backend = "setuptools.build_meta"'
 STAMP = (2020, 1, 1, 0, 0, 0)  # time of every file in the archive: same release, same bytes
 
 README = """\
@@ -207,13 +209,17 @@ def _is_public(path: str, left_out: set[str]) -> bool:
 
 
 def _pyproject(text: str) -> str:
-    """Return the students' pyproject.toml: without the settings of development tools."""
+    """Return the students' pyproject.toml: without the settings of development tools.
+
+    The course's own build of a wheel stays behind, too; setuptools installs the folder as it is.
+    """
     kept = re.split(r"(?m)^(?=\[)", text)
     ours = (
         "[tool.importlinter", "[[tool.importlinter", "[tool.mypy", "[[tool.mypy", "[tool.pytest",
         "[tool.ruff",
     )  # fmt: skip
-    return "".join(part for part in kept if not part.startswith(ours))
+    text = "".join(part for part in kept if not part.startswith(ours))
+    return re.sub(r"(?m)^build-backend = .*\nbackend-path = .*$", BACKEND, text)
 
 
 def _readme(left_out: Collection[str], lesson: str) -> str:

@@ -48,6 +48,22 @@ def test_students_get_what_they_need(released: Path) -> None:
     assert "sim/scenarios/demo/demo_wall.toml" in there
 
 
+@pytest.mark.long
+def test_what_students_get_can_be_installed_and_runs(released: Path, tmp_path: Path) -> None:
+    pip = ("-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--no-build-isolation")
+    for command in (
+        [*pip, "--target", str(tmp_path), str(released)],
+        ["-P", "-m", "grader.cli", "list"],
+    ):
+        done = subprocess.run(
+            [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True, check=False,
+            env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr[-2000:]
+    assert "obstacle_avoidance" in done.stdout
+    assert (tmp_path / "rclpy_portable" / "unpacking.py").is_file()
+
+
 def test_students_get_their_documents_and_no_other(released: Path) -> None:
     there = {path for path in files(released) if path.startswith("docs/") and path.endswith(".md")}
     names = ("students", "testing-your-node", "live-robot", "portable")
