@@ -42,8 +42,8 @@ STYLE = f"""\
 .course-check {{ max-width: 860px; font-size: 14px; line-height: 1.45; margin: 4px 0 10px; }}
 .course-check p {{ margin: 2px 0; }}
 .course-check .quiet {{ opacity: .72; }}
-.course-check h4 {{ margin: 14px 0 4px; font-size: 15px; }}
-.course-check h4 span {{ font-weight: normal; opacity: .72; }}
+.course-check p.group {{ margin: 14px 0 4px; font-size: 15px; font-weight: 600; }}
+.course-check p.group span {{ font-weight: normal; opacity: .72; }}
 .course-check table.checks, .course-check table.checks * {{
   background: none; text-align: left; vertical-align: top; font-size: 14px; }}
 .course-check table.checks {{ width: 100%; border-collapse: collapse; border: 0; margin: 0;
@@ -167,8 +167,8 @@ def _group(kind: str, group: Sequence[Check]) -> str:
     title = "Core" if kind == "core" else "Field"
     rows = "".join(_row(check, more) for check, more in with_details(group))
     return (
-        f"<h4>{title}<span>  ·  {_escaped(group_fact(kind, group))}</span></h4>"
-        f'<table class="checks"><tbody>{rows}</tbody></table>'
+        f'<p class="group">{title}<span>  ·  {_escaped(group_fact(kind, group))}</span></p>'
+        f'<table class="checks" aria-label="{title} checks"><tbody>{rows}</tbody></table>'
     )
 
 
