@@ -16,6 +16,7 @@ from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Order, 
 from grader.notebook.report import CheckReport
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import Progress, preformatted, tell
+from grader.notebook.steps import Steps
 
 
 def drive_file(
@@ -67,7 +68,7 @@ def check_file(name: str | None, file: str | Path | None, *, field: bool) -> Che
     if not isinstance(answer, Graded):
         return None
     grading = msgspec.json.decode(answer.grading)
-    report = CheckReport(grading, answer.text, answer.page, answer.first)
+    report = CheckReport(grading, answer.text, answer.page, answer.first, answer.changed)
     bar.end(report.shown())
     return report
 
@@ -92,11 +93,11 @@ def _wanted(name: str | None, file: str | Path | None) -> tuple[Exercise, tuple[
 
 def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
     """Ask the judge, with a bar below the cell; None (and a message) if it stopped or failed."""
-    done = {"trial": (0, 0), "check": (0, 0)}
+    steps = Steps()
 
     def on_progress(step: Progressed) -> None:
-        done[step.what] = step.done, step.of
-        bar.update(*_told(done))
+        steps.note(step)
+        bar.update(*steps.told())
 
     try:
         answer = JUDGE.ask(order, on_progress, bar.beat)
@@ -110,15 +111,6 @@ def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
     end = "\nThis is not your mistake. Run the cell again." if answer.fault else ""
     bar.say(f"{failed}: {sentence(answer.text)}{end}")
     return None
-
-
-def _told(done: Mapping[str, tuple[int, int]]) -> tuple[float, str]:
-    """Return the progress as a share, 0 … 1, and in words."""
-    (trials, all_trials), (checks, all_checks) = done["trial"], done["check"]
-    parts = [f"{trials} of {all_trials} trials"] if all_trials else []
-    parts += [f"{checks} of {all_checks} checks"] if all_checks else []
-    total = all_trials + all_checks
-    return (trials + checks) / total if total else 0.0, ", ".join(parts)
 
 
 def _scenario_name(scenario: str) -> str:

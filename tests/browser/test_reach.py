@@ -150,7 +150,10 @@ def test_no_line_ends_within_a_unit(open_page: Open) -> None:
 
 def test_on_paper_nothing_is_folded_away_and_no_map_is_black(open_page: Open) -> None:
     payload = payloads.failing_page()
-    payload["grading"]["cause"] = {"text": "It.", "hint": {"title": "T", "anchor": "a", "text": "H"}}
+    payload["grading"]["cause"] = {
+        "text": "It.",
+        "hint": {"title": "T", "anchor": "a", "text": "H"},
+    }
     page = open_page(payload, color_scheme="dark")
     folded = "document.querySelectorAll('.cause details:not([open])').length"
     theme = "document.documentElement.dataset.theme || ''"

@@ -136,7 +136,8 @@ function buildCheck(check, links) {
   const outcome = outcomeOf(check);
   const head = [
     sign(outcome),
-    el('span', { class: 'check-title', dir: 'auto' }, text(check.title) || text(check.id)),
+    el('span', { class: 'check-title' }, el('bdi', {}, text(check.title) || text(check.id)),
+      text(check.title) && text(check.id) ? [' ', el('code', { class: 'check-id', dir: 'ltr' }, text(check.id))] : null),
     el('span', { class: 'check-points' }, pointsOf(check)),
     el('span', { class: `check-word is-${outcome}` }, OUTCOMES[outcome]),
   ];
