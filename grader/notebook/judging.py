@@ -17,6 +17,7 @@ from grader.notebook.report import CheckReport
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import Progress, preformatted, tell
 from grader.notebook.steps import Steps
+from grader.notebook.written import age_of, newer_cell
 
 
 def drive_file(
@@ -46,6 +47,8 @@ def drive_file(
     except (InputError, GraderError) as error:
         tell(f"Not driven: {error}")
         return
+    if not SESSION.written and file is None:
+        tell(f"No %%node cell has run since this kernel started. {_written(path)}.")
     bar = Progress(f"{path.name} drives in {scenario}")
     answer = _ask(order, bar, "Not driven")
     if isinstance(answer, Driven):
@@ -62,15 +65,25 @@ def check_file(name: str | None, file: str | Path | None, *, field: bool) -> Che
     except (InputError, GraderError) as error:
         tell(f"Not checked: {error}")
         return None
+    written = _written(path)
     order = Grade(exercise.slug, str(path), path.name, only, field)
     bar = Progress(f"Exercise {exercise.number}, {path.name}")
     answer = _ask(order, bar, "Not checked")
     if not isinstance(answer, Graded):
         return None
     grading = msgspec.json.decode(answer.grading)
-    report = CheckReport(grading, answer.text, answer.page, answer.first, answer.changed)
+    report = CheckReport(
+        grading, answer.text, answer.page, answer.first, answer.changed, written, newer_cell(path)
+    )
     bar.end(report.shown())
     return report
+
+
+def _written(path: Path) -> str:
+    """Say when a file was written, and whether this kernel did it."""
+    ours = SESSION.written.get(path.name, Path()).resolve() == path
+    before = "" if ours else ", not by a cell of this kernel: if the cell is newer, run it"
+    return f"{path.name} was written {age_of(path)}{before}"
 
 
 def _wanted(name: str | None, file: str | Path | None) -> tuple[Exercise, tuple[str, ...]]:

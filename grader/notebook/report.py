@@ -88,6 +88,8 @@ class CheckReport:
     _page: str  # replays; "" if there are none
     _first: str = ""  # title of the first replay
     _changed: str = ""  # since the last attempt
+    _written: str = ""  # when the file was written
+    _newer: str = ""  # a warning that the file is older than its cell
     _shown_in: int | None = field(default=None, init=False)  # the cell that showed it last
 
     @property
@@ -106,12 +108,17 @@ class CheckReport:
         return list(self.grading["checks"])
 
     def __repr__(self) -> str:
-        """Return the terminal's table."""
-        return self._text.strip("\n")
+        """Return the terminal's table, and above it how old the file is."""
+        about = (self._newer, f"{self._written}." if self._written else "")
+        return "\n".join([*filter(None, about), self._text.strip("\n")])
 
     def _repr_html_(self) -> str:
         table = grading_html(self.grading, self._changed)
-        return table + replays_html(self.grading, self._page, self._first)
+        return self._about() + table + replays_html(self.grading, self._page, self._first)
+
+    def _about(self) -> str:
+        newer = f'<p role="alert"><b>{_escaped(self._newer)}</b></p>' if self._newer else ""
+        return newer + (f"<p>{_escaped(self._written)}.</p>" if self._written else "")
 
     def shown(self) -> Bundle:
         """Return what is shown below the running cell, and remember that cell."""
@@ -184,7 +191,7 @@ def _row(check: Check, more: bool) -> str:
     sign, _, word, _ = OUTCOMES[outcome]
     strong = outcome in ("fail", "error")
     title = _escaped(check["title"])
-    name = f' <code class="quiet">{_escaped(check["id"])}</code>' if check.get("id") else ""
+    name = f' <code class="quiet">({_escaped(check["id"])})</code>' if check.get("id") else ""
     return (
         f'<tr><td class="outcome"><span class="chip" style="background:{COLOURS[outcome]}">'
         f"{sign} {word}</span></td>"
