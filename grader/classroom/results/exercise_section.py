@@ -9,12 +9,12 @@ from grader.classroom.results.clean import one_line
 from grader.classroom.results.items import ENOUGH, Distribution, Item, item_analysis
 from grader.classroom.results.marks import Task, is_graded
 from grader.classroom.results.missing import Missing, Parts
-from grader.classroom.results.options import ResultOptions, Sources
-from grader.classroom.results.own_code import OwnCode, own_code
+from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.own_code import OwnCode
 from grader.classroom.results.page import Element, el, name, section, table
-from grader.classroom.results.similarity import Group, similar_groups
+from grader.classroom.results.similarity import Group
 from grader.classroom.results.words import NOTHING, plural, points, seconds, signed
-from grader.classroom.row import StoredResult
+from grader.classroom.row import StoredResult, as_graded
 from grader.course.exercises import EXERCISES
 
 SLOWEST = 5
@@ -29,6 +29,7 @@ def exercise_section(
 ) -> Element:
     """Return the section of the class report about one exercise; each part stands for itself."""
     graded = [result for result in results if is_graded(result)]
+    judged = judged_ones(graded)
     if not graded:
         return section(f"exercise-{task.folder}", task.heading, "No grading counts yet.")
 
@@ -46,9 +47,14 @@ def exercise_section(
             part("Slowest gradings", lambda: _slowest(graded)),
             class_="pair",
         ),
-        part("Checks", lambda: _checks(item_analysis(graded), len(graded))),
-        part("Nearly the same", lambda: _similar(results, options.sources, task)),
+        part("Checks", lambda: _checks(item_analysis(judged), len(judged))),
+        part("Nearly the same", lambda: _similar(results, options, task)),
     )
+
+
+def judged_ones(graded: Results) -> list[StoredResult]:
+    """Return what the judge said: a check that a person has waived is as hard as it was."""
+    return [one for one in map(as_graded, graded) if is_graded(one)]
 
 
 def lost_section(id_: str, heading: str, lost: Missing) -> Element:
@@ -147,17 +153,18 @@ def _check(item: Item, submissions: int) -> Element:
     )  # fmt: skip
 
 
-def _similar(results: Results, sources: Sources, task: Task) -> Element | None:
+def _similar(results: Results, options: ResultOptions, task: Task) -> Element | None:
     texts = {
-        result.student: sources[result.student, task.slug]
+        result.student: options.sources[result.student, task.slug]
         for result in results
-        if (result.student, task.slug) in sources
+        if (result.student, task.slug) in options.sources
     }
-    if not texts:
+    found = options.alikes.of(task.slug, texts, _skeletons(task))
+    if found is None:
         return None
-    groups = similar_groups(texts, _skeletons(task))
+    groups = found.groups
     heading = el("h3", "Nearly the same")
-    pasted = _own_code(own_code(texts, _skeletons(task), task.slug))
+    pasted = _own_code(found.own)
     if not groups:
         words = f"No two of {plural(len(texts), 'submission')} are nearly the same."
         return el("div", heading, el("p", words, class_="quiet"), pasted)

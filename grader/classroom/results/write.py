@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
+from grader.classroom.results.alike import Alikes
 from grader.classroom.results.class_page import bare_page, class_page
 from grader.classroom.results.clean import folder_name
 from grader.classroom.results.exports import there, write_exports, write_feedback_zips
@@ -30,11 +31,13 @@ from grader.classroom.results.junit import junit_xml
 from grader.classroom.results.marks import Task, is_graded, tasks_of
 from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.published import write_published
 from grader.classroom.row import HELD, StoredResult
 from grader.report.page import json_text, page_html
 
 CLASS_PAGE = "class.html"
 PAGES = ".pages.json"  # hashes of what each feedback page was made from
+ALIKE = ".alike.json"
 MANY = 20  # pages; for fewer, starting more processes does not pay
 
 
@@ -59,7 +62,7 @@ def write_results(
     OSError
         A full disk, or a folder that can't be written.
     """
-    options = options or ResultOptions()
+    options = replace(options or ResultOptions(), alikes=Alikes(out / ALIKE))
     parts = Parts()
     known = [_sound(result, parts) for result in results if not result.canary]
     tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
@@ -76,7 +79,10 @@ def write_results(
     for page, lost in _make(due, options.workers):
         parts.missing += lost
         pages.forget(page)
-    written += write_feedback_zips(book, tasks, out, parts)
+    written += write_feedback_zips(book, tasks, out, parts, options.published)
+    written += write_published(known, tasks, out, options.published or (), options.title, parts)
+    with parts.part("the list of submissions that are nearly the same"):
+        options.alikes.save()
     with parts.part("the list of pages that are up to date"):
         pages.save()
     if parts.missing:
@@ -130,6 +136,8 @@ class _Page:
         """Return all that the page depends on."""
         one = self.result
         told = (one.student, self.task.title, one.grading, one.file_names, one.finished)
+        if one.amended is not None:
+            told = (*told, one.amended.points, one.amended.steps)
         return (*told, sorted(self.hidden), None if self.bags is None else _state(self.bags))
 
     @property
