@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from grader.classroom.account import Account
@@ -108,7 +108,7 @@ def _autograde(
             notes = run(store, out, candidates, options, progress, writer.look).run()
         except KeyboardInterrupt:
             store.requeue_running()
-            progress.say("interrupted: what is graded is being written; Ctrl-C again leaves at once")
+            progress.say("interrupted: writing what is graded; Ctrl-C again leaves at once")
             writer.write([])
             raise
         finally:
@@ -139,6 +139,7 @@ class _Writer:
         self._options = options
         self._taken_in = taken_in
         self._written = now()  # [s] when
+        store.keep(OPTIONS, kept_text(self._wanted([])))  # for marks, after a kill, too
 
     def look(self) -> None:
         """Write what is there if the last time was long ago."""
@@ -150,16 +151,21 @@ class _Writer:
         self, notes: Sequence[str], *, over: bool = False
     ) -> tuple[list[StoredResult], Written]:
         """Write all results; submissions are compared with each other only when all is over."""
-        stored = self._store.results()
         sources = {
             key: candidate.read_if_possible()
             for key, candidate in self._taken_in.candidates.items()
             if over and not candidate.absent
         }
-        wanted = ResultOptions(
+        wanted = self._wanted(notes)
+        self._store.keep(OPTIONS, kept_text(wanted))
+        done = write_class(self._store, self._out, replace(wanted, sources=sources))
+        self._written = now()
+        return done
+
+    def _wanted(self, notes: Sequence[str]) -> ResultOptions:
+        return ResultOptions(
             hide=self._options.hide,
-            notes=[*self._store.notes(), *notes, *_version_notes(stored)],
-            sources=sources,
+            notes=[*self._store.notes(), *notes, *_version_notes(self._store.results())],
             workers=self._options.workers,
             account=self._taken_in.account,
             students=self._store.students(),
@@ -167,10 +173,6 @@ class _Writer:
             nbgrader=self._options.nbgrader,
             columns=column_titles(self._options.columns),
         )
-        self._store.keep(OPTIONS, kept_text(wanted))
-        done = write_class(self._store, self._out, wanted)
-        self._written = now()
-        return done
 
 
 @contextlib.contextmanager

@@ -6,30 +6,29 @@ Everything comes from the store: no recording is read but for replays, and no st
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from grader.classroom.amendments import (
     Change,
     Entry,
-    Score,
-    SetCheck,
     Undo,
-    Waive,
     Whom,
     active,
     amended,
 )
 from grader.classroom.amendments.apply import version_of
 from grader.classroom.amendments.people import nearest, the_student
-from grader.classroom.folder import locked, opened, write_class
+from grader.classroom.codes import codes_of
+from grader.classroom.folder import locked, opened, require_class, write_class
 from grader.classroom.results import Missing, ResultOptions
 from grader.classroom.results.kept import OPTIONS, kept_options
 from grader.classroom.results.marks import Task, checks_of, points_of, state_of, tasks_of
-from grader.classroom.row import StoredResult, StudentRow
+from grader.classroom.row import StoredResult, StudentRow, as_graded
 from grader.classroom.store import Store
-from grader.course.exercises import find_exercise
 from grader.errors import InputError, naming_a_full_disk
 
 NO_SPACE = (
@@ -74,34 +73,80 @@ def marking(out: Path) -> Iterator[Marking]:
     DiskFull
         No space was left.
     """
-    with opened(out), locked(out), opened(out) as store:
-        with naming_a_full_disk(NO_SPACE.format(out=out)):
-            yield Marking(store, out)
+    require_class(out)
+    with locked(out), opened(out) as store, naming_a_full_disk(NO_SPACE.format(out=out)):
+        yield Marking(store, out)
+
+
+@contextlib.contextmanager
+def reading(out: Path) -> Iterator[Marking]:
+    """Open a graded class, also while it is graded, only to read.
+
+    Raises
+    ------
+    InputError
+        No class was graded here, or the store is of another version.
+    """
+    with opened(out) as store:
+        yield Marking(store, out)
 
 
 class Marking:
     """A graded class whose marks may be changed."""
 
     def __init__(self, store: Store, out: Path) -> None:
-        self._store = store
-        self._out = out
-        self._options: ResultOptions = kept_options(store.kept(OPTIONS), store.students())
+        self.store = store
+        self.out = out
+        self.options: ResultOptions = kept_options(store.kept(OPTIONS), store.students())
         self.results: list[StoredResult] = [each for each in store.results() if not each.canary]
 
     @property
-    def rows(self) -> dict[str, StudentRow]:
+    def rows(self) -> Mapping[str, StudentRow]:
         """What is known of the students."""
-        return dict(self._options.students)
+        return self.options.students
 
-    @property
+    @cached_property
     def students(self) -> list[str]:
         """Everybody in the class."""
         return sorted({result.student for result in self.results})
 
     @property
-    def options(self) -> ResultOptions:
-        """What the results are written with."""
-        return self._options
+    def entries(self) -> list[Entry]:
+        """The log."""
+        return self.store.log.entries()
+
+    # --- what is told ----------------------------------------------------------------------------
+
+    def summary(self) -> str:
+        """Return the class in a line."""
+        states = Counter(state_of(result) for result in self.results)
+        counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
+        return f"{len(self.students)} students; as graded: {counts}"
+
+    def student(self, word: str) -> str:
+        """Return the student whom a word means, which may be a code.
+
+        Raises
+        ------
+        InputError
+            Nobody or more than one can be meant.
+        """
+        codes = {code: student for student, code in codes_of(self.store, self.students).items()}
+        return codes.get(word) or the_student(word, self.students, self.rows)
+
+    def code(self, student: str) -> str:
+        """Return a student's code."""
+        return codes_of(self.store, self.students)[student]
+
+    def points(self, student: str) -> list[tuple[StoredResult, str, str]]:
+        """Return a student's results with the points as graded and as they count."""
+        tasks = {task.slug: task for task in tasks_of(self.results)}
+        return [
+            (each, _shown(as_graded(each), tasks[each.exercise]),
+             _shown(each, tasks[each.exercise]))
+            for each in self.counting()
+            if each.student == student
+        ]  # fmt: skip
 
     # --- what is meant ---------------------------------------------------------------------------
 
@@ -122,10 +167,7 @@ class Marking:
         for task in tasks:
             if name in (task.slug, str(task.number)):
                 return task
-        with contextlib.suppress(InputError):
-            known = find_exercise(name).slug
-            raise InputError(f"{known}: not graded in this class; there are: {', '.join(slugs)}")
-        raise nearest(name, slugs, "exercise")
+        raise nearest(name, slugs, "exercise of this class")
 
     def whom(
         self, words: Sequence[str], section: str, *, everybody: bool, task: Task | None = None
@@ -179,7 +221,7 @@ class Marking:
         InputError
             There is no reason, or the log was changed by hand.
         """
-        log = self._store.log
+        log = self.store.log
         entries = log.entries()
         if isinstance(change, Undo):
             _check_undo(change, entries)
@@ -192,18 +234,17 @@ class Marking:
 
     def write(self) -> Marked:
         """Write all results anew."""
-        after, missing = self._written()
-        return Marked(None, [], missing)
+        return Marked(None, [], self._written()[1])
 
     def counting(self) -> list[StoredResult]:
         """Return the results as they count now."""
-        return self._counting(self._store.log.entries())
+        return self._counting(self.store.log.entries())
 
     def _counting(self, entries: Sequence[Entry]) -> list[StoredResult]:
         return amended(self.results, active(entries), self.rows)[0]
 
     def _written(self) -> tuple[list[StoredResult], list[Missing]]:
-        results, written = write_class(self._store, self._out, self._options)
+        results, written = write_class(self.store, self.out, self.options)
         return [result for result in results if not result.canary], written.missing
 
     def _shifts(
@@ -246,14 +287,9 @@ def undone_by(entries: Sequence[Entry]) -> list[tuple[int, int]]:
     return sorted(found.items())
 
 
-def is_about(entry: Entry, student: str, rows: dict[str, StudentRow]) -> bool:
+def is_about(entry: Entry, student: str, rows: Mapping[str, StudentRow]) -> bool:
     """Tell whether an entry is about a student."""
     change = entry.change
     if change is None or isinstance(change, Undo):
         return True
     return change.whom.includes(student, rows)
-
-
-__all__ = [
-    "Marked", "Marking", "Score", "SetCheck", "Shift", "Waive", "is_about", "marking", "undone_by",
-]  # fmt: skip

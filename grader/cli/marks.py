@@ -138,7 +138,7 @@ def score(
 @folder
 @exercise
 @click.option("--per-day", type=click.FloatRange(0, 100), required=True, metavar="PERCENT",
-              help="Of the exercise's points, for each day that has begun; 0: nothing.")  # fmt: skip
+              help="Of the exercise's points, for each begun day; 0: nothing.")  # fmt: skip
 @click.option("--deadline", default="", metavar="TIME", help="Such as 2026-05-04T23:59.")
 @click.option("--zone", default="UTC", help="Of times without an offset, such as Europe/Berlin.")
 @click.option("--grace", default="0", metavar="TIME", help="Costs nothing: 15min, 2h, 1d.")

@@ -1,4 +1,4 @@
-"""Apply the log to a class's stored gradings: checks first, then lateness, a person's score last."""
+"""Apply the log to stored gradings: checks first, then lateness, a person's score last."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Waive
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry
+from grader.classroom.results.clean import one_line
 from grader.classroom.results.marks import Task, points_of, tasks_of
 from grader.classroom.row import (
     ABSENT,
@@ -21,6 +22,8 @@ from grader.classroom.row import (
     StudentRow,
 )
 
+Remarks = dict[str, list[str]]  # a sentence, and whom it is about
+MOST_NAMED = 10  # students in a remark
 UNSURE = ("error", "inconclusive")  # outcomes that hold a grading
 
 
@@ -38,7 +41,7 @@ def amended(
     rows
         What is known of the students.
     """
-    remarks: list[str] = []
+    remarks: Remarks = {}
     tasks = {task.slug: task for task in tasks_of(results)}
     found = []
     for result in results:
@@ -46,7 +49,13 @@ def amended(
         if mine:
             result = _amended(result, mine, tasks[result.exercise], rows, remarks)  # noqa: PLW2901
         found.append(result)
-    return found, list(dict.fromkeys(remarks))
+    return found, [_listed(text, students) for text, students in remarks.items()]
+
+
+def _listed(text: str, students: Sequence[str]) -> str:
+    names = [one_line(student, 60) for student in dict.fromkeys(students)]
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return f"{text}: {', '.join(names[:MOST_NAMED])}{more}"
 
 
 def published(
@@ -78,7 +87,7 @@ def _amended(
     entries: Sequence[Entry],
     task: Task,
     rows: Mapping[str, StudentRow],
-    remarks: list[str],
+    remarks: Remarks,
 ) -> StoredResult:
     steps: list[str] = []
     numbers = []
@@ -88,10 +97,11 @@ def _amended(
             after = _with_check(changed, entry.change, steps)
             if after is None:
                 if entry.change.whom.students:
-                    remarks.append(
-                        f"Entry {entry.number} of the log has no effect: {result.student} has no "
-                        f"check {entry.change.check} in {result.exercise}"
+                    text = (
+                        f"Entry {entry.number} of the log has no effect where {result.exercise} "
+                        f"has no check {entry.change.check}"
                     )
+                    remarks.setdefault(text, []).append(result.student)
                 continue
             changed = after
             numbers.append(entry.number)
@@ -121,15 +131,16 @@ def _amended(
 
 
 def _note_version(
-    entry: Entry, versions: Mapping[str, str], result: StoredResult, remarks: list[str]
+    entry: Entry, versions: Mapping[str, str], result: StoredResult, remarks: Remarks
 ) -> None:
     """Remark that a mark was given for another submission than the one that is graded now."""
     then = versions.get(result.student, "")
     if then and then != version_of(result):
-        remarks.append(
-            f"Entry {entry.number} of the log was made for an earlier submission of "
-            f"{result.student}, and still counts: look at it again"
+        text = (
+            f"Entry {entry.number} of the log was made for an earlier submission, and still "
+            "counts; look at it again"
         )
+        remarks.setdefault(text, []).append(result.student)
 
 
 def version_of(result: StoredResult) -> str:
@@ -151,7 +162,7 @@ def _with_check(
         return None
     (check,) = found[:1]
     title = str(check.get("title") or change.check).rstrip(".")
-    was = f"Before: {check.get('outcome')}, {_points(check)} of {_most(check):g} points."
+    was = f"Before: {check.get('outcome')}, {_points(check):g} of {_most(check):g} points."
     said = str(check.get("message") or "")
     if isinstance(change, Waive):
         check.update(outcome="skip", points=0, max_points=0, waived=True)
@@ -212,7 +223,7 @@ def _penalty(
     points: float,
     rows: Mapping[str, StudentRow],
     steps: list[str],
-    remarks: list[str],
+    remarks: Remarks,
 ) -> float:
     """Return the points that lateness costs."""
     rule = entry.change
@@ -221,7 +232,7 @@ def _penalty(
     handed = row.handed.get(result.exercise) if row else None
     late = lateness(rule, result.student, handed)
     if late.problem:
-        remarks.append(f"{result.student}, {result.exercise}: {late.problem}")
+        remarks.setdefault(f"{task.heading}: {late.problem}", []).append(result.student)
     if not late.days:
         return 0.0
     share = min(late.days * rule.per_day, rule.cap)

@@ -53,12 +53,12 @@ def lateness(rule: Late, student: str, handed: Handed | None) -> Lateness:
         return Lateness(math.ceil(over / DAY) if over > rule.grace else 0)
     if handed is not None and handed.late:
         return Lateness(
-            1, "the platform says only that it is late: counted as one day; --times knows more"
+            1, "the platform says only that it is late; counted as one day (--times knows more)"
         )
     if handed is not None and handed.system == "canvas":
         return Lateness()  # it marks what is late
     if rule.deadline and handed is not None:
-        return Lateness(0, "no time is known of when it was handed in: not counted as late")
+        return Lateness(0, "no time is known of when it was handed in; not counted as late")
     return Lateness()
 
 

@@ -109,8 +109,7 @@ class Log:
             found.append(Entry(number, at, who, change, why, problem, text))
             before = seal
         found += [
-            Entry(each, "", "", None, "", GONE)
-            for each in range(len(found) + 1, self._given() + 1)
+            Entry(each, "", "", None, "", GONE) for each in range(len(found) + 1, self._given() + 1)
         ]
         return found
 

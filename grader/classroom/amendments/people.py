@@ -13,9 +13,7 @@ from grader.errors import InputError
 NEAR = 3  # names in an error
 
 
-def find_student(
-    word: str, students: Sequence[str], rows: Mapping[str, StudentRow]
-) -> str | None:
+def find_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRow]) -> str | None:
     """Return the student whom a word means; None if nobody or more than one can be meant."""
     if word in students:
         return word

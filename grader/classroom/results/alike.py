@@ -37,6 +37,17 @@ class Alikes:
             except (OSError, msgspec.MsgspecError, ValueError):
                 self._known = {}
 
+    @classmethod
+    def known(cls, found: Mapping[str, Alike]) -> Alikes:
+        """Return what others have found."""
+        made = cls()
+        made._known = dict(found)
+        return made
+
+    def all(self) -> Mapping[str, Alike]:
+        """Return what is known of every exercise."""
+        return self._known
+
     def of(self, slug: str, texts: Texts, skeletons: Mapping[str, bytes]) -> Alike | None:
         """Return what is known of an exercise; without texts what was found the last time."""
         before = self._known.get(slug)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,6 @@ from grader.classroom.results.options import ResultOptions
 from grader.classroom.roster import NOBODY, Roster
 from grader.classroom.row import StudentRow
 from grader.errors import InputError
-
 
 OPTIONS = "options"  # what the store calls it
 
@@ -41,7 +41,7 @@ def kept_text(options: ResultOptions) -> str:
         str(options.nbgrader.resolve()) if options.nbgrader else "",
         dict(options.columns),
     )
-    return msgspec.json.encode(found, enc_hook=str).decode("utf-8", "replace")
+    return json.dumps(msgspec.to_builtins(found, enc_hook=str))  # names of files may be no text
 
 
 def kept_options(text: str, students: Mapping[str, StudentRow]) -> ResultOptions:
@@ -53,7 +53,7 @@ def kept_options(text: str, students: Mapping[str, StudentRow]) -> ResultOptions
         Nothing was, by an older version of the course.
     """
     try:
-        found = msgspec.json.decode(text or "-", type=_Kept, dec_hook=_read)
+        found = msgspec.convert(json.loads(text), _Kept, dec_hook=_read)
     except (msgspec.MsgspecError, ValueError):
         raise InputError(
             "this class was graded by an earlier version of the course: run `course autograde` "

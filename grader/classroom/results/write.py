@@ -15,7 +15,7 @@ from pathlib import Path
 from grader.classroom.results.alike import Alikes
 from grader.classroom.results.class_page import bare_page, class_page
 from grader.classroom.results.clean import folder_name
-from grader.classroom.results.exports import there, write_exports, write_feedback_zips
+from grader.classroom.results.exports import BOM, there, write_exports, write_feedback_zips
 from grader.classroom.results.feedback import (
     exercise_page,
     index_page,
@@ -64,10 +64,7 @@ def write_results(
     """
     options = replace(options or ResultOptions(), alikes=Alikes(out / ALIKE))
     parts = Parts()
-    known = [_sound(result, parts) for result in results if not result.canary]
-    tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
-    order = {task.slug: index for index, task in enumerate(tasks)}
-    known.sort(key=lambda result: (result.student, order[result.exercise]))
+    known, tasks = _in_order(results, parts)
     book = Book(known, options.students, options.roster, options.columns)
     written = write_exports(book, tasks, out, options, parts)
     options = replace(options, notes=[*options.notes, *book.remarks], files=there(written, out))
@@ -88,6 +85,25 @@ def write_results(
     if parts.missing:
         _write_class_page(known, tasks, out, options, parts)  # again: it names what is missing
     return Written(written, parts.missing)
+
+
+def write_pages(results: Sequence[StoredResult], out: Path, options: ResultOptions) -> list[Path]:
+    """Write only the class report and the scores into `out`."""
+    parts = Parts()
+    known, tasks = _in_order(results, parts)
+    scores = write_text(out / "scores.csv", BOM + scores_csv(known, tasks, options.students))
+    return [_write_class_page(known, tasks, out, options, parts), scores]
+
+
+def _in_order(
+    results: Sequence[StoredResult], parts: Parts
+) -> tuple[list[StoredResult], list[Task]]:
+    """Return what students handed in, with the exercises, in their orders."""
+    known = [_sound(result, parts) for result in results if not result.canary]
+    tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
+    order = {task.slug: index for index, task in enumerate(tasks)}
+    known.sort(key=lambda result: (result.student, order[result.exercise]))
+    return known, tasks
 
 
 def _sound(result: StoredResult, parts: Parts) -> StoredResult:
@@ -135,10 +151,14 @@ class _Page:
     def made_of(self) -> tuple[object, ...]:
         """Return all that the page depends on."""
         one = self.result
+        changed = () if one.amended is None else (one.amended.points, one.amended.steps)
         told = (one.student, self.task.title, one.grading, one.file_names, one.finished)
-        if one.amended is not None:
-            told = (*told, one.amended.points, one.amended.steps)
-        return (*told, sorted(self.hidden), None if self.bags is None else _state(self.bags))
+        return (
+            *told,
+            *changed,
+            sorted(self.hidden),
+            None if self.bags is None else _state(self.bags),
+        )
 
     @property
     def name(self) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from fake_class import FILE, SLUG, fair, grading
 
-from grader.classroom import batch, candidates, folder
+from grader.classroom import candidates, folder
 from grader.classroom.engine import DaskWorkers
 from grader.classroom.roster import read_roster
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, TWICE

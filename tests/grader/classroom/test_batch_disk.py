@@ -140,7 +140,7 @@ def test_a_full_disk_is_known_by_its_cause() -> None:
 
 def test_nothing_is_left_running(grade_class: Any, tmp_path: Path) -> None:
     with pytest.MonkeyPatch.context() as disk, pytest.raises(DiskFull):
-        disk.setattr(batch, "write_results", full)
+        disk.setattr(batch, "write_class", full)
         grade_class()
     with Store(tmp_path / "out" / "store.sqlite") as store:
         assert RUNNING not in {result.state for result in store.results()}
