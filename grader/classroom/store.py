@@ -278,7 +278,8 @@ class Store:
 
     def know(self, students: Iterable[StudentRow]) -> None:
         """Keep what is known of the students, and of nobody else."""
-        rows = [(_text(row.student), msgspec.json.encode(row).decode()) for row in students]
+        # as ASCII: names of files need not be UTF-8
+        rows = [(_text(row.student), json.dumps(msgspec.to_builtins(row))) for row in students]
         with self._change():
             self._db.execute("DELETE FROM students")
             self._db.executemany("INSERT INTO students (student, about) VALUES (?, ?)", rows)
@@ -286,7 +287,7 @@ class Store:
     def students(self) -> dict[str, StudentRow]:
         """Return what is known of the students."""
         rows = self._db.execute("SELECT student, about FROM students ORDER BY student")
-        return {row[0]: msgspec.json.decode(row[1], type=StudentRow) for row in rows}
+        return {row[0]: msgspec.convert(json.loads(row[1]), StudentRow) for row in rows}
 
     def notes(self) -> list[str]:
         """Return the remarks."""
