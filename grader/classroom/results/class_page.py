@@ -24,6 +24,7 @@ from grader.classroom.results.marks import (
 from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import Linked, ResultOptions
 from grader.classroom.results.page import Element, document, el, name, section, table
+from grader.classroom.results.sections import sections_of, sections_table
 from grader.classroom.results.words import NOTHING, moment, plural, points
 from grader.classroom.row import RUNNING, WAITING, StoredResult
 from grader.report.page import GENERATED_BY
@@ -69,6 +70,8 @@ def class_page(
                 exercise_section(_of(results, task), task, scores[task.slug], options, parts)
                 for task in tasks
             ],
+            _section(parts, "sections", "Sections",
+                     lambda: sections_table(sections_of(results, options), tasks)),
             _section(parts, "students", "Students", lambda: _students(results, tasks, options)),
             _section(parts, "changes", "Changed marks", lambda: changes(options.log)),
             _section(parts, "notes", "Notes of the batch", lambda: _notes(results, options)),
@@ -98,6 +101,8 @@ def _top(results: Results, held: Results, tasks: Sequence[Task], options: Result
     ]
     links = [("#overview", "Overview")]
     links += [(f"#exercise-{task.folder}", task.heading) for task in tasks]
+    if sections_of(results, options):
+        links.append(("#sections", "Sections"))
     links += [("#students", "Students"), ("#notes", "Notes")]
     if options.log:
         links.insert(-1, ("#changes", f"Changed marks ({len(options.log)})"))
@@ -105,8 +110,9 @@ def _top(results: Results, held: Results, tasks: Sequence[Task], options: Result
         links.insert(0, ("#held", f"Held ({len(held)})"))
     return el(
         "header",
-        el("p", "Class report", class_="eyebrow"),
-        el("h1", el("bdi", one_line(options.title))),
+        el("p", el("a", "Class report", href="../class.html"), " · section", class_="eyebrow")
+        if options.section else el("p", "Class report", class_="eyebrow"),
+        el("h1", el("bdi", one_line(options.section or options.title))),
         el("p", [el("span", fact) for fact in facts if fact], class_="facts-line"),
         el("nav", el("ul", [el("li", el("a", text, href=href)) for href, text in links]),
            aria_label="Sections"),
@@ -247,7 +253,8 @@ def _students(results: Results, tasks: Sequence[Task], options: ResultOptions) -
     found = {(result.student, result.exercise): result for result in results}
     rows = []
     for student in sorted({result.student for result in results}):
-        folder = "" if options.anonymous else f"feedback/{quote(folder_name(student))}"
+        folder = f"{options.root}feedback/{quote(folder_name(student))}"
+        folder = "" if options.anonymous else folder
         mine = [(task, found.get((student, task.slug))) for task in tasks]
         counted = [points_of(result, task) for task, result in mine if result is not None]
         total = sum(points for points in counted if points is not None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from grader.classroom.results.charts import failures, histogram
+from grader.classroom.results.check_pages import page_of
 from grader.classroom.results.clean import one_line
 from grader.classroom.results.items import ENOUGH, Distribution, Item, item_analysis
 from grader.classroom.results.marks import Task, is_graded
@@ -47,8 +48,10 @@ def exercise_section(
             part("Slowest gradings", lambda: _slowest(graded)),
             class_="pair",
         ),
-        part("Checks", lambda: _checks(item_analysis(judged), len(judged))),
-        part("Nearly the same", lambda: _similar(results, options, task)),
+        part("Checks", lambda: _checks(item_analysis(judged), len(judged), task, options)),
+        None
+        if options.section
+        else part("Nearly the same", lambda: _similar(results, options, task)),
     )
 
 
@@ -102,7 +105,9 @@ def _slowest(graded: Results) -> Element:
     )
 
 
-def _checks(items: Sequence[Item], submissions: int) -> Element:
+def _checks(items: Sequence[Item], submissions: int, task: Task, options: ResultOptions) -> Element:
+    pages = {item.id: f"{options.root}{page_of(task, item.id)}" for item in items if item.failed}
+    pages = {} if options.anonymous else pages
     headings = [
         ("Check", "wide"), ("Did not pass", ""), ("Difficulty", "number"),
         ("Discrimination", "number"), ("What it may mean", "hint"),
@@ -114,7 +119,9 @@ def _checks(items: Sequence[Item], submissions: int) -> Element:
             group.sort(key=lambda item: -item.failed)  # stable: then in the checks' order
             head = el("tr", el("th", words, scope="rowgroup", colspan=len(headings)),
                       class_="group-row")  # fmt: skip
-            bodies.append(el("tbody", head, [_check(item, submissions) for item in group]))
+            bodies.append(
+                el("tbody", head, [_check(item, submissions, pages.get(item.id)) for item in group])
+            )
     return el(
         "div",
         el("h3", "Checks, the most failed first"),
@@ -124,13 +131,15 @@ def _checks(items: Sequence[Item], submissions: int) -> Element:
             "Difficulty is the share of submissions that pass: 0 is hardest. Discrimination is the "
             "point-biserial correlation between passing the check and the points of all the "
             "others: near 0 the check separates nobody; below 0, look at the check itself."
+            + (" A check's title leads to the replays of those who failed it." if pages else "")
             + ("" if submissions >= ENOUGH else FEW.format(plural(submissions, "submission"))),
             class_="quiet",
         ),
     )
 
 
-def _check(item: Item, submissions: int) -> Element:
+def _check(item: Item, submissions: int, page: str | None) -> Element:
+    title = el("span", item.title, dir="auto")
     counts = [f"{item.failed} failed"] if item.failed else []
     counts += [f"{item.skipped} skipped"] if item.skipped else []
     heard = None
@@ -143,7 +152,7 @@ def _check(item: Item, submissions: int) -> Element:
         )
     return el(
         "tr",
-        el("th", el("span", item.title, dir="auto"), el("code", one_line(item.id)), heard,
+        el("th", el("a", title, href=page) if page else title, el("code", one_line(item.id)), heard,
            scope="row"),
         el("td", failures(item, submissions),
            el("span", ", ".join(counts) or "none", class_="counts-word")),

@@ -226,7 +226,8 @@ function buildPage(page, payload) {
   const checks = grading ? toArray(grading.checks).filter(Boolean) : [];
   page.className = grading && replays.length ? 'page has-grading' : 'page'; // has-grading: two columns
   if (payload.embedded) page.classList.add('is-embedded'); // in a notebook, which says the rest
-  const name = payload.embedded ? el('h1', { class: 'hidden-text' }, text(payload.title) || 'Replay') : null;
+  const hidden = payload.framed === undefined ? 'hidden-text' : 'framed-title';
+  const name = payload.embedded ? el('h1', { class: hidden, dir: 'auto' }, text(payload.title) || 'Replay') : null;
   replaceChildren(page, payload.embedded ? null : buildTop(payload), grading ? buildScore(grading, checks) : null,
     grading ? buildCause(grading.cause) : null,
     el('div', { class: 'columns' },
@@ -236,7 +237,7 @@ function buildPage(page, payload) {
     payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
   if (!payload.embedded) return;
-  if (window.replayPlayer) window.replayPlayer.jumpTo(0, 0);
+  if (window.replayPlayer) window.replayPlayer.jumpTo(...momentOf(payload));
   foldIfNarrow(page);
   window.addEventListener('message', followFrame);
 }
@@ -249,10 +250,32 @@ function bringIntoView(root) {
   root.scrollIntoView({ behavior: calmMotion() ? 'auto' : 'smooth', block: 'start' });
 }
 
+/** With #check=ID the page is only the replay, at the moment of that check, for a frame. */
+function framed(payload) {
+  const check = new URLSearchParams(location.hash.slice(1)).get('check');
+  if (check === null) return payload;
+  const checks = payload.grading ? toArray(payload.grading.checks).filter(Boolean) : [];
+  const { scenario } = checks.find(({ id }) => id === check) || {};
+  return { ...payload, grading: null, embedded: true, framed: { check, scenario } };
+}
+
+/** The run and the moment of a check: the first that is about it, else its run, else the first. */
+function momentOf({ replays, framed: wanted }) {
+  if (!wanted) return [0, 0];
+  const runs = toArray(replays).map(toRun);
+  const found = runs.map(({ moments }) => moments.findIndex(({ check }) => check === wanted.check));
+  const run = found.findIndex((moment) => moment >= 0);
+  if (run >= 0) return [run, found[run]];
+  return [Math.max(0, runs.findIndex(({ scenario }) => scenario === wanted.scenario)), 0];
+}
+
 function start() {
   const source = document.getElementById('payload');
   const page = document.getElementById('page');
-  if (source && page) buildPage(page, JSON.parse(source.textContent));
+  if (!source || !page) return;
+  const payload = JSON.parse(source.textContent);
+  buildPage(page, framed(payload));
+  window.addEventListener('hashchange', () => buildPage(page, framed(payload)));
 }
 
 start();
