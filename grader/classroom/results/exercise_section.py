@@ -45,7 +45,7 @@ def exercise_section(
         el(
             "div",
             part("Scores", lambda: _scores(scores)),
-            part("Slowest gradings", lambda: _slowest(graded)),
+            part("Slowest gradings", lambda: _slowest(graded, task)),
             class_="pair",
         ),
         part("Checks", lambda: _checks(item_analysis(judged), len(judged), task, options)),
@@ -86,7 +86,7 @@ def _scores(scores: Distribution) -> Element:
     )
 
 
-def _slowest(graded: Results) -> Element:
+def _slowest(graded: Results, task: Task) -> Element:
     slowest = sorted(graded, key=lambda result: (-result.wall_s, result.student))[:SLOWEST]
     rows = [
         el("tr", el("th", name(result.student, 40), scope="row"),
@@ -100,7 +100,7 @@ def _slowest(graded: Results) -> Element:
     return el(
         "div",
         el("h3", "Slowest gradings"),
-        table("Slowest gradings", headings, rows, "is-plain"),
+        table(f"Slowest gradings, {task.heading}", headings, rows, "is-plain"),
         class_="card",
     )
 
@@ -125,7 +125,7 @@ def _checks(items: Sequence[Item], submissions: int, task: Task, options: Result
     return el(
         "div",
         el("h3", "Checks, the most failed first"),
-        table("Checks, the most failed first", headings, bodies, stacks=True),
+        table(f"Checks, the most failed first, {task.heading}", headings, bodies, stacks=True),
         el(
             "p",
             "Difficulty is the share of submissions that pass: 0 is hardest. Discrimination is the "
@@ -173,7 +173,7 @@ def _similar(results: Results, options: ResultOptions, task: Task) -> Element | 
         return None
     groups = found.groups
     heading = el("h3", "Nearly the same")
-    pasted = _own_code(found.own)
+    pasted = _own_code(found.own, task)
     if not groups:
         words = f"No two of {plural(len(texts), 'submission')} are nearly the same."
         return el("div", heading, el("p", words, class_="quiet"), pasted)
@@ -182,7 +182,7 @@ def _similar(results: Results, options: ResultOptions, task: Task) -> Element | 
         heading,
         pasted,
         table(
-            "Groups of submissions that are nearly the same",
+            f"Groups of submissions that are nearly the same, {task.heading}",
             [("Students", "wide"), ("Similarity", "number"), ("File", "wide")],
             [_group(group) for group in groups],
             stacks=True,
@@ -197,7 +197,7 @@ def _similar(results: Results, options: ResultOptions, task: Task) -> Element | 
     )
 
 
-def _own_code(found: Sequence[OwnCode]) -> Element | None:
+def _own_code(found: Sequence[OwnCode], task: Task) -> Element | None:
     """Return the submissions that hold the course's own code."""
     if not found:
         return None
@@ -214,7 +214,7 @@ def _own_code(found: Sequence[OwnCode]) -> Element | None:
     return el(
         "div",
         table(
-            "Submissions that hold the course's own code",
+            f"Submissions that hold the course's own code, {task.heading}",
             [("Student", "wide"), ("Similarity", "number"), ("File", "wide"), ("Course", "wide")],
             rows,
             stacks=True,
