@@ -286,7 +286,9 @@ function start() {
   if (!source || !page) return;
   const payload = JSON.parse(source.textContent);
   buildPage(page, framed(payload));
-  window.addEventListener('hashchange', () => buildPage(page, framed(payload)));
+  window.addEventListener('hashchange', () => {
+    if (location.hash.includes('check=')) buildPage(page, framed(payload));
+  });
 }
 
 start();
