@@ -23,7 +23,7 @@ from sim.bench import BenchScan
 from sim.errors import InputError
 from sim.lidar import PROFILES
 from sim.messages import LASER_FRAME
-from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown
+from sim.toml_input import convert, merged, near_ones, nearest, parse_toml, read_toml, shown
 from sim.world import Degrees, Metres, World, load_world, world_from_doc, world_names
 
 SCENARIOS = Path(__file__).parent / "scenarios"
@@ -333,7 +333,11 @@ def _find(name_or_path: str | Path) -> Path:
         return Path(name_or_path)
     if path := _named(text):
         return path
-    raise InputError(f"no scenario is called '{text}'{nearest(text, scenario_names(), LIST)}")
+    said, names = f"no scenario is called '{text}'", scenario_names()
+    near = near_ones(text, names)
+    if len(near) < 2:
+        raise InputError(said + nearest(text, near or names, LIST))
+    raise InputError(f"{said}; `{LIST}` lists all {len(names)}, and the nearest are", near)
 
 
 def _named(name: str) -> Path | None:

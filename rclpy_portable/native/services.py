@@ -45,10 +45,26 @@ class _Letter(NamedTuple):
         return rmw_service_info_t(self.id, self.sent, self.sent)
 
 
-class Service(End):
-    """A service of a node."""
+class _ServiceEnd(End):
+    """What services and clients have in common."""
 
     scheme = SERVICE
+    what = ""
+
+    def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
+        super().__init__(node, cls, name, qos)
+        self.participant.claim(self.wire, cls.Request, self.what, "request topic")
+
+    @property
+    def wire(self) -> str:
+        """The name that requests have in DDS."""
+        return f"rq{self.topic}Request"
+
+
+class Service(_ServiceEnd):
+    """A service of a node."""
+
+    what = "service"
 
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, name, qos)
@@ -78,10 +94,15 @@ class Service(End):
         return cdr.deserialize(letter.data, cls), letter.info()
 
     def service_send_response(self, response: Any, request_id: rmw_request_id_t) -> None:
-        """Answer a request; a client that is gone does not hear it."""
+        """Answer a request.
+
+        Every client of the service hears it and wakes up, as in DDS, where responses share one
+        topic; those that did not ask drop it.
+        """
         letter = _Letter(cdr.serialize(response), request_id, machine.stamps.next())
-        if not request_id.client._gone:
-            request_id.client.queue.append(letter)
+        for client in self.participant.all_clients():
+            if client.topic == self.topic and client.cls is self.cls:
+                client.queue.append(letter)
         machine.changed()
 
     def configure_introspection(self, _clock: Any, _qos: Any, _state: Any) -> None:
@@ -89,12 +110,13 @@ class Service(End):
 
     def _destroy(self) -> None:
         self.participant.services.remove(self)
+        self.participant.release(self.wire)
 
 
-class Client(End):
+class Client(_ServiceEnd):
     """A client of a service."""
 
-    scheme = SERVICE
+    what = "client"
 
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, name, qos)
@@ -109,7 +131,7 @@ class Client(End):
 
     @property
     def ready(self) -> bool:
-        """There is a response to take."""
+        """There is a response to take, perhaps to another's request."""
         return bool(self.queue)
 
     def service_server_is_available(self) -> bool:
@@ -128,10 +150,12 @@ class Client(End):
         return number
 
     def take_response(self, cls: Any) -> tuple[rmw_service_info_t | None, Any]:
-        """Return the oldest response."""
+        """Take the oldest response; return it if it answers this client."""
         if not self.queue:
             return None, None
         letter = self.queue.popleft()
+        if letter.id.client is not self:
+            return None, None
         return letter.info(), cdr.deserialize(letter.data, cls)
 
     def configure_introspection(self, _clock: Any, _qos: Any, _state: Any) -> None:
@@ -146,6 +170,7 @@ class Client(End):
 
     def _destroy(self) -> None:
         self.participant.clients.remove(self)
+        self.participant.release(self.wire)
 
 
 class TypeDescriptionService(Destroyable):
