@@ -34,6 +34,7 @@ KEPT = {
 }
 SINGLE = (
     "LICENSE", "LICENSE-lessons.md", "constraints.txt",
+    "Dockerfile", ".dockerignore", ".devcontainer/devcontainer.json",
     "docs/students.md", "docs/testing-your-node.md", "docs/live-robot.md", "docs/portable.md",
     "docs/images/notebook-dark.png", "docs/images/notebook-light.png",
     "docs/images/notebook-wrong.png",
@@ -87,6 +88,7 @@ def release(
     exercises: Collection[str] = (),
     archive: bool = False,
     make: Make | None = None,
+    more: Mapping[str, bytes] | None = None,
     root: Path = ROOT,
 ) -> list[Leak]:
     """Write the students' material into `folder`; return the skeletons that hold earlier answers.
@@ -103,6 +105,8 @@ def release(
         Builds the lesson's site and the notebooks, given the exercises that are left out (see
         `grader.authoring.handouts`). Without it there are no notebooks, and the lesson is released
         as Markdown.
+    more
+        Other files by their paths.
 
     Raises
     ------
@@ -113,7 +117,7 @@ def release(
     """
     packed = folder.with_name(folder.name + ".zip")
     _check_free(folder, packed if archive else None)
-    files = contents(exercises, root, make)
+    files = contents(exercises, root, make) | dict(more or {})
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".release-") as name:
         staged = Path(name) / "course"
