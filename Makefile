@@ -107,7 +107,8 @@ clean: ## remove what can be made again
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' \
-	  || { echo "expected Python 3.11 - 3.13; try: make PYTHON=python3.12" >&2; exit 2; }
+	  || { echo "expected Python 3.11 - 3.13, but $(PYTHON) is $$($(PYTHON) -V 2>&1);" \
+	    "try: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt

@@ -44,7 +44,18 @@ PRIVATE = re.compile(
 )
 QUIZ = "lessons/quiz.md"  # its tables are the rubric
 
-BACKEND = 'build-backend = "setuptools.build_meta"'
+BACKEND = 'build-backend = "course_setup"\nbackend-path = ["."]'
+SETUP = """\
+\"\"\"setuptools, with words of its own for a Python that is too old: pip would say much more.\"\"\"
+
+import sys
+
+if sys.version_info < (3, 11):
+    said = "expected Python 3.11 to 3.14, but this is %d.%d; take a newer one"
+    sys.exit(said % sys.version_info[:2])
+
+from setuptools.build_meta import *  # noqa: E402, F403
+"""
 STAMP = (2020, 1, 1, 0, 0, 0)  # time of every file in the archive: same release, same bytes
 
 README = """\
@@ -160,6 +171,7 @@ def contents(
         found.update(make(left_out))
     _check_bases(found)
     found["pyproject.toml"] = _pyproject((root / "pyproject.toml").read_text("utf-8")).encode()
+    found["course_setup.py"] = SETUP.encode()
     found["README.md"] = _readme(left_out, PLAIN if make is None else WITH_SITE).encode()
     return dict(sorted(found.items()))
 
@@ -218,7 +230,7 @@ def _is_public(path: str, left_out: set[str], rooms: Collection[str] = ()) -> bo
 def _pyproject(text: str) -> str:
     """Return the students' pyproject.toml: without the settings of development tools.
 
-    The course's own build of a wheel stays behind, too; setuptools installs the folder as it is.
+    The course's own build of a wheel stays behind, too: setuptools installs the folder as it is.
     """
     kept = re.split(r"(?m)^(?=\[)", text)
     ours = (

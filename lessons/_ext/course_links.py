@@ -1,7 +1,7 @@
 """Links to ../exercises, right where the sources are read, lead to the pages made of them.
 
 On GitHub and in a students' release the exercises lie beside the lesson; on the site, below it.
-A link to a skeleton, which lies beside its README, becomes a download. Skeletons of the exercises in
+A link to a skeleton, which lies beside its README, becomes a download. Skeletons of exercises in
 `course_left_out` stay behind: a release may leave exercises out.
 """
 
