@@ -117,7 +117,7 @@ function buildCause(cause) {
   const where = text(cause.where);
   const hint = cause.hint || {};
   return el('section', { class: 'cause', 'aria-label': 'Most probable cause' },
-    el('p', { class: 'message', dir: 'auto' }, el('strong', {}, 'Cause '), said),
+    el('p', { class: 'message', dir: 'auto' }, el('strong', {}, 'Cause '), unbroken(said)),
     where ? el('p', { class: 'message value', dir: 'auto' }, where) : null,
     text(hint.title) ? el('details', {}, el('summary', {}, `Hint: ${text(hint.title)} (${text(hint.anchor)})`),
       el('p', { class: 'message', dir: 'auto' }, text(hint.text))) : null);
@@ -136,7 +136,8 @@ function buildCheck(check, links) {
   const outcome = outcomeOf(check);
   const head = [
     sign(outcome),
-    el('span', { class: 'check-title', dir: 'auto' }, text(check.title) || text(check.id)),
+    el('span', { class: 'check-title' }, el('bdi', {}, text(check.title) || text(check.id)),
+      text(check.title) && text(check.id) ? [' ', el('code', { class: 'check-id', dir: 'ltr' }, text(check.id))] : null),
     el('span', { class: 'check-points' }, pointsOf(check)),
     el('span', { class: `check-word is-${outcome}` }, OUTCOMES[outcome]),
   ];
@@ -161,11 +162,11 @@ function buildCheckBody(check, links) {
   const facts = [['Expected', check.expected], ['Actual', check.actual], ['Code', check.where], ['Log', check.log]].map(([name, value]) => [name, text(value)])
     .filter(([, value]) => value);
   return [
-    message && el('p', long(message, 'message'), message),
+    message && el('p', long(message, 'message'), unbroken(message)),
     facts.length > 0 && el('dl', { class: 'facts' }, facts.map(([name, value]) => el('div', { class: `fact is-${name.toLowerCase()}` },
-      el('dt', {}, name), el('dd', long(value, 'value'), value)))),
+      el('dt', {}, name), el('dd', long(value, 'value'), unbroken(value))))),
     text(check.help) && el('p', { class: 'next' }, el('strong', {}, 'Look at next '),
-      el('span', { dir: 'auto' }, text(check.help))),
+      el('span', { dir: 'auto' }, unbroken(check.help))),
     ...buildLinks(check, links),
   ].filter(Boolean);
 }
@@ -221,12 +222,18 @@ function buildPage(page, payload) {
     if (!window.replayPlayer) return;
     if (moment < 0) window.replayPlayer.selectRun(run);
     else window.replayPlayer.jumpTo(run, moment);
+    const from = document.activeElement;
+    window.replayPlayer.focus();
     bringIntoView(root);
+    root.onkeydown = (event) => { // back to the check
+      if (event.key === 'Escape' && !event.target.closest('dialog')) from.focus();
+    };
   };
   const checks = grading ? toArray(grading.checks).filter(Boolean) : [];
   page.className = grading && replays.length ? 'page has-grading' : 'page'; // has-grading: two columns
   if (payload.embedded) page.classList.add('is-embedded'); // in a notebook, which says the rest
-  const name = payload.embedded ? el('h1', { class: 'hidden-text' }, text(payload.title) || 'Replay') : null;
+  const hidden = payload.framed === undefined ? 'hidden-text' : 'framed-title';
+  const name = payload.embedded ? el('h1', { class: hidden, dir: 'auto' }, text(payload.title) || 'Replay') : null;
   replaceChildren(page, payload.embedded ? null : buildTop(payload), grading ? buildScore(grading, checks) : null,
     grading ? buildCause(grading.cause) : null,
     el('div', { class: 'columns' },
@@ -235,10 +242,26 @@ function buildPage(page, payload) {
         : el('main', { class: 'replay-column' }, name, root)),
     payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
+  window.addEventListener('beforeprint', () => asPrinted(page));
+  if (window.replayPlayer) window.replayPlayer.open(payload.framed || checks, Boolean(payload.embedded));
   if (!payload.embedded) return;
-  if (window.replayPlayer) window.replayPlayer.jumpTo(0, 0);
   foldIfNarrow(page);
   window.addEventListener('message', followFrame);
+}
+
+/** On paper nothing is folded away, and a map is not black. */
+function asPrinted(page) {
+  const root = document.documentElement;
+  const folded = [...page.querySelectorAll('details:not([open])')].filter((part) => !part.closest('.is-pass'));
+  const { theme } = root.dataset;
+  const show = (open, look) => {
+    folded.forEach((part) => { part.open = open; });
+    if (look) root.dataset.theme = look;
+    else delete root.dataset.theme;
+    document.dispatchEvent(new CustomEvent('themechange'));
+  };
+  show(true, 'light');
+  window.addEventListener('afterprint', () => show(false, theme), { once: true });
 }
 
 /** On a narrow page the player is below the check that was pressed. */
@@ -249,10 +272,23 @@ function bringIntoView(root) {
   root.scrollIntoView({ behavior: calmMotion() ? 'auto' : 'smooth', block: 'start' });
 }
 
+/** With #check=ID the page is only the replay, at the moment of that check, for a frame. */
+function framed(payload) {
+  const check = new URLSearchParams(location.hash.slice(1)).get('check');
+  if (check === null) return payload;
+  const checks = payload.grading ? toArray(payload.grading.checks).filter(Boolean) : [];
+  return { ...payload, grading: null, embedded: true, framed: checks.filter(({ id }) => id === check) };
+}
+
 function start() {
   const source = document.getElementById('payload');
   const page = document.getElementById('page');
-  if (source && page) buildPage(page, JSON.parse(source.textContent));
+  if (!source || !page) return;
+  const payload = JSON.parse(source.textContent);
+  buildPage(page, framed(payload));
+  window.addEventListener('hashchange', () => {
+    if (location.hash.includes('check=')) buildPage(page, framed(payload));
+  });
 }
 
 start();
