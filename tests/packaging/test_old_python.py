@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import ast
+import contextlib
+import importlib.metadata
 import subprocess
 import sys
 import types
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 
 from grader.authoring.release import contents
 from grader.course.exercises import ROOT
 
+DEBIAN = "3.11.2"
 OLD = (3, 10, 13, "final", 0)
 
 
@@ -42,6 +47,21 @@ def test_pip_says_it(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert told(text, monkeypatch) == (
         "expected Python 3.11 to 3.14, but this is 3.10; take a newer one"
     )
+
+
+def test_every_pinned_version_takes_the_oldest_python() -> None:
+    """Debian 12's: who has it reads ResolutionImpossible for a pin that wants a newer 3.11."""
+    lines = (ROOT / "constraints.txt").read_text("utf-8").splitlines()
+    pins = [Requirement(line) for line in lines if line and not line.startswith("#")]
+    wrong = []
+    for pin in pins:
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+            found = importlib.metadata.metadata(pin.name)
+            wants = SpecifierSet(found["Requires-Python"] or "")
+            if found["Version"] in pin.specifier and DEBIAN not in wants:
+                wrong.append(f"{pin}: {wants}")
+
+    assert wrong == []
 
 
 def test_make_says_it(tmp_path: Path) -> None:
