@@ -23,8 +23,8 @@ from grader.recording import Endpoint, Recording, account_of
 from grader.recording.deaths import told_first
 from grader.recording.words import last_words
 from grader.report.terminal import printable
+from grader.trial.seeds import mixed_seed
 from grader.trial.training import MAX_FILE
-from grader.trial.trials import mixed_seed
 from grader.trial.virtual_time import run_trial
 from sim.lidar import PROFILES
 from sim.messages import CMD_VEL_TOPIC, TWIST_STAMPED

@@ -23,7 +23,7 @@ from sim.bench import BenchScan
 from sim.errors import InputError
 from sim.lidar import PROFILES
 from sim.messages import LASER_FRAME
-from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown
+from sim.toml_input import convert, merged, near_ones, nearest, parse_toml, read_toml, shown
 from sim.world import Degrees, Metres, World, load_world, world_from_doc, world_names
 
 SCENARIOS = Path(__file__).parent / "scenarios"
@@ -36,6 +36,7 @@ _MAY_BE_INFINITE = (
     "script.odom",
     "raw.linear_x",
     "raw.angular_z",
+    "raw.others",
     "node.models",
     "bench.fill",
     "bench.patches.range",
@@ -168,6 +169,7 @@ class RawCommands(_Table, frozen=True, rename={"begin": "from", "end": "to"}):
     end: Time  # none at or after this [s]
     linear_x: float = 0.0  # [m/s]; may be nan or inf
     angular_z: float = 0.0  # [rad/s]; may be nan or inf
+    others: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)  # linear y, z, angular x, y
     rate: Rate = 20.0  # [Hz]
 
     def __post_init__(self) -> None:
@@ -331,7 +333,11 @@ def _find(name_or_path: str | Path) -> Path:
         return Path(name_or_path)
     if path := _named(text):
         return path
-    raise InputError(f"no scenario is called '{text}'{nearest(text, scenario_names(), LIST)}")
+    said, names = f"no scenario is called '{text}'", scenario_names()
+    near = near_ones(text, names)
+    if len(near) < 2:
+        raise InputError(said + nearest(text, near or names, LIST))
+    raise InputError(f"{said}; `{LIST}` lists all {len(names)}, and the nearest are", near)
 
 
 def _named(name: str) -> Path | None:

@@ -35,6 +35,8 @@ _LENGTH = re.compile(r"Expected `array` of (?:at least )?length (?P<want>[<>=]* 
 _BOUND = re.compile(r"Expected `(?P<type>float|int)(?: \| null)?` [<>].*")
 _OURS = re.compile(r"(?P<key>\w+): (?P<what>.*)")  # a __post_init__ that names its field
 _MAX_BYTES = 4_000_000
+NEAR, SURE = 0.5, 0.85  # likeness of names: perhaps, certainly
+FEW = 6  # names that are near
 MANY = 12  # names: more would bury the message
 _MAX_SHOWN = 60  # characters of a value in an error
 
@@ -125,12 +127,22 @@ def nearest(name: str, known: Iterable[str], command: str = "") -> str:
     With a `command` that lists them, it stands in place of names that would fill a screen.
     """
     names = sorted(known)
-    close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+    close = difflib.get_close_matches(name, names, n=1, cutoff=NEAR)
     if close:
         return f"; did you mean '{close[0]}'?"
     if command and len(names) > MANY:
         return f"; `{command}` lists all {len(names)}"
     return f"; there is: {', '.join(names)}" if names else ""
+
+
+def near_ones(name: str, known: Iterable[str]) -> list[str]:
+    """Return the one name that must be meant, or those that have the word in them or are near."""
+    names = sorted(known)
+    if sure := difflib.get_close_matches(name, names, 1, SURE):
+        return sure
+    word = name.lower().strip("_")
+    inside = [each for each in names if len(word) > 2 and word in each]
+    return list(dict.fromkeys([*inside, *difflib.get_close_matches(name, names, FEW, NEAR)]))[:FEW]
 
 
 def shown(value: Any) -> str:

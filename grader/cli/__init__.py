@@ -68,7 +68,9 @@ def main() -> None:
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "course"
         code = _complain(f"{error.format_message()} (see {command} --help)")
-    except (InputError, GraderError) as error:
+    except InputError as error:
+        code = _complain(*str(error).split("\n"))
+    except GraderError as error:
         code = _complain(str(error))
     except KeyboardInterrupt:
         code = _complain("interrupted")
@@ -77,7 +79,8 @@ def main() -> None:
     sys.exit(code if isinstance(code, int) else 0)
 
 
-def _complain(message: str) -> int:
-    line = " ".join(message.split())
-    click.echo(f"course: {line}", err=True)
+def _complain(message: str, *choices: str) -> int:
+    """Print a line, and a line for each name to choose from."""
+    lines = (" ".join(message.split()), *(f"  {' '.join(choice.split())}" for choice in choices))
+    click.echo("course: " + "\n".join(lines), err=True)
     return FAULT

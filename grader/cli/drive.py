@@ -8,6 +8,7 @@ import click
 
 from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
+from grader.errors import InputError
 
 EXAMPLES = """\b
 Examples:
@@ -20,7 +21,7 @@ Examples:
 
 @click.command(epilog=EXAMPLES)
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--scenario", required=True, metavar="NAME|PATH", help="A scenario or its TOML file.")
+@click.option("--scenario", metavar="NAME|PATH", help="A scenario or its TOML file.")
 @click.option("--lidar", metavar="PROFILE", help="default, lds01, lds02 or wide.")
 @click.option("--duration", type=click.FloatRange(0.1, 3600), metavar="S", help="Simulated time.")
 @click.option(
@@ -45,7 +46,7 @@ Examples:
 @portable_option
 def drive(
     file: Path,
-    scenario: str,
+    scenario: str | None,
     lidar: str | None,
     duration: float | None,
     goals: tuple[tuple[float, float], ...],
@@ -63,6 +64,11 @@ def drive(
     from grader import drive as driving  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
 
+    if scenario is None:
+        raise InputError(
+            "--scenario NAME: expected one, such as --scenario demo_wall; "
+            "`course list --scenarios` lists them all"
+        )
     arguments = driving.arguments_of(params, remappings, params_files)
     chosen = driving.scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
     own = [program.file for program in chosen.program if not program.supplied]

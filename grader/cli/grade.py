@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from grader.cli.results import check_writable, show
+from grader.cli.results import JSON_STDOUT, check_writable, show
 from grader.cli.start import portable_option, start_forkserver
 from grader.course.students import Seed
 from grader.errors import InputError
@@ -67,7 +67,11 @@ def grade(
     check_writable(report, json_)
     if portable and tier == 2:
         raise InputError("--portable and --tier 2 exclude each other: there is no DDS")
-    with start_forkserver(chosen.libraries, portable=portable) as forkserver:
+    from grader.cli.waiting import Waiting  # noqa: PLC0415
+
+    waiting = Waiting(f"Exercise {chosen.number}, {file.name}", quiet=json_ == JSON_STDOUT)
+    with waiting, start_forkserver(chosen.libraries, portable=portable) as forkserver:
+        from grader.grading.attempts import since_last  # noqa: PLC0415
         from grader.grading.grading import grade_submission  # noqa: PLC0415
 
         grading = grade_submission(
@@ -80,8 +84,10 @@ def grade(
             seed=vary,
             bags=bags,
             tier=tier,
+            on_progress=waiting,
         )
-    return show(grading, json_, report)
+    changed = since_last(grading, file) if vary is None and tier == 1 else ""  # the same worlds
+    return show(grading, json_, report, changed)
 
 
 def _student_key(student: str | None, secret: Path | None, slug: str, seed: int | None) -> str:

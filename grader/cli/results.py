@@ -38,8 +38,11 @@ def check_writable(report: Path | None, json_: str | None = None) -> None:
             target.unlink()
 
 
-def show(grading: Grading, json_: str | None, report: Path | None) -> int:
-    """Print a grading, write its JSON and its report, and return the exit code."""
+def show(grading: Grading, json_: str | None, report: Path | None, changed: str = "") -> int:
+    """Print a grading, write its JSON and its report, and return the exit code.
+
+    `changed`: what changed since the last attempt; it is printed, and in no file.
+    """
     from grader.report.page import json_text, render_terminal  # noqa: PLC0415
 
     result = grading.as_dict()
@@ -48,7 +51,7 @@ def show(grading: Grading, json_: str | None, report: Path | None) -> int:
     else:
         from rich.console import Console  # noqa: PLC0415
 
-        render_terminal(result, Console())
+        render_terminal(result, Console(), changed)
     if json_ and json_ != JSON_STDOUT:
         Path(json_).write_text(json_text(result), "utf-8")
     if report is not None:

@@ -23,7 +23,7 @@ from grader.checks.verdict import CheckFailed, Inconclusive, inconclusive
 from grader.errors import GraderError, InputError
 from grader.recording import Recording
 from grader.recording.words import words_of
-from grader.trial.progress import CHECK, OnProgress, ignore
+from grader.trial.progress import CHECK, OnProgress, Step, ignore
 from grader.trial.trials import NoRecording, TrialFault, Trials
 
 PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
@@ -165,7 +165,11 @@ class CheckPlugin:
                 self._died.add(check.id)
         elif call.when == "call":
             self.results[check.id] = _result(check, PASS)
-        self._on_progress(CHECK, len(self.results), len(self._checks))
+        else:
+            return
+        outcome = self.results[check.id].outcome
+        done = len(self.results)
+        self._on_progress(Step(CHECK, done, len(self._checks), check.id, outcome))
 
     def _lived(self, check: Check) -> bool:
         """Tell whether the node lived on to the end of all of a check's trials."""

@@ -27,6 +27,7 @@ from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, print_summary, scenario_for
 from grader.errors import GraderError, InputError
+from grader.grading.attempts import since_last
 from grader.grading.grading import Grading, grade_submission
 from grader.link.launcher import Launcher
 from grader.link.pool import ForkServerPool
@@ -111,16 +112,16 @@ def _grade(order: Grade, forkservers: ForkServerPool, send: Send) -> Graded:
         file=order.shown,
         field=order.field,
         only=order.only,
-        on_progress=lambda what, done, of: send(Progressed(what, done, of)),
+        on_progress=lambda step: send(Progressed(*step)),
     )
-    result = grading.as_dict()
+    result, changed = grading.as_dict(), since_last(grading, path)
     console = Console(file=io.StringIO(), width=WIDTH, color_system=None, legacy_windows=False)
     with console.capture() as said:
-        render_terminal(result, console)
+        render_terminal(result, console, changed)
     runs = worth_seeing(grading)
     first = (runs[0].scenario.title or runs[0].name) if runs else ""
     page = _page(result["checks"], runs, exercise.title)
-    return Graded(json_text(result), said.get(), page, first)
+    return Graded(json_text(result), said.get(), page, first, changed)
 
 
 def worth_seeing(grading: Grading) -> list[Recording]:

@@ -16,6 +16,8 @@ from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Order, 
 from grader.notebook.report import CheckReport
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import Progress, preformatted, tell
+from grader.notebook.steps import Steps
+from grader.notebook.written import age_of, newer_cell
 
 
 def drive_file(
@@ -45,6 +47,8 @@ def drive_file(
     except (InputError, GraderError) as error:
         tell(f"Not driven: {error}")
         return
+    if not SESSION.written and file is None:
+        tell(f"No %%node cell has run since this kernel started. {_written(path)}.")
     bar = Progress(f"{path.name} drives in {scenario}")
     answer = _ask(order, bar, "Not driven")
     if isinstance(answer, Driven):
@@ -61,15 +65,25 @@ def check_file(name: str | None, file: str | Path | None, *, field: bool) -> Che
     except (InputError, GraderError) as error:
         tell(f"Not checked: {error}")
         return None
+    written = _written(path)
     order = Grade(exercise.slug, str(path), path.name, only, field)
     bar = Progress(f"Exercise {exercise.number}, {path.name}")
     answer = _ask(order, bar, "Not checked")
     if not isinstance(answer, Graded):
         return None
     grading = msgspec.json.decode(answer.grading)
-    report = CheckReport(grading, answer.text, answer.page, answer.first)
+    report = CheckReport(
+        grading, answer.text, answer.page, answer.first, answer.changed, written, newer_cell(path)
+    )
     bar.end(report.shown())
     return report
+
+
+def _written(path: Path) -> str:
+    """Say when a file was written, and whether this kernel did it."""
+    ours = SESSION.written.get(path.name, Path()).resolve() == path
+    before = "" if ours else ", not by a cell of this kernel: if the cell is newer, run it"
+    return f"{path.name} was written {age_of(path)}{before}"
 
 
 def _wanted(name: str | None, file: str | Path | None) -> tuple[Exercise, tuple[str, ...]]:
@@ -92,11 +106,11 @@ def _wanted(name: str | None, file: str | Path | None) -> tuple[Exercise, tuple[
 
 def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
     """Ask the judge, with a bar below the cell; None (and a message) if it stopped or failed."""
-    done = {"trial": (0, 0), "check": (0, 0)}
+    steps = Steps()
 
     def on_progress(step: Progressed) -> None:
-        done[step.what] = step.done, step.of
-        bar.update(*_told(done))
+        steps.note(step)
+        bar.update(*steps.told())
 
     try:
         answer = JUDGE.ask(order, on_progress, bar.beat)
@@ -110,15 +124,6 @@ def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
     end = "\nThis is not your mistake. Run the cell again." if answer.fault else ""
     bar.say(f"{failed}: {sentence(answer.text)}{end}")
     return None
-
-
-def _told(done: Mapping[str, tuple[int, int]]) -> tuple[float, str]:
-    """Return the progress as a share, 0 … 1, and in words."""
-    (trials, all_trials), (checks, all_checks) = done["trial"], done["check"]
-    parts = [f"{trials} of {all_trials} trials"] if all_trials else []
-    parts += [f"{checks} of {all_checks} checks"] if all_checks else []
-    total = all_trials + all_checks
-    return (trials + checks) / total if total else 0.0, ", ".join(parts)
 
 
 def _scenario_name(scenario: str) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from grader.course.submission import MAX_SIZE
 from grader.errors import GraderError
+from grader.notebook import guard
 from grader.notebook.cells import MAGIC, CellProblem, NodeCell, check_syntax, ended, file_name
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import show, tell
@@ -25,6 +26,7 @@ def register(shell: InteractiveShell) -> None:
     """Register `%%node` with a shell."""
     magics: Any = shell
     magics.register_magic_function(node, magic_kind="cell", magic_name="node")
+    guard.register(shell)
 
 
 def node(line: str, cell: str) -> None:

@@ -44,6 +44,8 @@ class Progressed(msgspec.Struct, frozen=True, tag="progress"):
     what: str  # "trial" or "check"
     done: int
     of: int
+    name: str = ""  # of the scenario or the check
+    outcome: str = ""  # of a check; how a trial ended; "": it begins
 
 
 class Driven(msgspec.Struct, frozen=True, tag="driven"):
@@ -60,6 +62,7 @@ class Graded(msgspec.Struct, frozen=True, tag="graded"):
     text: str  # the terminal's table
     page: str  # HTML, replays; "" if there are none
     first: str = ""  # title of the first replay
+    changed: str = ""  # since the last attempt
 
 
 class Problem(msgspec.Struct, frozen=True, tag="problem"):

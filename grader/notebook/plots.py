@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from grader.errors import InputError
 from grader.models.features import FRONT_EDGE, NAMES, scan_features
+from grader.notebook.figures import follow_theme
 from grader.recording import Scan
 from sim.lidar import PROFILES
 from sim.messages import LASER_SCAN, SCAN_TOPIC, decode
@@ -191,7 +192,8 @@ def _new_axes(size: tuple[float, float]) -> Axes:
             "plots need matplotlib, which is not installed here: run `pip install matplotlib`, "
             "or prepare() in a notebook"
         ) from None
-    _, axes = plt.subplots(figsize=size)
+    figure, axes = plt.subplots(figsize=size)
+    follow_theme(figure)
     return axes
 
 

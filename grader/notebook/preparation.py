@@ -59,6 +59,7 @@ def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
         except GraderError as error:
             print(f"Not ready: {error}", flush=True)
             return
+        _let_spin()
         said += "; rclpy works in this kernel"
     print(f"{said}.", flush=True)
     if ros.kind == PORTABLE:
@@ -66,6 +67,17 @@ def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
 
         said = f"{PRACTICE[0].upper()}{PRACTICE[1:]}. {system.never_run()}"
         print(said.strip(), flush=True)
+
+
+def _let_spin() -> None:
+    """Whoever asks for rclpy in the kernel may spin there."""
+    if "IPython" not in sys.modules:
+        return
+    from IPython.core.getipython import get_ipython  # noqa: PLC0415
+
+    from grader.notebook.guard import allow_spinning  # noqa: PLC0415
+
+    allow_spinning(get_ipython())
 
 
 def _ros() -> RosEnvironment:

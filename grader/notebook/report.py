@@ -13,6 +13,7 @@ from grader.report.terminal import (
     OUTCOMES,
     PROVISIONAL,
     PROVISIONAL_WHY,
+    SINCE,
     cause_of,
     facts_of,
     field_words,
@@ -42,8 +43,8 @@ STYLE = f"""\
 .course-check {{ max-width: 860px; font-size: 14px; line-height: 1.45; margin: 4px 0 10px; }}
 .course-check p {{ margin: 2px 0; }}
 .course-check .quiet {{ opacity: .72; }}
-.course-check h4 {{ margin: 14px 0 4px; font-size: 15px; }}
-.course-check h4 span {{ font-weight: normal; opacity: .72; }}
+.course-check p.group {{ margin: 14px 0 4px; font-size: 15px; font-weight: 600; }}
+.course-check p.group span {{ font-weight: normal; opacity: .72; }}
 .course-check table.checks, .course-check table.checks * {{
   background: none; text-align: left; vertical-align: top; font-size: 14px; }}
 .course-check table.checks {{ width: 100%; border-collapse: collapse; border: 0; margin: 0;
@@ -60,11 +61,12 @@ STYLE = f"""\
   margin: 4px 0 2px; }}
 .course-check .facts span:nth-child(odd) {{ opacity: .72; }}
 .course-check .facts span {{ white-space: pre-wrap; overflow-wrap: anywhere; }}
+.course-check code.quiet {{ font-size: 12px; background: none; color: inherit; }}
 .course-check .message {{ white-space: pre-wrap; }}
 .course-check .cause {{ margin: 8px 0; padding: 6px 12px; border-left: 4px solid #b83f00; }}
 .course-check .score {{ display: flex; align-items: center; gap: 14px; margin-top: 14px;
   padding-top: 10px; border-top: 2px solid rgba(128,128,128,.45); }}
-.course-check .label {{ display: inline-block; width: 48px; opacity: .72; }}
+.course-check .label {{ display: inline-block; min-width: 48px; opacity: .72; }}
 .course-check .bar {{ flex: 1; max-width: 320px; height: 10px; border-radius: 5px; overflow: hidden;
   background: rgba(128,128,128,.28); }}
 .course-check .bar i {{ display: block; height: 10px; }}
@@ -85,6 +87,9 @@ class CheckReport:
     _text: str  # the terminal's table
     _page: str  # replays; "" if there are none
     _first: str = ""  # title of the first replay
+    _changed: str = ""  # since the last attempt
+    _written: str = ""  # when the file was written
+    _newer: str = ""  # a warning that the file is older than its cell
     _shown_in: int | None = field(default=None, init=False)  # the cell that showed it last
 
     @property
@@ -103,11 +108,17 @@ class CheckReport:
         return list(self.grading["checks"])
 
     def __repr__(self) -> str:
-        """Return the terminal's table."""
-        return self._text.strip("\n")
+        """Return the terminal's table, and above it how old the file is."""
+        about = (self._newer, f"{self._written}." if self._written else "")
+        return "\n".join([*filter(None, about), self._text.strip("\n")])
 
     def _repr_html_(self) -> str:
-        return grading_html(self.grading) + replays_html(self.grading, self._page, self._first)
+        table = grading_html(self.grading, self._changed)
+        return self._about() + table + replays_html(self.grading, self._page, self._first)
+
+    def _about(self) -> str:
+        newer = f'<p role="alert"><b>{_escaped(self._newer)}</b></p>' if self._newer else ""
+        return newer + (f"<p>{_escaped(self._written)}.</p>" if self._written else "")
 
     def shown(self) -> Bundle:
         """Return what is shown below the running cell, and remember that cell."""
@@ -121,8 +132,11 @@ class CheckReport:
             show(self.shown())
 
 
-def grading_html(grading: Mapping[str, Any]) -> str:
-    """Return a grading as HTML that follows the page's theme; students' text is escaped."""
+def grading_html(grading: Mapping[str, Any], changed: str = "") -> str:
+    """Return a grading as HTML that follows the page's theme; students' text is escaped.
+
+    `changed`: what changed since the last attempt.
+    """
     checks: Sequence[Check] = grading.get("checks", [])
     groups = [
         _group(kind, group)
@@ -133,7 +147,7 @@ def grading_html(grading: Mapping[str, Any]) -> str:
     heading = f"<b>{_escaped(grading.get('exercise', ''))}</b>" + "".join(
         f'<span class="quiet">  ·  {_escaped(fact)}</span>' for fact in facts if fact
     )
-    inside = f"<p>{heading}</p>{_cause(grading)}{''.join(groups)}{_score(grading)}"
+    inside = f"<p>{heading}</p>{_cause(grading)}{''.join(groups)}{_score(grading, changed)}"
     return f'{STYLE}<div class="course-check">{inside}</div>'
 
 
@@ -167,8 +181,8 @@ def _group(kind: str, group: Sequence[Check]) -> str:
     title = "Core" if kind == "core" else "Field"
     rows = "".join(_row(check, more) for check, more in with_details(group))
     return (
-        f"<h4>{title}<span>  ·  {_escaped(group_fact(kind, group))}</span></h4>"
-        f'<table class="checks"><tbody>{rows}</tbody></table>'
+        f'<p class="group">{title}<span>  ·  {_escaped(group_fact(kind, group))}</span></p>'
+        f'<table class="checks" aria-label="{title} checks"><tbody>{rows}</tbody></table>'
     )
 
 
@@ -177,10 +191,12 @@ def _row(check: Check, more: bool) -> str:
     sign, _, word, _ = OUTCOMES[outcome]
     strong = outcome in ("fail", "error")
     title = _escaped(check["title"])
+    name = f' <code class="quiet">({_escaped(check["id"])})</code>' if check.get("id") else ""
     return (
         f'<tr><td class="outcome"><span class="chip" style="background:{COLOURS[outcome]}">'
         f"{sign} {word}</span></td>"
-        f"<td>{f'<b>{title}</b>' if strong else title}{_details(check) if more else ''}</td>"
+        f"<td>{f'<b>{title}</b>' if strong else title}{name}"
+        f"{_details(check) if more else ''}</td>"
         f'<td class="points">{points_of(check)}</td></tr>'
     )
 
@@ -194,13 +210,15 @@ def _details(check: Check) -> str:
     return said + (f'<div class="facts">{facts}</div>' if facts else "")
 
 
-def _score(grading: Mapping[str, Any]) -> str:
+def _score(grading: Mapping[str, Any], changed: str) -> str:
     share = share_of(grading)
     colour = COLOURS["pass"] if share >= 1 else "#2b7fba"
     word, rest = field_words(grading)
     lines = [_escaped(note) for note in score_notes(grading)]
     if grading.get("provisional"):
         lines.insert(0, f"<b>{PROVISIONAL}</b>{PROVISIONAL_WHY}")
+    if changed:
+        lines.append(f'<span class="label">Change</span> <b>{_escaped(changed)}</b> ({SINCE})')
     badge = f"<b>★ {word}</b>" if word else ""
     lines.append(f'<span class="label">Field</span> {badge}{_escaped(rest)}')
     lines += [_escaped(note) for note in grading.get("notes", ())]

@@ -45,9 +45,7 @@ class Session:
         """
         if file is not None:
             return self._usable(Path(file), [Path(file).name])
-        if not self.written:
-            raise self._nothing_written()
-        last = next(reversed(self.written.values()))
+        last = self._last()
         exercise = exercise_of(last.name)
         node = last if exercise is None else last.with_name(exercise.files[0])
         chosen = node if node.is_file() else last
@@ -61,9 +59,7 @@ class Session:
         InputError
             No cell has written a file, or it belongs to no exercise.
         """
-        if not self.written:
-            raise self._nothing_written()
-        last = next(reversed(self.written))
+        last = self._last().name
         exercise = exercise_of(last)
         if exercise is None:
             raise InputError(
@@ -84,6 +80,22 @@ class Session:
                 f"there is no {path} here: run the cell that starts with “%%node {path.name}” first"
             )
         return path.resolve()
+
+    def _last(self) -> Path:
+        """Return what the last cell wrote; after a kernel's restart, the newest node that is here.
+
+        Raises
+        ------
+        InputError
+            There is none.
+        """
+        if self.written:
+            return next(reversed(self.written.values()))
+        nodes = (Path(exercise.files[0]) for exercise in all_exercises())
+        here = [node for node in nodes if node.is_file() and node.name not in self.refused]
+        if not here or self.refused:
+            raise self._nothing_written()
+        return max(here, key=lambda node: node.stat().st_mtime).resolve()
 
     def _nothing_written(self) -> InputError:
         if self.refused:

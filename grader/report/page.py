@@ -45,6 +45,7 @@ SCRIPTS = (
     "account.js",
     "log.js",
     "layout.js",
+    "opening.js",
     "player.js",
     "page.js",
 )

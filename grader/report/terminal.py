@@ -34,6 +34,7 @@ SKIPPED = ("skip", "unavailable")
 UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
 PROVISIONAL = "provisional"
 PROVISIONAL_WHY = ": a check could not be judged, so a person has to look"
+SINCE = "since the last attempt"
 MAX_WIDTH = 110  # longer lines are hard to read
 MAX_TEXT = 1200  # [characters] of one message; the page has all of it
 
@@ -52,8 +53,11 @@ _STACKED = re.compile(
 )
 
 
-def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
-    """Print the checks, of failed ones expected, actual, time and next step, and the score."""
+def render_terminal(grading: Mapping[str, Any], console: Console, changed: str = "") -> None:
+    """Print the checks, of failed ones expected, actual, time and next step, and the score.
+
+    `changed`: what changed since the last attempt.
+    """
     checks: Sequence[Check] = grading.get("checks", [])
     width = min(console.width, MAX_WIDTH)
     console.print()
@@ -69,6 +73,8 @@ def render_terminal(grading: Mapping[str, Any], console: Console) -> None:
             console.print(Padding(_table(group, console), (0, 0, 0, 1)), width=width)
     console.print()
     console.print(_score_line(grading, console, width), width=width)
+    if changed:
+        console.print(_change_line(changed, console), width=width)
     for note in score_notes(grading):
         console.print(Text(f"        {note}", style="yellow"), width=width)
     console.print(_field_line(grading, console), width=width)
@@ -314,7 +320,10 @@ def _table(checks: Iterable[Check], console: Console) -> Table:
 
 def _title(check: Check, console: Console) -> Text:
     style = "bold" if check["outcome"] in ("fail", "error") else ""
-    return Text(printable(check["title"], console), style=style)
+    title = Text(printable(check["title"], console), style=style)
+    if check.get("id"):
+        title.append(f"  ({printable(check['id'], console)})", style="not bold dim")
+    return title
 
 
 def _add_details(table: Table, check: Check, console: Console) -> None:
@@ -345,6 +354,13 @@ def _score_line(grading: Mapping[str, Any], console: Console, width: int) -> Tex
         line.append(f"\n        {PROVISIONAL}", style="bold magenta")
         line.append(PROVISIONAL_WHY, style="dim")
     return line
+
+
+def _change_line(changed: str, console: Console) -> Padding:
+    line = Text("Change ")
+    line.append(printable(changed, console), style="bold")
+    line.append(f" ({SINCE})", style="dim")
+    return Padding(line, (0, 0, 0, 1))
 
 
 def _field_line(grading: Mapping[str, Any], console: Console) -> Text:

@@ -41,6 +41,14 @@ def not_run(simulation: Simulation, outcome: Outcome) -> Recording:
     return Recorder().freeze(simulation, outcome)
 
 
+def is_halt(recording: Recording) -> bool:
+    """Tell whether a node hung, or ended before it was sent anything, or never spun."""
+    outcome = recording.outcome
+    if outcome.completed or outcome.kind == "real_time" or recording.scenario.training is not None:
+        return False
+    return outcome.kind in ("hung", "never_spun") or not recording.delivered
+
+
 def roll_on(simulation: Simulation, reached: int, commands: Sequence[Command]) -> None:
     """Let the robot roll on for a while after its node ended at `reached` [ns]."""
     until = max(simulation.now, min(reached + AFTERMATH_NS, simulation.end))

@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 TRIAL, CHECK = "trial", "check"
 
-OnProgress = Callable[[str, int, int], None]
-"""Called with TRIAL or CHECK, how many are done, and of how many; from any thread."""
+
+class Step(NamedTuple):
+    """A trial that begins or ends, or a check that was judged."""
+
+    what: str  # TRIAL or CHECK
+    done: int
+    of: int
+    name: str  # of the scenario or the check
+    outcome: str = ""  # of a check; how a trial ended; "": it begins
 
 
-def ignore(what: str, done: int, of: int) -> None:
+OnProgress = Callable[[Step], None]
+"""Called from any thread."""
+
+
+def ignore(step: Step) -> None:
     """Tell nobody."""

@@ -15,24 +15,25 @@ from types import TracebackType
 from typing import Protocol
 
 from grader.course import installed
-from grader.course.students import Seed, secret_seed
+from grader.course.students import Seed
 from grader.course.submission import Submission
 from grader.errors import GraderError, is_disk_full
 from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
-from grader.trial.endings import BUSY_WAIT, not_run
-from grader.trial.progress import TRIAL, OnProgress, ignore
+from grader.trial.endings import BUSY_WAIT, is_halt, not_run
+from grader.trial.progress import TRIAL, OnProgress, Step, ignore
+from grader.trial.seeds import trial_seed
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
-from sim.difficulty import comparable_seed
 from sim.scenario import Scenario, load_scenario
 from sim.simulation import Simulation
 
-CANDIDATES = 6  # seeds to choose a comparable world from
 REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
 MAX_SAID = 200  # [characters] of an error in a message
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
+LEFT_OUT_KIND = "left out"
+LEFT_OUT = "The node {ended} in the run {name}, so {count} were left out."
 PATIENCE = 300.0  # [s] of wall time that the virtual trials of a submission may take in all
 HURRIED = Limits(total=20.0)  # once they have
 SLOW = (
@@ -58,6 +59,14 @@ class TrialFault(GraderError):
         self.scenario = scenario
 
 
+class _LeftOut(Exception):
+    """A trial was not run, since the node hung or never started in another."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        super().__init__(scenario.name)
+        self.scenario = scenario
+
+
 class Trials(Protocol):
     """A source of recordings, by the name of the scenario."""
 
@@ -66,6 +75,9 @@ class Trials(Protocol):
 
     def get(self, scenario: str) -> Recording:
         """Return a recording; NoRecording if there can be none, TrialFault if making it failed."""
+
+    def give_up(self) -> None:
+        """Start none of those announced that have not begun: nobody will ask for them."""
 
     def recordings(self) -> list[Recording]:
         """Return all that were asked for and could be made, in order."""
@@ -95,12 +107,16 @@ class NodeTrials:
     _trained: dict[str, Future[Trained]] = field(default_factory=dict)
     _seeds: dict[str, int] = field(default_factory=dict)  # by scenario
     _unsaved: list[str] = field(default_factory=list)  # sentences
+    _asked: set[str] = field(default_factory=set)  # scenarios whose recordings a check needed
 
     def __post_init__(self) -> None:
         self._pool = ThreadPoolExecutor(
             REAL_TIME_TRIALS if self.real_time else max(2, min(4, os.cpu_count() or 2))
         )
         self._hung = False
+        self._planned, self._ended = 0, 0  # trials
+        self._counting = threading.Lock()
+        self._halted = False  # it hung or never started: what no check asks for doesn't run
         self._took: list[float] = []  # [s] of wall time by each virtual trial
         self._second_look = threading.Lock()  # at a node that hung in virtual time
         self._why_real: str | None = None  # the node can't run in virtual time
@@ -122,20 +138,30 @@ class NodeTrials:
         new = [name for name in dict.fromkeys(scenarios) if name not in self._futures]
         # read here: several threads that build msgspec's type tables at once crash Python
         loaded = {name: self._load(name) for name in new}
+        self._planned += sum(scenario is not None for scenario in loaded.values())
         for name, scenario in loaded.items():
             if scenario is not None:
-                self._futures[name] = self._pool.submit(self._run, scenario)
-        for name in new:  # when all are there: their number is told too
-            self._futures[name].add_done_callback(self._tell)
+                self._futures[name] = self._pool.submit(self._run_unless_halted, scenario)
 
     def get(self, scenario: str) -> Recording:
         """Return the recording of a scenario, when its trial is over."""
+        self._asked.add(scenario)
         self.prepare([scenario])
-        return self._futures[scenario].result()
+        try:
+            return self._futures[scenario].result()
+        except _LeftOut as left_out:
+            self._futures[scenario] = self._pool.submit(self._run, left_out.scenario)
+            return self._futures[scenario].result()
+
+    def give_up(self) -> None:
+        """Cancel the trials that have not begun."""
+        for future in self._futures.values():
+            future.cancel()
 
     def recordings(self) -> list[Recording]:
-        """Return the recordings made, in order."""
-        return [future.result() for future in self._over() if future.exception() is None]
+        """Return the recordings made, in order; of a node that hung only those that checks need."""
+        made = [future.result() for future in self._over() if future.exception() is None]
+        return [recording for recording in made if not self._unasked(recording.name)]
 
     def faults(self) -> list[TrialFault]:
         """Return the trials in which the grader failed, in order."""
@@ -144,7 +170,21 @@ class NodeTrials:
 
     def notes(self) -> list[str]:
         """Say what was not saved, and that a node took more time than anybody's does."""
-        return [*self._unsaved, *([SLOW] if self._slow else [])]
+        return [*self._unsaved, *self._left_out(), *([SLOW] if self._slow else [])]
+
+    def _left_out(self) -> list[str]:
+        ends = [recording for recording in self.recordings() if is_halt(recording)]
+        count = sum(self._unasked(name) for name in self._futures)
+        if not ends or not count:
+            return []
+        ended = "hung" if ends[0].outcome.kind == "hung" else "never started"
+        runs = f"the other {count} runs" if count > 1 else "the other run"
+        said = LEFT_OUT.format(ended=ended, name=ends[0].name, count=runs)
+        return [said if count > 1 else said.replace("were", "was")]
+
+    def _unasked(self, scenario: str) -> bool:
+        """Tell whether a trial is left out, were it over by chance: each grading has the same."""
+        return self._halted and scenario not in self._asked
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
         """Say which of the libraries are not installed here; empty if all are."""
@@ -177,9 +217,11 @@ class NodeTrials:
             return None
         return scenario
 
-    def _tell(self, _: Future[Recording]) -> None:
-        futures = list(self._futures.values())
-        self.on_progress(TRIAL, sum(future.done() for future in futures), len(futures))
+    def _tell(self, name: str, outcome: str = "") -> None:
+        with self._counting:
+            self._ended += bool(outcome)
+            done = min(self._ended, self._planned)
+            self.on_progress(Step(TRIAL, done, self._planned, name, outcome))
 
     def _train(self, name: str) -> None:
         if name in self._trained:
@@ -193,12 +235,24 @@ class NodeTrials:
             seed=self.seed_of(scenario),
         )
 
+    def _run_unless_halted(self, scenario: Scenario) -> Recording:
+        if self._unasked(scenario.name):
+            self._tell(scenario.name, LEFT_OUT_KIND)
+            raise _LeftOut(scenario)
+        return self._run(scenario)
+
     def _run(self, scenario: Scenario) -> Recording:
+        self._tell(scenario.name)
+        outcome = "fault"
         try:
             recording = self._drive_or_train(scenario)
+            outcome = recording.outcome.kind
+            self._halted = self._halted or is_halt(recording)
             return recording if self.bags is None else self._saved(recording, self.bags)
         except Exception as error:  # ours: whatever a node does is an outcome
             raise TrialFault(scenario.name, error) from error
+        finally:
+            self._tell(scenario.name, outcome)
 
     def _saved(self, recording: Recording, bags: Path) -> Recording:
         """Save a recording; one that can't be saved is judged all the same."""
@@ -304,6 +358,9 @@ class SavedTrials:
     def prepare(self, scenarios: Sequence[str]) -> None:
         """Nothing to prepare: what is there is there."""
 
+    def give_up(self) -> None:
+        """Nothing to give up."""
+
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
         """Say which of the libraries are not installed; what was recorded needs none any more."""
         missing = [name for name in scenarios if name not in self._recordings]
@@ -331,23 +388,6 @@ class SavedTrials:
 def with_bag(recording: Recording, folder: Path) -> Recording:
     """Return the recording with a note of where it is saved."""
     return replace(recording, bag=str(folder))
-
-
-def trial_seed(scenario: Scenario, chosen: Seed | None) -> int:
-    """Return the seed of a graded trial; worlds of other seeds are as hard as the scenario's."""
-    if chosen is None:
-        return scenario.seed
-    if isinstance(chosen, str):
-        return comparable_seed(
-            scenario, [secret_seed(chosen, scenario.name, i) for i in range(CANDIDATES)]
-        )
-    mixed = mixed_seed(scenario.seed, chosen)
-    return comparable_seed(scenario, [(mixed + 7_919 * i) % 2**31 for i in range(CANDIDATES)])
-
-
-def mixed_seed(own: int, chosen: int | None) -> int:
-    """Return the seed of a trial: the scenario's own, or another for each `--seed`."""
-    return own if chosen is None else (own + 1_000_003 * (chosen + 1)) % 2**31
 
 
 def load_bags(path: Path) -> list[Recording]:

@@ -35,6 +35,12 @@ def wait_until(page: Any, condition: str) -> None:
     )
 
 
+def at_start(page: Any) -> Any:
+    """Go back from the failure at which a page opens."""
+    value(page, "selectRun(0)")
+    return page
+
+
 def press(page: Any, *keys: str) -> None:
     for key in keys:
         page.keyboard.press(key)
@@ -107,7 +113,7 @@ def test_prints_the_checks_without_the_player(open_page: Open) -> None:
 
 
 def test_playing_moves_the_robot(open_page: Open) -> None:
-    page = open_page(payloads.drive_page())
+    page = at_start(open_page(payloads.drive_page()))
     before, start = canvas_pixels(page), value(page, "state.pose.x")
     page.get_by_role("button", name="Play").click()
     wait_until(page, "window.replayPlayer.time > 0.3")
@@ -118,7 +124,7 @@ def test_playing_moves_the_robot(open_page: Open) -> None:
 
 
 def test_advance_drives_time_exactly_and_stops_at_the_end(open_page: Open) -> None:
-    page = open_page(payloads.drive_page())
+    page = at_start(open_page(payloads.drive_page()))
     value(page, "advance(2.5)")
     assert value(page, "time") == pytest.approx(2.5)
     assert value(page, "state.pose.x") == pytest.approx(payloads.SPEED * 2.5, abs=1e-3)
@@ -127,7 +133,7 @@ def test_advance_drives_time_exactly_and_stops_at_the_end(open_page: Open) -> No
 
 
 def test_the_keyboard_drives_the_player(open_page: Open) -> None:
-    page = open_page(payloads.drive_page())
+    page = at_start(open_page(payloads.drive_page()))
     press(page, "ArrowRight", "ArrowRight")
     assert value(page, "time") == pytest.approx(0.2)  # two scans of a 10 Hz lidar
     press(page, "ArrowLeft")
@@ -151,7 +157,7 @@ def test_the_keyboard_drives_the_player(open_page: Open) -> None:
 
 
 def test_n_and_p_walk_through_the_moments(open_page: Open) -> None:
-    page = open_page(payloads.drive_page())
+    page = at_start(open_page(payloads.drive_page()))
     first, second = (moment["t"] for moment in payloads.wall_run()["moments"])
     press(page, "n")
     assert value(page, "time") == pytest.approx(first)
@@ -164,7 +170,7 @@ def test_n_and_p_walk_through_the_moments(open_page: Open) -> None:
 
 
 def test_every_control_can_be_reached_and_has_a_name(open_page: Open) -> None:
-    page = open_page(payloads.failing_page())
+    page = at_start(open_page(payloads.failing_page()))
     nameless = page.evaluate(
         """[...document.querySelectorAll('button, select, [role=slider], canvas, summary')]
         .filter((e) => !(e.getAttribute('aria-label') || e.textContent.trim()).length)
@@ -187,7 +193,7 @@ def test_the_slider_seeks(open_page: Open) -> None:
 
 
 def test_screen_readers_hear_of_steps_but_not_of_playing(open_page: Open) -> None:
-    page = open_page(payloads.drive_page())
+    page = at_start(open_page(payloads.drive_page()))
     press(page, "ArrowRight")
     told = page.get_by_role("status").inner_text()
     assert told.replace("\u00a0", " ").startswith("0.10 s: robot at (0.05, 0.00)")
@@ -201,8 +207,7 @@ def test_screen_readers_hear_of_steps_but_not_of_playing(open_page: Open) -> Non
 
 
 def test_a_failed_check_leads_to_its_moment(open_page: Open) -> None:
-    page = open_page(payloads.failing_page())
-    assert value(page, "run") == 0
+    page = at_start(open_page(payloads.failing_page()))
     page.get_by_role("button", name="Show 8.66").click()
     assert value(page, "run") == 1
     assert value(page, "time") == pytest.approx(8.66)
@@ -254,7 +259,7 @@ def test_the_log_follows_the_time(open_page: Open) -> None:
 
 
 def test_zoom_pan_fit_and_follow(open_page: Open) -> None:
-    page = open_page(payloads.drive_page())
+    page = at_start(open_page(payloads.drive_page()))
     start = value(page, "view")
     box = page.locator("canvas.map").bounding_box()
     middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)

@@ -132,7 +132,7 @@ WRONG: dict[str, tuple[tuple[object, ...], tuple[str, ...]]] = {
     "no folder for the JSON": ((*GRADE, "--json", "@/no/x.json"), ("folder does not exist",)),
     "a folder that is no bag": ((*DRIVE, *SHORT, "--bag", "@"), ("is not a bag",)),
     "unknown scenario": ((*DRIVE, "--scenario", "demo_wal"), ("did you mean 'demo_wall'",)),
-    "missing scenario": (DRIVE, ("--scenario",)),
+    "missing scenario": (DRIVE, ("--scenario demo_wall", "course list --scenarios")),
     "missing scenario file": ((*DRIVE, "--scenario", "@/no.toml"), ("no.toml",)),
     "broken TOML": ((*DRIVE, "--scenario", "@/broken.toml"), ("broken.toml", "not valid TOML")),
     "binary TOML": ((*DRIVE, "--scenario", "@/binary.toml"), ("binary.toml", "not UTF-8")),
@@ -183,6 +183,16 @@ def test_without_ros_it_says_how_to_get_it(tmp_path: Path) -> None:
         [sys.executable, "-c", source], capture_output=True, text=True, check=False, cwd=ROOT
     )
     complains(Done(done.returncode, done.stdout, done.stderr), "was not found", "pip install")
+
+
+def test_several_near_scenarios_have_a_line_each() -> None:
+    done = course(*DRIVE, "--scenario", "wall")
+
+    first, *near = done.err.splitlines()
+    assert (done.code, done.out) == (2, "")
+    assert first.startswith("course: no scenario is called 'wall'; `course list --scenarios`")
+    assert {"avoid_wall", "demo_wall"} <= {line.strip() for line in near}
+    assert all(line.startswith("  ") and " " not in line.strip() for line in near)
 
 
 # --- grade ---------------------------------------------------------------------------------------

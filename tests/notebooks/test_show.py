@@ -181,7 +181,9 @@ def test_a_plot_is_shown_in_the_notebook(kernel: Kernel) -> None:
     said = kernel.run("%matplotlib inline\nshow_features('demo_wall');")
 
     assert (said.traceback, said.stderr) == ("", "")
-    assert [sorted(display) for display in said.displays] == [["image/png", "text/plain"]]
+    assert [sorted(display) for display in said.displays] == [
+        ["image/png", "text/html", "text/plain"]
+    ]
 
 
 def test_without_matplotlib_the_fix_is_named(tmp_path: Path) -> None:
@@ -193,3 +195,14 @@ def test_without_matplotlib_the_fix_is_named(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "run `pip install matplotlib`, or prepare() in a notebook" in done.stdout
+
+
+def test_a_plot_follows_the_theme_of_the_notebook(kernel: Kernel) -> None:
+    said = kernel.run("import matplotlib; matplotlib.use('inline')\nshow_scan('demo_wall');")
+    shown = next(display for display in said.displays if "image/png" in display)
+
+    assert 'alt="Plot: A wall ahead, 0.01 s"' in shown["text/html"]
+    assert "filter: invert" in shown["text/html"]
+    own = "import matplotlib.pyplot as plt\nplt.plot([1, 2]);"
+    (theirs,) = (d for d in kernel.run(own).displays if "image/png" in d)
+    assert "text/html" not in theirs  # a student's own figure is left alone

@@ -17,6 +17,7 @@ from sim.toml_input import convert, parse_toml, read_toml
 HINTS = "hints.md"
 MAX_HINTS = 64 * 1024  # [characters]
 _HINT = re.compile(r"<details><summary>(?P<title>[^<]*)</summary>(?P<text>.*?)</details>", re.S)
+_SOFT_BREAK = re.compile(r"(?<=[^\n|])\n(?!\s|[|>#]|[-*] |\d+\. |$)")
 PLACES = Path(__file__).parent / "hints.toml"
 _Text = Annotated[str, msgspec.Meta(pattern=r"^\d+\.\d+$")]
 _Table = dict[str, dict[str, _Text]]
@@ -107,8 +108,14 @@ def hint_at(exercise: Exercise, place: Place | None) -> Hint | None:
         if int(number[0] if number else 0) == place.task and 0 < place.number <= len(hints):
             found = hints[place.number - 1]
             said = f"{title}. {found['title'].strip()}"
-            return Hint(said, anchor(title), found["text"].strip())
+            return Hint(said, anchor(title), _flowing(found["text"].strip()))
     return None
+
+
+def _flowing(markdown: str) -> str:
+    """Return a text with a line for each paragraph; code, lists and tables keep theirs."""
+    parts = markdown.split("```")
+    return "```".join(part if i % 2 else _SOFT_BREAK.sub(" ", part) for i, part in enumerate(parts))
 
 
 def hint_for(exercise: Exercise, failed: Sequence[Failed]) -> Hint | None:

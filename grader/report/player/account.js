@@ -119,5 +119,5 @@ function renderAccount(list, replay, onseek) {
   replaceChildren(list, accountOf(replay).map((event) => el('li', { class: `event event-${event.kind}` },
     el('button', { type: 'button', class: 'time-button', 'aria-label': `Go to ${seconds(event.t)}`,
       onclick: () => onseek(event) }, seconds(event.t)),
-    el('span', { class: 'event-text', dir: 'auto' }, event.text))));
+    el('span', { class: 'event-text', dir: 'auto' }, unbroken(event.text)))));
 }

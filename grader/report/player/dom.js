@@ -15,7 +15,7 @@ function el(tag, properties = {}, ...children) {
 }
 
 function append(parent, children) {
-  for (const child of children.flat()) {
+  for (const child of children.flat(2)) {
     if (child === null || child === undefined || child === false) continue;
     parent.append(child instanceof Node ? child : document.createTextNode(plainText(child)));
   }
@@ -101,6 +101,20 @@ function withUnit(value, unit, digits = 2) {
 const seconds = (t, digits = 2) => withUnit(t, 's', digits);
 const degrees = (radians) => withUnit((radians * 180) / Math.PI, '\u00b0', 0).replace('\u00a0', '');
 const plural = (n, one, many = `${one}s`) => `${n} ${n === 1 ? one : many}`;
+const QUANTITY = /(?:[-\u2212]?\d[\d.]*[ \u00a0])?(?:m\/s\u00b2?|rad\/s|km\/h)(?!\w)|[-\u2212]?\d[\d.]*[ \u00a0](?:ms|s|m|Hz|rad|%)(?!\w)/g;
+
+/** Text as children for `el`: no line ends within a number with its unit, nor within "m/s". */
+function unbroken(value) {
+  const said = text(value);
+  const pieces = [];
+  let end = 0;
+  for (const { 0: quantity, index } of said.matchAll(QUANTITY)) {
+    pieces.push(said.slice(end, index), el('span', { class: 'quantity' }, quantity));
+    end = index + quantity.length;
+  }
+  return [...pieces, said.slice(end)];
+}
+
 const text = (value) => (value === null || value === undefined ? '' : String(value));
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 

@@ -8,6 +8,7 @@ const KEYS = [
   ['P N', 'previous, next failing moment'],
   ['F', 'follow the robot'],
   ['0 + \u2212', 'fit, zoom in, zoom out'],
+  ['Esc', 'back to the check that led here'],
   ['?', 'this help'],
 ];
 
@@ -37,7 +38,7 @@ function buildStage(actions) {
     iconButton('plus', 'Zoom in (+)', actions.zoomIn), iconButton('minus', 'Zoom out (\u2212)', actions.zoomOut),
     iconButton('fit', 'Fit everything (0)', actions.fit), follow, lidar);
   const hint = el('p', { class: 'map-hint', hidden: true }, 'Click the map, then scroll to zoom');
-  const annotation = el('div', { class: 'annotation', hidden: true });
+  const annotation = el('div', { class: 'annotation', role: 'group', 'aria-label': 'Failed check', hidden: true });
   const legend = el('div', { class: 'map-legend', 'aria-hidden': 'true' });
   return { canvas, follow, lidar, hint, annotation, legend,
     element: el('div', { class: 'stage' }, canvas, tools, legend, hint, annotation) };
@@ -74,8 +75,8 @@ function buildTransport(actions) {
 function buildPlot(actions) {
   const canvas = el('canvas', { class: 'plot', role: 'img',
     'aria-label': 'Commanded and actual speed, and clearance, over time. The account below says it in words.' });
-  const linear = el('button', { type: 'button', 'aria-pressed': 'true', onclick: actions.plotLinear }, 'Linear');
-  const angular = el('button', { type: 'button', 'aria-pressed': 'false', onclick: actions.plotAngular }, 'Angular');
+  const linear = el('button', { type: 'button', 'aria-pressed': 'true', onclick: actions.plotLinear }, el('span', {}, 'Linear'));
+  const angular = el('button', { type: 'button', 'aria-pressed': 'false', onclick: actions.plotAngular }, el('span', {}, 'Angular'));
   return { canvas, linear, angular,
     element: el('div', { class: 'plot-box' }, canvas,
       el('div', { class: 'segmented', role: 'group', 'aria-label': 'Speed in the plot' }, linear, angular)) };
@@ -101,7 +102,7 @@ function buildPlayer(actions, count) {
   const head = buildHeader(actions, count);
   const stage = buildStage(actions);
   const readout = buildReadout();
-  const timeline = new Timeline(actions.seek, actions.showMoment);
+  const timeline = new Timeline(actions.seek, actions.showNextOf);
   const transport = buildTransport(actions);
   const plot = buildPlot(actions);
   const log = new LogPane(actions.seek);

@@ -117,7 +117,7 @@ function buildCause(cause) {
   const where = text(cause.where);
   const hint = cause.hint || {};
   return el('section', { class: 'cause', 'aria-label': 'Most probable cause' },
-    el('p', { class: 'message', dir: 'auto' }, el('strong', {}, 'Cause '), said),
+    el('p', { class: 'message', dir: 'auto' }, el('strong', {}, 'Cause '), unbroken(said)),
     where ? el('p', { class: 'message value', dir: 'auto' }, where) : null,
     text(hint.title) ? el('details', {}, el('summary', {}, `Hint: ${text(hint.title)} (${text(hint.anchor)})`),
       el('p', { class: 'message', dir: 'auto' }, text(hint.text))) : null);
@@ -136,7 +136,8 @@ function buildCheck(check, links) {
   const outcome = outcomeOf(check);
   const head = [
     sign(outcome),
-    el('span', { class: 'check-title', dir: 'auto' }, text(check.title) || text(check.id)),
+    el('span', { class: 'check-title' }, el('bdi', {}, text(check.title) || text(check.id)),
+      text(check.title) && text(check.id) ? [' ', el('code', { class: 'check-id', dir: 'ltr' }, text(check.id))] : null),
     el('span', { class: 'check-points' }, pointsOf(check)),
     el('span', { class: `check-word is-${outcome}` }, OUTCOMES[outcome]),
   ];
@@ -161,11 +162,11 @@ function buildCheckBody(check, links) {
   const facts = [['Expected', check.expected], ['Actual', check.actual], ['Code', check.where], ['Log', check.log]].map(([name, value]) => [name, text(value)])
     .filter(([, value]) => value);
   return [
-    message && el('p', long(message, 'message'), message),
+    message && el('p', long(message, 'message'), unbroken(message)),
     facts.length > 0 && el('dl', { class: 'facts' }, facts.map(([name, value]) => el('div', { class: `fact is-${name.toLowerCase()}` },
-      el('dt', {}, name), el('dd', long(value, 'value'), value)))),
+      el('dt', {}, name), el('dd', long(value, 'value'), unbroken(value))))),
     text(check.help) && el('p', { class: 'next' }, el('strong', {}, 'Look at next '),
-      el('span', { dir: 'auto' }, text(check.help))),
+      el('span', { dir: 'auto' }, unbroken(check.help))),
     ...buildLinks(check, links),
   ].filter(Boolean);
 }
@@ -221,7 +222,12 @@ function buildPage(page, payload) {
     if (!window.replayPlayer) return;
     if (moment < 0) window.replayPlayer.selectRun(run);
     else window.replayPlayer.jumpTo(run, moment);
+    const from = document.activeElement;
+    window.replayPlayer.focus();
     bringIntoView(root);
+    root.onkeydown = (event) => { // back to the check
+      if (event.key === 'Escape' && !event.target.closest('dialog')) from.focus();
+    };
   };
   const checks = grading ? toArray(grading.checks).filter(Boolean) : [];
   page.className = grading && replays.length ? 'page has-grading' : 'page'; // has-grading: two columns
@@ -236,10 +242,26 @@ function buildPage(page, payload) {
         : el('main', { class: 'replay-column' }, name, root)),
     payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
+  window.addEventListener('beforeprint', () => asPrinted(page));
+  if (window.replayPlayer) window.replayPlayer.open(payload.framed || checks, Boolean(payload.embedded));
   if (!payload.embedded) return;
-  if (window.replayPlayer) window.replayPlayer.jumpTo(...momentOf(payload));
   foldIfNarrow(page);
   window.addEventListener('message', followFrame);
+}
+
+/** On paper nothing is folded away, and a map is not black. */
+function asPrinted(page) {
+  const root = document.documentElement;
+  const folded = [...page.querySelectorAll('details:not([open])')].filter((part) => !part.closest('.is-pass'));
+  const { theme } = root.dataset;
+  const show = (open, look) => {
+    folded.forEach((part) => { part.open = open; });
+    if (look) root.dataset.theme = look;
+    else delete root.dataset.theme;
+    document.dispatchEvent(new CustomEvent('themechange'));
+  };
+  show(true, 'light');
+  window.addEventListener('afterprint', () => show(false, theme), { once: true });
 }
 
 /** On a narrow page the player is below the check that was pressed. */
@@ -255,18 +277,7 @@ function framed(payload) {
   const check = new URLSearchParams(location.hash.slice(1)).get('check');
   if (check === null) return payload;
   const checks = payload.grading ? toArray(payload.grading.checks).filter(Boolean) : [];
-  const { scenario } = checks.find(({ id }) => id === check) || {};
-  return { ...payload, grading: null, embedded: true, framed: { check, scenario } };
-}
-
-/** The run and the moment of a check: the first that is about it, else its run, else the first. */
-function momentOf({ replays, framed: wanted }) {
-  if (!wanted) return [0, 0];
-  const runs = toArray(replays).map(toRun);
-  const found = runs.map(({ moments }) => moments.findIndex(({ check }) => check === wanted.check));
-  const run = found.findIndex((moment) => moment >= 0);
-  if (run >= 0) return [run, found[run]];
-  return [Math.max(0, runs.findIndex(({ scenario }) => scenario === wanted.scenario)), 0];
+  return { ...payload, grading: null, embedded: true, framed: checks.filter(({ id }) => id === check) };
 }
 
 function start() {
@@ -275,7 +286,9 @@ function start() {
   if (!source || !page) return;
   const payload = JSON.parse(source.textContent);
   buildPage(page, framed(payload));
-  window.addEventListener('hashchange', () => buildPage(page, framed(payload)));
+  window.addEventListener('hashchange', () => {
+    if (location.hash.includes('check=')) buildPage(page, framed(payload));
+  });
 }
 
 start();

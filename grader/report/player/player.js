@@ -36,6 +36,8 @@ class Player {
       previousMoment: () => this.neighbourMoment(-1),
       nextMoment: () => this.neighbourMoment(1),
       showMoment: (moment) => this.jumpTo(this.runIndex, this.replay.moments.indexOf(moment)),
+      showNextOf: (group) => this.jumpTo(this.runIndex, this.replay.moments.indexOf(
+        group[(group.indexOf(this.moment) + 1) % group.length])),
       zoomIn: () => this.zoom(ZOOM_STEP),
       zoomOut: () => this.zoom(1 / ZOOM_STEP),
       fit: () => { this.world.fit(); this.draw(); },
@@ -114,6 +116,20 @@ class Player {
     this.announce();
   }
 
+  /** Stand where there is most to see; `lead`: a moment is led up to. */
+  open(opening, lead) {
+    if (!opening) return;
+    const { run, moment, t } = opening;
+    if (run !== this.runIndex) this.selectRun(run);
+    if (moment !== undefined && lead) this.jumpTo(run, moment);
+    else this.playback.seek(moment === undefined ? t : this.replay.moments[moment].t);
+  }
+
+  /** The keyboard goes where the eye goes; from here Space plays and the arrows step. */
+  focus() {
+    this.parts.transport.play.focus({ preventScroll: true });
+  }
+
   neighbourMoment(direction) {
     const { moments } = this.replay;
     const now = this.playback.playing && this.moment ? this.moment.t : this.playback.time;
@@ -177,12 +193,13 @@ class Player {
     annotation.classList.toggle('is-low', y < 0.45 * this.world.camera.height);
     const { t, title, expected, actual, message } = this.moment;
     const row = (name, value) => (value
-      ? [el('dt', {}, name), el('dd', { dir: 'auto' }, value.slice(0, 600))] : []);
+      ? [el('dt', {}, name), el('dd', { dir: 'auto' }, unbroken(value.slice(0, 600)))] : []);
     replaceChildren(annotation,
       el('p', { class: 'annotation-title' }, icon('fail'), el('strong', { dir: 'auto' }, title.slice(0, 300)),
         el('span', { class: 'annotation-time' }, seconds(t))),
       expected || actual ? el('dl', {}, row('expected', expected), row('actual', actual))
-        : el('p', { dir: 'auto' }, message.slice(0, 600)));
+        : el('p', { dir: 'auto' }, unbroken(message.slice(0, 600))));
+    annotation.tabIndex = annotation.scrollHeight > annotation.clientHeight ? 0 : -1; // to scroll it
   }
 
   /** Tell screen readers where the replay stands, while it does not play. */
@@ -249,6 +266,7 @@ class Player {
   resize() {
     this.world.resize();
     this.plot.resize();
+    this.parts.timeline.resize();
     this.draw();
   }
 
@@ -317,6 +335,8 @@ function mountPlayer(root, payload) {
     setRate: (rate) => playback.setRate(rate),
     selectRun: (index) => player.selectRun(index),
     jumpTo: (run, moment) => player.jumpTo(run, moment),
+    open: (checks, lead = false) => player.open(openingOf(checks, player.replays), lead),
+    focus: () => player.focus(),
     destroy: () => player.destroy(),
   };
 }

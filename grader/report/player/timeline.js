@@ -1,10 +1,11 @@
 // The slider under the map, with marks for contacts, goals and failing moments.
 
-const NEAR_MARKS = 0.012; // of the duration: marks closer than this become one
+const MARK_WIDTH = 44; // [pixels] a finger needs as much: marks that are closer become one
 
 class Timeline {
   constructor(onseek, onmoment) {
     this.onmoment = onmoment;
+    this.width = 0; // [pixels]
     this.fill = el('div', { class: 'timeline-fill' });
     this.thumb = el('div', { class: 'timeline-thumb' });
     this.bands = el('div', { class: 'timeline-bands' });
@@ -34,6 +35,14 @@ class Timeline {
     this.replay = replay;
     this.slider.setAttribute('aria-valuemax', replay.duration.toFixed(2));
     replaceChildren(this.bands, replay.contacts.map(({ from, to }) => this.band(from, to)));
+    this.width = 0;
+    this.resize();
+  }
+
+  resize() {
+    const width = this.marks.clientWidth || 600;
+    if (width === this.width) return;
+    this.width = width;
     replaceChildren(this.marks, this.goalMarks(), this.momentMarks());
   }
 
@@ -60,13 +69,13 @@ class Timeline {
     const groups = [];
     for (const moment of this.replay.moments) {
       const last = groups[groups.length - 1];
-      if (last && moment.t - last[0].t < NEAR_MARKS * this.replay.duration) last.push(moment);
+      if (last && (moment.t - last[0].t) * this.width < MARK_WIDTH * this.replay.duration) last.push(moment);
       else groups.push([moment]);
     }
     return groups.map((group) => {
       const name = group.map((m) => `Failed at ${seconds(m.t)}: ${m.title.slice(0, 200)}`).join('\n');
-      const mark = el('button', { type: 'button', class: 'mark mark-moment', tabindex: '-1',
-        'aria-label': name, title: name, onclick: () => this.onmoment(group[0]) },
+      const mark = el('button', { type: 'button', class: 'mark mark-moment',
+        'aria-label': name, title: name, onclick: () => this.onmoment(group) },
       group.length > 1 ? el('span', {}, group.length) : null);
       mark.style.left = this.percent(group[0].t);
       return mark;

@@ -10,7 +10,9 @@ from grader.course.submission import Submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 from grader.trial import trials as trials_module
-from grader.trial.trials import NodeTrials, TrialFault, trial_seed
+from grader.trial.progress import CHECK, TRIAL, Step
+from grader.trial.seeds import trial_seed
+from grader.trial.trials import NodeTrials, TrialFault
 from grader.trial.virtual_time import Limits
 from sim import simulation
 from sim.robot import Robot
@@ -137,3 +139,60 @@ def test_a_submission_has_a_time_for_all_its_trials(
         assert trials.notes() == [trials_module.SLOW]
     assert given == [Limits(), trials_module.HURRIED]
     assert trials_module.HURRIED.total < Limits().total
+
+
+# --- a node that hangs or never starts -------------------------------------------------------
+
+
+STARTS = "import rclpy\nfrom rclpy.node import Node\n"
+NEVER_STARTS = {
+    "raises": f"{STARTS}raise ValueError('no')\n",
+    "returns": "pass\n",
+    "never spins": f"{STARTS}import time\nrclpy.init()\nnode = Node('n')\ntime.sleep(1e6)\n",
+}
+
+
+@pytest.mark.parametrize("how", NEVER_STARTS)
+def test_a_node_that_never_starts_is_run_for_the_checks_that_need_it_alone(
+    forkserver: ForkServer, tmp_path: Path, how: str
+) -> None:
+    file = tmp_path / "obstacle_avoidance_agent.py"
+    file.write_text(NEVER_STARTS[how])
+    exercise, steps = find_exercise("obstacle_avoidance"), list[Step]()
+    grading = grade_submission(
+        exercise, Submission(file), forkserver, file="x.py", on_progress=steps.append
+    )
+
+    ran = {step.name for step in steps if step.what == TRIAL}
+    assert [check.outcome for check in grading.checks].count("skip") == len(grading.checks) - 1
+    assert len(ran) <= 4  # as many as run at once
+    assert [recording.name for recording in grading.recordings] == ["avoid_zones"]
+    (note,) = (note for note in grading.notes() if "left out" in note)
+    assert note.startswith("The node never started in the run avoid_zones, so the other 9 runs")
+
+
+def test_a_check_that_stands_alone_is_judged_all_the_same(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    file = tmp_path / "obstacle_avoidance_agent.py"
+    file.write_text("pass\n")
+    with NodeTrials(Submission(file), forkserver) as trials:
+        trials.prepare(["avoid_zones", "avoid_wall", "avoid_cart", "avoid_store", "avoid_infinity"])
+        names = ("avoid_zones", "avoid_infinity")
+        assert [trials.get(name).outcome.kind for name in names] == ["returned"] * 2
+        assert [recording.name for recording in trials.recordings()] == list(names)
+
+
+def test_whoever_waits_is_told_what_runs_and_what_has_passed(forkserver: ForkServer) -> None:
+    exercise, steps = find_exercise("obstacle_avoidance"), list[Step]()
+    grade_submission(
+        exercise, Submission(REFERENCE), forkserver, file="x.py", on_progress=steps.append
+    )
+    begun = [step.name for step in steps if step.what == TRIAL and not step.outcome]
+    ended = [step.name for step in steps if step.what == TRIAL and step.outcome == "completed"]
+    assert sorted(begun) == sorted(ended)
+    assert len(begun) == max(step.done for step in steps if step.what == TRIAL) == 10
+    checks = [step for step in steps if step.what == CHECK]
+    assert [step.done for step in checks] == list(range(1, 16))
+    assert checks[0].name == "wiring"
+    assert {step.outcome for step in checks} == {"pass"}

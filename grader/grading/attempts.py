@@ -1,0 +1,118 @@
+"""What changed since the last attempt: a small file beside the student's remembers its points.
+
+It is for the student's eyes only: no grading depends on it, and no result file quotes it. Nothing
+about it is ever an error: where it can't be read or written, nothing is said.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from grader.course.exercises import SOLUTIONS
+from grader.course.submission import read_regular_file
+from grader.grading.grading import Grading
+from grader.grading.plugin import PASS, UNJUDGED, CheckResult
+
+FILE = ".course-attempts.json"
+MAX_BYTES = 64 * 1024
+MAX_FILES = 20  # of one folder; the oldest go
+MAX_NAMES = 8  # of checks in a line
+
+
+class Mark(NamedTuple):
+    """How a check came out."""
+
+    points: int
+    passed: bool
+
+
+Marks = dict[str, Mark]  # by check
+
+
+class _History(msgspec.Struct):
+    attempts: dict[str, Marks]  # by exercise and file, the newest last
+
+
+def since_last(grading: Grading, file: Path) -> str:
+    """Return what changed since `file` was graded last, and remember how it is now.
+
+    "+20: stop_zone, slow_zone"; "" if nothing did, or if this is the first time. Checks that could
+    not be judged, now or then, are left out.
+    """
+    if file.resolve().is_relative_to(SOLUTIONS):  # nobody's attempt
+        return ""
+    folder, name = (file, grading.exercise.files[0]) if file.is_dir() else (file.parent, file.name)
+    path, key = folder / FILE, f"{grading.exercise.slug}/{name}"
+    now = {c.id: _mark(c) for c in grading.checks if c.outcome not in UNJUDGED}
+    attempts = _read(path)
+    before = attempts.pop(key, {})
+    attempts[key] = {**before, **now}  # with --only some checks are not run
+    _write(path, dict(list(attempts.items())[-MAX_FILES:]))
+    return _told(before, now)
+
+
+def _mark(check: CheckResult) -> Mark:
+    return Mark(check.points, check.outcome == PASS)
+
+
+def _told(before: Marks, now: Marks) -> str:
+    known = [(name, before[name], mark) for name, mark in now.items() if name in before]
+    more = [(name, mark.points - old.points) for name, old, mark in known]
+    parts = [
+        _sum((name, points) for name, points in more if points > 0),
+        _sum((name, points) for name, points in more if points < 0),
+        *(
+            f"{word}: {_names(names)}"
+            for word, passed in (("now passing", True), ("no longer passing", False))
+            if (
+                names := [
+                    name
+                    for name, old, mark in known
+                    if mark.points == old.points and mark.passed is passed is not old.passed
+                ]
+            )
+        ),
+    ]
+    return "; ".join(filter(None, parts))
+
+
+def _sum(changes: Iterable[tuple[str, int]]) -> str:
+    changes = list(changes)
+    if not changes:
+        return ""
+    return f"{sum(points for _, points in changes):+d}: {_names([name for name, _ in changes])}"
+
+
+def _names(names: list[str]) -> str:
+    more = len(names) - MAX_NAMES
+    return ", ".join(names[:MAX_NAMES]) + (f" and {more} more" if more > 0 else "")
+
+
+def _read(path: Path) -> dict[str, Marks]:
+    try:
+        content = read_regular_file(path, MAX_BYTES)
+        return msgspec.json.decode(content, type=_History).attempts
+    except (OSError, ValueError, RecursionError):
+        return {}
+
+
+def _write(path: Path, attempts: dict[str, Marks]) -> None:
+    """Replace the file, whatever it is; another grading at the same time costs one of the two."""
+    content = msgspec.json.encode(_History(attempts))
+    if len(content) > MAX_BYTES:
+        return
+    with contextlib.suppress(OSError):
+        fd, name = tempfile.mkstemp(prefix=FILE, dir=path.parent)
+        try:
+            with os.fdopen(fd, "wb") as file:
+                file.write(content)
+            Path(name).replace(path)
+        except OSError:
+            Path(name).unlink(missing_ok=True)

@@ -1,0 +1,110 @@
+"""What changed since the last attempt, whatever became of the file that remembers it."""
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from grader.course.exercises import SOLUTIONS, find_exercise
+from grader.grading.attempts import FILE, MAX_BYTES, MAX_FILES, since_last
+from grader.grading.grading import Grading
+from grader.grading.plugin import CheckResult
+
+EXERCISE = find_exercise("obstacle_avoidance")
+NAME = EXERCISE.files[0]
+
+
+def grading(**outcomes: str) -> Grading:
+    """Return a grading in which each check is worth ten points; `field…` are worth none."""
+    checks = []
+    for name, outcome in outcomes.items():
+        most = 0 if name.startswith("field") else 10
+        kind, points = ("core" if most else "field"), most if outcome == "pass" else 0
+        checks.append(CheckResult(name, name, kind, points, most, outcome))
+    return Grading(EXERCISE, NAME, 1, tuple(checks), ())
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / NAME
+    path.write_text("pass")
+    return path
+
+
+def test_what_changed_is_told_by_the_points(file: Path) -> None:
+    first = grading(wiring="pass", slow_zone="fail", stop_zone="skip", field_lds01="skip")
+    assert since_last(first, file) == ""
+    better = grading(wiring="fail", slow_zone="pass", stop_zone="pass", field_lds01="pass")
+    said = "+20: slow_zone, stop_zone; -10: wiring; now passing: field_lds01"
+    assert since_last(better, file) == said
+    assert since_last(better, file) == ""
+    assert since_last(first, file.parent).endswith("no longer passing: field_lds01")  # the folder
+
+
+def test_a_check_that_was_not_judged_or_not_run_changes_nothing(file: Path) -> None:
+    since_last(grading(wiring="pass", slow_zone="fail", stop_zone="fail"), file)
+    assert since_last(grading(wiring="error", slow_zone="pass"), file) == "+10: slow_zone"
+    assert since_last(grading(wiring="pass", stop_zone="pass"), file) == "+10: stop_zone"
+
+
+def test_another_exercise_and_another_file_have_their_own(file: Path, tmp_path: Path) -> None:
+    since_last(grading(wiring="fail"), file)
+    assert since_last(grading(wiring="pass"), tmp_path / "other.py") == ""
+    other = replace(grading(wiring="pass"), exercise=find_exercise("goal_seeking"))
+    assert since_last(other, file) == ""
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"", b"{", b"[]", b"\xff", b'{"attempts": {"x": {"y": [1]}}}', b"[" * 40_000,
+        b'{"attempts": {"obstacle_avoidance/%s": {"wiring": ["a", 2]}}}' % NAME.encode(),
+        b" " * (MAX_BYTES + 10),
+    ],
+    ids=range(8),
+)  # fmt: skip
+def test_a_damaged_file_is_no_error(file: Path, content: bytes) -> None:
+    file.with_name(FILE).write_bytes(content)
+    assert since_last(grading(wiring="fail"), file) == ""
+    assert since_last(grading(wiring="pass"), file) == "+10: wiring"
+
+
+def test_a_link_is_not_followed(file: Path, tmp_path: Path) -> None:
+    target = tmp_path / "target"
+    target.write_text("precious")
+    file.with_name(FILE).symlink_to(target)
+    since_last(grading(wiring="fail"), file)
+    assert target.read_text() == "precious"
+    assert since_last(grading(wiring="pass"), file) == "+10: wiring"
+
+
+def test_a_folder_that_can_not_be_written_is_no_error(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object, **__: object) -> int:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "open", refused)
+    assert since_last(grading(wiring="pass"), file) == ""
+
+
+def test_a_folder_of_that_name_is_no_error(file: Path) -> None:
+    file.with_name(FILE).mkdir()
+    assert since_last(grading(wiring="pass"), file) == ""
+    assert [path.name for path in file.parent.iterdir()].count(FILE) == 1
+    assert len(list(file.parent.iterdir())) == 2  # nothing is left lying about
+
+
+def test_it_stays_small(file: Path) -> None:
+    for i in range(MAX_FILES + 5):
+        since_last(grading(wiring="pass"), file.with_name(f"agent_{i}.py"))
+    kept = json.loads(file.with_name(FILE).read_text())["attempts"]
+    assert len(kept) == MAX_FILES
+    assert f"obstacle_avoidance/agent_{MAX_FILES + 4}.py" in kept
+
+
+def test_the_courses_own_solutions_are_nobodys_attempt() -> None:
+    since_last(grading(wiring="fail"), SOLUTIONS / "obstacle_avoidance" / NAME)
+    assert not (SOLUTIONS / "obstacle_avoidance" / FILE).exists()

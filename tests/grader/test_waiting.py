@@ -1,0 +1,51 @@
+"""What `course grade` shows while it runs: on a terminal, and in a log."""
+
+import io
+
+from rich.console import Console
+
+from grader.cli.waiting import Waiting
+from grader.trial.progress import CHECK, TRIAL, Step
+
+STEPS = [
+    Step(TRIAL, 0, 3, "avoid_wall"),
+    Step(TRIAL, 0, 3, "avoid_cart"),
+    Step(TRIAL, 1, 3, "avoid_wall", "completed"),
+    Step(CHECK, 1, 5, "wiring", "pass"),
+    Step(CHECK, 2, 5, "slow_zone", "fail"),
+    Step(TRIAL, 2, 3, "avoid_cart", "hung"),
+]
+
+
+def shown(steps: list[Step], *, terminal: bool) -> str:
+    console = Console(file=io.StringIO(), width=80, force_terminal=terminal, color_system=None)
+    with Waiting("Exercise 1, agent.py", console) as waiting:
+        for step in steps:
+            waiting(step)
+        if terminal:
+            console.print(waiting._lines())
+    return console.file.getvalue()  # type: ignore[attr-defined]
+
+
+def test_a_log_gets_a_line_for_each_run_that_is_over() -> None:
+    assert shown(STEPS, terminal=False).splitlines() == [
+        "Exercise 1, agent.py: run 1 of 3 is over (avoid_wall)",
+        "Exercise 1, agent.py: run 2 of 3 is over (avoid_cart); 1 check passed, 1 failed",
+    ]
+
+
+def test_a_terminal_shows_at_once_that_something_goes_on() -> None:
+    assert "Exercise 1, agent.py: getting ready (0 s)" in shown([], terminal=True)
+
+
+def test_a_terminal_shows_what_runs_and_what_has_passed() -> None:
+    text = shown(STEPS[:-1], terminal=True)
+    assert "1 of 3 runs" in text
+    for name, value in (("running", "avoid_cart"), ("passed", "wiring"), ("failed", "slow_zone")):
+        assert any(line.split() == [name, value] for line in text.splitlines()), text
+
+
+def test_names_do_not_fill_the_terminal() -> None:
+    many = [Step(CHECK, i, 40, f"a_check_with_a_long_name_{i}", "pass") for i in range(40)]
+    lines = [line for line in shown(many, terminal=True).splitlines() if "a_check" in line]
+    assert all(len(line) <= 80 for line in lines)
