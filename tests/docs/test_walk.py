@@ -71,7 +71,7 @@ def test_the_walk_works_as_it_stands(copy: Path) -> None:
     assert done.returncode == 0, done.stderr
 
     quoted = FILE.findall(WALK)
-    assert len(quoted) == 7
+    assert len(quoted) == 8
     for name, text in quoted:
         assert (copy / name).read_text("utf-8") == text, name
 
