@@ -13,5 +13,10 @@ configure(c)
 # machine that has nothing worth stealing:
 # c.JudgeNodes.trust = True
 
+# What late work costs, in per cent of its points for each day begun; nothing unless you say so.
+# c.LatePenalty.per_day = 10
+# c.LatePenalty.grace_minutes = 60
+# c.LatePenalty.at_most = 50
+
 # Worlds of each student's own, as with `course autograde --secret`:
 # c.JudgeNodes.secret = "/a/folder/of/your/own/course.secret"

@@ -7,6 +7,7 @@ package brings it along.
 from __future__ import annotations
 
 import compileall
+import contextlib
 import io
 import os
 import re
@@ -42,17 +43,27 @@ Files = Iterator[tuple[str, bytes]]  # path below the folder, content
 
 
 def folder(tell: Callable[[str], None] = lambda _: None) -> Path:
-    """Return the folder to import rclpy from; make it if it is not there.
+    """Return the folder to import rclpy from; make it if it is not there, or of other versions.
 
     Raises
     ------
     wheels.DownloadFailed
         It has to be made, and the wheels can't be had.
     """
-    if not FOLDER.is_dir():
+    if not FOLDER.is_dir() or _is_stale():
         tell("once: unpacking rclpy's Python out of its wheels")
         unpack(FOLDER)
     return FOLDER
+
+
+def _is_stale() -> bool:
+    """Tell whether it was made from other versions, as in a checkout that has moved on."""
+    notice = FOLDER / "NOTICE"
+    return notice.is_file() and notice.read_text("utf-8") != _notice()
+
+
+def _notice() -> str:
+    return ABOUT + "".join(f"{name} {version}\n" for name, version in wheels.VERSIONS.items())
 
 
 def unpack(target: Path, source: Path | None = None) -> None:
@@ -78,8 +89,7 @@ def unpack(target: Path, source: Path | None = None) -> None:
         if missing:
             raise wheels.DownloadFailed(f"{source}: nothing of {', '.join(missing)} is there")
         found |= {path: text.encode() for path, text in STAND_INS.items()}
-        told = "".join(f"{n} {version}\n" for n, version in wheels.VERSIONS.items())
-        found["NOTICE"] = (ABOUT + told).encode()
+        found["NOTICE"] = _notice().encode()
         _write(found, target)
 
 
@@ -117,7 +127,7 @@ def _is_wanted(name: str) -> bool:
 def _write(files: dict[str, bytes], target: Path) -> None:
     """Write all or nothing: another process may do the same at the same time."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    made = Path(tempfile.mkdtemp(prefix=".unpacking-", dir=target.parent))
+    made, old = (Path(tempfile.mkdtemp(prefix=".unpacking-", dir=target.parent)) for _ in range(2))
     try:
         for name, content in files.items():
             path = made / name
@@ -125,9 +135,13 @@ def _write(files: dict[str, bytes], target: Path) -> None:
             path.write_bytes(content)
         made.chmod(0o755)  # nodes may run as another user
         compileall.compile_dir(made, quiet=2)
+        with contextlib.suppress(OSError):
+            if (target / "NOTICE").read_bytes() != files["NOTICE"]:
+                os.rename(target, old / "was")  # noqa: PTH104
         os.rename(made, target)  # noqa: PTH104  (fails if another was quicker)
     except OSError:
         if not target.is_dir():
             raise
     finally:
         shutil.rmtree(made, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)

@@ -257,10 +257,15 @@ def transform(
 
 
 def twist(
-    *, time: int, linear_x: float = 0.0, angular_z: float = 0.0, topic: str = CMD_VEL_TOPIC
+    *,
+    time: int,
+    linear_x: float = 0.0,
+    others: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
+    angular_z: float = 0.0,
+    topic: str = CMD_VEL_TOPIC,
 ) -> Message:
-    """Return a geometry_msgs/Twist with these two fields [m/s, rad/s], the others zero."""
-    data = b"\0\1\0\0" + _SIX.pack(linear_x, 0.0, 0.0, 0.0, 0.0, angular_z)
+    """Return a geometry_msgs/Twist; `others` are linear y, z [m/s] and angular x, y [rad/s]."""
+    data = b"\0\1\0\0" + _SIX.pack(linear_x, *others, angular_z)
     return Message(topic, TWIST, time, data)
 
 

@@ -36,6 +36,7 @@ _MAY_BE_INFINITE = (
     "script.odom",
     "raw.linear_x",
     "raw.angular_z",
+    "raw.others",
     "node.models",
     "bench.fill",
     "bench.patches.range",
@@ -168,6 +169,7 @@ class RawCommands(_Table, frozen=True, rename={"begin": "from", "end": "to"}):
     end: Time  # none at or after this [s]
     linear_x: float = 0.0  # [m/s]; may be nan or inf
     angular_z: float = 0.0  # [rad/s]; may be nan or inf
+    others: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)  # linear y, z, angular x, y
     rate: Rate = 20.0  # [Hz]
 
     def __post_init__(self) -> None:

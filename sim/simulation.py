@@ -256,6 +256,7 @@ class Simulation:
             return twist(
                 time=event.time,
                 linear_x=stream.linear_x,
+                others=stream.others,
                 angular_z=stream.angular_z,
                 topic=CMD_VEL_RAW_TOPIC,
             )

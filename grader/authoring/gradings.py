@@ -8,7 +8,7 @@ import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from grader.host.sandbox.kernel_filters import die_with_parent
@@ -23,25 +23,31 @@ if TYPE_CHECKING:
 PER_PROCESS = 50
 
 
-def gradings(claims: Sequence[Claim], workers: int) -> Iterator[Grading]:
+def gradings(
+    claims: Sequence[Claim], workers: int, *, first_failure: bool = False
+) -> Iterator[Grading]:
     """Yield the grading of each claim, without its recordings.
 
     Parameters
     ----------
     workers
         How many processes grade.
+    first_failure
+        Judge nothing of a claim after the first check that fails.
     """
+    graded = partial(_graded, first_failure=first_failure)
     context = multiprocessing.get_context("spawn")
     at_once = PER_PROCESS * workers
     for begin in range(0, len(claims), at_once):
         with ProcessPoolExecutor(workers, context, die_with_parent, (os.getpid(),)) as processes:
-            yield from processes.map(_graded, claims[begin : begin + at_once])
+            yield from processes.map(graded, claims[begin : begin + at_once])
 
 
-def _graded(claim: Claim) -> Grading:
+def _graded(claim: Claim, *, first_failure: bool) -> Grading:
     from grader.authoring.proof import grade_claim  # noqa: PLC0415  (it imports this module)
 
-    grading = grade_claim(claim, _servers().of(claim.exercise.libraries))
+    servers = _servers().of(claim.exercise.libraries)
+    grading = grade_claim(claim, servers, first_failure=first_failure)
     return replace(grading, recordings=())
 
 

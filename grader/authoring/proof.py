@@ -106,11 +106,17 @@ def claim_of(exercise: Exercise, kind: str, path: Path) -> Claim:
     return Claim(exercise, kind, path.stem, files, about, field_ready=ready)
 
 
-def grade_claim(claim: Claim, forkserver: Launcher) -> Grading:
-    """Grade a solution with the core and the field checks."""
+def grade_claim(claim: Claim, forkserver: Launcher, *, first_failure: bool = False) -> Grading:
+    """Grade a solution with the core and the field checks; all, or up to one that fails."""
     with complete(claim) as submission:
-        file = f"{claim.stem}.py"
-        return grade_submission(claim.exercise, submission, forkserver, file=file, field=True)
+        return grade_submission(
+            claim.exercise,
+            submission,
+            forkserver,
+            file=f"{claim.stem}.py",
+            field=True,
+            first_failure=first_failure,
+        )
 
 
 @contextlib.contextmanager

@@ -29,6 +29,7 @@ KEPT = {
     "sim": (".py", ".toml", *PACKAGE),
     "grader": (".py", ".toml", ".xml", ".js", ".css", ".html"),
     "exercises": (".py", ".md", ".toml", *PACKAGE),
+    "rclpy_portable": (".py",),
     LESSONS: (".md", ".png", ".svg"),
 }
 SINGLE = (
@@ -42,6 +43,7 @@ PRIVATE = re.compile(
 )
 QUIZ = "lessons/quiz.md"  # its tables are the rubric
 
+BACKEND = 'build-backend = "setuptools.build_meta"'
 STAMP = (2020, 1, 1, 0, 0, 0)  # time of every file in the archive: same release, same bytes
 
 README = """\
@@ -132,9 +134,12 @@ def release(
 
 
 def contents(
-    exercises: Collection[str] = (), root: Path = ROOT, make: Make | None = None
+    exercises: Collection[str] = (),
+    root: Path = ROOT,
+    make: Make | None = None,
+    rooms: Collection[str] = (),
 ) -> dict[str, bytes]:
-    """Return every file of a release by its path, in order."""
+    """Return every file of a release by its path, in order; with these of the grader's rooms."""
     known = [exercise.slug for exercise in all_exercises()]
     left_out = {slug for slug in known if exercises and slug not in exercises}
     found = {path: (root / path).read_bytes() for path in SINGLE if (root / path).is_file()}
@@ -143,7 +148,7 @@ def contents(
             continue  # its site goes out
         for file in _walk(root / room):
             path = file.relative_to(root).as_posix()
-            if _is_kept(file, suffixes) and _is_public(path, left_out):
+            if _is_kept(file, suffixes) and _is_public(path, left_out, rooms):
                 found[path] = file.read_bytes()
     if QUIZ in found:
         found[QUIZ] = questions(found[QUIZ].decode("utf-8")).encode()
@@ -196,24 +201,28 @@ def _is_kept(file: Path, suffixes: Collection[str]) -> bool:
     return file.suffix in suffixes or (not file.suffix and file.parent.name == MARKER)
 
 
-def _is_public(path: str, left_out: set[str]) -> bool:
+def _is_public(path: str, left_out: set[str], rooms: Collection[str] = ()) -> bool:
     parts = PurePosixPath(path).parts
     names = {*parts, PurePosixPath(path).stem}
     if parts[0] != "grader" and not left_out.isdisjoint(names):
         return False  # in grader/ all checks stay, those of exercises left out too
-    if parts[0] == "grader" and not {*INSTRUCTORS}.isdisjoint(parts):
+    if parts[0] == "grader" and not ({*INSTRUCTORS} - {*rooms}).isdisjoint(parts):
         return False
     return not any(PRIVATE.search(part) for part in parts)
 
 
 def _pyproject(text: str) -> str:
-    """Return the students' pyproject.toml: without the settings of development tools."""
+    """Return the students' pyproject.toml: without the settings of development tools.
+
+    The course's own build of a wheel stays behind, too; setuptools installs the folder as it is.
+    """
     kept = re.split(r"(?m)^(?=\[)", text)
     ours = (
         "[tool.importlinter", "[[tool.importlinter", "[tool.mypy", "[[tool.mypy", "[tool.pytest",
         "[tool.ruff",
     )  # fmt: skip
-    return "".join(part for part in kept if not part.startswith(ours))
+    text = "".join(part for part in kept if not part.startswith(ours))
+    return re.sub(r"(?m)^build-backend = .*\nbackend-path = .*$", BACKEND, text)
 
 
 def _readme(left_out: Collection[str], lesson: str) -> str:

@@ -3,32 +3,36 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
-import os
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from grader.classroom.account import Account
+from grader.classroom.amendments import active
+from grader.classroom.amendments.people import the_student
 from grader.classroom.candidates import Class, enter_candidates, find_class
+from grader.classroom.folder import STORE, locked, write_class
 from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import RegradeRun
-from grader.classroom.results import Missing, ResultOptions, column_titles, write_results
+from grader.classroom.results import Missing, ResultOptions, Written, column_titles
+from grader.classroom.results.kept import OPTIONS, kept_text
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.store import Store
-from grader.errors import GraderError, naming_a_full_disk
+from grader.errors import InputError, naming_a_full_disk
 from grader.link.scratch import sweep
 
-STORE = "store.sqlite"
 NO_SPACE = (
     "the disk is full, so the batch has stopped. Free some space where {out} is, and in "
     "{temporary}, and run the same command again: it goes on where it was"
 )
 UNPACKED = ".unpacked"  # archives, during a run
+WRITE_EVERY = 60.0  # [s] between two times that results are written while a batch runs
+now = time.monotonic
 
 
 @dataclass(frozen=True)
@@ -83,51 +87,92 @@ def _autograde(
 ) -> GradedClass:
     out.mkdir(parents=True, exist_ok=True)
     scratch, parts = out / UNPACKED, out / RECORDINGS / PARTS
-    with _locked(out), Store(out / STORE) as store, _emptied(scratch), _emptied(parts):
+    with locked(out), Store(out / STORE) as store, _emptied(scratch), _emptied(parts):
         sweep()
+        active(store.log.entries())  # one that was changed by hand is refused before the work
         store.requeue_running()
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
-        candidates = taken_in.candidates
+        only = _students(options.only if regrade else options.again, store, taken_in)
         if options.retry_held and not regrade:
             store.retry_held()
+        if not regrade:
+            store.again(key for key in taken_in.candidates if key[0] in only)
+        writer = _Writer(store, out, options, taken_in)
+        candidates = {
+            key: candidate
+            for key, candidate in taken_in.candidates.items()
+            if not only or not regrade or key[0] in only
+        }
         run = RegradeRun if regrade else GradingRun
         try:
-            notes = run(store, out, candidates, options, progress).run()
+            notes = run(store, out, candidates, options, progress, writer.look).run()
+        except KeyboardInterrupt:
+            store.requeue_running()
+            progress.say("interrupted: writing what is graded; Ctrl-C again leaves at once")
+            writer.write([])
+            raise
         finally:
             store.requeue_running()
-        results = store.results()
-        wanted = ResultOptions(
-            hide=options.hide,
-            notes=[*store.notes(), *notes, *_version_notes(results)],
-            sources={
-                key: candidate.read_if_possible()
-                for key, candidate in candidates.items()
-                if not candidate.absent
-            },
-            workers=options.workers,
-            account=taken_in.account,
-            students=store.students(),
-            roster=options.roster,
-            nbgrader=options.nbgrader,
-            columns=column_titles(options.columns),
+        results, written = writer.write(notes, over=True)
+        return GradedClass(results, written.missing, taken_in.account)
+
+
+def _students(words: Sequence[str], store: Store, taken_in: Class) -> set[str]:
+    """Return the students who are meant; none if nobody is named.
+
+    Raises
+    ------
+    InputError
+        Nobody is called so.
+    """
+    everybody = sorted({student for student, _ in taken_in.candidates})
+    rows = store.students()
+    return {the_student(word, everybody, rows) for word in words}
+
+
+class _Writer:
+    """Writes the results while the batch runs, and when it is over."""
+
+    def __init__(self, store: Store, out: Path, options: Options, taken_in: Class) -> None:
+        self._store = store
+        self._out = out
+        self._options = options
+        self._taken_in = taken_in
+        self._written = now()  # [s] when
+        store.keep(OPTIONS, kept_text(self._wanted([])))  # for marks, after a kill, too
+
+    def look(self) -> None:
+        """Write what is there if the last time was long ago."""
+        if now() - self._written >= WRITE_EVERY:
+            with contextlib.suppress(InputError):  # it is said in the end
+                self.write([])
+
+    def write(
+        self, notes: Sequence[str], *, over: bool = False
+    ) -> tuple[list[StoredResult], Written]:
+        """Write all results; submissions are compared with each other only when all is over."""
+        sources = {
+            key: candidate.read_if_possible()
+            for key, candidate in self._taken_in.candidates.items()
+            if over and not candidate.absent
+        }
+        wanted = self._wanted(notes)
+        self._store.keep(OPTIONS, kept_text(wanted))
+        done = write_class(self._store, self._out, replace(wanted, sources=sources))
+        self._written = now()
+        return done
+
+    def _wanted(self, notes: Sequence[str]) -> ResultOptions:
+        return ResultOptions(
+            hide=self._options.hide,
+            notes=[*self._store.notes(), *notes, *_version_notes(self._store.results())],
+            workers=self._options.workers,
+            account=self._taken_in.account,
+            students=self._store.students(),
+            roster=self._options.roster,
+            nbgrader=self._options.nbgrader,
+            columns=column_titles(self._options.columns),
         )
-        missing = write_results(results, out, wanted).missing
-        return GradedClass(results, missing, taken_in.account)
-
-
-@contextlib.contextmanager
-def _locked(out: Path) -> Iterator[None]:
-    """Lock the folder against other batches; the lock ends with the process at the latest."""
-    fd = os.open(out / ".lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-    try:
-        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(fd)
-        raise GraderError(f"{out}: another `course autograde` is using it") from None
-    try:
-        yield
-    finally:
-        os.close(fd)
 
 
 @contextlib.contextmanager

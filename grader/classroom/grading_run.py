@@ -6,7 +6,7 @@ import io
 import shutil
 import tarfile
 import tempfile
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
 from grader.classroom import engine
@@ -38,9 +38,11 @@ class GradingRun:
         candidates: Mapping[Key, Candidate],
         options: Options,
         progress: Progress,
+        look: Callable[[], None] = lambda: None,
     ) -> None:
         self._store = store
         self._out = out
+        self._look = look  # called between units
         self._candidates = candidates
         self._options = options
         self._progress = progress
@@ -153,6 +155,7 @@ class GradingRun:
             if is_disk_full(error):
                 raise
             self.hold(unit.key, f"the result could not be stored ({type(error).__name__}: {error})")
+        self._look()
 
     def _submission_done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
         if isinstance(result, WorkerDied):

@@ -25,6 +25,8 @@ class Options:
     canaries: int = CANARY_INTERVAL  # 0: none
     hide: str = "nothing"
     retry_held: bool = False
+    again: tuple[str, ...] = ()  # students whose nodes run once more
+    only: tuple[str, ...] = ()  # students whose recordings are judged again; (): all
     roster: Roster = NOBODY  # with it everybody in it has a row
     nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
     columns: tuple[str, ...] = ()  # "EXERCISE=TITLE": the gradebook's column of an exercise

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from grader.classroom import engine
@@ -25,8 +25,10 @@ class RegradeRun:
         candidates: Mapping[Key, Candidate],
         options: Options,
         progress: Progress,
+        look: Callable[[], None] = lambda: None,
     ) -> None:
         self._store = store
+        self._look = look  # called between units
         self._options = options
         self._progress = progress
         self._hashes = {
@@ -63,6 +65,7 @@ class RegradeRun:
         self._store.regraded(unit.key, grading, unjudged(grading), self._hashes[unit.key])
         score = f"{grading['score']}/{grading['max_score']}"
         self._progress.done(*unit.key, f"{score}, was {before.get('score', '-')}")
+        self._look()
 
 
 def _unit(result: StoredResult, folder: Path) -> Unit:

@@ -15,6 +15,7 @@ ABSENT: Final = "not handed in"  # no fault of anybody's, and nobody has to look
 STATES = (WAITING, RUNNING, GRADED, HELD, ABSENT)
 
 # Parts of a `problem`
+UNJUDGED: Final = "could not judge"
 STALLS: Final = "the machine stalled"
 TWICE: Final = "judged twice, the second time with nothing beside it"
 
@@ -37,6 +38,24 @@ class StoredResult:
     finished: str  # UTC, ISO 8601; "" while unfinished
     canary: bool  # a known solution, graded to check the grader
     verified: bool = True  # the known solutions came out right after it, if there are any
+    amended: Amended | None = None  # what a person has changed; never stored
+
+
+@dataclass(frozen=True)
+class Amended:
+    """What a person has changed in a result, and what it came to."""
+
+    points: float | None  # that count, out of the exercise's; None: there are none
+    penalty: float  # of them, for lateness
+    steps: tuple[str, ...]  # in words, for the student, too
+    entries: tuple[int, ...]  # of the log
+    by_hand: bool  # a person's own score, whatever was graded
+    graded: StoredResult  # as the judge made it
+
+
+def as_graded(result: StoredResult) -> StoredResult:
+    """Return the result as the judge made it, without what a person has changed."""
+    return result if result.amended is None else result.amended.graded
 
 
 @dataclass(frozen=True)

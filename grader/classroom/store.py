@@ -18,6 +18,7 @@ from typing import Any
 
 import msgspec
 
+from grader.classroom.amendments.log import Log
 from grader.classroom.row import (
     ABSENT,
     GRADED,
@@ -29,7 +30,8 @@ from grader.classroom.row import (
 )
 from grader.errors import InputError, is_disk_full
 
-SCHEMA = 1
+SCHEMA = 2
+READABLE = (0, 1, SCHEMA)  # an empty file; one without a log of marks, which is added
 MEASURED = re.compile(r"[\d.]+ ms")  # a computing time, never a scenario's
 TABLES = """
 CREATE TABLE IF NOT EXISTS units (
@@ -47,6 +49,7 @@ CREATE TABLE IF NOT EXISTS units (
 ) STRICT;
 CREATE TABLE IF NOT EXISTS students (student TEXT PRIMARY KEY, about TEXT NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS notes (id INTEGER PRIMARY KEY, text TEXT NOT NULL UNIQUE) STRICT;
+CREATE TABLE IF NOT EXISTS kept (name TEXT PRIMARY KEY, text TEXT NOT NULL) STRICT;
 """
 
 Key = tuple[str, str]  # student, exercise
@@ -72,11 +75,12 @@ class Store:
 
     def __init__(self, path: Path) -> None:
         self._db = sqlite3.connect(path, isolation_level=None)
+        self.log = Log(self._db, self._change)  # of what people change
         try:
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=FULL")
             version = self._db.execute("PRAGMA user_version").fetchone()[0]
-            if version not in (0, SCHEMA):
+            if version not in READABLE:
                 raise InputError(
                     f"{path}: a store of schema {version}, expected {SCHEMA}; use the version of "
                     "the course that made it, or give another --out"
@@ -84,6 +88,7 @@ class Store:
             with self._change():
                 for statement in filter(str.strip, TABLES.split(";")):
                     self._db.execute(statement)
+                self.log.prepare()
                 self._db.execute(f"PRAGMA user_version={SCHEMA}")
         except sqlite3.DatabaseError as error:
             self._db.close()
@@ -261,9 +266,20 @@ class Store:
         with self._change():
             self._db.execute("INSERT OR IGNORE INTO notes (text) VALUES (?)", (_text(text),))
 
+    def keep(self, name: str, text: str) -> None:
+        """Keep a text, in the place of an older one of that name."""
+        with self._change():
+            self._db.execute("INSERT OR REPLACE INTO kept VALUES (?, ?)", (name, _text(text)))
+
+    def kept(self, name: str) -> str:
+        """Return a text that was kept; "" if there is none."""
+        row = self._db.execute("SELECT text FROM kept WHERE name=?", (name,)).fetchone()
+        return row[0] if row else ""
+
     def know(self, students: Iterable[StudentRow]) -> None:
         """Keep what is known of the students, and of nobody else."""
-        rows = [(_text(row.student), msgspec.json.encode(row).decode()) for row in students]
+        # as ASCII: names of files need not be UTF-8
+        rows = [(_text(row.student), json.dumps(msgspec.to_builtins(row))) for row in students]
         with self._change():
             self._db.execute("DELETE FROM students")
             self._db.executemany("INSERT INTO students (student, about) VALUES (?, ?)", rows)
@@ -271,11 +287,20 @@ class Store:
     def students(self) -> dict[str, StudentRow]:
         """Return what is known of the students."""
         rows = self._db.execute("SELECT student, about FROM students ORDER BY student")
-        return {row[0]: msgspec.json.decode(row[1], type=StudentRow) for row in rows}
+        return {row[0]: msgspec.convert(json.loads(row[1]), StudentRow) for row in rows}
 
     def notes(self) -> list[str]:
         """Return the remarks."""
         return [row[0] for row in self._db.execute("SELECT text FROM notes ORDER BY id")]
+
+    def again(self, keys: Iterable[Key]) -> None:
+        """Put graded and held units back into the queue, as if nothing had gone wrong."""
+        with self._change():
+            self._db.executemany(
+                "UPDATE units SET state=?, problem='', deaths=0, unsure=0, quarantines=0,"
+                " verified=0, finished='' WHERE student=? AND exercise=? AND state IN (?, ?)",
+                [(WAITING, *key, GRADED, HELD) for key in keys],
+            )
 
     def waiting(self) -> list[Key]:
         """Return the queue, by exercise; what killed a worker or could not be judged comes last."""

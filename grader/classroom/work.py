@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from grader.classroom.row import UNJUDGED
 from grader.course.exercises import Exercise, find_exercise
 from grader.course.students import Seed
 from grader.errors import is_disk_full
@@ -101,7 +102,7 @@ def unjudged(grading: dict[str, Any]) -> str:
     bad = [c for c in grading["checks"] if c["outcome"] in ("error", "inconclusive")]
     if not bad:
         return ""
-    return f"could not judge {', '.join(c['id'] for c in bad)}: {bad[0]['message']}"
+    return f"{UNJUDGED} {', '.join(c['id'] for c in bad)}: {bad[0]['message']}"
 
 
 def stalled(grading: dict[str, Any] | None) -> bool:

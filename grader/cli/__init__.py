@@ -16,7 +16,9 @@ from grader.cli import (
     drive,
     exercises,
     grade,
+    marks,
     release,
+    report,
 )
 from grader.cli.results import FAULT, LESS
 from grader.errors import GraderError, InputError
@@ -39,7 +41,12 @@ for _command in (
     doctor.doctor,
 ):
     cli.add_command(_command)
-for _command, _room in ((autograde.autograde, "classroom"), (release.release, "authoring")):
+for _command, _room in (
+    (autograde.autograde, "classroom"),
+    (marks.marks, "classroom"),
+    (report.report, "classroom"),
+    (release.release, "authoring"),
+):
     if (GRADER / _room).exists():  # the students' package has neither
         cli.add_command(_command)
 

@@ -15,13 +15,17 @@ Examples:
   course autograde handed_in --out graded --workers 4
   course autograde handed_in --out graded --exercise 1 --field --secret course.secret
   course autograde handed_in --out graded --regrade
+  course autograde handed_in --out graded --regrade ann
   course autograde week1.zip week2.zip --roster gradebook.csv --out graded
   course autograde submissions.zip --roster gradebook.csv --list
 """
 
 
+EVERYBODY = "\0everybody"  # no student is called so
+
+
 @click.command(epilog=EXAMPLES)
-@click.argument("submissions", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("submissions", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Results and state.")
 @click.option("--exercise", "exercises", multiple=True, metavar="EXERCISE", help="Only this one.")
 @click.option(
@@ -50,7 +54,15 @@ Examples:
     help="File with the course's secret: each student gets different worlds.",
 )
 @click.option("--field", is_flag=True, help="Run the field checks too (badge, no points).")
-@click.option("--regrade", is_flag=True, help="Judge the stored recordings again; runs no nodes.")
+@click.option(
+    "--regrade",
+    is_flag=False,
+    flag_value=EVERYBODY,
+    multiple=True,
+    metavar="[ID]",
+    help="Judge the stored recordings again, of all or of one student; runs no nodes.",
+)
+@click.option("--again", multiple=True, metavar="ID", help="Run this student's nodes once more.")
 @click.option("--retry-held", is_flag=True, help="Grade again what is held after an attempt.")
 @click.option("--no-bags", is_flag=True, help="Keep no recordings: no replays, no --regrade.")
 @click.option("--trust", is_flag=True, help="Run submissions even where isolation is too weak.")
@@ -63,7 +75,7 @@ def autograde(
     rosters: tuple[Path, ...],
     only_list: bool,
     secret: Path | None,
-    regrade: bool,
+    regrade: tuple[str, ...],
     no_bags: bool,
     **options: Any,  # fields of grader.classroom.options.Options, under their own names
 ) -> int:
@@ -80,6 +92,9 @@ def autograde(
 
     from grader.link.choice import why_no_class  # noqa: PLC0415
 
+    if not submissions:
+        after = "; what comes after --regrade is a student" if regrade else ""
+        raise InputError(f"expected SUBMISSIONS, what the class has handed in{after}")
     if out is None and not only_list:
         raise InputError("expected --out FOLDER, where the results go (or --list)")
     no_class = "" if regrade or options["dask"] else why_no_class(trust=options["trust"])
@@ -102,6 +117,7 @@ def autograde(
     chosen = Options(
         secret=None if secret is None else read_secret(secret),
         bags=not no_bags,
+        only=() if EVERYBODY in regrade else regrade,
         roster=read_roster(rosters),
         **options,
     )
@@ -111,7 +127,7 @@ def autograde(
         say(console, listing(found))
         return LESS if found.account.faults else FULL
     with ConsoleProgress(console) as progress:
-        graded = grade_class(submissions, out, chosen, progress, regrade=regrade)
+        graded = grade_class(submissions, out, chosen, progress, regrade=bool(regrade))
     lines, held = summary(graded, out)
     say(console, lines)
     if graded.missing:

@@ -7,11 +7,13 @@ from pathlib import Path
 import click
 
 from grader.cli.results import FULL
+from grader.errors import InputError
 
 EXAMPLES = """\b
 Examples:
   course release for_students
   course release week_1 --exercise obstacle_avoidance --student-package
+  course release upload --gradescope --exercise 1 --secret course.secret
 """
 
 
@@ -19,23 +21,69 @@ Examples:
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--exercise", "exercises", multiple=True, metavar="EXERCISE", help="Only this one.")
 @click.option("--student-package", is_flag=True, help="Make DIR.zip too, for `pip install`.")
+@click.option("--gradescope", is_flag=True, help="Write an autograder for Gradescope instead.")
+@click.option(
+    "--secret",
+    type=click.Path(path_type=Path),
+    help="With --gradescope: each student gets different worlds.",
+)
+@click.option("--field", is_flag=True, help="With --gradescope: run the field checks too.")
+@click.option("--hide", metavar="WHAT", help="With --gradescope: as for `course autograde`.")
 @click.option(
     "--plain", is_flag=True, help="No notebooks, and the lesson as Markdown: needs no Sphinx."
 )
-def release(folder: Path, exercises: tuple[str, ...], student_package: bool, plain: bool) -> int:
+def release(
+    folder: Path,
+    exercises: tuple[str, ...],
+    student_package: bool,
+    gradescope: bool,
+    secret: Path | None,
+    field: bool,
+    hide: str | None,
+    plain: bool,
+) -> int:
     """Write into DIR what students get: no solutions, no rubrics, no tests.
 
     That is the lesson as a site, the skeletons, the notebooks, the public scenarios and the grader.
     """
-    from grader.authoring.handouts import handouts  # noqa: PLC0415
+    from grader.authoring.handouts import handouts, stay_behind  # noqa: PLC0415
     from grader.authoring.release import release as make_release  # noqa: PLC0415
-    from grader.course.exercises import find_exercise  # noqa: PLC0415
+    from grader.course.exercises import all_exercises, find_exercise  # noqa: PLC0415
 
     slugs = [find_exercise(name).slug for name in exercises]
+    if gradescope:
+        if student_package or plain:
+            raise InputError("--gradescope writes nothing for students; leave the others out")
+        return _autograder(folder, slugs, field, hide, secret)
+    if secret is not None or field or hide is not None:
+        raise InputError("--secret, --field and --hide go with --gradescope")
     make = None if plain else handouts
     for leak in make_release(folder, exercises=slugs, archive=student_package, make=make):
         click.echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
+    left_out = {e.slug for e in all_exercises() if slugs and e.slug not in slugs}
+    for said in () if plain else stay_behind(left_out):
+        click.echo(f"Note: {said}.", err=True)
     click.echo(f"Students' material: {folder}")
     if student_package:
         click.echo(f"The same, packed: {folder}.zip")
+    return FULL
+
+
+def _autograder(
+    folder: Path, slugs: list[str], field: bool, hide: str | None, secret: Path | None
+) -> int:
+    from grader.authoring.gradescope import total_points, write_autograder  # noqa: PLC0415
+    from grader.classroom.results import ResultOptions  # noqa: PLC0415
+    from grader.course.students import read_secret  # noqa: PLC0415
+
+    if secret is not None:
+        read_secret(secret)  # refused now, not in Gradescope
+    hidden = ResultOptions(hide=hide or ("worlds" if secret else "nothing")).hidden
+    written = write_autograder(
+        folder, exercises=slugs, field=field, hide=sorted(hidden), secret=secret
+    )
+    click.echo(f"Gradescope's autograder: {written}")
+    click.echo(f"The assignment's autograder points: {total_points(slugs)}")
+    if secret is not None:
+        click.echo("It holds the course's secret: keep it from students.")
     return FULL

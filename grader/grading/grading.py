@@ -140,8 +140,9 @@ def grade(
     isolation: str = "",
     practice: str = "",
     on_progress: OnProgress = ignore,
+    first_failure: bool = False,
 ) -> Grading:
-    """Run the checks of `exercise` on the recordings of `trials`.
+    """Run the checks of `exercise` on the recordings of `trials`; all, or up to one that fails.
 
     Raises
     ------
@@ -156,9 +157,11 @@ def grade(
 
     plugin = CheckPlugin(trials, field=field, only=only, on_progress=on_progress)
     with _undisturbed():
-        code = pytest.main(_arguments(exercise), plugins=[plugin])
+        code = pytest.main(_arguments(exercise, first_failure), plugins=[plugin])
     if plugin.interrupted:
         raise KeyboardInterrupt
+    if first_failure:
+        trials.give_up()
     if plugin.fault is not None:
         raise plugin.fault
     faults = tuple(trials.faults())
@@ -211,8 +214,12 @@ def grade_submission(
     bags: Path | None = None,
     tier: int = 1,
     on_progress: OnProgress = ignore,
+    first_failure: bool = False,
 ) -> Grading:
     """Run the student's node and judge it; repeated once if the machine stalled.
+
+    With `first_failure`, nothing is judged after the first check that fails: it only has to be
+    known whether there is one.
 
     Raises
     ------
@@ -241,6 +248,7 @@ def grade_submission(
                 isolation=forkserver.isolation,
                 practice=forkserver.practice,
                 on_progress=on_progress,
+                first_failure=first_failure,
             )
         repeated = tier == 2 or any(r.live is not None and r.live.stall for r in grading.recordings)
         if repeated or not any(check.outcome == INCONCLUSIVE for check in grading.checks):
@@ -268,9 +276,10 @@ def _passed(checks: list[CheckResult]) -> bool:
     return all(check.outcome == PASS for check in judged) and (bool(judged) or not checks)
 
 
-def _arguments(exercise: Exercise) -> list[str]:
+def _arguments(exercise: Exercise, first_failure: bool) -> list[str]:
     return [
         str(exercise.checks),
+        *(["--maxfail=1"] if first_failure else []),
         "--import-mode=importlib",
         "--assert=plain",  # checks speak through fail(); rewriting would cost half a second
         "--capture=sys",

@@ -28,8 +28,8 @@ _forkservers = ForkServerPool(most=1)
 atexit.register(_forkservers.close)
 
 
-def isolation_problem() -> str:
-    """Say why other people's code should not run on this machine; "" if it may.
+def layers_here() -> frozenset[str]:
+    """Return the layers of isolation that nodes have on this machine.
 
     Raises
     ------
@@ -38,9 +38,20 @@ def isolation_problem() -> str:
     """
     with _one_at_a_time:
         try:
-            return foreign_code_problem(_forkservers.of().layers)
+            return frozenset(_forkservers.of().layers)
         except InputError as error:
             raise GraderError(str(error)) from None
+
+
+def isolation_problem() -> str:
+    """Say why other people's code should not run on this machine; "" if it may.
+
+    Raises
+    ------
+    GraderError
+        No node can run here at all.
+    """
+    return foreign_code_problem(layers_here())
 
 
 def grade_files(

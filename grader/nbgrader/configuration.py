@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
+from nbconvert.preprocessors import CSSHTMLHeaderPreprocessor
 from nbgrader.preprocessors import (
     AssignLatePenalties,
     CheckCellMetadata,
     ClearOutput,
     ComputeChecksums,
+    GetGrades,
     IncludeHeaderFooter,
     LockCells,
     SaveCells,
 )
 
 from grader.nbgrader.autograde import CourseExporter, JudgeNodes, RestoreCells
+from grader.nbgrader.late import LatePenalty
+from grader.nbgrader.mark_scheme import HideMarkScheme
 from grader.nbgrader.offline import work_offline
 from grader.nbgrader.programs import find_programs
 from grader.nbgrader.release import LeaveSkeletons
@@ -33,10 +37,20 @@ def set_up(config: Any) -> None:
         CheckCellMetadata,
         ComputeChecksums,
         SaveCells,
+        HideMarkScheme,  # after SaveCells: the gradebook keeps them for the graders
+        ComputeChecksums,
         CheckCellMetadata,
     ]
     config.Autograde.exporter_class = CourseExporter
     config.Autograde.sanitize_preprocessors = [RestoreCells, CheckCellMetadata]
     config.Autograde.autograde_preprocessors = [JudgeNodes, AssignLatePenalties, CheckCellMetadata]
+    # Penalties once more: what a person has marked since has its points only now.
+    config.GenerateFeedback.preprocessors = [
+        AssignLatePenalties,
+        HideMarkScheme,
+        GetGrades,
+        CSSHTMLHeaderPreprocessor,
+    ]
+    config.AssignLatePenalties.plugin_class = LatePenalty
     config.Execute.timeout = VALIDATION_LIMIT
     work_offline(config)

@@ -1,13 +1,14 @@
 """Write the course's notebooks: the prose of `notebooks/text`, filled in from other sources.
 
-`notebooks/text/lesson_3_2/*.md` are notebooks as text (jupytext, MyST). Their prose and experiments
-are written there. The rest has its source elsewhere and is filled in here:
+Each notebook is an assignment of nbgrader's by itself: `notebooks/text/NAME/NAME.md` is its text
+(jupytext, MyST). Prose and experiments are written there. The rest has its source elsewhere and is
+filled in here:
 
 - the first cell: `grader.notebook.bootstrap`
 - the contract and the hints of an exercise: `exercises/*/README.md` and `hints.md`
 - `%%node` cells: `solutions/*`, with their markers; nbgrader's release leaves the skeletons
 - the points of `check(…)` cells: the judge
-- the questions of the quiz and their rubrics: `lessons/quiz.md`
+- the questions of the quiz and their mark schemes: the rubrics of `lessons/quiz.md`
 
 `python -m grader.notebook.build` writes both the texts and `notebooks/source`, `--check` only
 compares.
@@ -33,9 +34,8 @@ from grader.nbgrader.points import points_of
 from grader.notebook.bootstrap import BOOTSTRAP
 
 NOTEBOOKS = ROOT / "notebooks"
-ASSIGNMENT = "lesson_3_2"
-TEXTS = NOTEBOOKS / "text" / ASSIGNMENT
-SOURCES = NOTEBOOKS / "source" / ASSIGNMENT
+TEXTS = NOTEBOOKS / "text"
+SOURCES = NOTEBOOKS / "source"
 QUIZ = ROOT / "lessons" / "quiz.md"
 
 MYST = "md:myst"
@@ -56,12 +56,18 @@ kernelspec:
 """
 PLACE = "from"  # key of a cell's metadata: where its content comes from
 QUIZ_PLACES = ("question", "answer")
-ANSWER = """\
-Three to six sentences are expected.
+ANSWER = "Three to six sentences are expected."
+# nbgrader keeps such a part for the grader: students never get it, formgrader shows it
+MARK_SCHEME = """\
+{question}
 
-**Rubric** (only the instructor sees this cell; students get an empty one)
+<!-- BEGIN MARK SCHEME -->
+
+**Mark scheme** (students don't get it)
 
 {rubric}
+
+<!-- END MARK SCHEME -->
 """
 
 
@@ -79,13 +85,28 @@ def files() -> Iterator[tuple[Path, str]]:
     GraderError
         A notebook does not ask for each check of its exercises exactly once.
     """
-    texts = sorted(TEXTS.glob("*.md"))
-    if not texts:
+    names = all_notebooks()
+    if not names:
         raise GraderError(f"{TEXTS}: no notebooks here; run this in a full checkout")
-    for path in texts:
-        notebook = built(path)
-        yield path, as_text(notebook)
-        yield SOURCES / f"{path.stem}.ipynb", nbformat.writes(notebook, indent=1) + "\n"
+    for name in names:
+        notebook = built(text_of(name))
+        yield text_of(name), as_text(notebook)
+        yield source_of(name), nbformat.writes(notebook, indent=1) + "\n"
+
+
+def all_notebooks() -> list[str]:
+    """Return the names of the notebooks, in order; each is an assignment of that name."""
+    return sorted(path.stem for path in TEXTS.glob("*/*.md"))
+
+
+def text_of(name: str) -> Path:
+    """Return where a notebook's text is."""
+    return TEXTS / name / f"{name}.md"
+
+
+def source_of(name: str) -> Path:
+    """Return where the instructor's notebook is."""
+    return SOURCES / name / f"{name}.ipynb"
 
 
 def built(path: Path) -> NotebookNode:
@@ -230,16 +251,17 @@ def _quiz() -> list[NotebookNode]:
         rubric = next(text for text in paragraphs if text.startswith("| Points"))
         points = sum(int(n) for n in re.findall(r"(?m)^\| (\d+) \|", rubric))
         heading = paragraphs[0].partition("·")[2].strip()
-        question = v4.new_markdown_cell(
-            f"## Question {number} · {heading} ({points} points)\n\n{asked}"
-        )
+        text = f"## Question {number} · {heading} ({points} points)\n\n{asked}"
+        question = v4.new_markdown_cell(MARK_SCHEME.format(question=text, rubric=rubric).strip())
         question.metadata[PLACE] = "question"
-        answer = v4.new_markdown_cell(ANSWER.format(rubric=rubric).strip())
+        question.metadata["nbgrader"] = _about(
+            f"quiz-{number}-question", grade=False, solution=False
+        )
+        answer = v4.new_markdown_cell(ANSWER)
         answer.metadata[PLACE] = "answer"
         answer.metadata["nbgrader"] = _about(
             f"quiz-{number}", grade=True, solution=True, points=points
         )
-        answer.metadata["nbgrader"]["locked"] = False
         cells += [question, answer]
     return cells
 

@@ -76,6 +76,9 @@ class Trials(Protocol):
     def get(self, scenario: str) -> Recording:
         """Return a recording; NoRecording if there can be none, TrialFault if making it failed."""
 
+    def give_up(self) -> None:
+        """Start none of those announced that have not begun: nobody will ask for them."""
+
     def recordings(self) -> list[Recording]:
         """Return all that were asked for and could be made, in order."""
 
@@ -149,6 +152,11 @@ class NodeTrials:
         except _LeftOut as left_out:
             self._futures[scenario] = self._pool.submit(self._run, left_out.scenario)
             return self._futures[scenario].result()
+
+    def give_up(self) -> None:
+        """Cancel the trials that have not begun."""
+        for future in self._futures.values():
+            future.cancel()
 
     def recordings(self) -> list[Recording]:
         """Return the recordings made, in order; of a node that hung only those that checks need."""
@@ -349,6 +357,9 @@ class SavedTrials:
 
     def prepare(self, scenarios: Sequence[str]) -> None:
         """Nothing to prepare: what is there is there."""
+
+    def give_up(self) -> None:
+        """Nothing to give up."""
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
         """Say which of the libraries are not installed; what was recorded needs none any more."""

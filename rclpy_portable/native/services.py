@@ -78,10 +78,15 @@ class Service(End):
         return cdr.deserialize(letter.data, cls), letter.info()
 
     def service_send_response(self, response: Any, request_id: rmw_request_id_t) -> None:
-        """Answer a request; a client that is gone does not hear it."""
+        """Answer a request.
+
+        Every client of the service hears it and wakes up, as in DDS, where responses share one
+        topic; those that did not ask drop it.
+        """
         letter = _Letter(cdr.serialize(response), request_id, machine.stamps.next())
-        if not request_id.client._gone:
-            request_id.client.queue.append(letter)
+        for client in self.participant.all_clients():
+            if client.topic == self.topic and client.cls is self.cls:
+                client.queue.append(letter)
         machine.changed()
 
     def configure_introspection(self, _clock: Any, _qos: Any, _state: Any) -> None:
@@ -109,7 +114,7 @@ class Client(End):
 
     @property
     def ready(self) -> bool:
-        """There is a response to take."""
+        """There is a response to take, perhaps to another's request."""
         return bool(self.queue)
 
     def service_server_is_available(self) -> bool:
@@ -128,10 +133,12 @@ class Client(End):
         return number
 
     def take_response(self, cls: Any) -> tuple[rmw_service_info_t | None, Any]:
-        """Return the oldest response."""
+        """Take the oldest response; return it if it answers this client."""
         if not self.queue:
             return None, None
         letter = self.queue.popleft()
+        if letter.id.client is not self:
+            return None, None
         return letter.info(), cdr.deserialize(letter.data, cls)
 
     def configure_introspection(self, _clock: Any, _qos: Any, _state: Any) -> None:

@@ -33,14 +33,14 @@ class Timer(Destroyable):
         return self.ready
 
     def call_timer(self) -> None:
-        """Begin the next period; those that were missed are left out."""
+        """Begin the next period; those that were missed, or end just now, are left out."""
         if self._canceled:
             raise RCLError("failed to call timer: timer is canceled")
         now = self._clock.now()
         self._last = now
         self._next += self._period
-        if self._next < now:
-            missed = -((self._next - now) // self._period) if self._period else 0
+        if self._next <= now:
+            missed = (now - self._next) // self._period + 1 if self._period else 0
             self._next = self._next + missed * self._period if self._period else now
 
     def cancel_timer(self) -> None:

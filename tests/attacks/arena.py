@@ -275,7 +275,10 @@ class Arena:
             with contextlib.suppress(OSError):
                 found += list(Path(place).glob(f"{self.mark}*"))
         for path in found:
-            path.unlink(missing_ok=True)
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path)
+            else:
+                path.unlink(missing_ok=True)
         return found
 
     def _name(self, keeper: socket.socket) -> str:

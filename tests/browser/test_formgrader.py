@@ -17,6 +17,7 @@ pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `no
 
 from lab_server import Server, picture, serving, tab
 from nbgrader_kit import (
+    cell_named,
     fill,
     grades,
     hand_in,
@@ -29,10 +30,10 @@ from nbgrader_kit import (
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
-from grader.notebook.build import ASSIGNMENT
 
 pytestmark = pytest.mark.long
 NAME = "01_loop"
+QUIZ = "07_quiz"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
 MISTAKE = "slow_is_too_fast"  # one of exercise 1's mutants
@@ -42,13 +43,17 @@ WIDE = {"viewport": {"width": 1280, "height": 1000}}
 @pytest.fixture(scope="module")
 def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Ada's notebook has a mistake and is graded; Ben's is right and not graded yet."""
-    folder = make_course(tmp_path_factory.mktemp("course"), [NAME])
+    folder = make_course(tmp_path_factory.mktemp("course"), [NAME, QUIZ])
     mutant = find_mutant(find_exercise(SLUG), MISTAKE)
     texts = {"ada": mutant.text, "ben": solution(SLUG, FILE)}
     for student, text in texts.items():
         hand_in(folder, student, NAME, fill(released(folder, NAME), {FILE: text}))
-    nbgrader(folder, "autograde", ASSIGNMENT, "--student", "ada")
-    nbgrader(folder, "generate_feedback", ASSIGNMENT)
+    quiz = released(folder, QUIZ)
+    cell_named(quiz, "quiz-1")["source"] = "Perception, decision, action."
+    hand_in(folder, "ada", QUIZ, quiz)
+    nbgrader(folder, "autograde", NAME, "--student", "ada")
+    nbgrader(folder, "autograde", QUIZ)
+    nbgrader(folder, "generate_feedback", NAME)
     return folder
 
 
@@ -86,13 +91,13 @@ def test_it_opens_within_jupyterlab(browser: Any, server: Server) -> None:
 
         frame = page.frame_locator("iframe[src*='formgrader']")
 
-        cells = frame.locator("table tbody tr", has_text=ASSIGNMENT)
+        cells = frame.locator("table tbody tr", has_text=NAME)
         cells.wait_for()
         assert cells.locator(".num-submissions").inner_text() == "2"
 
 
 def test_the_button_grades_as_the_command_does(page: Any, course: Path, server: Server) -> None:
-    page.goto(server.address(f"formgrader/manage_submissions/{ASSIGNMENT}"))
+    page.goto(server.address(f"formgrader/manage_submissions/{NAME}"))
     assert row(page, "ada").locator(".score").inner_text() == "90 / 100"
     assert "needs autograding" in row(page, "ben").inner_text()
 
@@ -113,7 +118,7 @@ def test_a_submission_is_listed_and_shows_the_judges_table(
 ) -> None:
     link = page.get_by_role("link", name="Manual Grading", exact=True)
     link.first.click()
-    page.get_by_role("link", name=ASSIGNMENT, exact=True).click()
+    page.get_by_role("link", name=NAME, exact=True).click()
     page.get_by_role("link", name=NAME, exact=True).click()
     listed = row(page, f"{points(course, 'ada'):g} / 100")
     listed.locator("a:visible").first.click()
@@ -140,8 +145,24 @@ def test_the_feedback_has_the_table_and_complains_about_nothing(
     browser: Any, server: Server
 ) -> None:
     with tab(browser, server) as opened:
-        path = f"feedback/ada/{ASSIGNMENT}/{NAME}.html"
+        path = f"feedback/ada/{NAME}/{NAME}.html"
         opened.page.goto(server.address(f"files/{path}"))
         text = opened.page.locator("body").inner_text()
     assert "✗ FAIL" in text
     assert "20 / 30 points" in text
+
+
+def test_the_mark_scheme_stands_above_the_answer(page: Any, server: Server) -> None:
+    page.goto(server.address(f"formgrader/gradebook/{QUIZ}/{QUIZ}"))
+    row(page, "0 / 15").locator("a:visible").first.click()
+
+    scheme = page.locator(".text_cell_render, .jp-RenderedMarkdown").filter(
+        has_text="Mark scheme (students don't get it)"
+    )
+    scheme.first.wait_for()
+    assert scheme.count() == 5
+    assert scheme.first.locator("table tr").count() == 4
+    answer = page.get_by_text("Perception, decision, action.")
+    assert scheme.first.bounding_box()["y"] < answer.bounding_box()["y"]
+    page.locator("input.score").nth(4).wait_for()
+    picture(page, "formgrader-quiz")

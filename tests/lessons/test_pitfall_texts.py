@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import difflib
-import functools
 import math
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from pitfall_runs import BY_NAME, EVERY, Runs, each_node, each_pitfall
 
 from grader.authoring.pitfalls import (
     FOLDER,
@@ -27,42 +27,11 @@ from grader.course.exercises import ROOT, find_exercise
 from grader.drive import scenario_for
 from grader.errors import InputError
 from grader.link.hosts import ForkServer
-from grader.recording import Recording
 
-BY_NAME = {pitfall.name: pitfall for pitfall in PITFALLS}
-WRONG = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.wrong]
-EVERY = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.nodes]
 LARGEST = 600_000  # [bytes] of a replay
 
 
 QUOTED = [Path(mutant).name for pitfall in PITFALLS for mutant in pitfall.caught]
-
-
-def named(value: object) -> str:
-    return value.name if isinstance(value, Pitfall) else str(value)
-
-
-each_wrong = pytest.mark.parametrize(("pitfall", "node"), WRONG, ids=named)
-each_node = pytest.mark.parametrize(("pitfall", "node"), EVERY, ids=named)
-each_pitfall = pytest.mark.parametrize("pitfall", PITFALLS, ids=named)
-
-
-class Runs:
-    """The replayed runs, each driven once."""
-
-    def __init__(self, forkserver: ForkServer) -> None:
-        self.of = functools.cache(lambda name, node: drive(BY_NAME[name], node, forkserver))
-
-    def wrong(self, name: str) -> Recording:
-        return self.of(name, f"{name}_wrong")
-
-    def right(self, name: str) -> Recording:
-        return self.of(name, BY_NAME[name].right)
-
-
-@pytest.fixture(scope="module")
-def runs(forkserver: ForkServer) -> Runs:
-    return Runs(forkserver)
 
 
 def page_of(pitfall: Pitfall) -> str:

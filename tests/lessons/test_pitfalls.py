@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 import re
 from collections.abc import Iterator
@@ -10,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pitfall_runs import EVERY, Runs, each_pitfall, each_wrong
 
 from grader.authoring.pitfalls import (
     MADE,
     NODES,
     PITFALLS,
     Pitfall,
-    drive,
     grade,
     grade_mutant,
 )
@@ -29,9 +28,6 @@ from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from sim.messages import TWIST_STAMPED
 
-BY_NAME = {pitfall.name: pitfall for pitfall in PITFALLS}
-WRONG = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.wrong]
-EVERY = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.nodes]
 MOST = 50  # core points for a node that everybody can copy
 QUICK = {  # checks that do to show it; all of them take long
     "obstacle_avoidance": (
@@ -48,33 +44,6 @@ QUICK = {  # checks that do to show it; all of them take long
         *("near_goal", "bad_input"),
     ),
 }
-
-
-def named(value: object) -> str:
-    return value.name if isinstance(value, Pitfall) else str(value)
-
-
-each_wrong = pytest.mark.parametrize(("pitfall", "node"), WRONG, ids=named)
-each_node = pytest.mark.parametrize(("pitfall", "node"), EVERY, ids=named)
-each_pitfall = pytest.mark.parametrize("pitfall", PITFALLS, ids=named)
-
-
-class Runs:
-    """The replayed runs, each driven once."""
-
-    def __init__(self, forkserver: ForkServer) -> None:
-        self.of = functools.cache(lambda name, node: drive(BY_NAME[name], node, forkserver))
-
-    def wrong(self, name: str) -> Recording:
-        return self.of(name, f"{name}_wrong")
-
-    def right(self, name: str) -> Recording:
-        return self.of(name, BY_NAME[name].right)
-
-
-@pytest.fixture(scope="module")
-def runs(forkserver: ForkServer) -> Runs:
-    return Runs(forkserver)
 
 
 def touched(recording: Recording) -> bool:

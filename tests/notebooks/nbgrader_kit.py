@@ -14,9 +14,11 @@ import nbformat
 
 from grader.course.exercises import ROOT
 from grader.nbgrader.cells import definition
-from grader.notebook.build import ASSIGNMENT, NOTEBOOKS, SOURCES
+from grader.notebook.build import NOTEBOOKS
+from grader.notebook.build import source_of as source_path
 
 FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"
+ALL = "*"  # nbgrader's commands take it for "every assignment"
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]  # of tests/conftest.py
 
 Cell = dict[str, Any]
@@ -54,11 +56,11 @@ def nbgrader(folder: Path, *arguments: str, ok: bool = True, **variables: str) -
 
 
 def make_course(folder: Path, notebooks: Sequence[str], extra: str = "") -> Path:
-    """Copy the course with some of its notebooks, and generate the assignment."""
-    source = folder / "source" / ASSIGNMENT
-    source.mkdir(parents=True)
+    """Copy the course with some of its notebooks, and generate the assignments."""
     for name in notebooks:
-        shutil.copyfile(SOURCES / f"{name}.ipynb", source / f"{name}.ipynb")
+        source = folder / "source" / name / f"{name}.ipynb"
+        source.parent.mkdir(parents=True)
+        shutil.copyfile(source_path(name), source)
     config = (NOTEBOOKS / "nbgrader_config.py").read_text("utf-8")
     exchange = folder / "exchange"
     exchange.mkdir()
@@ -66,13 +68,13 @@ def make_course(folder: Path, notebooks: Sequence[str], extra: str = "") -> Path
     config += f"\nc.Exchange.root = {str(exchange)!r}\n"
     config += f"c.Exchange.cache = {str(folder / 'cache')!r}\n"
     (folder / "nbgrader_config.py").write_text(config + extra, "utf-8")
-    nbgrader(folder, "generate_assignment", ASSIGNMENT)
+    nbgrader(folder, "generate_assignment", ALL)
     return folder
 
 
 def released(folder: Path, notebook: str) -> dict[str, Any]:
     """Return a notebook as students get it."""
-    text = (folder / "release" / ASSIGNMENT / f"{notebook}.ipynb").read_text("utf-8")
+    text = (folder / "release" / notebook / f"{notebook}.ipynb").read_text("utf-8")
     found: dict[str, Any] = json.loads(text)
     return found
 
@@ -112,7 +114,7 @@ def code(source: str, **more: Any) -> Cell:
 
 def hand_in(folder: Path, student: str, notebook: str, content: dict[str, Any] | str) -> Path:
     """Put a notebook where `nbgrader collect` would put it."""
-    path = folder / "submitted" / student / ASSIGNMENT / f"{notebook}.ipynb"
+    path = folder / "submitted" / student / notebook / f"{notebook}.ipynb"
     path.parent.mkdir(parents=True, exist_ok=True)
     text = content if isinstance(content, str) else json.dumps(content)
     path.write_text(text, "utf-8")
@@ -160,7 +162,7 @@ def total(found: Grades, student: str, exercise: str) -> float:
 
 def autograded(folder: Path, student: str, notebook: str) -> Any:
     """Return the notebook that was graded."""
-    return nbformat.read(folder / "autograded" / student / ASSIGNMENT / f"{notebook}.ipynb", 4)
+    return nbformat.read(folder / "autograded" / student / notebook / f"{notebook}.ipynb", 4)
 
 
 def solution(exercise: str, file: str) -> str:

@@ -29,16 +29,16 @@ from grader.nbgrader.points import points_of
 from grader.notebook import build
 from grader.notebook.bootstrap import BOOTSTRAP
 
-ALL = sorted(path.stem for path in build.SOURCES.glob("*.ipynb"))
-RUN = [name for name in ALL if name != "06_quiz"] if FULL else ["01_loop"]
+ALL = build.all_notebooks()
+RUN = [name for name in ALL if name != "07_quiz"] if FULL else ["01_loop"]
 GROUPS = {
-    "01_loop": [1], "02_trained_model": [2, 7], "03_state": [3, 4],
-    "04_real_time": [5, 6, 9], "05_formats": [8], "06_quiz": [],
+    "01_loop": [1], "02_trained_model": [2, 7], "03_goal": [3], "04_memory": [4],
+    "05_real_time": [5, 6, 9], "06_formats": [8], "07_quiz": [],
 }  # fmt: skip
 
 
 def stored(name: str) -> Any:
-    return nbformat.read(build.SOURCES / f"{name}.ipynb", as_version=4)
+    return nbformat.read(build.source_of(name), as_version=4)
 
 
 @pytest.fixture(scope="module")
@@ -54,21 +54,21 @@ def test_texts_and_notebooks_are_in_step() -> None:
     for path, text in build.files():
         name = path.relative_to(ROOT)
         assert path.read_text("utf-8") == text, f"{name}: run python -m grader.notebook.build"
-    assert {path.stem for path in build.TEXTS.glob("*.md")} == set(ALL) == set(GROUPS)
+    assert {path.stem for path in build.SOURCES.glob("*/*.ipynb")} == set(ALL) == set(GROUPS)
 
 
 def test_a_stale_notebook_is_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     texts = tmp_path / "text"
-    texts.mkdir()
+    (texts / "01_loop").mkdir(parents=True)
     for name, module in (("TEXTS", texts), ("SOURCES", tmp_path), ("ROOT", tmp_path)):
         monkeypatch.setattr(build, name, module)
-    text = (ROOT / "notebooks/text/lesson_3_2/01_loop.md").read_text("utf-8")
-    (texts / "01_loop.md").write_text(text.replace("TODO", "todo"), "utf-8")
+    text = (ROOT / "notebooks/text/01_loop/01_loop.md").read_text("utf-8")
+    (texts / "01_loop" / "01_loop.md").write_text(text.replace("TODO", "todo"), "utf-8")
 
     assert build.main(["--check"]) == 1
-    assert not list(tmp_path.glob("*.ipynb"))
+    assert not list(tmp_path.rglob("*.ipynb"))
     assert build.main([]) == 0
     assert build.main(["--check"]) == 0
     assert "01_loop.ipynb is out of step" in capsys.readouterr().out
@@ -76,7 +76,7 @@ def test_a_stale_notebook_is_found(
 
 @pytest.mark.parametrize("name", ALL)
 def test_jupytext_reads_the_text_as_the_notebook(name: str) -> None:
-    text = jupytext.read(build.TEXTS / f"{name}.md")
+    text = jupytext.read(build.text_of(name))
 
     assert [(c.cell_type, c.source) for c in text.cells] == [
         (c.cell_type, c.source) for c in stored(name).cells
@@ -93,19 +93,19 @@ def test_notebooks_are_stored_without_outputs_and_with_ids(name: str) -> None:
                for c in notebook.cells if c.cell_type == "code")  # fmt: skip
     ids = [cell.id for cell in notebook.cells]
     assert len(set(ids)) == len(ids)
-    assert notebook.cells[1].source == BOOTSTRAP.rstrip("\n") or name == "06_quiz"
+    assert notebook.cells[1].source == BOOTSTRAP.rstrip("\n") or name == "07_quiz"
 
 
 def test_ids_stay_when_a_cell_is_put_between(
     tmp_path: Path,
 ) -> None:
-    text = (build.TEXTS / "03_state.md").read_text("utf-8")
+    text = (build.text_of("03_goal")).read_text("utf-8")
     head, mark, tail = text.partition("## Angles wrap")
     more = f"{head}## A new part\n\nWords.\n\n```{{code-cell}}\n1 + 1\n```\n\n{mark}{tail}"
-    (tmp_path / "03_state.md").write_text(more, "utf-8")
+    (tmp_path / "03_goal.md").write_text(more, "utf-8")
 
-    before = [cell.id for cell in stored("03_state").cells]
-    after = [cell.id for cell in build.built(tmp_path / "03_state.md").cells]
+    before = [cell.id for cell in stored("03_goal").cells]
+    after = [cell.id for cell in build.built(tmp_path / "03_goal.md").cells]
 
     assert [name for name in after if name in before] == before
     assert len(after) == len(before) + 2
@@ -142,7 +142,7 @@ def test_points_are_the_judges(name: str) -> None:
 
 
 def test_a_check_that_is_forgotten_or_doubled_is_an_error(tmp_path: Path) -> None:
-    text = (build.TEXTS / "01_loop.md").read_text("utf-8")
+    text = (build.text_of("01_loop")).read_text("utf-8")
     path = tmp_path / "01_loop.md"
     for wrong in (text.replace(",drives_on", ""), text.replace(",drives_on", ",drives_on,blind")):
         path.write_text(wrong, "utf-8")
@@ -175,14 +175,16 @@ def test_the_release_has_exactly_the_skeletons(course: Path) -> None:
 def test_the_release_gives_nothing_away(course: Path) -> None:
     for name in ALL:
         text = json.dumps(released(course, name))
-        assert not re.search(r"(BEGIN|END) SOLUTION|### SKELETON|[Rr]ubric", text), name
-    assert "Rubric" in json.dumps(stored("06_quiz"))
+        assert not re.search(
+            r"(BEGIN|END) SOLUTION|### SKELETON|[Rr]ubric|MARK SCHEME|[Mm]ark scheme", text
+        ), name
+    assert "Mark scheme" in json.dumps(stored("07_quiz"))
 
 
 @pytest.mark.long
 def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
     quiz = (ROOT / "lessons" / "quiz.md").read_text("utf-8")
-    given = released(course, "06_quiz")["cells"]
+    given = released(course, "07_quiz")["cells"]
     text = "\n".join(source_of(cell) for cell in given)
 
     for question in re.findall(r"(?ms)^\*(.+?)\*$", quiz):
@@ -191,7 +193,7 @@ def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
     assert [cell["metadata"]["nbgrader"]["points"] for cell in answers] == [3] * 5
     assert {source_of(cell) for cell in answers} == {"*Your answer:*"}
     rubric = [line for line in quiz.splitlines() if re.match(r"\| \d \|", line)]
-    assert all(line in json.dumps(stored("06_quiz"), ensure_ascii=False) for line in rubric)
+    assert all(line in json.dumps(stored("07_quiz"), ensure_ascii=False) for line in rubric)
 
 
 @pytest.mark.long

@@ -16,6 +16,7 @@ from typing import Any
 import nbformat
 import pytest
 from nbgrader_kit import (
+    ALL,
     FULL,
     Grades,
     MadeOnce,
@@ -41,7 +42,8 @@ from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 from grader.nbgrader.cells import definition
 from grader.nbgrader.points import points_of
-from grader.notebook.build import ASSIGNMENT, SOURCES, TEXTS, asked_by
+from grader.notebook.build import all_notebooks, asked_by
+from grader.notebook.build import source_of as source_path
 from sim.messages import EPOCH_NS
 
 pytestmark = [
@@ -49,8 +51,8 @@ pytestmark = [
     pytest.mark.skipif(not FULL, reason="twelve students in nine exercises: make notebooks"),
 ]
 EXERCISES = {
-    "01_loop": ["1"], "02_trained_model": ["2", "7"], "03_state": ["3", "4"],
-    "04_real_time": ["5", "6", "9"], "05_formats": ["8"],
+    "01_loop": ["1"], "02_trained_model": ["2", "7"], "03_goal": ["3"], "04_memory": ["4"],
+    "05_real_time": ["5", "6", "9"], "06_formats": ["8"],
 }  # fmt: skip
 STUDENTS = [
     "right", "variant", "wrong_1", "wrong_2", "wrong_3", "wrong_4",
@@ -194,7 +196,7 @@ def grade_all(folder: Path) -> None:
             for number in EXERCISES[notebook]:
                 files |= nodes(find_exercise(number), student)
             hand_in(folder, student, notebook, written(given, files, student))
-    said = nbgrader(folder, "autograde", ASSIGNMENT, COURSE_CANARY=str(folder / CANARY))
+    said = nbgrader(folder, "autograde", ALL, COURSE_CANARY=str(folder / CANARY))
     assert "[ERROR]" not in said, said
     (folder / SCORES).write_text(json.dumps(list(expected())), "utf-8")
 
@@ -224,7 +226,7 @@ def test_the_gradebook_says_what_course_grade_says(
     """Cell by cell, and in all; but for those that a stalled machine left for a person."""
     unsure: set[tuple[str, str]] = set()
     for notebook, students in HANDED_IN.items():
-        wants = asked_by(nbformat.read(SOURCES / f"{notebook}.ipynb", as_version=4))
+        wants = asked_by(nbformat.read(source_path(notebook), as_version=4))
         for student, (cell, want) in itertools.product(students, wants.items()):
             checks = [scores[student, want.exercise][name] for name in want.checks]
             score, by_hand = gradebook[student, notebook, cell]
@@ -289,10 +291,10 @@ def test_a_syntax_error_is_told_as_course_grade_tells_it(course: Path) -> None:
 
 
 def test_feedback_and_export(course: Path, gradebook: Grades) -> None:
-    nbgrader(course, "generate_feedback", ASSIGNMENT, "--student", "wrong_1")
+    nbgrader(course, "generate_feedback", "01_loop", "--student", "wrong_1")
     nbgrader(course, "export")
 
-    page = (course / "feedback" / "wrong_1" / ASSIGNMENT / "01_loop.html").read_text("utf-8")
+    page = (course / "feedback" / "wrong_1" / "01_loop" / "01_loop.html").read_text("utf-8")
     points = total(gradebook, "wrong_1", "obstacle_avoidance")
     assert f"(Score: {points:g}" in page.replace(".0 /", " /")
     assert "✗ FAIL" in page
@@ -306,4 +308,4 @@ def test_feedback_and_export(course: Path, gradebook: Grades) -> None:
 
 
 def test_all_notebooks_are_here() -> None:
-    assert {*EXERCISES, "06_quiz"} == {path.stem for path in TEXTS.glob("*.md")}
+    assert [*EXERCISES, "07_quiz"] == all_notebooks()

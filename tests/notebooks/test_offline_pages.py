@@ -14,12 +14,12 @@ from traitlets.config import Config
 
 from grader.nbgrader import configure
 from grader.nbgrader.offline import MAX_FORMULA
-from grader.notebook.build import SOURCES
+from grader.notebook.build import source_of
 
 STATIC = Path(nbgrader.__file__).parent / "server_extensions" / "formgrader" / "static"
 CSS = STATIC / "node_modules" / "bootstrap" / "dist" / "css"
 PLACE = {  # what nbgrader tells its templates
-    "nbgrader": {"notebook": "03_state", "score": 1.0, "max_score": 2.0, "late_penalty": 0},
+    "nbgrader": {"notebook": "04_memory", "score": 1.0, "max_score": 2.0, "late_penalty": 0},
     "base_url": "", "index": 0, "total": 1, "submission_id": "s", "notebook_id": "n",
     "assignment_id": "a", "notebook_path": "p",
 }  # fmt: skip
@@ -67,7 +67,7 @@ def render() -> Render:
 
 def graded() -> NotebookNode:
     """A notebook of the course with formulas, as it is after grading."""
-    notebook = nbformat.read(SOURCES / "03_state.ipynb", as_version=4)
+    notebook = nbformat.read(source_of("04_memory"), as_version=4)
     for cell in notebook.cells:
         if "nbgrader" in cell.metadata:
             cell.metadata.nbgrader |= {"score": 1.0, "comment": "Well done: $v < 0$."}

@@ -6,6 +6,7 @@ import pytest
 
 from grader.nbgrader.cells import Wanted
 from grader.nbgrader.judge import Verdict
+from grader.nbgrader.late import LatePenalty
 from grader.nbgrader.marks import Mark, mark_of
 from grader.nbgrader.table import output_of
 
@@ -97,3 +98,20 @@ def test_the_output_says_what_the_terminal_says() -> None:
         "          next: Look at the border.",
         "✓ pass    Title of b.  5/5",
     ]
+
+
+HOUR = 60 * 60.0  # [s]
+
+
+@pytest.mark.parametrize(
+    ("late", "points"),
+    [(0.5, None), (1, None), (1.01, 8), (25, 8), (25.01, 16), (49.01, 24), (1000, 40)],
+)
+def test_a_late_penalty_is_for_each_day_begun(late: float, points: float | None) -> None:
+    rule = LatePenalty(per_day=10, grace_minutes=60, at_most=50)
+
+    assert rule.late_submission_penalty("ann", 80.0, late * HOUR) == points
+
+
+def test_late_work_costs_nothing_unless_the_instructor_says_so() -> None:
+    assert LatePenalty().late_submission_penalty("ann", 80.0, 1000 * HOUR) is None

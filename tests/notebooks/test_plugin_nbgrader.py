@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from nbgrader_kit import (
+    ALL,
     MadeOnce,
     autograded,
     cell_named,
@@ -30,7 +31,6 @@ from grader.errors import GraderError
 from grader.link.pool import ForkServerPool
 from grader.nbgrader import configure, judge
 from grader.nbgrader.judge import Verdict
-from grader.notebook.build import ASSIGNMENT
 
 pytestmark = pytest.mark.long
 SLUG = "obstacle_avoidance"
@@ -54,7 +54,7 @@ c.JudgeNodes.trust = bool(os.environ.get("TEST_TRUST"))
 
 
 def answered(course: Path, *answers: str) -> dict[str, Any]:
-    notebook = released(course, "06_quiz")
+    notebook = released(course, "07_quiz")
     for number, answer in enumerate(answers, start=1):
         cell_named(notebook, f"quiz-{number}")["source"] = answer
     return notebook
@@ -66,13 +66,13 @@ def solved(course: Path) -> dict[str, Any]:
 
 def grade_one(course: Path) -> None:
     """Grade one student on bad days: a machine too open, then a grader that fails."""
-    make_course(course, ["01_loop", "06_quiz"], SWITCHES)
+    make_course(course, ["01_loop", "07_quiz"], SWITCHES)
     hand_in(course, "unlucky", "01_loop", solved(course))
-    first = nbgrader(course, "autograde", ASSIGNMENT, ok=False, TEST_OPEN="1")
+    first = nbgrader(course, "autograde", ALL, ok=False, TEST_OPEN="1")
     assert not (course / "autograded").exists()
     assert not grades(course)
     then = {"TEST_OPEN": "1", "TEST_TRUST": "1", "TEST_FAULT": "1"}
-    second = nbgrader(course, "autograde", ASSIGNMENT, **then)
+    second = nbgrader(course, "autograde", ALL, **then)
     (course / "first.txt").write_text(first, "utf-8")
     (course / "second.txt").write_text(second, "utf-8")
 
@@ -111,7 +111,7 @@ def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Pat
     with_a_person = ("unlucky", "01_loop", f"{SLUG}-wiring")
     mark_by_hand(course, with_a_person, 7.0)
 
-    said = nbgrader(course, "autograde", ASSIGNMENT, "--force")
+    said = nbgrader(course, "autograde", ALL, "--force")
 
     assert "Traceback" not in said
     found = grades(course)
@@ -126,15 +126,15 @@ def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Pat
         assert "front_distance" not in json.dumps(notebook)
     for student in ("d_bare", "g_huge"):
         assert total(found, student, SLUG) == 100
-    size = (course / "autograded" / "g_huge" / ASSIGNMENT / "01_loop.ipynb").stat().st_size
+    size = (course / "autograded" / "g_huge" / "01_loop" / "01_loop.ipynb").stat().st_size
     assert size < 200_000
-    quiz = [found["e_quiz", "06_quiz", f"quiz-{n}"] for n in range(1, 6)]
+    quiz = [found["e_quiz", "07_quiz", f"quiz-{n}"] for n in range(1, 6)]
     assert quiz == [(None, True)] * 2 + [(0.0, False)] * 3
-    assert {found["f_gone", "06_quiz", f"quiz-{n}"] for n in range(1, 6)} == {(None, True)}
+    assert {found["f_gone", "07_quiz", f"quiz-{n}"] for n in range(1, 6)} == {(None, True)}
 
-    nbgrader(course, "generate_feedback", ASSIGNMENT, "--student", "e_quiz")
+    nbgrader(course, "generate_feedback", "07_quiz", "--student", "e_quiz")
 
-    page = (course / "feedback" / "e_quiz" / ASSIGNMENT / "06_quiz.html").read_text("utf-8")
+    page = (course / "feedback" / "e_quiz" / "07_quiz" / "07_quiz.html").read_text("utf-8")
     assert "steal()" in page
     assert "<script>steal" not in page
     assert 'href="javascript:' not in page
@@ -154,10 +154,10 @@ def hand_in_oddities(course: Path, elsewhere: Path) -> None:
         cell.pop("id")
     del bare["metadata"], bare["nbformat"]
     hand_in(course, "d_bare", "01_loop", bare)
-    hand_in(course, "e_quiz", "06_quiz", answered(course, "Because.", EVIL))
+    hand_in(course, "e_quiz", "07_quiz", answered(course, "Because.", EVIL))
     gone = answered(course)
     gone["cells"] = [c for c in gone["cells"] if "nbgrader" not in c["metadata"]]
-    hand_in(course, "f_gone", "06_quiz", gone)
+    hand_in(course, "f_gone", "07_quiz", gone)
     huge = solved(course)
     noise = {"output_type": "stream", "name": "stderr", "text": "x" * 8_000_000}
     huge["cells"][1]["outputs"] = [noise]
@@ -165,21 +165,21 @@ def hand_in_oddities(course: Path, elsewhere: Path) -> None:
 
 
 def test_release_fetch_submit_and_collect(course: Path, tmp_path: Path) -> None:
-    nbgrader(course, "release_assignment", ASSIGNMENT)
+    nbgrader(course, "release_assignment", "01_loop")
     config = (course / "nbgrader_config.py").read_text("utf-8")
     student = tmp_path / "student"
     student.mkdir()
     (student / "nbgrader_config.py").write_text(config, "utf-8")
-    nbgrader(student, "fetch_assignment", ASSIGNMENT)
-    path = student / ASSIGNMENT / "01_loop.ipynb"
+    nbgrader(student, "fetch_assignment", "01_loop")
+    path = student / "01_loop" / "01_loop.ipynb"
     notebook = json.loads(path.read_text("utf-8"))
     assert notebook == released(course, "01_loop")
     path.write_text(json.dumps(fill(notebook, {FILE: solution(SLUG, FILE)})), "utf-8")
-    nbgrader(student, "submit", ASSIGNMENT)
+    nbgrader(student, "submit", "01_loop")
 
-    nbgrader(course, "collect", ASSIGNMENT)
+    nbgrader(course, "collect", "01_loop")
 
-    (collected,) = (course / "submitted").glob(f"*/{ASSIGNMENT}/timestamp.txt")
+    (collected,) = (course / "submitted").glob("*/01_loop/timestamp.txt")
     assert (collected.parent / "01_loop.ipynb").read_text("utf-8") == path.read_text("utf-8")
 
 
@@ -201,7 +201,7 @@ def test_every_student_has_worlds_of_their_own(
     step = autograde.JudgeNodes(secret=str(secret))
     plain = autograde.JudgeNodes()
     for name, judging in (("ann", step), ("bob", step), ("ann", plain)):
-        judging._verdict(SLUG, [], Place("", "01_loop", ASSIGNMENT, name))
+        judging._verdict(SLUG, [], Place("", "01_loop", "01_loop", name))
 
     key = secret.read_bytes()
     assert seeds == [student_key(key, "ann", SLUG), student_key(key, "bob", SLUG), None]

@@ -63,3 +63,22 @@ def test_what_is_missing_is_named(source: Path, tmp_path: Path) -> None:
     with pytest.raises(wheels.DownloadFailed, match="std_msgs"):
         unpacking.unpack(tmp_path / "_ros", source)
     assert not (tmp_path / "_ros").exists()
+
+
+def test_what_came_from_other_versions_is_made_anew(
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "made" / "_ros"
+    unpacking.unpack(target, source)
+    (target / "NOTICE").write_text("ros-rclpy 7.0.0\n", "utf-8")
+    (target / "of_the_old").touch()
+    monkeypatch.setattr(unpacking, "FOLDER", target)
+    monkeypatch.setattr(unpacking, "_installed", lambda: source)
+    said: list[str] = []
+    assert unpacking.folder(said.append) == target
+    assert len(said) == 1
+    assert "ros-rclpy 7.1" in (target / "NOTICE").read_text("utf-8")
+    assert not (target / "of_the_old").exists()
+    unpacking.folder(said.append)
+    assert len(said) == 1  # it stays
+    assert list(target.parent.iterdir()) == [target]

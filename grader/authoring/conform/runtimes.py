@@ -2,7 +2,8 @@
 
 What a recording holds is compared by its digest, which re-encodes every message. Two things are
 left out of it: the order of messages of different topics at one moment, which means nothing, and
-how long a training took.
+how long a training took. What a trained model says is compared to a nanometre per second: a forest
+that predicts in several threads adds its trees up in the order in which they end.
 """
 
 from __future__ import annotations
@@ -12,6 +13,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
+import numpy as np
+from msgspec import structs
+
 from grader.authoring.proof import Claim, claims, grade_claim, objections
 from grader.course.exercises import Exercise
 from grader.errors import GraderError
@@ -19,6 +23,7 @@ from grader.grading.grading import Grading
 from grader.link.hosts import ForkServer
 from grader.link.ros_environment import find_ros, portable_ros
 from grader.recording import Recording
+from grader.recording.training import ModelAnswers
 from sim.messages import EPOCH_NS
 
 AS_REAL, OTHER, ABSENT = "as the real one", "differs", "absent"
@@ -125,6 +130,18 @@ def comparable(recording: Recording) -> Recording:
     """Return a recording without what may differ between two runs."""
     published = tuple(sorted(recording.published, key=lambda m: (m.time, m.topic)))
     outcome = recording.outcome
-    if recording.training is not None or recording.live is not None:
+    training = recording.training
+    if training is not None or recording.live is not None:
         outcome = replace(outcome, at=0.0)  # in wall-clock time
-    return replace(recording, published=published, outcome=outcome)
+    if training is not None:
+        training = structs.replace(
+            training,
+            pickle=_rounded(training.pickle),
+            again=_rounded(training.again),
+            onnx=_rounded(training.onnx),
+        )
+    return replace(recording, published=published, outcome=outcome, training=training)
+
+
+def _rounded(answers: ModelAnswers) -> ModelAnswers:
+    return structs.replace(answers, values=np.round(answers.speeds, 9).tobytes())

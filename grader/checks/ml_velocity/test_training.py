@@ -103,12 +103,13 @@ def test_prediction_time(recordings: Recordings) -> None:
         wall, cpu = np.frombuffer(training.single_wall), np.frombuffer(training.single_cpu)
         wall, cpu = wall[: len(cpu)], cpu[: len(wall)]
         own = np.fmin(wall, cpu)  # without the time spent waiting for a CPU
-        decided = (own > PREDICTION_LIMIT).sum() > LEAST_CALLS / 100
+        measured = bool(np.isfinite(cpu).all())  # not every system tells: then it may have waited
+        decided = measured and (own > PREDICTION_LIMIT).sum() > LEAST_CALLS / 100
         if len(wall) < LEAST_CALLS and not decided:
             fail("not enough predictions came to measure", recording=recording)
         if not decided and np.percentile(wall, 99) <= PREDICTION_LIMIT:
             continue
-        if not decided and np.percentile(own, 99) <= PREDICTION_LIMIT:
+        if not decided and np.percentile(own, 99 if measured else 50) <= PREDICTION_LIMIT:
             inconclusive("the machine stalled while the predictions were being measured")
         fail(
             "a prediction takes too long",

@@ -21,6 +21,7 @@ STOP_DISTANCE = 0.5  # [m]
 MAX_SPEED = 0.5  # [m/s]
 MAX_TURN_RATE = 1.9  # [rad/s]
 MAX_RISE = 0.045  # [m/s] of linear.x in a tick
+SETTLED = 0.6  # [s] in which a speed is reached, up or down, with 0.9 m/s²
 TOLERANCE = 1e-3  # [m/s, rad/s] of a command that should not be zero
 
 LEVELS = {  # of diagnostic_msgs/DiagnosticStatus: 0 OK, 1 WARN, 2 ERROR
@@ -41,11 +42,29 @@ class Decision:
     reason: str
     speed: float = 0.0  # [m/s]
     turn_rate: float = 0.0  # [rad/s]
-    rising: bool = False  # the acceleration limit holds it back
+    wish: float = 0.0  # [m/s] the speed that the acceleration limit may hold back
 
-    def allows(self, speed: float, turn_rate: float) -> bool:
-        """Tell whether these are the right speed [m/s] and turn rate [rad/s]."""
-        return _same(speed, self.speed) and _same(turn_rate, self.turn_rate)
+    @property
+    def rising(self) -> bool:
+        """The acceleration limit holds it back."""
+        return self.wish > self.speed
+
+    def allows(self, speed: float, turn_rate: float, *, any_rise: bool = False) -> bool:
+        """Tell whether these are the right speed [m/s] and turn rate [rad/s].
+
+        With `any_rise`, a speed that rises faster than it may is right as well: that is one
+        mistake, and it has a check of its own.
+        """
+        if any_rise and self.rising:
+            fits = self.speed - TOLERANCE <= speed <= self.wish + TOLERANCE
+        else:
+            fits = _same(speed, self.speed)
+        return fits and _same(turn_rate, self.turn_rate)
+
+    @property
+    def moves(self) -> bool:
+        """It drives or turns."""
+        return self.speed != 0.0 or self.turn_rate != 0.0
 
 
 @dataclass(frozen=True)
@@ -84,6 +103,7 @@ class Tick:
     values: tuple[float, ...]  # six fields
     situation: Situation
     right: tuple[Decision, ...]
+    same_for: float  # [s] since the model began to ask for what it asks for
 
     @property
     def reasons(self) -> set[str]:
@@ -95,10 +115,45 @@ class Tick:
         """Speed and turn rate are right."""
         return any(decision.allows(self.values[0], self.values[5]) for decision in self.right)
 
+    @property
+    def is_right_but_for_the_rise(self) -> bool:
+        """Speed and turn rate are right, or would be if there were no limit on acceleration."""
+        speed, turn_rate = self.values[0], self.values[5]
+        return any(decision.allows(speed, turn_rate, any_rise=True) for decision in self.right)
+
+    @property
+    def must_move(self) -> bool:
+        """No command is right that leaves the robot standing."""
+        return all(decision.moves for decision in self.right)
+
+    @property
+    def moves(self) -> bool:
+        """The command is one to drive or to turn; never true of NaN."""
+        return abs(self.values[0]) >= ZERO or abs(self.values[5]) >= ZERO
+
+
+def is_settled(tick: Tick) -> bool:
+    """Tell whether what is asked for has been the same for long enough to be reached."""
+    return tick.same_for >= SETTLED
+
+
+def is_right_or_never_reverses(tick: Tick) -> bool:
+    """Tell whether a command is right, or 0.0 where it should drive backwards.
+
+    A node that never reverses makes one mistake, and `passes_on` is there for it.
+    """
+    speed, turn_rate = tick.values[0], tick.values[5]
+    never = abs(speed) <= ZERO and any(
+        decision.speed < 0.0 and decision.allows(decision.speed, turn_rate)
+        for decision in tick.right
+    )
+    return never or tick.is_right_but_for_the_rise
+
 
 def ticks(recording: Recording) -> list[Tick]:
     """Return every command that the node published, with what was right."""
     arrivals = _Arrivals(recording)
+    begins = np.array([0.0, *(stream.begin for stream in recording.scenario.raw)])
     twists = recording.twists()
     found = []
     last = 0.0  # [m/s] linear.x of the command before
@@ -106,7 +161,8 @@ def ticks(recording: Recording) -> list[Tick]:
         now = arrivals.at(t)
         just_before = arrivals.at(t - ARRIVAL_HAIR - recording.slack, age_at=t)
         right = [*_decisions(now, last), *_decisions(just_before, last)]
-        found.append(Tick(t, tuple(row), now, tuple(dict.fromkeys(right))))
+        same_for = t - float(begins[begins <= t].max())
+        found.append(Tick(t, tuple(row), now, tuple(dict.fromkeys(right)), same_for))
         last = row[0] if math.isfinite(row[0]) else 0.0
     return found
 
@@ -187,9 +243,9 @@ def _moving(
     clamped = min(max(asked_speed, -MAX_SPEED), MAX_SPEED)
     speed = min(clamped, fastest)
     as_asked = speed == asked_speed and turn_rate == asked_turn_rate
-    yield Decision("ok" if as_asked else "limited", speed, turn_rate, rising=fastest < clamped)
+    yield Decision("ok" if as_asked else "limited", speed, turn_rate, wish=clamped)
     if abs(fastest - asked_speed) < TOLERANCE and turn_rate == asked_turn_rate:
-        yield Decision("limited" if as_asked else "ok", speed, turn_rate)
+        yield Decision("limited" if as_asked else "ok", speed, turn_rate, wish=clamped)
 
 
 def _same(value: float, wanted: float) -> bool:

@@ -70,9 +70,16 @@ def require_reports(recording: Recording) -> list[Report]:
 
 
 def require_commands(
-    recording: Recording, help: str, judged: Callable[[Tick], bool] = lambda tick: True
+    recording: Recording,
+    help: str,
+    judged: Callable[[Tick], bool] = lambda tick: True,
+    *,
+    right: Callable[[Tick], bool] = lambda tick: tick.is_right_but_for_the_rise,
 ) -> None:
-    """Fail unless the node ran to the end, with speed and turn rate right at the ticks judged."""
+    """Fail unless the node ran to the end, with speed and turn rate right at the ticks judged.
+
+    By default a speed that rises too fast is as good as a right one: it has a check of its own.
+    """
     require_alive(recording)
     found = [tick for tick in ticks(recording) if judged(tick)]
     if not found:
@@ -85,8 +92,23 @@ def require_commands(
             help=help,
         )
     for tick in found:
-        if not tick.is_right:
+        if not right(tick):
             _fail_command(recording, tick, help)
+
+
+def require_stops(recording: Recording, reason: str, help: str) -> None:
+    """Fail unless the robot stands for as long as this reason holds, and moves when none does.
+
+    How it moves then is for other checks to judge.
+    """
+
+    def is_stop(tick: Tick) -> bool:
+        return tick.reasons == {reason}
+
+    def is_right(tick: Tick) -> bool:
+        return tick.is_right if is_stop(tick) else tick.moves
+
+    require_commands(recording, help, lambda tick: is_stop(tick) or tick.must_move, right=is_right)
 
 
 def _fail_command(recording: Recording, tick: Tick, help: str) -> None:

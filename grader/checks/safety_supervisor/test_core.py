@@ -11,8 +11,8 @@ from grader.checks.safety_supervisor.contract import (
     MAX_SPEED,
     MAX_TURN_RATE,
     TOLERANCE,
-    Tick,
-    ticks,
+    is_right_or_never_reverses,
+    is_settled,
 )
 from grader.checks.safety_supervisor.evidence import (
     require_commands,
@@ -21,6 +21,7 @@ from grader.checks.safety_supervisor.evidence import (
     require_other_fields,
     require_rate,
     require_reasons,
+    require_stops,
     require_text,
 )
 from grader.checks.verdict import fail
@@ -64,7 +65,9 @@ def test_passes_on(recordings: Recordings) -> None:
     """What is safe is passed on as it is, backwards too; the four other fields are zero."""
     for recording in recordings:
         require_commands(
-            recording, "Nothing is wrong here: linear.x and angular.z go out as they came in."
+            recording,
+            "Nothing is wrong here: linear.x and angular.z go out as they came in.",
+            is_settled,
         )
         require_other_fields(recording)
 
@@ -87,17 +90,11 @@ def test_limits(recordings: Recordings) -> None:
                     recording=recording,
                     help="Clamp both ways: max(-limit, min(limit, value)).",
                 )
-        ends = [stream.end for stream in recording.scenario.raw]
-        times = [tick.t for tick in ticks(recording)]
-        settled = [max((t for t in times if t < end), default=-1.0) for end in ends]
-
-        def _is_settled(tick: Tick, settled: list[float] = settled) -> bool:
-            return tick.t in settled
-
         require_commands(
             recording,
             "Clamp to the limit, not to zero; what is within is not touched.",
-            _is_settled,
+            is_settled,
+            right=is_right_or_never_reverses,
         )
 
 
@@ -110,6 +107,7 @@ def test_acceleration(recordings: Recordings) -> None:
             "The most is max(0, last) + 0.045, where last is what you published one tick ago, "
             "whatever the reason for it was.",
             lambda tick: any(decision.rising for decision in tick.right),
+            right=lambda tick: tick.is_right,
         )
 
 
@@ -121,6 +119,7 @@ def test_never_delays(recordings: Recordings) -> None:
             recording,
             "The limit is for getting faster forwards only: min(asked, max(0, last) + 0.045).",
             lambda tick: not any(d.rising or d.reason == "e_stop" for d in tick.right),
+            right=is_right_or_never_reverses,
         )
 
 
@@ -128,15 +127,16 @@ def test_never_delays(recordings: Recordings) -> None:
 def test_e_stop(recordings: Recordings) -> None:
     """While the last /e_stop was true the robot stands, from the next tick on."""
     for recording in recordings:
-        require_commands(recording, "Keep the last /e_stop: true holds until a false comes.")
+        require_stops(recording, "e_stop", "Keep the last /e_stop: true holds until a false comes.")
 
 
 @pytest.mark.check(points=5, scenarios=("safe_bad_command",), needs=("wiring",))
 def test_bad_command(recordings: Recordings) -> None:
     """A command with NaN or infinity in a field stops the robot until a good one comes."""
     for recording in recordings:
-        require_commands(
+        require_stops(
             recording,
+            "bad_command",
             "math.isfinite on each field, before you compare: comparisons with NaN are false.",
         )
 
@@ -145,8 +145,10 @@ def test_bad_command(recordings: Recordings) -> None:
 def test_stale_command(recordings: Recordings) -> None:
     """Without a raw command for more than 0.5 s (or at all) the robot stands."""
     for recording in recordings:
-        require_commands(
-            recording, "Note when each command arrives, and look at its age at every tick."
+        require_stops(
+            recording,
+            "stale_command",
+            "Note when each command arrives, and look at its age at every tick.",
         )
 
 
@@ -154,8 +156,10 @@ def test_stale_command(recordings: Recordings) -> None:
 def test_stale_scan(recordings: Recordings) -> None:
     """Without a scan for more than 0.5 s (or at all) the robot stands."""
     for recording in recordings:
-        require_commands(
-            recording, "Note when each scan arrives, and look at its age at every tick."
+        require_stops(
+            recording,
+            "stale_scan",
+            "Note when each scan arrives, and look at its age at every tick.",
         )
 
 
@@ -163,8 +167,9 @@ def test_stale_scan(recordings: Recordings) -> None:
 def test_blind_scan(recordings: Recordings) -> None:
     """When the newest scan has no usable reading ahead the robot stands; +inf is free."""
     for recording in recordings:
-        require_commands(
+        require_stops(
             recording,
+            "stale_scan",
             "The newest scan counts: if it is blind, an older distance is no help.",
         )
 
@@ -177,6 +182,7 @@ def test_obstacle(recordings: Recordings) -> None:
             recording,
             "Only if linear.x > 0 and something is nearer than 0.5 m ahead: linear.x = 0, "
             "angular.z as asked, within ±1.9.",
+            lambda tick: "obstacle" in tick.reasons or is_settled(tick),
         )
 
 

@@ -18,7 +18,7 @@ from grader.recording import Recording
 def _require_contract(recording: Recording, help: str) -> None:
     """Fail unless the whole contract holds in this scenario."""
     require_rate(recording)
-    require_commands(recording, help)
+    require_commands(recording, help, right=lambda tick: tick.is_right)
     require_text(recording)
     require_reasons(recording, help)
     require_levels(recording)

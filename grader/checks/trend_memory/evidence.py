@@ -158,6 +158,19 @@ def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None
         )
 
 
+def require_forgotten(recording: Recording) -> None:
+    """Fail if the node decides by a trend that it should have forgotten.
+
+    The scans judged are those that came when the memory had been emptied and was not full again.
+    """
+    emptied = False
+    for case in cases(recording):
+        emptied = emptied or case.step.emptied
+        if emptied and case.answer.count and case.step.known < MEMORY_SIZE:
+            help = "With the memory goes the closing speed: it is not known until there are ten."
+            require_speed(recording, case, help)
+
+
 def require_speed(recording: Recording, case: Case, help: str = "") -> None:
     """Fail unless the command in force after a scan has the right linear.x."""
     right, speed = case.step.speeds, case.answer.speed

@@ -11,6 +11,7 @@ from grader.checks.trend_memory.evidence import (
     closing_speeds,
     require_closing_speeds,
     require_distance,
+    require_forgotten,
     require_one,
     require_scans,
     require_silence,
@@ -142,15 +143,17 @@ def test_clears_backwards(recordings: Recordings) -> None:
         require_closing_speeds(
             recording, "Compare each stamp with the one before; clear, then remember the new one."
         )
+        require_forgotten(recording)
 
 
 @pytest.mark.check(points=5, scenarios=("trend_jump",), needs=("forgets_old",))
 def test_clears_jump(recordings: Recordings) -> None:
-    """A stamp that jumps ahead by more than 1 s empties the memory first; 0.9 s does not."""
+    """A stamp that jumps ahead by more than 1 s empties the memory first; 0.96 s does not."""
     for recording in recordings:
         require_closing_speeds(
             recording, "Compare each stamp with the one before; clear, then remember the new one."
         )
+        require_forgotten(recording)
 
 
 @pytest.mark.check(points=5, scenarios=("trend_near",), needs=("wiring",))

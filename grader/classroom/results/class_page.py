@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from urllib.parse import quote
 
+from grader.classroom.results.changes import changes
 from grader.classroom.results.charts import sparkline
 from grader.classroom.results.clean import folder_name, one_line
 from grader.classroom.results.exercise_section import exercise_section, lost_section
@@ -23,6 +24,7 @@ from grader.classroom.results.marks import (
 from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import Linked, ResultOptions
 from grader.classroom.results.page import Element, document, el, name, section, table
+from grader.classroom.results.sections import sections_of, sections_table
 from grader.classroom.results.words import NOTHING, moment, plural, points
 from grader.classroom.row import RUNNING, WAITING, StoredResult
 from grader.report.page import GENERATED_BY
@@ -60,6 +62,7 @@ def class_page(
         el(
             "main",
             _absent(absent) if absent else None,
+            None if options.anonymous else
             _section(parts, "held", "Held for you", lambda: _held(held, tasks)),
             _section(parts, "intake", "What was handed in", lambda: _intake(results, options)),
             _section(parts, "overview", "Overview", lambda: _overview(results, tasks, scores)),
@@ -67,12 +70,16 @@ def class_page(
                 exercise_section(_of(results, task), task, scores[task.slug], options, parts)
                 for task in tasks
             ],
-            _section(parts, "students", "Students", lambda: _students(results, tasks)),
+            _section(parts, "sections", "Sections",
+                     lambda: sections_table(sections_of(results, options), tasks)),
+            _section(parts, "students", "Students", lambda: _students(results, tasks, options)),
+            _section(parts, "changes", "Changed marks", lambda: changes(options.log)),
             _section(parts, "notes", "Notes of the batch", lambda: _notes(results, options)),
         ),
         el(
             "footer",
-            el("p", "Also in this folder: ", _joined(list(map(_linked, options.files))), "."),
+            el("p", "Also in this folder: ", _joined(list(map(_linked, options.files))), ".")
+            if options.files else None,
             el("p", f"Made by {GENERATED_BY}."),
             class_="foot",
         ),
@@ -94,13 +101,18 @@ def _top(results: Results, held: Results, tasks: Sequence[Task], options: Result
     ]
     links = [("#overview", "Overview")]
     links += [(f"#exercise-{task.folder}", task.heading) for task in tasks]
+    if sections_of(results, options):
+        links.append(("#sections", "Sections"))
     links += [("#students", "Students"), ("#notes", "Notes")]
-    if held:
+    if options.log:
+        links.insert(-1, ("#changes", f"Changed marks ({len(options.log)})"))
+    if held and not options.anonymous:
         links.insert(0, ("#held", f"Held ({len(held)})"))
     return el(
         "header",
-        el("p", "Class report", class_="eyebrow"),
-        el("h1", el("bdi", one_line(options.title))),
+        el("p", el("a", "Class report", href="../class.html"), " · section", class_="eyebrow")
+        if options.section else el("p", "Class report", class_="eyebrow"),
+        el("h1", el("bdi", one_line(options.section or options.title))),
         el("p", [el("span", fact) for fact in facts if fact], class_="facts-line"),
         el("nav", el("ul", [el("li", el("a", text, href=href)) for href, text in links]),
            aria_label="Sections"),
@@ -237,18 +249,19 @@ def _overview(results: Results, tasks: Sequence[Task], scores: Scores) -> Elemen
 # --- students and notes --------------------------------------------------------------------
 
 
-def _students(results: Results, tasks: Sequence[Task]) -> Element:
+def _students(results: Results, tasks: Sequence[Task], options: ResultOptions) -> Element:
     found = {(result.student, result.exercise): result for result in results}
     rows = []
     for student in sorted({result.student for result in results}):
-        folder = f"feedback/{quote(folder_name(student))}"
+        folder = f"{options.root}feedback/{quote(folder_name(student))}"
+        folder = "" if options.anonymous else folder
         mine = [(task, found.get((student, task.slug))) for task in tasks]
         counted = [points_of(result, task) for task, result in mine if result is not None]
         total = sum(points for points in counted if points is not None)
         rows.append(
             el(
                 "tr",
-                el("th", el("a", name(student, 48), href=f"{folder}/index.html"), scope="row"),
+                el("th", _link(name(student, 48), folder, "index.html"), scope="row"),
                 [_mark(result, task, folder) for task, result in mine],
                 el("td", f"{total:g}", class_="number") if len(tasks) > 1 else None,
             )
@@ -260,7 +273,7 @@ def _students(results: Results, tasks: Sequence[Task]) -> Element:
     return section(
         "students",
         "Students",
-        "Each score links to the student's page.",
+        "" if options.anonymous else "Each score links to the student's page.",
         table("Scores of all students", headings, rows),
     )
 
@@ -271,17 +284,25 @@ def _mark(result: StoredResult | None, task: Task, folder: str) -> Element:
     if is_absent(result):
         return el("td", NOTHING, class_="number quiet", title="nothing handed in")
     if is_held(result):
-        return el("td", el("a", "held", href="#held"), class_="number is-warn")
+        held = el("a", "held", href="#held") if folder else "held"
+        return el("td", held, class_="number is-warn")
     points = points_of(result, task)
     if not is_graded(result):
         return el("td", "open", class_="number quiet")
     if points is None:
         return el("td", "not counted", class_="number quiet")
     full = points >= task.points
-    link = el("a", f"{points:g}", href=f"{folder}/{quote(task.folder)}.html")
-    if is_provisional(result):
-        return el("td", link, " ", el("small", "provisional"), class_="number")
+    link = _link(f"{points:g}", folder, f"{quote(task.folder)}.html")
+    word = "provisional" if is_provisional(result) else "changed" if result.amended else ""
+    if word:
+        told = " ".join(result.amended.steps) if result.amended else None
+        return el("td", link, " ", el("small", word, title=told), class_="number")
     return el("td", link, class_="number is-pass" if full else "number")
+
+
+def _link(what: Element | str, folder: str, page: str) -> Element | str:
+    """Return a link into a folder; without one only its words."""
+    return el("a", what, href=f"{folder}/{page}") if folder else what
 
 
 def _short(task: Task) -> str:

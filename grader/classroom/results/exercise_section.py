@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from grader.classroom.results.charts import failures, histogram
+from grader.classroom.results.check_pages import page_of
 from grader.classroom.results.clean import one_line
 from grader.classroom.results.items import ENOUGH, Distribution, Item, item_analysis
 from grader.classroom.results.marks import Task, is_graded
 from grader.classroom.results.missing import Missing, Parts
-from grader.classroom.results.options import ResultOptions, Sources
-from grader.classroom.results.own_code import OwnCode, own_code
+from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.own_code import OwnCode
 from grader.classroom.results.page import Element, el, name, section, table
-from grader.classroom.results.similarity import Group, similar_groups
+from grader.classroom.results.similarity import Group
 from grader.classroom.results.words import NOTHING, plural, points, seconds, signed
-from grader.classroom.row import StoredResult
+from grader.classroom.row import StoredResult, as_graded
 from grader.course.exercises import EXERCISES
 
 SLOWEST = 5
@@ -29,6 +30,7 @@ def exercise_section(
 ) -> Element:
     """Return the section of the class report about one exercise; each part stands for itself."""
     graded = [result for result in results if is_graded(result)]
+    judged = judged_ones(graded)
     if not graded:
         return section(f"exercise-{task.folder}", task.heading, "No grading counts yet.")
 
@@ -43,12 +45,19 @@ def exercise_section(
         el(
             "div",
             part("Scores", lambda: _scores(scores)),
-            part("Slowest gradings", lambda: _slowest(graded)),
+            part("Slowest gradings", lambda: _slowest(graded, task)),
             class_="pair",
         ),
-        part("Checks", lambda: _checks(item_analysis(graded), len(graded))),
-        part("Nearly the same", lambda: _similar(results, options.sources, task)),
+        part("Checks", lambda: _checks(item_analysis(judged), len(judged), task, options)),
+        None
+        if options.section
+        else part("Nearly the same", lambda: _similar(results, options, task)),
     )
+
+
+def judged_ones(graded: Results) -> list[StoredResult]:
+    """Return what the judge said: a check that a person has waived is as hard as it was."""
+    return [one for one in map(as_graded, graded) if is_graded(one)]
 
 
 def lost_section(id_: str, heading: str, lost: Missing) -> Element:
@@ -77,7 +86,7 @@ def _scores(scores: Distribution) -> Element:
     )
 
 
-def _slowest(graded: Results) -> Element:
+def _slowest(graded: Results, task: Task) -> Element:
     slowest = sorted(graded, key=lambda result: (-result.wall_s, result.student))[:SLOWEST]
     rows = [
         el("tr", el("th", name(result.student, 40), scope="row"),
@@ -91,12 +100,14 @@ def _slowest(graded: Results) -> Element:
     return el(
         "div",
         el("h3", "Slowest gradings"),
-        table("Slowest gradings", headings, rows, "is-plain"),
+        table(f"Slowest gradings, {task.heading}", headings, rows, "is-plain"),
         class_="card",
     )
 
 
-def _checks(items: Sequence[Item], submissions: int) -> Element:
+def _checks(items: Sequence[Item], submissions: int, task: Task, options: ResultOptions) -> Element:
+    pages = {item.id: f"{options.root}{page_of(task, item.id)}" for item in items if item.failed}
+    pages = {} if options.anonymous else pages
     headings = [
         ("Check", "wide"), ("Did not pass", ""), ("Difficulty", "number"),
         ("Discrimination", "number"), ("What it may mean", "hint"),
@@ -108,23 +119,27 @@ def _checks(items: Sequence[Item], submissions: int) -> Element:
             group.sort(key=lambda item: -item.failed)  # stable: then in the checks' order
             head = el("tr", el("th", words, scope="rowgroup", colspan=len(headings)),
                       class_="group-row")  # fmt: skip
-            bodies.append(el("tbody", head, [_check(item, submissions) for item in group]))
+            bodies.append(
+                el("tbody", head, [_check(item, submissions, pages.get(item.id)) for item in group])
+            )
     return el(
         "div",
         el("h3", "Checks, the most failed first"),
-        table("Checks, the most failed first", headings, bodies, stacks=True),
+        table(f"Checks, the most failed first, {task.heading}", headings, bodies, stacks=True),
         el(
             "p",
             "Difficulty is the share of submissions that pass: 0 is hardest. Discrimination is the "
             "point-biserial correlation between passing the check and the points of all the "
             "others: near 0 the check separates nobody; below 0, look at the check itself."
+            + (" A check's title leads to the replays of those who failed it." if pages else "")
             + ("" if submissions >= ENOUGH else FEW.format(plural(submissions, "submission"))),
             class_="quiet",
         ),
     )
 
 
-def _check(item: Item, submissions: int) -> Element:
+def _check(item: Item, submissions: int, page: str | None) -> Element:
+    title = el("span", item.title, dir="auto")
     counts = [f"{item.failed} failed"] if item.failed else []
     counts += [f"{item.skipped} skipped"] if item.skipped else []
     heard = None
@@ -137,7 +152,7 @@ def _check(item: Item, submissions: int) -> Element:
         )
     return el(
         "tr",
-        el("th", el("span", item.title, dir="auto"), el("code", one_line(item.id)), heard,
+        el("th", el("a", title, href=page) if page else title, el("code", one_line(item.id)), heard,
            scope="row"),
         el("td", failures(item, submissions),
            el("span", ", ".join(counts) or "none", class_="counts-word")),
@@ -147,17 +162,18 @@ def _check(item: Item, submissions: int) -> Element:
     )  # fmt: skip
 
 
-def _similar(results: Results, sources: Sources, task: Task) -> Element | None:
+def _similar(results: Results, options: ResultOptions, task: Task) -> Element | None:
     texts = {
-        result.student: sources[result.student, task.slug]
+        result.student: options.sources[result.student, task.slug]
         for result in results
-        if (result.student, task.slug) in sources
+        if (result.student, task.slug) in options.sources
     }
-    if not texts:
+    found = options.alikes.of(task.slug, texts, _skeletons(task))
+    if found is None:
         return None
-    groups = similar_groups(texts, _skeletons(task))
+    groups = found.groups
     heading = el("h3", "Nearly the same")
-    pasted = _own_code(own_code(texts, _skeletons(task), task.slug))
+    pasted = _own_code(found.own, task)
     if not groups:
         words = f"No two of {plural(len(texts), 'submission')} are nearly the same."
         return el("div", heading, el("p", words, class_="quiet"), pasted)
@@ -166,7 +182,7 @@ def _similar(results: Results, sources: Sources, task: Task) -> Element | None:
         heading,
         pasted,
         table(
-            "Groups of submissions that are nearly the same",
+            f"Groups of submissions that are nearly the same, {task.heading}",
             [("Students", "wide"), ("Similarity", "number"), ("File", "wide")],
             [_group(group) for group in groups],
             stacks=True,
@@ -181,7 +197,7 @@ def _similar(results: Results, sources: Sources, task: Task) -> Element | None:
     )
 
 
-def _own_code(found: Sequence[OwnCode]) -> Element | None:
+def _own_code(found: Sequence[OwnCode], task: Task) -> Element | None:
     """Return the submissions that hold the course's own code."""
     if not found:
         return None
@@ -198,7 +214,7 @@ def _own_code(found: Sequence[OwnCode]) -> Element | None:
     return el(
         "div",
         table(
-            "Submissions that hold the course's own code",
+            f"Submissions that hold the course's own code, {task.heading}",
             [("Student", "wide"), ("Similarity", "number"), ("File", "wide"), ("Course", "wide")],
             rows,
             stacks=True,

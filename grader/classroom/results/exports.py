@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -75,12 +75,20 @@ def write_exports(
     return written
 
 
-def write_feedback_zips(book: Book, tasks: Sequence[Task], out: Path, parts: Parts) -> list[Path]:
-    """Write the feedback pages for Moodle, once they are made."""
+def write_feedback_zips(
+    book: Book,
+    tasks: Sequence[Task],
+    out: Path,
+    parts: Parts,
+    published: Collection[tuple[str, str]] | None = None,
+) -> list[Path]:
+    """Write the feedback pages for Moodle, once they are made: all, or those published."""
     written = []
     for task in tasks:
         path = out / "moodle" / f"{task.folder}-feedback.zip"
         marks = [mark for mark in book.marks(task) if mark.handed(task.slug).system == "moodle"]
+        if published is not None:
+            marks = [mark for mark in marks if (mark.student, task.slug) in published]
         if not marks:
             continue
         with parts.part(path.relative_to(out).as_posix()):

@@ -35,10 +35,24 @@ def exercise_page(
     result: StoredResult, task: Task, hidden: Collection[str], bags: Path | None
 ) -> str:
     """Return the page of one grading, as its student may see it."""
-    grading = for_students(result.grading or {}, result.file_names, hidden)
+    if result.grading is None:
+        return unjudged_page(result, task)
+    grading = for_students(result.grading, result.file_names, hidden)
+    if result.amended is not None and (points := points_of(result, task)) is not None:
+        notes = [*(grading.get("notes") or ()), *result.amended.steps]
+        grading |= {"score": points, "max_score": task.points, "notes": notes}
     recordings = runs_for_students(_recordings(bags), hidden) if bags else []
     title = f"{task.title}: {one_line(result.student, 60)}"
     return page_html(page_payload(grading, recordings, title))
+
+
+def unjudged_page(result: StoredResult, task: Task) -> str:
+    """Return the page of one who has points and no grading: a person gave them."""
+    steps = result.amended.steps if result.amended else ()
+    return document(
+        f"{task.title}: {one_line(result.student, 60)}",
+        el("main", el("h1", task.heading), [el("p", step, class_="lead") for step in steps]),
+    )
 
 
 def lost_page(result: StoredResult, task: Task) -> str:
@@ -87,12 +101,13 @@ def _row(result: StoredResult, task: Task) -> Element:
     passed = sum(check.get("outcome") == "pass" for check in checks)
     points = points_of(result, task)
     ready = (result.grading or {}).get("field_ready")
+    changed = el("p", " ".join(result.amended.steps), class_="often") if result.amended else None
     return el(
         "tr",
         el("th", el("a", task.heading, href=f"{task.folder}.html"), scope="row"),
         el("td", "not counted" if points is None else f"{points:g} / {task.points:g}",
            class_="number"),
-        el("td", f"{passed} of {len(checks)} passed"),
+        el("td", f"{passed} of {len(checks)} passed" if checks else "", changed),
         el("td", "" if ready is None else "field-ready" if ready else "not field-ready yet"),
     )  # fmt: skip
 

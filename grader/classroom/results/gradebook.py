@@ -24,6 +24,7 @@ class Mark:
     student: str
     row: StudentRow
     points: float
+    penalty: float = 0.0  # for lateness, which is off already
 
     def handed(self, slug: str) -> Handed:
         """Return how the platform knows the submission."""
@@ -56,7 +57,8 @@ class Book:
         for result in self.results:
             if result.exercise == task.slug and (points := points_of(result, task)) is not None:
                 row = self.students.get(result.student, StudentRow(result.student))
-                found.append(Mark(result.student, row, points))
+                penalty = result.amended.penalty if result.amended else 0.0
+                found.append(Mark(result.student, row, points, penalty))
         return sorted(found, key=lambda mark: mark.student)
 
     def systems(self) -> set[str]:

@@ -20,12 +20,12 @@ from grader.classroom.results.marks import (
     why_held,
 )
 from grader.classroom.results.tables import Cell, Verbatim, csv_text
-from grader.classroom.row import GRADED, StoredResult, StudentRow
+from grader.classroom.row import GRADED, StoredResult, StudentRow, as_graded
 
 SCORES = (
     "student", "name", "id", "section", "exercise", "state", "points", "max_points", "score",
     "max_score", "field_ready", "passed", "failed", "skipped", "attempts", "wall_s", "cpu_s",
-    "handed_in", "late", "finished", "problem",
+    "handed_in", "late", "finished", "problem", "points_as_graded", "changed",
 )  # fmt: skip
 ID_FIRST = ("canvas", "id", "idnumber", "sis", "login", "email", "github")
 NBGRADER = (
@@ -64,8 +64,8 @@ def nbgrader_csv(book: Book, tasks: Sequence[Task]) -> str:
             first, _, last = mark.name.rpartition(" ")
             rows.append(
                 [task.slug, None, Verbatim(handed.time), Verbatim(nbgrader_id(mark, task)),
-                 last, first, Verbatim(mark.row.ids.get("email", "")), mark.points, 0,
-                 mark.points, task.points]
+                 last, first, Verbatim(mark.row.ids.get("email", "")),
+                 mark.points + mark.penalty, mark.penalty, mark.points, task.points]
             )  # fmt: skip
     return csv_text(rows)
 
@@ -124,4 +124,6 @@ def _scores_row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]
         "late" if handed and handed.late else "",
         result.finished,
         why_held(result).reason if held else result.problem,
+        points_of(as_graded(result), task) if result.amended else None,
+        " ".join(result.amended.steps) if result.amended else "",
     ]

@@ -144,13 +144,18 @@ def _discrimination(id_: str, checks: list[dict[str, Check]]) -> float | None:
 def _often(failed: list[Check]) -> tuple[str, int]:
     """Return the most frequent message and its count; messages may differ in their numbers."""
     messages = [one_line(check.get("message") or "", 220) for check in failed]
-    alike = Counter(_NUMBER.sub("#", message) for message in messages if message)
-    if not alike:
+    forms = Counter(alike(message) for message in messages if message)
+    if not forms:
         return "", 0
-    form, times = max(alike.items(), key=lambda pair: (pair[1], pair[0]))
+    form, times = max(forms.items(), key=lambda pair: (pair[1], pair[0]))
     if times < 2:
         return "", 0
-    return min(message for message in messages if _NUMBER.sub("#", message) == form), times
+    return min(message for message in messages if alike(message) == form), times
+
+
+def alike(message: str) -> str:
+    """Return what messages have in common that differ only in their numbers."""
+    return _NUMBER.sub("#", one_line(message, 220))
 
 
 def _hint(judged: int, p: float | None, r: float | None, skipped: int) -> str:

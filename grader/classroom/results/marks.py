@@ -59,6 +59,8 @@ def checks_of(result: StoredResult) -> list[Check]:
 
 def is_held(result: StoredResult) -> bool:
     """Tell whether a person has to look before this counts."""
+    if result.amended is not None and result.amended.by_hand:
+        return False
     if result.state == HELD or (result.state == GRADED and result.grading is None):
         return True
     if result.state != GRADED:
@@ -82,7 +84,7 @@ def is_provisional(result: StoredResult) -> bool:
     It does if a core check could not be judged for want of a library, or if no known solution has
     confirmed the grader since.
     """
-    if not is_graded(result):
+    if not is_graded(result) or (result.amended is not None and result.amended.by_hand):
         return False
     core = (check for check in checks_of(result) if check.get("kind") != "field")
     return not result.verified or any(check.get("outcome") in UNJUDGED for check in core)
@@ -99,8 +101,11 @@ def points_of(result: StoredResult, task: Task) -> float | None:
     """Return the points in the gradebook; None if there is no score yet.
 
     Checks that require a library missing on the grading machine don't count: what was judged is
-    scaled to the exercise's points, so that no student loses points by it.
+    scaled to the exercise's points, so that no student loses points by it. What a person has
+    changed counts before all.
     """
+    if result.amended is not None:
+        return result.amended.points
     if not is_graded(result) or result.grading is None:
         return None
     score, most = _number(result.grading.get("score")), _number(result.grading.get("max_score"))

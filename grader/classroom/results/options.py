@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from grader.classroom.account import Account
+from grader.classroom.amendments.log import Entry
+from grader.classroom.results.alike import Alikes
 from grader.classroom.roster import NOBODY, Roster
 from grader.classroom.row import StudentRow
 from grader.errors import InputError
@@ -48,6 +50,11 @@ class ResultOptions:
     roster: Roster = NOBODY
     nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
     columns: Mapping[str, str] = field(default_factory=dict)  # slug: title in the gradebook
+    log: Sequence[Entry] = ()  # of what people have changed
+    published: Collection[tuple[str, str]] | None = None  # pages; None: nothing was published yet
+    alikes: Alikes = field(default_factory=Alikes)
+    section: str = ""  # the report is of this section; "": of the whole class
+    anonymous: bool = False  # students are codes, and no page is about one of them
 
     def __post_init__(self) -> None:
         """Check the words of `hide`.
@@ -62,6 +69,16 @@ class ResultOptions:
                 near = difflib.get_close_matches(word, HIDE, n=1)
                 hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(HIDE)}"
                 raise InputError(f"hide: unknown word {word!r}; {hint}")
+
+    @property
+    def root(self) -> str:
+        """The way from the report to the folder of the class."""
+        return "../" if self.section else ""
+
+    @property
+    def replays_in(self) -> str:
+        """The folder of pages whose replays hide nothing from the instructor."""
+        return "replays" if self.hidden - {"nothing"} else "feedback"
 
     @property
     def hidden(self) -> frozenset[str]:

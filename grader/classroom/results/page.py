@@ -94,14 +94,17 @@ def section(
     )
 
 
-def document(title: str, *body: Child | Iterable[Child]) -> str:
-    """Return the HTML of a page, in pure ASCII, so that it survives any transport."""
+def document(title: str, *body: Child | Iterable[Child], frames: bool = False) -> str:
+    """Return the HTML of a page, in pure ASCII, so that it survives any transport.
+
+    With `frames` it may show other pages of this folder.
+    """
     style = "\n".join(path.read_text("utf-8").replace("\r\n", "\n") for path in (TOKENS, STYLE))
     digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
     policy = (
         f"default-src 'none'; style-src 'sha256-{digest}'; img-src data:; "
         "base-uri 'none'; form-action 'none'"
-    )
+    ) + ("; frame-src 'self' file:" if frames else "")
     head = el(
         "head",
         el("meta", charset="utf-8"),

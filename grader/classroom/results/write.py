@@ -12,9 +12,13 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
+from grader.classroom.results import sections
+from grader.classroom.results.alike import Alikes
+from grader.classroom.results.check_pages import write_check_pages
 from grader.classroom.results.class_page import bare_page, class_page
 from grader.classroom.results.clean import folder_name
-from grader.classroom.results.exports import there, write_exports, write_feedback_zips
+from grader.classroom.results.exercise_section import judged_ones
+from grader.classroom.results.exports import BOM, there, write_exports, write_feedback_zips
 from grader.classroom.results.feedback import (
     exercise_page,
     index_page,
@@ -27,14 +31,16 @@ from grader.classroom.results.gradebooks import scores_csv
 from grader.classroom.results.gradescope import results_json
 from grader.classroom.results.items import item_analysis
 from grader.classroom.results.junit import junit_xml
-from grader.classroom.results.marks import Task, is_graded, tasks_of
+from grader.classroom.results.marks import Task, checks_of, is_graded, tasks_of
 from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import ResultOptions
-from grader.classroom.row import HELD, StoredResult
+from grader.classroom.results.published import write_published
+from grader.classroom.row import HELD, StoredResult, as_graded
 from grader.report.page import json_text, page_html
 
 CLASS_PAGE = "class.html"
 PAGES = ".pages.json"  # hashes of what each feedback page was made from
+ALIKE = ".alike.json"
 MANY = 20  # pages; for fewer, starting more processes does not pay
 
 
@@ -59,16 +65,17 @@ def write_results(
     OSError
         A full disk, or a folder that can't be written.
     """
-    options = options or ResultOptions()
+    options = replace(options or ResultOptions(), alikes=Alikes(out / ALIKE))
     parts = Parts()
-    known = [_sound(result, parts) for result in results if not result.canary]
-    tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
-    order = {task.slug: index for index, task in enumerate(tasks)}
-    known.sort(key=lambda result: (result.student, order[result.exercise]))
+    known, tasks = _in_order(results, parts)
     book = Book(known, options.students, options.roster, options.columns)
     written = write_exports(book, tasks, out, options, parts)
     options = replace(options, notes=[*options.notes, *book.remarks], files=there(written, out))
     written.append(_write_class_page(known, tasks, out, options, parts))
+    written += _write_section_pages(known, tasks, out, options, parts)
+    judged = {task.slug: judged_ones([r for r in known if r.exercise == task.slug])
+              for task in tasks}  # fmt: skip
+    written += write_check_pages(judged, tasks, out, options.replays_in, options.title, parts)
     pages = _Pages(out / PAGES)
     due: list[_Page] = []
     for student, each in groupby(known, key=lambda result: result.student):
@@ -76,12 +83,34 @@ def write_results(
     for page, lost in _make(due, options.workers):
         parts.missing += lost
         pages.forget(page)
-    written += write_feedback_zips(book, tasks, out, parts)
+    written += write_feedback_zips(book, tasks, out, parts, options.published)
+    written += write_published(known, tasks, out, options.published or (), options.title, parts)
+    with parts.part("the list of submissions that are nearly the same"):
+        options.alikes.save()
     with parts.part("the list of pages that are up to date"):
         pages.save()
     if parts.missing:
         _write_class_page(known, tasks, out, options, parts)  # again: it names what is missing
     return Written(written, parts.missing)
+
+
+def write_pages(results: Sequence[StoredResult], out: Path, options: ResultOptions) -> list[Path]:
+    """Write only the class report and the scores into `out`."""
+    parts = Parts()
+    known, tasks = _in_order(results, parts)
+    scores = write_text(out / "scores.csv", BOM + scores_csv(known, tasks, options.students))
+    return [_write_class_page(known, tasks, out, options, parts), scores]
+
+
+def _in_order(
+    results: Sequence[StoredResult], parts: Parts
+) -> tuple[list[StoredResult], list[Task]]:
+    """Return what students handed in, with the exercises, in their orders."""
+    known = [_sound(result, parts) for result in results if not result.canary]
+    tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
+    order = {task.slug: index for index, task in enumerate(tasks)}
+    known.sort(key=lambda result: (result.student, order[result.exercise]))
+    return known, tasks
 
 
 def _sound(result: StoredResult, parts: Parts) -> StoredResult:
@@ -116,6 +145,24 @@ def _write_class_page(
     return write_text(out / CLASS_PAGE, text)
 
 
+def _write_section_pages(
+    results: Sequence[StoredResult],
+    tasks: Sequence[Task],
+    out: Path,
+    options: ResultOptions,
+    parts: Parts,
+) -> list[Path]:
+    """Write the report of each section of the roster."""
+    sections.remove_old(out)
+    written = []
+    for title, mine in sections.sections_of(results, options).items():
+        with parts.part(f"the report of section {title}"):
+            theirs = [task for task in tasks if any(r.exercise == task.slug for r in mine)]
+            text = class_page(mine, theirs, sections.of_section(options, title), (), parts)
+            written.append(write_text(out / sections.page_of(title), text))
+    return written
+
+
 @dataclass(frozen=True)
 class _Page:
     """A feedback page to make."""
@@ -129,8 +176,14 @@ class _Page:
     def made_of(self) -> tuple[object, ...]:
         """Return all that the page depends on."""
         one = self.result
+        changed = () if one.amended is None else (one.amended.points, one.amended.steps)
         told = (one.student, self.task.title, one.grading, one.file_names, one.finished)
-        return (*told, sorted(self.hidden), None if self.bags is None else _state(self.bags))
+        return (
+            *told,
+            *changed,
+            sorted(self.hidden),
+            None if self.bags is None else _state(self.bags),
+        )
 
     @property
     def name(self) -> str:
@@ -242,10 +295,15 @@ def _write_student(
         if not is_graded(result):
             page.unlink(missing_ok=True)  # from an earlier run; it no longer counts
             continue
-        written.append(page)
-        wanted = _Page(page, result, task, options.hidden, _bags(result, out, options))
-        if not pages.is_fresh(page, *wanted.made_of()):
-            due.append(wanted)
+        each = [_Page(page, result, task, options.hidden, _bags(result, out, options))]
+        if options.replays_in != "feedback" and result.recordings is not None and _failed(result):
+            mine = out / options.replays_in / folder.name / page.name
+            bags = out / result.recordings
+            each.append(_Page(mine, result, task, frozenset(), bags if bags.is_dir() else None))
+        for wanted in each:
+            written.append(wanted.path)
+            if not pages.is_fresh(wanted.path, *wanted.made_of()):
+                due.append(wanted)
     handed_in = out / "gradescope" / folder_name(student) / "results.json"
     with parts.part(f"the Gradescope results of {student}"):
         final = results_json(results, tasks, options.hidden)
@@ -256,6 +314,10 @@ def _write_student(
     with contextlib.suppress(OSError):  # it is missing, or holds other files
         handed_in.parent.rmdir()
     return written
+
+
+def _failed(result: StoredResult) -> bool:
+    return any(check.get("outcome") == "fail" for check in checks_of(as_graded(result)))
 
 
 def _bags(result: StoredResult, out: Path, options: ResultOptions) -> Path | None:

@@ -232,7 +232,8 @@ function buildPage(page, payload) {
   const checks = grading ? toArray(grading.checks).filter(Boolean) : [];
   page.className = grading && replays.length ? 'page has-grading' : 'page'; // has-grading: two columns
   if (payload.embedded) page.classList.add('is-embedded'); // in a notebook, which says the rest
-  const name = payload.embedded ? el('h1', { class: 'hidden-text' }, text(payload.title) || 'Replay') : null;
+  const hidden = payload.framed === undefined ? 'hidden-text' : 'framed-title';
+  const name = payload.embedded ? el('h1', { class: hidden, dir: 'auto' }, text(payload.title) || 'Replay') : null;
   replaceChildren(page, payload.embedded ? null : buildTop(payload), grading ? buildScore(grading, checks) : null,
     grading ? buildCause(grading.cause) : null,
     el('div', { class: 'columns' },
@@ -242,7 +243,7 @@ function buildPage(page, payload) {
     payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
   window.addEventListener('beforeprint', () => asPrinted(page));
-  if (window.replayPlayer) window.replayPlayer.open(checks, Boolean(payload.embedded));
+  if (window.replayPlayer) window.replayPlayer.open(payload.framed || checks, Boolean(payload.embedded));
   if (!payload.embedded) return;
   foldIfNarrow(page);
   window.addEventListener('message', followFrame);
@@ -271,10 +272,23 @@ function bringIntoView(root) {
   root.scrollIntoView({ behavior: calmMotion() ? 'auto' : 'smooth', block: 'start' });
 }
 
+/** With #check=ID the page is only the replay, at the moment of that check, for a frame. */
+function framed(payload) {
+  const check = new URLSearchParams(location.hash.slice(1)).get('check');
+  if (check === null) return payload;
+  const checks = payload.grading ? toArray(payload.grading.checks).filter(Boolean) : [];
+  return { ...payload, grading: null, embedded: true, framed: checks.filter(({ id }) => id === check) };
+}
+
 function start() {
   const source = document.getElementById('payload');
   const page = document.getElementById('page');
-  if (source && page) buildPage(page, JSON.parse(source.textContent));
+  if (!source || !page) return;
+  const payload = JSON.parse(source.textContent);
+  buildPage(page, framed(payload));
+  window.addEventListener('hashchange', () => {
+    if (location.hash.includes('check=')) buildPage(page, framed(payload));
+  });
 }
 
 start();

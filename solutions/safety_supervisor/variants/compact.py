@@ -58,11 +58,15 @@ class Supervisor(Node):
                 readings.append(r)
         return min(readings, default=None)
 
+    def is_finite(self, twist):
+        parts = (twist.linear, twist.angular)
+        return all(math.isfinite(getattr(part, axis)) for part in parts for axis in "xyz")
+
     def decide(self):
         now, raw = self.now(), self.raw
         if self.e_stop:
             return "e_stop", 0.0, 0.0
-        if raw is not None and not (math.isfinite(raw.linear.x) and math.isfinite(raw.angular.z)):
+        if raw is not None and not self.is_finite(raw):
             return "bad_command", 0.0, 0.0
         if raw is None or now - self.raw_time > 0.5:
             return "stale_command", 0.0, 0.0

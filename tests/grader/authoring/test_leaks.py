@@ -86,14 +86,14 @@ def test_the_search_reads_notebooks_cell_by_cell(tmp_path: Path) -> None:
         {"cell_type": "markdown", "source": mutant},
         {"cell_type": "code", "source": ["### BEGIN HIDDEN TESTS\n", "assert True"], "outputs": []},
     ]
-    (tmp_path / "03_state.ipynb").write_text(json.dumps({"cells": cells}), "utf-8")
-    found = [leak for leak in leaks(tmp_path) if leak.file.startswith("03_state")]
+    (tmp_path / "03_goal.ipynb").write_text(json.dumps({"cells": cells}), "utf-8")
+    found = [leak for leak in leaks(tmp_path) if leak.file.startswith("03_goal")]
     earlier = [leak for leak in found if leak.earlier]
-    assert {leak.file for leak in earlier} == {"03_state.ipynb, cell 2"}
+    assert {leak.file for leak in earlier} == {"03_goal.ipynb, cell 2"}
     assert {leak.solution.split("/")[1] for leak in earlier} == {"obstacle_avoidance"}
     wrong = [leak for leak in found if not leak.earlier]
-    assert {leak.file for leak in wrong if leak.solution} == {"03_state.ipynb, cell 3"}
-    assert [leak.file for leak in wrong if not leak.solution] == ["03_state.ipynb, cell 4"]
+    assert {leak.file for leak in wrong if leak.solution} == {"03_goal.ipynb, cell 3"}
+    assert [leak.file for leak in wrong if not leak.solution] == ["03_goal.ipynb, cell 4"]
 
 
 def test_a_skeleton_is_no_leak_and_its_solution_is(tmp_path: Path) -> None:

@@ -48,6 +48,22 @@ def test_students_get_what_they_need(released: Path) -> None:
     assert "sim/scenarios/demo/demo_wall.toml" in there
 
 
+@pytest.mark.long
+def test_what_students_get_can_be_installed_and_runs(released: Path, tmp_path: Path) -> None:
+    pip = ("-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--no-build-isolation")
+    for command in (
+        [*pip, "--target", str(tmp_path), str(released)],
+        ["-P", "-m", "grader.cli", "list"],
+    ):
+        done = subprocess.run(
+            [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True, check=False,
+            env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr[-2000:]
+    assert "obstacle_avoidance" in done.stdout
+    assert (tmp_path / "rclpy_portable" / "unpacking.py").is_file()
+
+
 def test_students_get_their_documents_and_no_other(released: Path) -> None:
     there = {path for path in files(released) if path.startswith("docs/") and path.endswith(".md")}
     names = ("students", "testing-your-node", "live-robot", "portable")
@@ -118,6 +134,17 @@ def test_every_file_of_the_ros_packages_is_released(released: Path) -> None:
                     assert file.relative_to(ROOT).as_posix() in there
 
 
+def test_a_notebook_that_stays_behind_is_told() -> None:
+    chosen = {"obstacle_avoidance", "goal_seeking", "safety_supervisor"}
+    left_out = {exercise.slug for exercise in all_exercises()} - chosen
+
+    assert list(handouts.stay_behind(left_out)) == [
+        "the notebook 02_trained_model has exercise 7, but stays behind because it has exercise 2, "
+        "too"
+    ]
+    assert list(handouts.stay_behind(())) == []
+
+
 # --- what is made ----------------------------------------------------------------------------
 
 
@@ -148,8 +175,8 @@ def test_plain_says_where_the_lesson_begins(released: Path) -> None:
 def test_a_leak_in_what_is_made_stops_the_release(tmp_path: Path) -> None:
     solution = (ROOT / "solutions/goal_seeking/goal_seeking_agent.py").read_text("utf-8")
     cell = {"cell_type": "code", "source": solution.splitlines(keepends=True), "outputs": []}
-    made = {"notebooks/03_state.ipynb": json.dumps({"cells": [cell]}).encode()}
-    with pytest.raises(GraderError, match=r"nothing was released: notebooks/03_state\.ipynb, cell"):
+    made = {"notebooks/03_goal.ipynb": json.dumps({"cells": [cell]}).encode()}
+    with pytest.raises(GraderError, match=r"nothing was released: notebooks/03_goal\.ipynb, cell"):
         release(tmp_path / "out", make=lambda _: made)
     assert list(tmp_path.iterdir()) == []
 
@@ -221,8 +248,8 @@ def test_secrets_lying_about_are_left_where_they_are(tmp_path: Path) -> None:
         "secret.txt", "exercises/a/secret.toml", "exercises/a/a_solution.py", "exercises/a/.env.py",
         "sim/scenarios/hidden/final.toml", "sim/scenarios/a/hidden_exam.toml", "grader/key.pem",
         "lessons/private.md", "docs/mutants.md", "exercises/a/build/a.py", "notebooks/secret.txt",
-        "notebooks/gradebook.db", "notebooks/source/lesson_3_2/01_loop.ipynb",
-        "notebooks/submitted/ada/lesson_3_2/01_loop.ipynb",
+        "notebooks/gradebook.db", "notebooks/source/01_loop/01_loop.ipynb",
+        "notebooks/submitted/ada/01_loop/01_loop.ipynb",
     ):  # fmt: skip
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text("secret = 1", "utf-8")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from fake_class import FILE, SLUG, fair, grading
 
-from grader.classroom import batch, candidates
+from grader.classroom import candidates, folder
 from grader.classroom.engine import DaskWorkers
 from grader.classroom.roster import read_roster
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, TWICE
@@ -219,7 +219,7 @@ def test_ctrl_c_gives_back_what_runs(grade_class: Any, tmp_path: Path) -> None:
 
 def test_two_batches_on_one_folder(grade_class: Any, tmp_path: Path) -> None:
     def nested(unit: Unit) -> UnitResult:
-        with pytest.raises(GraderError, match="another"), batch._locked(tmp_path / "out"):
+        with pytest.raises(GraderError, match="another"), folder.locked(tmp_path / "out"):
             pass
         return fair(unit)
 

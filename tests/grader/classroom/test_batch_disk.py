@@ -39,9 +39,12 @@ def test_folders_with_names_that_are_no_text(grade_class: Any, handed_in: Path) 
         place.mkdir()
         (place / FILE).write_text(f"# {number}\n")
     (handed_in / "bob" / FILE).unlink()
+    student = Path(str(handed_in), b"zo\xe9".decode("utf-8", "surrogateescape"))
+    student.mkdir()
+    (student / FILE).write_text("#\n")
     results, workers, _ = grade_class()
-    assert workers.students == ["ann", "bob", "eve"]
-    assert results["bob"].state == GRADED
+    assert workers.students == ["ann", "bob", "eve", "zo_"]
+    assert results["bob"].state == results["zo_"].state == GRADED
 
 
 # --- a full disk -----------------------------------------------------------------------------
@@ -140,7 +143,7 @@ def test_a_full_disk_is_known_by_its_cause() -> None:
 
 def test_nothing_is_left_running(grade_class: Any, tmp_path: Path) -> None:
     with pytest.MonkeyPatch.context() as disk, pytest.raises(DiskFull):
-        disk.setattr(batch, "write_results", full)
+        disk.setattr(batch, "write_class", full)
         grade_class()
     with Store(tmp_path / "out" / "store.sqlite") as store:
         assert RUNNING not in {result.state for result in store.results()}

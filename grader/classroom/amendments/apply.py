@@ -1,0 +1,245 @@
+"""Apply the log to stored gradings: checks first, then lateness, a person's score last."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Waive
+from grader.classroom.amendments.late import lateness
+from grader.classroom.amendments.log import Entry
+from grader.classroom.results.clean import one_line
+from grader.classroom.results.marks import Task, points_of, tasks_of
+from grader.classroom.row import (
+    ABSENT,
+    GRADED,
+    HELD,
+    STALLS,
+    UNJUDGED,
+    Amended,
+    StoredResult,
+    StudentRow,
+)
+
+Remarks = dict[str, list[str]]  # a sentence, and whom it is about
+MOST_NAMED = 10  # students in a remark
+UNSURE = ("error", "inconclusive")  # outcomes that hold a grading
+
+
+def amended(
+    results: Sequence[StoredResult], entries: Sequence[Entry], rows: Mapping[str, StudentRow]
+) -> tuple[list[StoredResult], list[str]]:
+    """Return the results as they count, and what a person should know.
+
+    Parameters
+    ----------
+    results
+        As they are stored; none of them is changed.
+    entries
+        Those that count, from `active`.
+    rows
+        What is known of the students.
+    """
+    remarks: Remarks = {}
+    tasks = {task.slug: task for task in tasks_of(results)}
+    found = []
+    for result in results:
+        mine = [] if result.canary else [each for each in entries if _is_about(each, result, rows)]
+        if mine:
+            result = _amended(result, mine, tasks[result.exercise], rows, remarks)  # noqa: PLW2901
+        found.append(result)
+    return found, [_listed(text, students) for text, students in remarks.items()]
+
+
+def _listed(text: str, students: Sequence[str]) -> str:
+    names = [one_line(student, 60) for student in dict.fromkeys(students)]
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return f"{text}: {', '.join(names[:MOST_NAMED])}{more}"
+
+
+def published(
+    entries: Sequence[Entry], results: Sequence[StoredResult], rows: Mapping[str, StudentRow]
+) -> set[tuple[str, str]] | None:
+    """Return whose feedback is published, by student and exercise; None if nothing ever was."""
+    wanted = [entry.change for entry in entries if isinstance(entry.change, Publish)]
+    if not wanted:
+        return None
+    return {
+        (one.student, one.exercise)
+        for one in results
+        for change in wanted
+        if one.exercise in (change.exercises or (one.exercise,))
+        and change.whom.includes(one.student, rows)
+    }
+
+
+def _is_about(entry: Entry, result: StoredResult, rows: Mapping[str, StudentRow]) -> bool:
+    match entry.change:
+        case SetCheck() | Waive() | Late() | Score():
+            same = entry.change.exercise == result.exercise
+            return same and entry.change.whom.includes(result.student, rows)
+    return False
+
+
+def _amended(
+    result: StoredResult,
+    entries: Sequence[Entry],
+    task: Task,
+    rows: Mapping[str, StudentRow],
+    remarks: Remarks,
+) -> StoredResult:
+    steps: list[str] = []
+    numbers = []
+    changed = result
+    for entry in entries:
+        if isinstance(entry.change, SetCheck | Waive):
+            after = _with_check(changed, entry.change, steps)
+            if after is None:
+                if entry.change.whom.students:
+                    text = (
+                        f"Entry {entry.number} of the log has no effect where {result.exercise} "
+                        f"has no check {entry.change.check}"
+                    )
+                    remarks.setdefault(text, []).append(result.student)
+                continue
+            changed = after
+            numbers.append(entry.number)
+            _note_version(entry, entry.change.whom.versions, result, remarks)
+    if numbers:
+        changed = _judged(changed, result)
+    points, penalty = points_of(changed, task), 0.0
+    rules = [entry for entry in entries if isinstance(entry.change, Late)]
+    if rules and points is not None:
+        penalty = _penalty(rules[-1], result, task, points, rows, steps, remarks)
+        numbers += [rules[-1].number] if penalty else []
+        points = round(points - penalty, 2)
+    scores = [entry for entry in entries if isinstance(entry.change, Score)]
+    by_hand = bool(scores)
+    if scores and isinstance(scores[-1].change, Score):
+        given = scores[-1].change
+        points, penalty = min(given.points, task.points), 0.0
+        steps[:] = [f"Set by hand: {points:g} of {task.points:g} points."]
+        numbers = [scores[-1].number]
+        changed = replace(changed, state=GRADED)
+        _note_version(scores[-1], given.whom.versions, result, remarks)
+    if not numbers:
+        return result
+    return replace(
+        changed, amended=Amended(points, penalty, tuple(steps), tuple(numbers), by_hand, result)
+    )
+
+
+def _note_version(
+    entry: Entry, versions: Mapping[str, str], result: StoredResult, remarks: Remarks
+) -> None:
+    """Remark that a mark was given for another submission than the one that is graded now."""
+    then = versions.get(result.student, "")
+    if then and then != version_of(result):
+        text = (
+            f"Entry {entry.number} of the log was made for an earlier submission, and still "
+            "counts; look at it again"
+        )
+        remarks.setdefault(text, []).append(result.student)
+
+
+def version_of(result: StoredResult) -> str:
+    """Return what tells one submission from another: the part of the hash that is of its files."""
+    return "" if result.state == ABSENT else result.input_hash[:32]
+
+
+# --- checks --------------------------------------------------------------------------------------
+
+
+def _with_check(
+    result: StoredResult, change: SetCheck | Waive, steps: list[str]
+) -> StoredResult | None:
+    """Return the result with one check changed; None if it has no such check."""
+    grading = result.grading or {}
+    checks = [dict(check) for check in grading.get("checks") or ()]
+    found = [check for check in checks if check.get("id") == change.check]
+    if not found:
+        return None
+    (check,) = found[:1]
+    title = str(check.get("title") or change.check).rstrip(".")
+    was = f"Before: {check.get('outcome')}, {_points(check):g} of {_most(check):g} points."
+    said = str(check.get("message") or "")
+    if isinstance(change, Waive):
+        check.update(outcome="skip", points=0, max_points=0, waived=True)
+        check["message"] = f"Does not count. {was} {said}".strip()
+        steps.append(f"“{title}” does not count.")
+    else:
+        most = _most(check)
+        points = min(change.points, most)
+        check.update(points=points, outcome="pass" if points >= most else "fail")
+        check["message"] = f"Set by hand to {points:g} of {most:g} points. {was} {said}".strip()
+        steps.append(f"“{title}” was set to {points:g} of {most:g} points.")
+    return replace(result, grading={**grading, "checks": checks})
+
+
+def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
+    """Return the result with its sums made anew.
+
+    What was held for checks that could not be judged is held no longer once a person has judged
+    them all.
+    """
+    grading = result.grading or {}
+    core = [check for check in grading.get("checks") or () if check.get("kind") != "field"]
+    counted = [c for c in core if c.get("outcome") not in (*UNSURE, "unavailable")]
+    new: dict[str, Any] = {
+        **grading,
+        "score": sum(_points(check) for check in counted),
+        "max_score": sum(_most(check) for check in counted),
+    }
+    if all(check.get("outcome") == "pass" or check.get("waived") for check in core):
+        new["cause"] = None
+    sure = all(check.get("outcome") not in UNSURE for check in grading.get("checks") or ())
+    settled = before.state == HELD and sure and _held_for_checks(before)
+    state = GRADED if settled else result.state
+    return replace(result, grading=new, state=state, problem="" if settled else result.problem)
+
+
+def _held_for_checks(result: StoredResult) -> bool:
+    outcomes = {check.get("outcome") for check in (result.grading or {}).get("checks") or ()}
+    why = result.problem.startswith(STALLS) or UNJUDGED in result.problem
+    return why and not outcomes.isdisjoint(UNSURE)
+
+
+def _points(check: Mapping[str, Any]) -> float:
+    return float(check.get("points") or 0)
+
+
+def _most(check: Mapping[str, Any]) -> float:
+    return float(check.get("max_points") or 0)
+
+
+# --- lateness ------------------------------------------------------------------------------------
+
+
+def _penalty(
+    entry: Entry,
+    result: StoredResult,
+    task: Task,
+    points: float,
+    rows: Mapping[str, StudentRow],
+    steps: list[str],
+    remarks: Remarks,
+) -> float:
+    """Return the points that lateness costs."""
+    rule = entry.change
+    assert isinstance(rule, Late)
+    row = rows.get(result.student)
+    handed = row.handed.get(result.exercise) if row else None
+    late = lateness(rule, result.student, handed)
+    if late.problem:
+        remarks.setdefault(f"{task.heading}: {late.problem}", []).append(result.student)
+    if not late.days:
+        return 0.0
+    share = min(late.days * rule.per_day, rule.cap)
+    penalty = round(min(points, task.points * share / 100), 2)
+    days = "1 day" if late.days == 1 else f"{late.days} days"
+    steps.append(
+        f"{days} late: {share:g} % of {task.points:g} points less, which leaves "
+        f"{round(points - penalty, 2):g} of {points:g}."
+    )
+    return penalty

@@ -1,0 +1,94 @@
+"""What a person may change: the entries of the log, by kind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import msgspec
+
+from grader.classroom.row import StudentRow
+
+
+class Whom(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """Whom a change is about: these students, or a section, or everybody, also who comes later."""
+
+    students: tuple[str, ...] = ()  # as in `StoredResult`
+    section: str = ""
+    # the submission that a change was made for, by student; a later one is another
+    versions: dict[str, str] = {}
+
+    def includes(self, student: str, rows: Mapping[str, StudentRow]) -> bool:
+        """Tell whether a change is about a student."""
+        if self.students:
+            return student in self.students
+        if self.section:
+            row = rows.get(student)
+            return row is not None and row.section == self.section
+        return True
+
+    def __str__(self) -> str:
+        """Return the words for a table."""
+        if self.students:
+            return ", ".join(self.students)
+        return f"section {self.section}" if self.section else "everybody"
+
+
+class _Change(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind"):
+    """One entry's content."""
+
+
+class SetCheck(_Change, frozen=True, tag="set"):
+    """A check has these points, whatever it came to."""
+
+    exercise: str
+    check: str
+    points: float
+    whom: Whom = Whom()
+
+
+class Waive(_Change, frozen=True, tag="waive"):
+    """A check counts neither for nor against: it is left out of score and maximum."""
+
+    exercise: str
+    check: str
+    whom: Whom = Whom()
+
+
+class Late(_Change, frozen=True, tag="late"):
+    """From the deadline on, each day that has begun costs a share of the exercise's points.
+
+    Of several rules the newest that is about a student counts: so one gets more time.
+    """
+
+    exercise: str
+    per_day: float  # [% of the exercise's points]
+    deadline: str = ""  # ISO 8601 with an offset; "": only what a platform calls late
+    grace: float = 0.0  # [s] after the deadline that cost nothing
+    cap: float = 100.0  # [%] at most
+    zone: str = "UTC"  # of times that have no offset
+    times: dict[str, str] = {}  # of a file, by student; instead of the platform's
+    whom: Whom = Whom()
+
+
+class Score(_Change, frozen=True, tag="score"):
+    """A student has these points in an exercise, whatever was graded; no late rule follows."""
+
+    exercise: str
+    points: float
+    whom: Whom
+
+
+class Publish(_Change, frozen=True, tag="publish"):
+    """Feedback pages that students may see."""
+
+    exercises: tuple[str, ...] = ()  # (): all
+    whom: Whom = Whom()
+
+
+class Undo(_Change, frozen=True, tag="undo"):
+    """An earlier entry no longer counts; undoing an undo brings it back."""
+
+    number: int
+
+
+Change = SetCheck | Waive | Late | Score | Publish | Undo

@@ -1,0 +1,153 @@
+"""How late a submission is: from a deadline and the times that platforms write.
+
+Platforms differ: nbgrader's times are UTC, Gradescope's have an offset, Canvas says only LATE, and
+Moodle's grading worksheet has "Last modified (submission)", in words and without a zone.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, tzinfo
+from pathlib import Path
+from zoneinfo import ZoneInfo
+
+from grader.classroom.amendments.change import Late
+from grader.classroom.amendments.people import find_student
+from grader.classroom.roster import read_roster
+from grader.classroom.row import Handed, StudentRow
+from grader.errors import InputError
+
+DAY = 86400  # [s]
+HEADINGS = (
+    "time", "submitted", "submitted at", "submission time", "handed in", "timestamp",
+    "last modified (submission)",
+)  # fmt: skip
+WRITTEN = (  # by Moodle in English, and by spreadsheets
+    "%A, %d %B %Y, %I:%M %p", "%A, %d %B %Y, %H:%M", "%d/%m/%Y %H:%M", "%d.%m.%Y %H:%M",
+)  # fmt: skip
+EXPECTED = "expected a time such as 2026-05-04T23:59, with or without an offset (+02:00)"
+SPAN = re.compile(r"(\d+(?:\.\d+)?)\s*(s|min|m|h|d)?")
+UNITS = {"s": 1, "min": 60, "m": 60, "h": 3600, "d": DAY, None: 60}
+
+
+@dataclass(frozen=True)
+class Lateness:
+    """How late one submission is."""
+
+    days: int = 0  # begun
+    problem: str = ""  # why that is a guess; "" if it is known
+
+
+def lateness(rule: Late, student: str, handed: Handed | None) -> Lateness:
+    """Return how late somebody was, by a file's time, else the platform's, else its word LATE."""
+    told = rule.times.get(student, "")
+    zone = _zone(rule.zone)
+    moment = parsed(told, zone) if told else None
+    if moment is None and handed is not None and handed.time:
+        moment = parsed(handed.time, UTC)
+    if moment is not None and rule.deadline:
+        over = (moment - datetime.fromisoformat(rule.deadline)).total_seconds()
+        return Lateness(math.ceil(over / DAY) if over > rule.grace else 0)
+    if handed is not None and handed.late:
+        return Lateness(
+            1, "the platform says only that it is late; counted as one day (--times knows more)"
+        )
+    if handed is not None and handed.system == "canvas":
+        return Lateness()  # it marks what is late
+    if rule.deadline and handed is not None:
+        return Lateness(0, "no time is known of when it was handed in; not counted as late")
+    return Lateness()
+
+
+def parsed(text: str, zone: tzinfo) -> datetime | None:
+    """Return the moment that a text means, in this zone if it names none; None if it is no time."""
+    plain = re.sub(r"\s+UTC$", "+00:00", " ".join(text.split()))
+    for pattern in ("", *WRITTEN):
+        try:
+            found = datetime.strptime(plain, pattern) if pattern else _iso(plain)
+        except ValueError:
+            continue
+        return found if found.tzinfo else found.replace(tzinfo=zone)
+    return None
+
+
+def _iso(text: str) -> datetime:
+    # at most six digits of a second, and no space before the offset
+    return datetime.fromisoformat(re.sub(r"(\.\d{6})\d*|\s+(?=[+-]\d\d:?\d\d$)", r"\1", text))
+
+
+def moment_of(text: str, zone: str) -> str:
+    """Return a deadline as it is stored, with its offset.
+
+    Raises
+    ------
+    InputError
+        It is no time, or there is no such zone.
+    """
+    found = parsed(text, _zone(zone))
+    if found is None:
+        raise InputError(f"--deadline {text!r}: {EXPECTED}")
+    return found.isoformat()
+
+
+def span_of(text: str) -> float:
+    """Return a time span, such as 15min, 2h or 1d [s]; a bare number is minutes.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    match = SPAN.fullmatch(text.strip())
+    if match is None:
+        raise InputError(f"--grace {text!r}: expected a time span such as 15min, 2h or 1d")
+    return float(match[1]) * UNITS[match[2]]
+
+
+def times_of(
+    file: Path, zone: str, students: Sequence[str], rows: Mapping[str, StudentRow]
+) -> dict[str, str]:
+    """Return the times of a CSV by student: Moodle's grading worksheet, or columns id and time.
+
+    Raises
+    ------
+    InputError
+        It has no such columns, a time is none, or a row is of nobody in the class.
+    """
+    roster = read_roster([file])
+    (sheet,) = roster.sheets
+    small = [heading.casefold() for heading in sheet.header]
+    column = next((small.index(each) for each in HEADINGS if each in small), None)
+    if column is None:
+        raise InputError(
+            f"{file}: the headings are {', '.join(sheet.header)[:200]!r}; expected id (or name, "
+            "email, login) and time"
+        )
+    found: dict[str, str] = {}
+    for row, place in zip(sheet.rows, sheet.people, strict=True):
+        person, told = roster.people[place], row[column].strip()
+        if told in ("", "-"):
+            continue
+        moment = parsed(told, _zone(zone))
+        if moment is None:
+            raise InputError(f"{file}: {person.name}: {told!r}; {EXPECTED}")
+        words = [*person.ids.values(), *sorted(person.participants), person.label, person.name]
+        student = next(filter(None, (find_student(w, students, rows) for w in words if w)), None)
+        if student is None:
+            raise InputError(f"{file}: nobody in this class is {person.name!r} ({person.key})")
+        found[student] = moment.isoformat()
+    return found
+
+
+def _zone(name: str) -> tzinfo:
+    if name == "UTC":
+        return UTC
+    try:
+        return ZoneInfo(name)
+    except (KeyError, ValueError, OSError):
+        raise InputError(
+            f"--zone {name!r}: expected a time zone such as Europe/Berlin or UTC"
+        ) from None

@@ -1,0 +1,74 @@
+"""Find the students that a person means: by folder, id, login, e-mail or name."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+
+from grader.classroom.results.clean import one_line
+from grader.classroom.roster import folded
+from grader.classroom.row import StudentRow
+from grader.errors import InputError
+
+NEAR = 3  # names in an error
+
+
+def find_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRow]) -> str | None:
+    """Return the student whom a word means; None if nobody or more than one can be meant."""
+    if word in students:
+        return word
+    for names in (_ids, _names):
+        found = [s for s in students if folded(word) in map(folded, names(s, rows.get(s)))]
+        if found:
+            return found[0] if len(found) == 1 else None
+    return None
+
+
+def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRow]) -> str:
+    """Return the student whom a word means.
+
+    Raises
+    ------
+    InputError
+        Nobody or more than one can be meant; the message names the nearest.
+    """
+    found = find_student(word, students, rows)
+    if found is not None:
+        return found
+    same = [s for s in students if folded(word) in map(folded, _names(s, rows.get(s)))]
+    if len(same) > 1:
+        raise InputError(
+            f"{one_line(word)!r} may be {' or '.join(map(one_line, same[:NEAR]))}: give the id"
+        )
+    known = {name: s for s in students for name in (*_names(s, rows.get(s)), *_ids(s, rows.get(s)))}
+    near = difflib.get_close_matches(word, list(known), n=NEAR, cutoff=0.5)
+    raise InputError(f"nobody in this class is {one_line(word)!r}{_hint(near, len(students))}")
+
+
+def nearest(word: str, known: Iterable[str], what: str) -> InputError:
+    """Return the error for a word that nothing is called."""
+    names = sorted(set(known))
+    near = difflib.get_close_matches(word, names, n=NEAR, cutoff=0.4)
+    listed = ", ".join(names[:20]) or "none"
+    hint = f"did you mean {' or '.join(near)}?" if near else f"there are: {listed}"
+    return InputError(f"unknown {what} {one_line(word)!r}; {hint}")
+
+
+def _hint(near: Sequence[str], count: int) -> str:
+    if near:
+        return f"; did you mean {' or '.join(one_line(each) for each in dict.fromkeys(near))}?"
+    return f"; scores.csv lists all {count} under `student`"
+
+
+def _ids(student: str, row: StudentRow | None) -> list[str]:
+    if row is None:
+        return []
+    handed = [id_ for each in row.handed.values() for id_ in (each.id, each.email) if id_]
+    return [*row.ids.values(), *row.participants, *handed]
+
+
+def _names(student: str, row: StudentRow | None) -> list[str]:
+    names = [student]
+    if row is not None:
+        names += [row.name, *(each.name for each in row.handed.values())]
+    return [name for name in dict.fromkeys(names) if name]

@@ -1,0 +1,215 @@
+"""Gradescope's autograder: judge the one submission in its container, write `results.json`.
+
+`course release DIR --gradescope` packs this with the course; `run_autograder` calls it as root, as
+`python -m grader.classroom.autograder /autograder`. What a student's node must not reach (settings,
+secret, results) lies in folders that are root's alone, and the results are written by this
+process, the judge, after the last node has ended.
+
+Source: Gradescope, "Autograder Specifications" and "Submission Metadata".
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import stat
+import sys
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from grader.classroom.intake import Student, find_files, student_id, take_in
+from grader.classroom.results.gradescope import results_json
+from grader.classroom.results.marks import Task, is_held, tasks_of, why_held
+from grader.classroom.row import GRADED, HELD, StoredResult
+from grader.classroom.work import Unit, UnitResult, grade_unit, unjudged
+from grader.course.exercises import Exercise, find_exercise
+from grader.course.students import read_secret, student_key
+from grader.course.submission import read_regular_file
+from grader.errors import GraderError, InputError
+from grader.grading.handed_in import layers_here
+from grader.host.sandbox.layers import FILES, USER
+from grader.link.scratch import fresh_folder
+from grader.report.page import json_text
+
+SETTINGS = "autograder.json"  # written by grader.authoring.gradescope
+SECRET = "course.secret"
+TRIES = 2  # a grading that a stall of the machine spoilt is done once more
+OWN = 0o700  # for nobody but the user who runs this, root
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the instructor chose when the autograder was made."""
+
+    exercises: tuple[str, ...]  # slugs
+    field: bool = False
+    hide: tuple[str, ...] = ()  # words of `course autograde --hide`
+
+    @classmethod
+    def read(cls, file: Path) -> Settings:
+        """Return the settings of an autograder."""
+        said = json.loads(file.read_text("utf-8"))
+        return cls(tuple(said["exercises"]), bool(said["field"]), tuple(said["hide"]))
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Grade what lies in `ROOT/submission`; 1 if there is no result, and why on stdout.
+
+    Gradescope shows stdout to instructors. Without `results.json` it tells the student that the
+    autograder failed, and there is no score: what could not be judged is never a zero.
+    """
+    root = Path(arguments[0])
+    target = root / "results" / "results.json"
+    try:
+        keep_out(root / "source", target.parent)
+        target.unlink(missing_ok=True)
+        found = judged(root)
+    except (GraderError, InputError, OSError) as error:
+        print(f"Nothing was graded: {error}")
+        return 1
+    if isinstance(found, str):
+        print(f"There is no score: {found}")
+        return 1
+    part = target.with_name("results.json.part")
+    part.write_text(json_text(found), "utf-8")
+    part.replace(target)
+    print(f"{found['score']:g} points")
+    return 0
+
+
+def keep_out(*folders: Path) -> None:
+    """Leave these folders to the user who runs this; students' nodes run as others."""
+    for folder in folders:
+        folder.mkdir(parents=True, exist_ok=True)
+        folder.chmod(OWN)
+
+
+def judged(root: Path) -> dict[str, Any] | str:
+    """Return the contents of `results.json`, or why a person has to look first.
+
+    Raises
+    ------
+    GraderError, InputError
+        Nothing can be judged here.
+    """
+    if not {FILES, USER} & set(layers_here()):
+        raise GraderError(
+            "nothing keeps a node from the results here; expected to run as root, or Linux with "
+            "Landlock"
+        )
+    settings = Settings.read(root / "source" / SETTINGS)
+    exercises = [find_exercise(slug) for slug in settings.exercises]
+    secret = root / "source" / SECRET
+    key = read_secret(secret) if secret.exists() else None
+    name = submitter(root / "submission_metadata.json")
+    results, missing = [], []
+    with fresh_folder() as room:
+        student = handed_in(root / "submission", room)
+        for exercise in exercises:
+            found = find_files(student, exercise.files)
+            if found.problem:
+                missing.append((exercise, found.problem))
+                continue
+            files = {each: read_regular_file(path) for each, path in found.files.items()}
+            seed = student_key(key, name, exercise.slug) if key else None
+            unit = Unit(
+                name, exercise.slug, files, seed=seed, field=settings.field, bags=False, trust=True
+            )
+            results.append(_stored(unit, _grade(unit)))
+    held = [result for result in results if is_held(result)]
+    if held:
+        return f"{held[0].exercise}: {why_held(held[0]).reason}"
+    return composed(results, missing, settings.hide)
+
+
+def composed(
+    results: Sequence[StoredResult],
+    missing: Sequence[tuple[Exercise, str]],
+    hidden: Collection[str],
+) -> dict[str, Any] | str:
+    """Return `results.json` of what was graded, with a failed test for what is not there."""
+    made: dict[str, Any] | None = {"score": 0.0, "output": "", "tests": []}
+    if results:
+        tasks: list[Task] = tasks_of(results)
+        made = results_json(results, tasks, hidden)
+    if made is None:
+        return "a check could not be judged"
+    lines = [made["output"]] if made["output"] else []
+    for exercise, problem in missing:
+        lines.append(f"{exercise.title}: 0 of {exercise.max_points:g} points; {problem}")
+        made["tests"].append(
+            {
+                "name": f"{exercise.title}: no file to grade",
+                "score": 0.0,
+                "max_score": float(exercise.max_points),
+                "status": "failed",
+                "output": problem,
+                "output_format": "text",
+                "visibility": "visible",
+                "tags": ["core"],
+            }
+        )
+    made |= {"output": "\n".join(lines), "output_format": "text", "visibility": "visible"}
+    return made | {"stdout_visibility": "hidden"}
+
+
+def handed_in(submission: Path, room: Path) -> Student:
+    """Return the student whose files lie in `submission`; archives and notebooks are opened.
+
+    Raises
+    ------
+    InputError
+        The folder can't be read.
+    """
+    mine = room / "in" / "submission"
+    mine.mkdir(parents=True)
+    if submission.is_dir() and not submission.is_symlink():
+        shutil.copytree(submission, mine, symlinks=True, ignore=_special, dirs_exist_ok=True)
+    (student,) = take_in([room / "in"], room / "out").students
+    return student
+
+
+def submitter(metadata: Path) -> str:
+    """Return the student as `course autograde` names them in Gradescope's export.
+
+    Of a group the first by Gradescope's number, the same at each submission.
+    """
+    try:
+        users = json.loads(metadata.read_text("utf-8"))["users"]
+        first = min(users, key=lambda user: int(user["id"]))
+        return student_id(str(first["name"]))
+    except (OSError, ValueError, KeyError, TypeError):
+        return "unnamed"  # a try run without a student
+
+
+def _special(folder: str, names: list[str]) -> list[str]:
+    """Return what is neither a file nor a folder nor a link."""
+    known = (stat.S_ISREG, stat.S_ISDIR, stat.S_ISLNK)
+    modes = {name: os.lstat(os.path.join(folder, name)).st_mode for name in names}
+    return [name for name, mode in modes.items() if not any(is_kind(mode) for is_kind in known)]
+
+
+def _grade(unit: Unit) -> UnitResult:
+    """Grade a unit; once more if a check could not be judged."""
+    result = grade_unit(unit)
+    for _ in range(TRIES - 1):
+        if result.grading is not None and not unjudged(result.grading):
+            break
+        result = grade_unit(unit)
+    return result
+
+
+def _stored(unit: Unit, result: UnitResult) -> StoredResult:
+    return StoredResult(
+        student=unit.student, exercise=unit.exercise, file_names=tuple(unit.files), input_hash="",
+        state=HELD if result.grading is None else GRADED, grading=result.grading, recordings=None,
+        cpu_s=result.cpu_s, wall_s=result.wall_s, attempts=1, problem=result.problem, finished="",
+        canary=False,
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,94 @@
+"""The folder of a graded class: who may write into it, and its results as they count now."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from grader.classroom.amendments import active, amended, published
+from grader.classroom.results import ResultOptions, Written, write_results
+from grader.classroom.row import StoredResult
+from grader.classroom.store import Store
+from grader.errors import GraderError, InputError
+
+STORE = "store.sqlite"
+
+
+@contextlib.contextmanager
+def locked(out: Path) -> Iterator[None]:
+    """Lock the folder against others who write; the lock ends with the process at the latest.
+
+    Raises
+    ------
+    GraderError
+        Somebody else has it.
+    """
+    fd = os.open(out / ".lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(fd)
+        raise GraderError(
+            f"{out}: another `course autograde` or `course marks` is using it; wait until it is "
+            "over, or stop it (it goes on later)"
+        ) from None
+    try:
+        yield
+    finally:
+        os.close(fd)
+
+
+@contextlib.contextmanager
+def opened(out: Path) -> Iterator[Store]:
+    """Open the store of a class that was graded.
+
+    Raises
+    ------
+    InputError
+        There is none here.
+    """
+    require_class(out)
+    with Store(out / STORE) as store:
+        yield store
+
+
+def require_class(out: Path) -> None:
+    """Make sure that a class was graded into this folder.
+
+    Raises
+    ------
+    InputError
+        None was.
+    """
+    if not (out / STORE).is_file():
+        raise InputError(
+            f"{out}: expected the folder that `course autograde … --out FOLDER` has written, with "
+            f"a file {STORE} in it"
+        )
+
+
+def write_class(
+    store: Store, out: Path, options: ResultOptions
+) -> tuple[list[StoredResult], Written]:
+    """Write all results as they count now; return them, and what was written.
+
+    Raises
+    ------
+    InputError
+        The log of marks was changed by hand.
+    """
+    log = store.log.entries()
+    counting = active(log)
+    results, remarks = amended(store.results(), counting, options.students)
+    remarks = [f"{remark}." for remark in remarks]
+    wanted = replace(
+        options,
+        notes=[*options.notes, *remarks],
+        log=log,
+        published=published(counting, results, options.students),
+    )
+    return results, write_results(results, out, wanted)

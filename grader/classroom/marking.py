@@ -1,0 +1,295 @@
+"""Change the marks of a graded class: find who and what is meant, log it, write the results anew.
+
+Everything comes from the store: no recording is read but for replays, and no student's code runs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from grader.classroom.amendments import (
+    Change,
+    Entry,
+    Undo,
+    Whom,
+    active,
+    amended,
+)
+from grader.classroom.amendments.apply import version_of
+from grader.classroom.amendments.people import nearest, the_student
+from grader.classroom.codes import codes_of
+from grader.classroom.folder import locked, opened, require_class, write_class
+from grader.classroom.results import Missing, ResultOptions
+from grader.classroom.results.kept import OPTIONS, kept_options
+from grader.classroom.results.marks import Task, checks_of, points_of, state_of, tasks_of
+from grader.classroom.row import StoredResult, StudentRow, as_graded
+from grader.classroom.store import Store
+from grader.errors import InputError, naming_a_full_disk
+
+NO_SPACE = (
+    "the disk is full: what is in the log of marks stays there (`course report {out}` prints it), "
+    "but not all results were written. Free some space, and run `course marks write {out}`"
+)
+
+
+@dataclass(frozen=True)
+class Shift:
+    """One student's points before and after a change."""
+
+    student: str
+    exercise: str
+    before: str
+    after: str
+
+    def __str__(self) -> str:
+        """Return the line for the terminal."""
+        return f"{self.student}  {self.exercise}  {self.before} \N{RIGHTWARDS ARROW} {self.after}"
+
+
+@dataclass(frozen=True)
+class Marked:
+    """What a change came to."""
+
+    entry: Entry | None  # of the log
+    shifts: list[Shift]
+    missing: list[Missing]  # parts of the results that could not be written
+
+
+@contextlib.contextmanager
+def marking(out: Path) -> Iterator[Marking]:
+    """Open a graded class to change its marks; nobody else may write meanwhile.
+
+    Raises
+    ------
+    InputError
+        No class was graded here, or the store is of another version.
+    GraderError
+        Somebody else is writing.
+    DiskFull
+        No space was left.
+    """
+    require_class(out)
+    with locked(out), opened(out) as store, naming_a_full_disk(NO_SPACE.format(out=out)):
+        yield Marking(store, out)
+
+
+@contextlib.contextmanager
+def reading(out: Path) -> Iterator[Marking]:
+    """Open a graded class, also while it is graded, only to read.
+
+    Raises
+    ------
+    InputError
+        No class was graded here, or the store is of another version.
+    """
+    with opened(out) as store:
+        yield Marking(store, out)
+
+
+class Marking:
+    """A graded class whose marks may be changed."""
+
+    def __init__(self, store: Store, out: Path) -> None:
+        self.store = store
+        self.out = out
+        self.options: ResultOptions = kept_options(store.kept(OPTIONS), store.students())
+        self.results: list[StoredResult] = [each for each in store.results() if not each.canary]
+
+    @property
+    def rows(self) -> Mapping[str, StudentRow]:
+        """What is known of the students."""
+        return self.options.students
+
+    @cached_property
+    def students(self) -> list[str]:
+        """Everybody in the class."""
+        return sorted({result.student for result in self.results})
+
+    @property
+    def entries(self) -> list[Entry]:
+        """The log."""
+        return self.store.log.entries()
+
+    # --- what is told ----------------------------------------------------------------------------
+
+    def summary(self) -> str:
+        """Return the class in a line."""
+        states = Counter(state_of(result) for result in self.results)
+        counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
+        return f"{len(self.students)} students; as graded: {counts}"
+
+    def student(self, word: str) -> str:
+        """Return the student whom a word means, which may be a code.
+
+        Raises
+        ------
+        InputError
+            Nobody or more than one can be meant.
+        """
+        codes = {code: student for student, code in codes_of(self.store, self.students).items()}
+        return codes.get(word) or the_student(word, self.students, self.rows)
+
+    def code(self, student: str) -> str:
+        """Return a student's code."""
+        return codes_of(self.store, self.students)[student]
+
+    def points(self, student: str) -> list[tuple[StoredResult, str, str]]:
+        """Return a student's results with the points as graded and as they count."""
+        tasks = {task.slug: task for task in tasks_of(self.results)}
+        return [
+            (each, _shown(as_graded(each), tasks[each.exercise]),
+             _shown(each, tasks[each.exercise]))
+            for each in self.counting()
+            if each.student == student
+        ]  # fmt: skip
+
+    # --- what is meant ---------------------------------------------------------------------------
+
+    def exercise(self, name: str) -> Task:
+        """Return the exercise that is meant; "": the only one.
+
+        Raises
+        ------
+        InputError
+            There are several, or it is none of this class's.
+        """
+        tasks = tasks_of(self.results)
+        slugs = [task.slug for task in tasks]
+        if not name and len(tasks) == 1:
+            return tasks[0]
+        if not name:
+            raise InputError(f"--exercise: expected one of {', '.join(slugs)}")
+        for task in tasks:
+            if name in (task.slug, str(task.number)):
+                return task
+        raise nearest(name, slugs, "exercise of this class")
+
+    def whom(
+        self, words: Sequence[str], section: str, *, everybody: bool, task: Task | None = None
+    ) -> Whom:
+        """Return whom a change is about; of students with the submission that it is made for.
+
+        Raises
+        ------
+        InputError
+            Nobody was named, or nobody is called so.
+        """
+        if bool(words) + bool(section) + everybody != 1:
+            raise InputError("expected whom it is about: --student ID, --section NAME or --all")
+        if section:
+            sections = {row.section for row in self.rows.values() if row.section}
+            if section not in sections:
+                raise nearest(section, sections, "section")
+            return Whom(section=section)
+        found = [the_student(word, self.students, self.rows) for word in words]
+        mine = [r for r in self.results if task is not None and r.exercise == task.slug]
+        versions = {r.student: version_of(r) for r in mine if r.student in found}
+        return Whom(tuple(dict.fromkeys(found)), versions={k: v for k, v in versions.items() if v})
+
+    def check(self, task: Task, name: str, whom: Whom) -> float:
+        """Return the points that a check can give.
+
+        Raises
+        ------
+        InputError
+            There is no such check, or a student who is named has no grading.
+        """
+        mine = [r for r in self.results if r.exercise == task.slug]
+        found = {str(check.get("id")): check for one in mine for check in checks_of(one)}
+        if name not in found:
+            raise nearest(name, found, f"check of {task.slug}")
+        for one in mine:
+            if one.student in whom.students and not checks_of(one):
+                raise InputError(
+                    f"{one.student} has no grading in {task.slug} ({state_of(one)}), so there is "
+                    "no check to change; give a score: course marks score"
+                )
+        return float(found[name].get("max_points") or 0)
+
+    # --- what is done ----------------------------------------------------------------------------
+
+    def add(self, change: Change, who: str, why: str) -> Marked:
+        """Log a change, and write all results as they count now.
+
+        Raises
+        ------
+        InputError
+            There is no reason, or the log was changed by hand.
+        """
+        log = self.store.log
+        entries = log.entries()
+        if isinstance(change, Undo):
+            _check_undo(change, entries)
+            before = None if any(e.problem for e in entries) else self._counting(entries)
+        else:
+            before = self._counting(entries)
+        entry = log.append(change, who, why)
+        after, missing = self._written()
+        return Marked(entry, self._shifts(before, after), missing)
+
+    def write(self) -> Marked:
+        """Write all results anew."""
+        return Marked(None, [], self._written()[1])
+
+    def counting(self) -> list[StoredResult]:
+        """Return the results as they count now."""
+        return self._counting(self.store.log.entries())
+
+    def _counting(self, entries: Sequence[Entry]) -> list[StoredResult]:
+        return amended(self.results, active(entries), self.rows)[0]
+
+    def _written(self) -> tuple[list[StoredResult], list[Missing]]:
+        results, written = write_class(self.store, self.out, self.options)
+        return [result for result in results if not result.canary], written.missing
+
+    def _shifts(
+        self, before: Sequence[StoredResult] | None, after: Sequence[StoredResult]
+    ) -> list[Shift]:
+        tasks = {task.slug: task for task in tasks_of(after)}
+        old = [_shown(each, tasks[each.exercise]) for each in before or ()]
+        new = [_shown(each, tasks[each.exercise]) for each in after]
+        return [
+            Shift(result.student, result.exercise, was, is_)
+            for result, was, is_ in zip(after, old, new, strict=False)
+            if was != is_
+        ]
+
+
+def _shown(result: StoredResult, task: Task) -> str:
+    points = points_of(result, task)
+    return state_of(result) if points is None else f"{points:g}"
+
+
+def _check_undo(change: Undo, entries: Sequence[Entry]) -> None:
+    numbers = [entry.number for entry in entries]
+    if change.number not in numbers:
+        there = f"1 to {numbers[-1]}" if numbers else "none yet"
+        raise InputError(f"the log has no entry {change.number}; there are: {there}")
+    for entry in undone_by(entries):
+        if entry[0] == change.number:
+            raise InputError(
+                f"entry {change.number} is undone already, by entry {entry[1]}; to bring it back, "
+                f"undo {entry[1]}"
+            )
+
+
+def undone_by(entries: Sequence[Entry]) -> list[tuple[int, int]]:
+    """Return the entries that don't count, each with the one that undid it."""
+    found: dict[int, int] = {}
+    for entry in reversed(entries):
+        if entry.number not in found and isinstance(entry.change, Undo):
+            found[entry.change.number] = entry.number
+    return sorted(found.items())
+
+
+def is_about(entry: Entry, student: str, rows: Mapping[str, StudentRow]) -> bool:
+    """Tell whether an entry is about a student."""
+    change = entry.change
+    if change is None or isinstance(change, Undo):
+        return True
+    return change.whom.includes(student, rows)

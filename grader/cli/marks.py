@@ -1,0 +1,271 @@
+"""`course marks`: change the marks of a graded class, with a reason."""
+
+from __future__ import annotations
+
+import getpass
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from grader.cli.results import FAULT, FULL
+from grader.errors import InputError
+
+if TYPE_CHECKING:
+    from grader.classroom.marking import Marked
+
+MOST = 20  # lines
+EXAMPLES = """\b
+Examples:
+  course marks waive graded blind --exercise 1 --all --why "the task was unclear"
+  course marks set graded slow_zone 20 --student ann --why "right, the check was too strict"
+  course marks late graded --exercise 1 --all --deadline 2026-05-04T23:59 --zone Europe/Berlin
+      --per-day 10 --grace 15min --cap 50 --why "as in the syllabus"
+  course marks score graded 85 --exercise 1 --student ann --why "handed in by e-mail"
+  course marks undo graded 3 --why "a mistake of mine"
+  course marks publish graded --section A --why "looked at"
+  course report graded
+"""
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+folder = click.argument("folder", type=click.Path(path_type=Path))
+exercise = click.option("--exercise", default="", help="Its name or number; if there are several.")
+
+
+def _whom(command: Command) -> Command:
+    """Add the options that say whom a change is about."""
+    for option in (
+        click.option("--all", "everybody", is_flag=True, help="Everybody, also who comes later."),
+        click.option("--section", default="", help="A section of the roster."),
+        click.option("--student", "students", multiple=True, metavar="ID",
+                     help="Folder, id, login, e-mail or name. May be repeated."),
+    ):  # fmt: skip
+        command = option(command)
+    return command
+
+
+def _reason(command: Command) -> Command:
+    """Add the options of the log."""
+    for option in (
+        click.option("--by", default="", metavar="NAME", help="Who; you, if it isn't said."),
+        click.option("--why", required=True, metavar="TEXT", help="The reason, for the log."),
+    ):
+        command = option(command)
+    return command
+
+
+@click.group("marks", epilog=EXAMPLES)
+def marks() -> None:
+    """Change the marks of a class that `course autograde` has graded into FOLDER.
+
+    The gradings stay as they are. Each change goes into a log that only grows, with who, when and
+    why; all results are then written anew. Nothing is graded, and no student's code runs.
+    """
+
+
+@marks.command("set")
+@folder
+@click.argument("check")
+@click.argument("points", type=click.FloatRange(0))
+@exercise
+@_whom
+@_reason
+def set_(
+    folder: Path, check: str, points: float, exercise: str, students: tuple[str, ...],
+    section: str, everybody: bool, why: str, by: str,
+) -> int:  # fmt: skip
+    """Give a CHECK these POINTS, whatever it came to."""
+    from grader.classroom.amendments import SetCheck  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        task = class_.exercise(exercise)
+        whom = class_.whom(students, section, everybody=everybody, task=task)
+        most = class_.check(task, check, whom)
+        if points > most:
+            raise InputError(f"{points:g} points: {check} of {task.slug} gives 0 to {most:g}")
+        return _told(class_.add(SetCheck(task.slug, check, points, whom), _who(by), why))
+
+
+@marks.command()
+@folder
+@click.argument("check")
+@exercise
+@_whom
+@_reason
+def waive(
+    folder: Path, check: str, exercise: str, students: tuple[str, ...], section: str,
+    everybody: bool, why: str, by: str,
+) -> int:  # fmt: skip
+    """Leave a CHECK out of score and maximum; the others count for more."""
+    from grader.classroom.amendments import Waive  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        task = class_.exercise(exercise)
+        whom = class_.whom(students, section, everybody=everybody, task=task)
+        class_.check(task, check, whom)
+        return _told(class_.add(Waive(task.slug, check, whom), _who(by), why))
+
+
+@marks.command()
+@folder
+@click.argument("points", type=click.FloatRange(0))
+@exercise
+@_whom
+@_reason
+def score(
+    folder: Path, points: float, exercise: str, students: tuple[str, ...], section: str,
+    everybody: bool, why: str, by: str,
+) -> int:  # fmt: skip
+    """Give students these POINTS in an exercise, whatever was graded, or nothing handed in."""
+    from grader.classroom.amendments import Score  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        task = class_.exercise(exercise)
+        if not students:
+            raise InputError("a score is one student's: expected --student ID (more than once)")
+        whom = class_.whom(students, section, everybody=everybody, task=task)
+        if points > task.points:
+            raise InputError(f"{points:g} points: {task.slug} gives 0 to {task.points:g}")
+        return _told(class_.add(Score(task.slug, points, whom), _who(by), why))
+
+
+@marks.command()
+@folder
+@exercise
+@click.option("--per-day", type=click.FloatRange(0, 100), required=True, metavar="PERCENT",
+              help="Of the exercise's points, for each begun day; 0: nothing.")  # fmt: skip
+@click.option("--deadline", default="", metavar="TIME", help="Such as 2026-05-04T23:59.")
+@click.option("--zone", default="UTC", help="Of times without an offset, such as Europe/Berlin.")
+@click.option("--grace", default="0", metavar="TIME", help="Costs nothing: 15min, 2h, 1d.")
+@click.option("--cap", type=click.FloatRange(0, 100), default=100, metavar="PERCENT",
+              help="At most so much.")  # fmt: skip
+@click.option("--times", type=click.Path(path_type=Path), metavar="FILE",
+              help="CSV with id and time, or Moodle's grading worksheet.")  # fmt: skip
+@_whom
+@_reason
+def late(
+    folder: Path, exercise: str, per_day: float, deadline: str, zone: str, grace: str, cap: float,
+    times: Path | None, students: tuple[str, ...], section: str, everybody: bool, why: str, by: str,
+) -> int:  # fmt: skip
+    """Take points off what was handed in late. The newest rule that is about a student counts.
+
+    Times are those of the platform, as far as it has told them, or of --times. Without --deadline
+    only what the platform itself calls late is late, and counts as one day.
+    """
+    from grader.classroom.amendments import Late  # noqa: PLC0415
+    from grader.classroom.amendments.late import moment_of, span_of, times_of  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        task = class_.exercise(exercise)
+        whom = class_.whom(students, section, everybody=everybody)
+        known = {} if times is None else times_of(times, zone, class_.students, class_.rows)
+        if times is not None and not deadline:
+            raise InputError("--times needs --deadline: late is what comes after it")
+        rule = Late(
+            task.slug,
+            per_day,
+            moment_of(deadline, zone) if deadline else "",
+            span_of(grace),
+            cap,
+            zone,
+            known,
+            whom,
+        )
+        return _told(class_.add(rule, _who(by), why))
+
+
+@marks.command()
+@folder
+@click.option("--exercise", "exercises", multiple=True, help="Its name or number; else all.")
+@_whom
+@_reason
+def publish(
+    folder: Path, exercises: tuple[str, ...], students: tuple[str, ...], section: str,
+    everybody: bool, why: str, by: str,
+) -> int:  # fmt: skip
+    """Copy feedback pages into FOLDER/published, and keep them in step; `undo` takes them back."""
+    from grader.classroom.amendments import Publish  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        slugs = tuple(class_.exercise(name).slug for name in exercises)
+        whom = class_.whom(students, section, everybody=everybody)
+        code = _told(class_.add(Publish(slugs, whom), _who(by), why))
+    pages = len(list((folder / "published").glob("*/index.html")))
+    click.echo(f"Students with published feedback: {pages} ({folder / 'published'})")
+    return code
+
+
+@marks.command()
+@folder
+@click.argument("entry", type=click.IntRange(1))
+@_reason
+def undo(folder: Path, entry: int, why: str, by: str) -> int:
+    """Have an ENTRY of the log no longer count. To bring it back, undo that."""
+    from grader.classroom.amendments import Undo  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        return _told(class_.add(Undo(entry), _who(by), why))
+
+
+@marks.command()
+@folder
+def write(folder: Path) -> int:
+    """Write all results anew, from the stored gradings and the log."""
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        return _told(class_.write())
+
+
+@marks.command()
+@folder
+@click.option("--into", type=click.Path(path_type=Path), required=True, help="A folder.")
+def anonymous(folder: Path, into: Path) -> int:
+    """Write a class page and scores whose students are codes, to show to others.
+
+    The same student has the same code each time; `course report FOLDER --student CODE` says whose
+    it is.
+    """
+    from grader.classroom.anonymous import write_anonymous  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        for path in write_anonymous(class_, into):
+            click.echo(str(path))
+    return FULL
+
+
+def _who(by: str) -> str:
+    if by.strip():
+        return by
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError):  # no name for this user
+        return "somebody"
+
+
+def _told(done: Marked) -> int:
+    """Say what a change came to, and return the exit code."""
+    from rich.console import Console  # noqa: PLC0415
+
+    from grader.classroom.amendments import described  # noqa: PLC0415
+    from grader.classroom.progress import say  # noqa: PLC0415
+
+    lines = []
+    if done.entry is not None:
+        lines.append(f"Entry {done.entry.number}: {described(done.entry.change)}")
+        lines.append(f"Scores that change: {len(done.shifts)}")
+    lines += [f"  {shift}" for shift in done.shifts[:MOST]]
+    if len(done.shifts) > MOST:
+        lines.append(f"  and {len(done.shifts) - MOST} more; scores.csv has all")
+    lines += [f"  missing: {each}" for each in done.missing[:MOST]]
+    say(Console(), "\n".join(lines or ["Written."]))
+    return FAULT if done.missing else FULL

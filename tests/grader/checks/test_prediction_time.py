@@ -1,0 +1,44 @@
+"""Whose fault a late prediction is: the model's, or the machine's where it was busy."""
+
+import importlib
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from grader.checks.verdict import CheckFailed, Inconclusive
+from grader.recording.training import Training
+
+PASSES = None
+
+
+def judge(pytestconfig: pytest.Config, wall: np.ndarray, cpu: np.ndarray) -> None:
+    pytestconfig.addinivalue_line("markers", "check: a check of the grader")
+    check = importlib.import_module("grader.checks.ml_velocity.test_training").test_prediction_time
+    training = Training("train.py", single_wall=wall.tobytes(), single_cpu=cpu.tobytes())
+    check((SimpleNamespace(name="ml_training", training=training),))
+
+
+@pytest.mark.parametrize(
+    ("late", "cpu", "verdict"),
+    [
+        (0, 0.004, PASSES),
+        (0, np.nan, PASSES),
+        (1, np.nan, PASSES),  # 99 of 100 are enough
+        (20, 0.15, CheckFailed),  # it computes
+        (20, 0.004, Inconclusive),  # it waited for a CPU
+        (20, np.nan, Inconclusive),  # nobody knows
+        (190, np.nan, CheckFailed),  # no machine is as busy as that
+    ],
+)
+def test_late_predictions(
+    pytestconfig: pytest.Config, late: int, cpu: float, verdict: type[Exception] | None
+) -> None:
+    """Let so many of 300 predictions take 0.15 s, of which `cpu` was computing [s]."""
+    wall = np.where(np.arange(300) < late, 0.15, 0.005)
+    spent = np.where(wall > 0.1, cpu, np.minimum(wall, cpu))
+    if verdict is PASSES:
+        judge(pytestconfig, wall, spent)
+        return
+    with pytest.raises(verdict):
+        judge(pytestconfig, wall, spent)

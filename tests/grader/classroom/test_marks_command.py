@@ -1,0 +1,226 @@
+"""`course marks` and `course report`: what they say, their exit codes, the options of a batch."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from fake_class import FILE, SLUG, fair, grading
+
+from grader.classroom import batch
+from grader.classroom.options import Options
+from grader.classroom.work import Unit, UnitResult
+from grader.cli import cli
+from grader.errors import GraderError, InputError
+
+
+@pytest.fixture
+def graded(grade_class: Any, tmp_path: Path) -> Path:
+    grade_class()
+    return tmp_path / "out"
+
+
+Course = Callable[..., tuple[int, str]]
+
+
+@pytest.fixture
+def course(graded: Path) -> Course:
+    def course(command: str, *arguments: object) -> tuple[int, str]:
+        words = [*command.split(), str(graded), *map(str, arguments)]
+        done = CliRunner().invoke(cli, words, standalone_mode=False)
+        if done.exception is not None:
+            raise done.exception
+        return done.return_value, done.output  # type: ignore[return-value]
+
+    return course
+
+
+def scores(out: Path) -> dict[str, str]:
+    text = (out / "scores.csv").read_text("utf-8-sig")
+    rows = csv.DictReader(io.StringIO(text, newline=""))
+    return {row["student"]: row["points"] for row in rows}
+
+
+def test_a_score_its_log_and_its_undo(course: Course, graded: Path) -> None:
+    code, said = course("marks score", 85, "--student", "ann", "--why", "by e-mail", "--by", "Dr A")
+    assert code == 0
+    assert said.splitlines() == [
+        f"Entry 1: {SLUG}: 85 points (ann)", "Scores that change: 1", f"  ann  {SLUG}  100 → 85",
+    ]  # fmt: skip
+    code, said = course("report", "--student", "ann")
+    assert code == 0
+    for part in (f"{SLUG}: 85, graded 100", "Set by hand", "by entry 1", "Dr A", "why: by e-mail"):
+        assert part in said
+    code, said = course("marks undo", 1, "--why", "a slip")
+    assert "ann  obstacle_avoidance  85 → 100" in said
+    _, said = course("report")
+    assert "[undone by 2]" in said
+    _, said = course("report", "--json", "-")
+    first, second = json.loads(said)
+    assert (first["what"]["kind"], second["what"]) == ("score", {"kind": "undo", "number": 1})
+    assert scores(graded) == dict.fromkeys(("ann", "bob", "eve"), "100")
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("marks score 101 --student ann", "gives 0 to 100"),
+        ("marks score 50 --all", "a score is one student's"),
+        ("marks score 50 --student annn", "did you mean ann"),
+        ("marks set no_check 5 --all", "unknown check of obstacle_avoidance"),
+        ("marks late --per-day 10 --all --times nowhere.csv", "cannot read"),
+        ("marks late --per-day 10 --all --deadline soon", "expected a time"),
+        ("marks undo 7", "no entry 7"),
+        ("report --student nobody_at_all", "nobody in this class"),
+    ],
+)
+def test_wrong_usage_changes_nothing(course: Course, command: str, said: str) -> None:
+    group, *rest = command.split()
+    first = f"{group} {rest.pop(0)}" if group == "marks" else group
+    why = ("--why", "x") if group == "marks" else ()
+    with pytest.raises(InputError, match=said):
+        course(first, *rest, *why)
+    assert course("report")[1].endswith("Nobody has changed a mark.\n")
+
+
+def test_students_called_like_an_option(
+    grade_class: Any, handed_in: Path, course: Course, graded: Path
+) -> None:
+    (handed_in / "--all").mkdir()
+    (handed_in / "--all" / FILE).write_text("#\n")
+    grade_class()
+    _, said = course("marks score", 1, "--student", "--all", "--why", "--by")
+    assert "(--all)" in said
+    assert scores(graded) == {"'--all": "1", "ann": "100", "bob": "100", "eve": "100"}
+
+
+def test_an_anonymous_page_names_nobody(course: Course, graded: Path, tmp_path: Path) -> None:
+    course("marks score", 85, "--student", "ann", "--why", "told by eve")
+    course("marks anonymous", "--into", tmp_path / "shown")
+    assert {path.name for path in (tmp_path / "shown").iterdir()} == {"class.html", "scores.csv"}
+    texts = [path.read_text("utf-8") for path in (tmp_path / "shown").iterdir()]
+    for name in ("ann", "bob", "eve"):
+        assert not any(f">{name}<" in text or f"{name}," in text for text in texts)
+    assert "feedback/" not in texts[0] + texts[1]
+    codes = scores(tmp_path / "shown")
+    (code,) = [code for code, points in codes.items() if points == "85"]
+    assert course("report", "--student", code)[1].startswith(f"ann ({code})")
+    course("marks anonymous", "--into", tmp_path / "again")
+    assert scores(tmp_path / "again") == codes
+    with pytest.raises(InputError, match="expected a folder outside"):
+        course("marks anonymous", "--into", graded / "shown")
+
+
+def test_a_log_edited_by_hand_is_said(course: Course, graded: Path) -> None:
+    import sqlite3  # noqa: PLC0415
+
+    course("marks score", 85, "--student", "ann", "--why", "x")
+    db = sqlite3.connect(graded / "store.sqlite")
+    db.execute("DROP TRIGGER amendments_UPDATE")
+    db.execute("UPDATE amendments SET who='somebody else'")
+    db.commit()
+    db.close()
+    code, said = course("report")
+    assert code == 2
+    assert "[this entry was changed after it was made]" in said
+    with pytest.raises(InputError, match="course marks undo"):
+        course("marks write")
+
+
+# --- one student once more -------------------------------------------------------------------
+
+
+def test_one_student_again(grade_class: Any) -> None:
+    grade_class()
+    _, workers, _ = grade_class(again=("ANN",))
+    assert workers.students == ["ann"]
+    with pytest.raises(InputError, match="nobody in this class is 'anne'; did you mean ann"):
+        grade_class(again=("anne",))
+
+
+def test_one_student_judged_again(grade_class: Any) -> None:
+    grade_class()
+    lower: Callable[[Unit], UnitResult] = lambda unit: UnitResult(grading(score=40))  # noqa: E731
+    results, workers, _ = grade_class(lower, regrade=True, only=("bob",))
+    assert workers.students == ["bob"]
+    assert {name: r.grading["score"] for name, r in results.items() if r.grading} == {
+        "ann": 100, "bob": 40, "eve": 100,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("words", "regrade", "only"),
+    [
+        ((), False, ()),
+        (("--regrade",), True, ()),
+        (("--regrade", "ann"), True, ("ann",)),
+        (("--regrade", "ann", "--regrade", "bob"), True, ("ann", "bob")),
+    ],
+)
+def test_regrade_takes_a_student_or_none(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: tuple[str, ...], regrade: bool,
+    only: tuple[str, ...],
+) -> None:  # fmt: skip
+    told: list[tuple[bool, Options]] = []
+
+    def grade(_: Any, __: Any, options: Options, ___: Any, *, regrade: bool) -> Any:
+        told.append((regrade, options))
+        raise GraderError("enough")
+
+    monkeypatch.setattr(batch, "autograde", grade)
+    command = ["autograde", str(tmp_path), "--out", str(tmp_path / "out"), "--trust", *words]
+    done = CliRunner().invoke(cli, command, standalone_mode=False)
+    assert isinstance(done.exception, GraderError), done.output
+    assert [(again, options.only) for again, options in told] == [(regrade, only)]
+
+
+def test_a_folder_after_regrade_is_no_student(tmp_path: Path) -> None:
+    command = ["autograde", "--out", str(tmp_path / "out"), "--regrade", str(tmp_path)]
+    done = CliRunner().invoke(cli, command, standalone_mode=False)
+    assert isinstance(done.exception, InputError)
+    assert "what comes after --regrade is a student" in str(done.exception)
+
+
+# --- while a batch runs, and after Ctrl-C ------------------------------------------------------
+
+
+def test_results_are_written_while_the_batch_runs(
+    grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[dict[str, str]] = []
+    moments = iter(range(0, 10_000, 61))  # each look is a minute after the last
+    monkeypatch.setattr(batch, "now", lambda: float(next(moments)))
+
+    def look(unit: Unit) -> UnitResult:
+        if (tmp_path / "out" / "scores.csv").exists():
+            seen.append(scores(tmp_path / "out"))
+        return fair(unit)
+
+    grade_class(look)
+    assert seen[-1] == {"ann": "100", "bob": "100", "eve": ""}  # two at a time
+    assert (tmp_path / "out" / "feedback" / "ann" / f"{SLUG}.html").is_file()
+
+
+def test_after_ctrl_c_what_is_there_is_complete(grade_class: Any, tmp_path: Path) -> None:
+    def interrupted(unit: Unit) -> UnitResult:
+        if unit.student == "eve":
+            raise KeyboardInterrupt
+        return fair(unit)
+
+    with pytest.raises(KeyboardInterrupt):
+        grade_class(interrupted)
+    out = tmp_path / "out"
+    assert scores(out) == {"ann": "100", "bob": "100", "eve": ""}
+    assert "1 not graded yet" in (out / "class.html").read_text()
+    for name in ("ann", "bob"):
+        assert (out / "feedback" / name / f"{SLUG}.html").is_file()
+        assert (out / "gradescope" / name / "results.json").is_file()
+    assert "ann,100" in (out / "moodle" / f"{SLUG}.csv").read_text()
+    grade_class()
+    assert scores(out) == dict.fromkeys(("ann", "bob", "eve"), "100")

@@ -1,0 +1,37 @@
+"""The pitfalls' nodes as parameters of tests, and their runs, each driven once."""
+
+from __future__ import annotations
+
+import functools
+
+import pytest
+
+from grader.authoring.pitfalls import PITFALLS, Pitfall, drive
+from grader.link.hosts import ForkServer
+from grader.recording import Recording
+
+BY_NAME = {pitfall.name: pitfall for pitfall in PITFALLS}
+WRONG = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.wrong]
+EVERY = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.nodes]
+
+
+def named(value: object) -> str:
+    return value.name if isinstance(value, Pitfall) else str(value)
+
+
+each_wrong = pytest.mark.parametrize(("pitfall", "node"), WRONG, ids=named)
+each_node = pytest.mark.parametrize(("pitfall", "node"), EVERY, ids=named)
+each_pitfall = pytest.mark.parametrize("pitfall", PITFALLS, ids=named)
+
+
+class Runs:
+    """The replayed runs, each driven once."""
+
+    def __init__(self, forkserver: ForkServer) -> None:
+        self.of = functools.cache(lambda name, node: drive(BY_NAME[name], node, forkserver))
+
+    def wrong(self, name: str) -> Recording:
+        return self.of(name, f"{name}_wrong")
+
+    def right(self, name: str) -> Recording:
+        return self.of(name, BY_NAME[name].right)
