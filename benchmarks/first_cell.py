@@ -47,7 +47,11 @@ DEBIAN = (
     Layout("Kaggle: the wheel among the inputs", wheel="kaggle/input/course"),
     Layout("Kaggle, internet off", wheel="kaggle/input/course", nonet=True),
     Layout("JupyterHub: Debian's Python, an ordinary user", nobody=True),
-    Layout("an address that nobody serves", wheel="", address="http://127.0.0.1:9/rclpy_agents_course-0.1.0-py3-none-any.whl"),
+    Layout(
+        "an address that nobody serves",
+        wheel="",
+        address="http://127.0.0.1:9/rclpy_agents_course-0.1.0-py3-none-any.whl",
+    ),
 )
 
 
