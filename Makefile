@@ -98,8 +98,10 @@ skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python lessons/figures.py
 	$(BIN)/python -m grader.notebook.build
 
+# soupsieve 3 wants Python 3.11.5, and Debian 12 has 3.11.2
 constraints: ## pin the newest versions that fit pyproject.toml
 	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,notebooks,foxglove,site,dev]' \
+	  'soupsieve<3' \
 	  | $(PYTHON) .ci/constraints.py > constraints.txt
 
 clean: ## remove what can be made again
@@ -107,7 +109,8 @@ clean: ## remove what can be made again
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' \
-	  || { echo "expected Python 3.11 - 3.13; try: make PYTHON=python3.12" >&2; exit 2; }
+	  || { echo "expected Python 3.11 - 3.13, but $(PYTHON) is $$($(PYTHON) -V 2>&1);" \
+	    "try: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt
