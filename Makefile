@@ -39,6 +39,7 @@ lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the s
 	$(BIN)/python -m grader.course.skeletons --check
 	$(BIN)/python -m grader.authoring.catalogue --check
 	$(BIN)/python -m grader.authoring.pitfalls --check
+	$(BIN)/python -m grader.authoring.causes --check
 	$(BIN)/python lessons/figures.py --check
 	$(BIN)/python -m grader.notebook.build --check
 
@@ -101,8 +102,10 @@ skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python lessons/figures.py
 	$(BIN)/python -m grader.notebook.build
 
+# soupsieve 3 wants Python 3.11.5, and Debian 12 has 3.11.2
 constraints: ## pin the newest versions that fit pyproject.toml
 	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,notebooks,foxglove,site,dev]' \
+	  'soupsieve<3' \
 	  | $(PYTHON) .ci/constraints.py > constraints.txt
 
 clean: ## remove what can be made again
@@ -110,7 +113,8 @@ clean: ## remove what can be made again
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' \
-	  || { echo "expected Python 3.11 - 3.13; try: make PYTHON=python3.12" >&2; exit 2; }
+	  || { echo "expected Python 3.11 - 3.13, but $(PYTHON) is $$($(PYTHON) -V 2>&1);" \
+	    "try: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt

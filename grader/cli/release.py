@@ -13,6 +13,7 @@ EXAMPLES = """\b
 Examples:
   course release for_students
   course release week_1 --exercise obstacle_avoidance --student-package
+  course release template --classroom --exercise 1 --plain
   course release upload --gradescope --exercise 1 --secret course.secret
 """
 
@@ -21,6 +22,7 @@ Examples:
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--exercise", "exercises", multiple=True, metavar="EXERCISE", help="Only this one.")
 @click.option("--student-package", is_flag=True, help="Make DIR.zip too, for `pip install`.")
+@click.option("--classroom", is_flag=True, help="Add GitHub Classroom's workflow.")
 @click.option("--gradescope", is_flag=True, help="Write an autograder for Gradescope instead.")
 @click.option(
     "--secret",
@@ -30,39 +32,54 @@ Examples:
 @click.option("--field", is_flag=True, help="With --gradescope: run the field checks too.")
 @click.option("--hide", metavar="WHAT", help="With --gradescope: as for `course autograde`.")
 @click.option(
+    "--source", default="", metavar="ADDRESS", help="Where notebooks get the course's wheel."
+)
+@click.option(
     "--plain", is_flag=True, help="No notebooks, and the lesson as Markdown: needs no Sphinx."
 )
 def release(
     folder: Path,
     exercises: tuple[str, ...],
     student_package: bool,
+    classroom: bool,
     gradescope: bool,
     secret: Path | None,
     field: bool,
     hide: str | None,
+    source: str,
     plain: bool,
 ) -> int:
     """Write into DIR what students get: no solutions, no rubrics, no tests.
 
     That is the lesson as a site, the skeletons, the notebooks, the public scenarios and the grader.
     """
+    from grader.authoring import github  # noqa: PLC0415
+    from grader.authoring.carried import built_wheel, carried, what_lacks  # noqa: PLC0415
     from grader.authoring.handouts import handouts, stay_behind  # noqa: PLC0415
     from grader.authoring.release import release as make_release  # noqa: PLC0415
     from grader.course.exercises import all_exercises, find_exercise  # noqa: PLC0415
 
     slugs = [find_exercise(name).slug for name in exercises]
     if gradescope:
-        if student_package or plain:
+        if student_package or classroom or plain or source:
             raise InputError("--gradescope writes nothing for students; leave the others out")
         return _autograder(folder, slugs, field, hide, secret)
     if secret is not None or field or hide is not None:
         raise InputError("--secret, --field and --hide go with --gradescope")
-    make = None if plain else handouts
-    for leak in make_release(folder, exercises=slugs, archive=student_package, make=make):
+    if plain and source:
+        raise InputError("--source is for notebooks, which --plain leaves out")
+    wheel = built_wheel()
+    make = None if plain else lambda left: carried(handouts(left), wheel, source)
+    released = [each for each in all_exercises() if not slugs or each.slug in slugs]
+    more = github.files(released) if classroom else {}
+    found = make_release(folder, exercises=slugs, archive=student_package, make=make, more=more)
+    for leak in found:
         click.echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
-    left_out = {e.slug for e in all_exercises() if slugs and e.slug not in slugs}
+    left_out = {e.slug for e in all_exercises()} - {e.slug for e in released}
     for said in () if plain else stay_behind(left_out):
         click.echo(f"Note: {said}.", err=True)
+    if not plain and (lacks := what_lacks(wheel, source)):
+        click.echo(f"Note: {lacks}.", err=True)
     click.echo(f"Students' material: {folder}")
     if student_package:
         click.echo(f"The same, packed: {folder}.zip")
