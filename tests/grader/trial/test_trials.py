@@ -163,7 +163,7 @@ def test_a_node_that_never_starts_is_run_for_the_checks_that_need_it_alone(
         exercise, Submission(file), forkserver, file="x.py", on_progress=steps.append
     )
 
-    ran = {step.name for step in steps if step.what == TRIAL}
+    ran = {step.name for step in steps if step.what == TRIAL and not step.outcome}
     assert [check.outcome for check in grading.checks].count("skip") == len(grading.checks) - 1
     assert len(ran) <= 4  # as many as run at once
     assert [recording.name for recording in grading.recordings] == ["avoid_zones"]
