@@ -9,7 +9,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-long test-all test-deep lint format prove conform wheel attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
+.PHONY: help setup grade test test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -49,6 +49,9 @@ format: $(VENV)/.dev ## let ruff format and fix what it can
 
 prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which check kills which
 	$(BIN)/python -m grader.authoring.proof
+
+mutate: $(VENV)/.dev ## make thousands of mutants by machine, grade them, list the gaps (hours; goes on where it was)
+	$(BIN)/python -m grader.authoring.mutate
 
 # A checkout of ros2/rclpy at the tag of the installed wheels; a folder of checkouts with nodes
 RCLPY ?=
@@ -99,8 +102,10 @@ skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python lessons/figures.py
 	$(BIN)/python -m grader.notebook.build
 
+# soupsieve 3 wants Python 3.11.5, and Debian 12 has 3.11.2
 constraints: ## pin the newest versions that fit pyproject.toml
 	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,notebooks,foxglove,site,dev]' \
+	  'soupsieve<3' \
 	  | $(PYTHON) .ci/constraints.py > constraints.txt
 
 clean: ## remove what can be made again
@@ -108,7 +113,8 @@ clean: ## remove what can be made again
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' \
-	  || { echo "expected Python 3.11 - 3.13; try: make PYTHON=python3.12" >&2; exit 2; }
+	  || { echo "expected Python 3.11 - 3.13, but $(PYTHON) is $$($(PYTHON) -V 2>&1);" \
+	    "try: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt

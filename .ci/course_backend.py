@@ -10,9 +10,14 @@ import os
 import shutil
 import sys
 import tempfile
-import tomllib
 from pathlib import Path
 from typing import Any
+
+if sys.version_info < (3, 11):  # noqa: UP036  (pip's own words would be ResolutionImpossible)
+    said = "expected Python 3.11 to 3.14, but this is %d.%d; take a newer one"
+    sys.exit(said % sys.version_info[:2])
+
+import tomllib
 
 from setuptools import build_meta
 from setuptools.build_meta import (

@@ -32,7 +32,7 @@ def handouts(left_out: Collection[str] = ()) -> dict[str, bytes]:
     ----------
     left_out
         Slugs of exercises that are not released: notebooks with one of them are left out. The site
-        is one lesson and has the tasks of all.
+        is one lesson and has the tasks of all, but no skeletons of these.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def handouts(left_out: Collection[str] = ()) -> dict[str, bytes]:
     """
     require_tools()
     with tempfile.TemporaryDirectory(prefix="course-handouts-") as name:
-        return site(Path(name)) | without(notebooks(Path(name)), left_out)
+        return site(Path(name), left_out) | without(notebooks(Path(name)), left_out)
 
 
 def require_tools() -> None:
@@ -64,11 +64,12 @@ def require_tools() -> None:
         )
 
 
-def site(work: Path) -> dict[str, bytes]:
+def site(work: Path, left_out: Collection[str] = ()) -> dict[str, bytes]:
     """Return the lesson as `make site` builds it, replays included."""
     out = work / SITE
     _run(
         "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html",
+        "-D", f"course_left_out={','.join(sorted(left_out))}",
         "-d", str(work / "doctrees"), str(ROOT / "lessons"), str(out),
     )  # fmt: skip
     _run("-m", "grader.authoring.pitfalls", str(out / "pitfalls" / "replays"))

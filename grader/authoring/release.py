@@ -34,6 +34,7 @@ KEPT = {
 }
 SINGLE = (
     "LICENSE", "LICENSE-lessons.md", "constraints.txt",
+    "Dockerfile", ".dockerignore", ".devcontainer/devcontainer.json",
     "docs/students.md", "docs/testing-your-node.md", "docs/live-robot.md", "docs/portable.md",
     "docs/images/notebook-dark.png", "docs/images/notebook-light.png",
     "docs/images/notebook-wrong.png",
@@ -43,7 +44,18 @@ PRIVATE = re.compile(
 )
 QUIZ = "lessons/quiz.md"  # its tables are the rubric
 
-BACKEND = 'build-backend = "setuptools.build_meta"'
+BACKEND = 'build-backend = "course_setup"\nbackend-path = ["."]'
+SETUP = """\
+\"\"\"setuptools, with words of its own for a Python that is too old: pip would say much more.\"\"\"
+
+import sys
+
+if sys.version_info < (3, 11):
+    said = "expected Python 3.11 to 3.14, but this is %d.%d; take a newer one"
+    sys.exit(said % sys.version_info[:2])
+
+from setuptools.build_meta import *  # noqa: E402, F403
+"""
 STAMP = (2020, 1, 1, 0, 0, 0)  # time of every file in the archive: same release, same bytes
 
 README = """\
@@ -89,6 +101,7 @@ def release(
     exercises: Collection[str] = (),
     archive: bool = False,
     make: Make | None = None,
+    more: Mapping[str, bytes] | None = None,
     root: Path = ROOT,
 ) -> list[Leak]:
     """Write the students' material into `folder`; return the skeletons that hold earlier answers.
@@ -105,6 +118,8 @@ def release(
         Builds the lesson's site and the notebooks, given the exercises that are left out (see
         `grader.authoring.handouts`). Without it there are no notebooks, and the lesson is released
         as Markdown.
+    more
+        Other files by their paths.
 
     Raises
     ------
@@ -115,7 +130,7 @@ def release(
     """
     packed = folder.with_name(folder.name + ".zip")
     _check_free(folder, packed if archive else None)
-    files = contents(exercises, root, make)
+    files = contents(exercises, root, make) | dict(more or {})
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".release-") as name:
         staged = Path(name) / "course"
@@ -158,6 +173,7 @@ def contents(
         found.update(make(left_out))
     _check_bases(found)
     found["pyproject.toml"] = _pyproject((root / "pyproject.toml").read_text("utf-8")).encode()
+    found["course_setup.py"] = SETUP.encode()
     found["README.md"] = _readme(left_out, PLAIN if make is None else WITH_SITE).encode()
     return dict(sorted(found.items()))
 
@@ -216,7 +232,7 @@ def _is_public(path: str, left_out: set[str], rooms: Collection[str] = ()) -> bo
 def _pyproject(text: str) -> str:
     """Return the students' pyproject.toml: without the settings of development tools.
 
-    The course's own build of a wheel stays behind, too; setuptools installs the folder as it is.
+    The course's own build of a wheel stays behind, too: setuptools installs the folder as it is.
     """
     kept = re.split(r"(?m)^(?=\[)", text)
     ours = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -22,6 +22,11 @@ STRANGER = "not in the roster"
 NOTHING = "nothing handed in"
 STATES = (GRADED, OLDER, OTHER, EXTRA, LEFT_OUT, UNREADABLE, NOTHING, STRANGER, UNKNOWN)
 MOST = 20  # lines at the terminal
+LINKS = "links, which are not followed"
+CONTRARY = (
+    "another work of that name came in another download, and this one does not count; "
+    "was one of them handed in to the wrong assignment?"
+)
 
 HEADER = ("entry", "file", "student", "exercise", "state", "reason", "look at it")
 
@@ -37,6 +42,7 @@ class Line:
     exercise: str = ""
     reason: str = ""
     fault: bool = False  # a person should look
+    held: bool = False  # too, and the results say so themselves
 
     def __str__(self) -> str:
         """Return a line for the terminal."""
@@ -67,7 +73,7 @@ class Account:
         writer.writerow(HEADER)
         for line in self.lines:
             cells = (line.entry, line.file, line.student, line.exercise, line.state, line.reason)
-            writer.writerow([*map(clean, cells), "yes" if line.fault else ""])
+            writer.writerow([*map(clean, cells), "yes" if line.fault or line.held else ""])
         return target.getvalue()
 
     def summary(self) -> list[str]:
@@ -81,7 +87,7 @@ class Account:
 
 def student_lines(
     student: Student, graded: dict[int, str], other: dict[int, str], older: dict[int, str],
-    suspects: Iterable[int],
+    suspects: Iterable[int], contrary: Collection[int] = (),
 ) -> list[Line]:  # fmt: skip
     """Return a line for each of a student's files.
 
@@ -92,16 +98,20 @@ def student_lines(
         exercise that is not wanted, and versions that don't count.
     suspects
         Files that may be a missing exercise under another name.
+    contrary
+        Of `older` those that are another work, from another download than what is graded.
     """
     wrong = set(suspects)
     lines = []
+    line_of = partial(Line, entry="; ".join(student.entries), student=student.id)
     for place, file in enumerate(student.files):
         line = partial(Line, entry=file.entry.path.name, file=file.name, student=student.id)
         if place in graded:
             lines.append(line(GRADED, exercise=graded[place]))
         elif place in older:
-            reason = "a newer one counts"
-            lines.append(line(OLDER, exercise=older[place], reason=reason))
+            reason = CONTRARY if place in contrary else "a newer one counts"
+            fault = place in contrary
+            lines.append(line(OLDER, exercise=older[place], reason=reason, fault=fault))
         elif place in other:
             lines.append(line(OTHER, exercise=other[place]))
         elif place in wrong:
@@ -110,9 +120,11 @@ def student_lines(
         else:
             lines.append(line(EXTRA))
     if student.problem:  # the student is held for it
-        lines.append(Line(UNREADABLE, student=student.id, reason=student.problem))
+        lines.append(line_of(UNREADABLE, reason=student.problem, held=True))
+    elif not student.files and student.links:
+        lines.append(line_of(UNREADABLE, reason=LINKS, held=True))
     elif not student.files:
-        lines.append(Line(NOTHING, student=student.id))
+        lines.append(line_of(NOTHING))
     return lines
 
 

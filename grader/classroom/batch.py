@@ -31,7 +31,9 @@ NO_SPACE = (
     "{temporary}, and run the same command again: it goes on where it was"
 )
 UNPACKED = ".unpacked"  # archives, during a run
-WRITE_EVERY = 60.0  # [s] between two times that results are written while a batch runs
+# Results are written while a batch runs, which takes up to ten seconds for 500 students.
+WRITE_EVERY, LONGEST = 60.0, 600.0  # [s] between two times
+PATIENCE = 10  # times as long as the last time took
 now = time.monotonic
 
 
@@ -139,11 +141,12 @@ class _Writer:
         self._options = options
         self._taken_in = taken_in
         self._written = now()  # [s] when
+        self._took = 0.0  # [s]
         store.keep(OPTIONS, kept_text(self._wanted([])))  # for marks, after a kill, too
 
     def look(self) -> None:
         """Write what is there if the last time was long ago."""
-        if now() - self._written >= WRITE_EVERY:
+        if now() - self._written >= min(LONGEST, max(WRITE_EVERY, PATIENCE * self._took)):
             with contextlib.suppress(InputError):  # it is said in the end
                 self.write([])
 
@@ -151,6 +154,7 @@ class _Writer:
         self, notes: Sequence[str], *, over: bool = False
     ) -> tuple[list[StoredResult], Written]:
         """Write all results; submissions are compared with each other only when all is over."""
+        begun = now()
         sources = {
             key: candidate.read_if_possible()
             for key, candidate in self._taken_in.candidates.items()
@@ -160,6 +164,7 @@ class _Writer:
         self._store.keep(OPTIONS, kept_text(wanted))
         done = write_class(self._store, self._out, replace(wanted, sources=sources))
         self._written = now()
+        self._took = self._written - begun
         return done
 
     def _wanted(self, notes: Sequence[str]) -> ResultOptions:

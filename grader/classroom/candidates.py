@@ -6,7 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.account import STRANGER, Account, Line, set_aside_lines, student_lines
+from grader.classroom.account import (
+    STRANGER,
+    UNKNOWN,
+    Account,
+    Line,
+    set_aside_lines,
+    student_lines,
+)
 from grader.classroom.conditions import HASHED, fingerprint, submission_hash
 from grader.classroom.intake import Found, Intake, Student, find_files, left_over, take_in
 from grader.classroom.options import Options
@@ -16,6 +23,10 @@ from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
+
+OTHER_CLASS = (
+    "nobody in it handed in anything here: is it this class's roster, and exported in English?"
+)
 
 
 @dataclass(frozen=True)
@@ -38,6 +49,17 @@ class Candidate:
             One can't be read.
         """
         return {name: read_regular_file(path) for name, path in self.found.files.items()}
+
+    def trouble(self) -> str:
+        """Say why nothing can be graded; "" if it can be, or if nothing was handed in."""
+        if self.absent or self.found.problem:
+            return "" if self.absent else self.found.problem
+        try:
+            self.read()
+        except OSError as error:
+            name = Path(str(error.filename)).name if error.filename else "a file"
+            return f"{name} can't be read ({error.strerror})"
+        return ""
 
     def read_if_possible(self) -> dict[str, bytes]:
         """Return the files' contents by name; none if one can't be read."""
@@ -77,16 +99,11 @@ def enter_candidates(
     """
     found = find_class(submissions, scratch, options)
     for key, candidate in found.candidates.items():
-        problem, files = candidate.found.problem, {}
-        try:
-            files = candidate.read()
-        except OSError as error:
-            problem = f"a file that can't be read ({error.strerror})"
-        input_hash = candidate.input_hash(files, options)
+        input_hash = candidate.input_hash(candidate.read_if_possible(), options)
         store.enter(
             key,
             input_hash,
-            problem="" if candidate.absent else problem,
+            problem=candidate.trouble(),
             absent=candidate.absent,
             compared=HASHED if regrade else None,
         )
@@ -177,13 +194,19 @@ def _account(
 ) -> Account:
     lines = []
     slugs = list(dict.fromkeys(slug for _, slug in found))
+    unknown = options.roster.people and not any(s.person and s.who for s in intake.students)
+    if unknown:
+        sheets = ", ".join(str(sheet.file) for sheet in options.roster.sheets)
+        lines.append(Line(UNKNOWN, entry=sheets, reason=OTHER_CLASS, fault=True))
     for student in intake.students:
         places = {id(file): place for place, file in enumerate(student.files)}
         graded: dict[int, str] = {}
         other: dict[int, str] = {}
         older: dict[int, str] = {}
+        contrary: set[int] = set()
         for slug in slugs:
             each = found[student.id, slug]
+            contrary |= {places[id(file)] for file in each.contrary}
             for file in each.used:
                 (graded if slug in wanted else other)[places[id(file)]] = slug
             older |= {places[id(file)]: slug for file in each.older}
@@ -191,10 +214,11 @@ def _account(
         known = [student.files[place] for place in {**graded, **other, **older}]
         held = not student.problem and not graded and not other  # then the unit itself says it
         suspects = [] if held or not missing else left_over(student, known)
-        lines += student_lines(student, graded, other, older, [places[id(f)] for f in suspects])
+        wrong = [places[id(file)] for file in suspects]
+        lines += student_lines(student, graded, other, older, wrong, contrary)
         if options.roster.people and student.person is None:
             why = options.roster.why_not(student.who[0].name if student.who else student.id)
-            lines.append(Line(STRANGER, student=student.id, reason=why, fault=True))
+            lines.append(Line(STRANGER, student=student.id, reason=why, fault=not unknown))
     return Account((*lines, *set_aside_lines(intake.set_aside)))
 
 

@@ -57,6 +57,7 @@ class Marked:
 
     entry: Entry | None  # of the log
     shifts: list[Shift]
+    remarks: list[str]  # what a person should know
     missing: list[Missing]  # parts of the results that could not be written
 
 
@@ -230,18 +231,22 @@ class Marking:
             before = self._counting(entries)
         entry = log.append(change, who, why)
         after, missing = self._written()
-        return Marked(entry, self._shifts(before, after), missing)
+        remarks = self._amended(log.entries())[1]
+        return Marked(entry, self._shifts(before, after), remarks, missing)
 
     def write(self) -> Marked:
         """Write all results anew."""
-        return Marked(None, [], self._written()[1])
+        return Marked(None, [], [], self._written()[1])
 
     def counting(self) -> list[StoredResult]:
         """Return the results as they count now."""
         return self._counting(self.store.log.entries())
 
     def _counting(self, entries: Sequence[Entry]) -> list[StoredResult]:
-        return amended(self.results, active(entries), self.rows)[0]
+        return self._amended(entries)[0]
+
+    def _amended(self, entries: Sequence[Entry]) -> tuple[list[StoredResult], list[str]]:
+        return amended(self.results, active(entries), self.rows)
 
     def _written(self) -> tuple[list[StoredResult], list[Missing]]:
         results, written = write_class(self.store, self.out, self.options)

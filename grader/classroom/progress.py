@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from grader.classroom.row import ABSENT, GRADED, HELD
+from grader.classroom.row import ABSENT, GRADED, HELD, WAITING
 from grader.report.terminal import printable
 
 if TYPE_CHECKING:
@@ -27,9 +27,13 @@ def summary(graded_class: GradedClass, out: Path) -> tuple[str, int]:
     held = [result for result in ours if result.state == HELD]
     graded = sum(result.state == GRADED for result in ours)
     absent = sum(result.state == ABSENT for result in ours)
+    waiting = [result for result in ours if result.state == WAITING]
     counts = f"{graded} graded, {len(held)} held for a person"
     counts += f", {absent} not handed in" if absent else ""
+    counts += f", {len(waiting)} not graded yet" if waiting else ""
     lines = [f"{counts}. Open {out / 'class.html'}"]
+    if waiting:
+        lines.append("  The same command without --regrade and --exercise grades the rest.")
     for one in held[:MOST_HELD]:
         problem = " ".join(one.problem.split())
         lines.append(f"  held: {one.student}  {one.exercise}  {problem}")
@@ -44,16 +48,21 @@ def summary(graded_class: GradedClass, out: Path) -> tuple[str, int]:
         lines += [f"  missing: {each}" for each in missing[:MOST_HELD]]
     if len(missing) > MOST_HELD:
         lines.append(f"  and {len(missing) - MOST_HELD} more, in the class report")
-    return "\n".join(lines), len(held) + len(graded_class.account.faults)
+    return "\n".join(lines), len(held) + len(waiting) + len(graded_class.account.faults)
 
 
-def listing(found: Class) -> str:
-    """Return who handed in what, for the terminal."""
+def listing(found: Class) -> tuple[str, int]:
+    """Return who handed in what, for the terminal, and how many things wait for a person."""
     by_student: dict[str, list[str]] = {}
+    held: dict[str, str] = {}  # a line: the first exercise is enough
     for (student, slug), candidate in found.candidates.items():
         files = by_student.setdefault(student, [])
-        if not candidate.absent:
-            files.append(slug if candidate.found.files else f"{slug} (will be held)")
+        if candidate.absent:
+            continue
+        trouble = candidate.trouble()
+        files.append(f"{slug} (will be held)" if trouble else slug)
+        if trouble:
+            held.setdefault(f"  will be held: {student}  {' '.join(trouble.split())}", slug)
     names = {row.student: row for row in found.students}
     lines = []
     for student, slugs in sorted(by_student.items()):
@@ -64,7 +73,11 @@ def listing(found: Class) -> str:
         )
     counts = "; ".join(f"{state}: {count}" for state, count in found.account.counts().items())
     lines.append(f"{len(by_student)} students. {counts}.")
-    return "\n".join([*lines, *found.account.summary()])
+    listed = list(held)[:MOST_HELD]
+    if len(held) > MOST_HELD:
+        listed.append(f"  and {len(held) - MOST_HELD} more will be held")
+    text = "\n".join([*lines, *listed, *found.account.summary()])
+    return text, len(held) + len(found.account.faults)
 
 
 def say(console: Console, text: str) -> None:

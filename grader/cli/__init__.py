@@ -17,6 +17,7 @@ from grader.cli import (
     exercises,
     grade,
     marks,
+    new,
     release,
     report,
 )
@@ -46,6 +47,7 @@ for _command, _room in (
     (marks.marks, "classroom"),
     (report.report, "classroom"),
     (release.release, "authoring"),
+    (new.new, "authoring"),
 ):
     if (GRADER / _room).exists():  # the students' package has neither
         cli.add_command(_command)

@@ -123,9 +123,9 @@ def autograde(
     )
     console = Console()
     if only_list or out is None:
-        found = look_at(submissions, chosen)
-        say(console, listing(found))
-        return LESS if found.account.faults else FULL
+        text, waiting = listing(look_at(submissions, chosen))
+        say(console, text)
+        return LESS if waiting else FULL
     with ConsoleProgress(console) as progress:
         graded = grade_class(submissions, out, chosen, progress, regrade=bool(regrade))
     lines, held = summary(graded, out)

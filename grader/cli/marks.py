@@ -266,6 +266,7 @@ def _told(done: Marked) -> int:
     lines += [f"  {shift}" for shift in done.shifts[:MOST]]
     if len(done.shifts) > MOST:
         lines.append(f"  and {len(done.shifts) - MOST} more; scores.csv has all")
+    lines += [f"Note: {remark}" for remark in done.remarks[:MOST]]
     lines += [f"  missing: {each}" for each in done.missing[:MOST]]
     say(Console(), "\n".join(lines or ["Written."]))
     return FAULT if done.missing else FULL

@@ -13,6 +13,7 @@ EXAMPLES = """\b
 Examples:
   course release for_students
   course release week_1 --exercise obstacle_avoidance --student-package
+  course release template --classroom --exercise 1 --plain
   course release upload --gradescope --exercise 1 --secret course.secret
 """
 
@@ -21,6 +22,7 @@ Examples:
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--exercise", "exercises", multiple=True, metavar="EXERCISE", help="Only this one.")
 @click.option("--student-package", is_flag=True, help="Make DIR.zip too, for `pip install`.")
+@click.option("--classroom", is_flag=True, help="Add GitHub Classroom's workflow.")
 @click.option("--gradescope", is_flag=True, help="Write an autograder for Gradescope instead.")
 @click.option(
     "--secret",
@@ -39,6 +41,7 @@ def release(
     folder: Path,
     exercises: tuple[str, ...],
     student_package: bool,
+    classroom: bool,
     gradescope: bool,
     secret: Path | None,
     field: bool,
@@ -50,6 +53,7 @@ def release(
 
     That is the lesson as a site, the skeletons, the notebooks, the public scenarios and the grader.
     """
+    from grader.authoring import github  # noqa: PLC0415
     from grader.authoring.carried import built_wheel, carried, what_lacks  # noqa: PLC0415
     from grader.authoring.handouts import handouts, stay_behind  # noqa: PLC0415
     from grader.authoring.release import release as make_release  # noqa: PLC0415
@@ -57,7 +61,7 @@ def release(
 
     slugs = [find_exercise(name).slug for name in exercises]
     if gradescope:
-        if student_package or plain or source:
+        if student_package or classroom or plain or source:
             raise InputError("--gradescope writes nothing for students; leave the others out")
         return _autograder(folder, slugs, field, hide, secret)
     if secret is not None or field or hide is not None:
@@ -66,9 +70,12 @@ def release(
         raise InputError("--source is for notebooks, which --plain leaves out")
     wheel = built_wheel()
     make = None if plain else lambda left: carried(handouts(left), wheel, source)
-    for leak in make_release(folder, exercises=slugs, archive=student_package, make=make):
+    released = [each for each in all_exercises() if not slugs or each.slug in slugs]
+    more = github.files(released) if classroom else {}
+    found = make_release(folder, exercises=slugs, archive=student_package, make=make, more=more)
+    for leak in found:
         click.echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
-    left_out = {e.slug for e in all_exercises() if slugs and e.slug not in slugs}
+    left_out = {e.slug for e in all_exercises()} - {e.slug for e in released}
     for said in () if plain else stay_behind(left_out):
         click.echo(f"Note: {said}.", err=True)
     if not plain and (lacks := what_lacks(wheel, source)):

@@ -21,6 +21,7 @@ from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NET
 from grader.link import system
 from grader.link.hosts import ForkServer
 from grader.link.link import PATROL
+from grader.link.trouble import trouble
 from sim.messages import EPOCH_NS
 
 TRUNCATE_SINCE = 3  # version of Landlock that minds how files are emptied
@@ -77,6 +78,7 @@ class Diagnosis:
     layers: tuple[Layer, ...]
     extras: Mapping[str, tuple[str, ...]]  # what it is for: distributions that are missing
     gaps: tuple[str, ...] = ()  # what a submission can still do to a class, a sentence each
+    trouble: tuple[str, ...] = ()  # what a class would fail on, a sentence each
 
     @property
     def foreign_code(self) -> str:
@@ -140,6 +142,7 @@ def diagnose() -> Diagnosis:
         layers=tuple(Layer(name, name in means.layers, _version(name, means)) for name in LAYERS),
         extras=system.missing_extras(),
         gaps=() if problem else gaps(means, root=os.getuid() == 0),
+        trouble=trouble(means.layers),
     )
 
 

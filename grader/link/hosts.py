@@ -24,6 +24,7 @@ from grader.host.sandbox.kernel_filters import NEWEST, hide_memory
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
 from grader.host.sandbox.users import USERS, closed_ancestor, prefer
 from grader.link.host_process import HostProcess, shared_memory_of
+from grader.link.interpreter import left_out, with_needs
 from grader.link.locks import held
 from grader.link.ros_environment import RosEnvironment, find_ros
 from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS
@@ -48,6 +49,7 @@ LIVE_DDS = {  # it never leaves the machine
     "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
     "FASTRTPS_DEFAULT_PROFILES_FILE": str(ROOT / "grader" / "host" / "real_time" / "live.xml"),
 }
+SHARED_OBJECT = "shared object file"  # the dynamic linker's words for a library it can't find
 FORK_SERVER_START = 60.0  # [s] for the imports of a cold machine
 
 
@@ -253,7 +255,7 @@ class ForkServer:
             "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
             "RCUTILS_COLORIZED_OUTPUT": "0",
             **(LIVE_DDS if self._kind == LIVE else VIRTUAL_DDS),
-            **self.ros.variables(),
+            **with_needs(self.ros.variables()),
         }
 
     def _await_ready(self) -> None:
@@ -264,11 +266,22 @@ class ForkServer:
             try:
                 hello = msgspec.json.decode(self._control.recv(4096), type=Hello)
             except (OSError, msgspec.DecodeError) as error:
-                raise GraderError(f"no host for students' nodes: {self._last_words()}") from error
+                raise GraderError(f"no host for students' nodes: {self._why()}") from error
             self._means = hello
             self._ready = True
             if self._kind == LIVE:  # it forks hosts while a trial in real time is running
                 prefer(self._process.pid)
+
+    def _why(self) -> str:
+        """Say why there is none: its last words, and what may help."""
+        said = self._last_words()
+        if SHARED_OBJECT in said and (folders := left_out()):
+            said += (
+                f"; hosts don't get {', '.join(map(str, folders))} of LD_LIBRARY_PATH, from which "
+                "this Python has no library itself: start it with that library "
+                "(LD_PRELOAD=…), or install it where the system looks"
+            )
+        return said
 
     def _last_words(self) -> str:
         self._log.seek(0)

@@ -118,13 +118,17 @@ def render_diagnosis(found: Diagnosis, console: Console) -> None:
     console.print()
     console.print(layers, width=width)
     console.print()
-    if found.gaps:
-        console.print(Text(" What a submission can still do here", style="bold"), width=width)
-        bullets = Table(box=None, show_header=False, padding=(0, 1, 0, 1))
-        for gap in found.gaps:
-            bullets.add_row("-", printable(gap, console))
-        console.print(bullets, width=width)
-        console.print()
+    for heading, sentences in (
+        ("What a submission can still do here", found.gaps),
+        ("What a class may fail on here", found.trouble),
+    ):
+        if sentences:
+            console.print(Text(f" {heading}", style="bold"), width=width)
+            bullets = Table(box=None, show_header=False, padding=(0, 1, 0, 1))
+            for sentence in sentences:
+                bullets.add_row("-", printable(sentence, console))
+            console.print(bullets, width=width)
+            console.print()
     if found.problem:
         said = Text(f" No node can run here: {printable(found.problem, console)}", style="bold red")
     elif found.foreign_code:
@@ -175,6 +179,8 @@ def plain(text: Any) -> str:
 
 def readable(text: str) -> str:
     """Return student text without escape sequences, control and bidi characters."""
+    if text.isascii() and text.isprintable():  # as most of it is; a class has 100,000 such texts
+        return text
     return _STACKED.sub(r"\1", _CONTROLS.sub("", ESCAPES.sub("", text.replace("\r\n", "\n"))))
 
 

@@ -47,6 +47,11 @@ class End(Destroyable):
         self.gid = next(_gids)
 
     @property
+    def wire(self) -> str:
+        """Its name in DDS."""
+        return f"rt{self.topic}"
+
+    @property
     def type_name(self) -> str:
         """The ROS name of its type."""
         return ros_type(self.cls)
@@ -65,7 +70,7 @@ class Publisher(End):
 
     def __init__(self, node: Node, cls: Any, topic: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, topic, qos)
-        self.participant.claim(self.topic, cls, "publisher")
+        self.participant.claim(self.wire, cls, "publisher")
         self.peers: list[Subscription] = []
         self.statuses = Statuses(KINDS)
         resolved = self.profile.resolved()
@@ -164,7 +169,7 @@ class Subscription(End):
 
     def __init__(self, node: Node, cls: Any, topic: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, topic, qos)
-        self.participant.claim(self.topic, cls, "subscription")
+        self.participant.claim(self.wire, cls, "subscription")
         self.peers: list[Publisher] = []
         self.statuses = Statuses(SUBSCRIPTION_KINDS)
         resolved = self.profile.resolved()

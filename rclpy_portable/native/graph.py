@@ -32,7 +32,7 @@ class Participant:
         self.subscriptions: list[Subscription] = []
         self.services: list[Service] = []
         self.clients: list[Client] = []
-        self._types: dict[str, tuple[Any, int]] = {}  # by topic: class, and how many ends have it
+        self._types: dict[str, tuple[Any, int]] = {}  # by name on the wire: class, how many ends
         self._domain = _domain(domain)
         self._domain.append(self)
 
@@ -69,29 +69,29 @@ class Participant:
         """Return the clients of all participants."""
         return [end for p in self.everybody() for end in p.clients]
 
-    def claim(self, topic: str, cls: Any, what: str) -> None:
-        """Note that one more endpoint has this topic and type.
+    def claim(self, wire: str, cls: Any, what: str, noun: str = "topic") -> None:
+        """Note that one more end of a kind has this type under a name on the wire.
 
         Raises
         ------
         RCLError
-            The topic has another type in this participant.
+            The name has another type in this participant.
         """
-        kind, count = self._types.get(topic, (cls, 0))
+        kind, count = self._types.get(wire, (cls, 0))
         if kind is not cls:
             raise RCLError(
-                f"Failed to create {what}: create_{what}() called for existing topic name "
-                f"rt{topic} with incompatible type {dds_type(cls)}"
+                f"Failed to create {what}: create_{what}() called for existing {noun} name "
+                f"{wire} with incompatible type {dds_type(cls)}"
             )
-        self._types[topic] = (cls, count + 1)
+        self._types[wire] = (cls, count + 1)
 
-    def release(self, topic: str) -> None:
-        """Note that one endpoint less has this topic."""
-        kind, count = self._types[topic]
+    def release(self, wire: str) -> None:
+        """Note that one end less has this name."""
+        kind, count = self._types[wire]
         if count > 1:
-            self._types[topic] = (kind, count - 1)
+            self._types[wire] = (kind, count - 1)
         else:
-            del self._types[topic]
+            del self._types[wire]
 
     def introduce_publisher(self, publisher: Publisher) -> None:
         """Let a publisher meet the subscriptions to its topic."""
@@ -111,13 +111,13 @@ class Participant:
         """Take a publisher out of the graph."""
         self.publishers.remove(publisher)
         _part_publisher(publisher)
-        self.release(publisher.topic)
+        self.release(publisher.wire)
 
     def forget_subscription(self, subscription: Subscription) -> None:
         """Take a subscription out of the graph."""
         self.subscriptions.remove(subscription)
         _part_subscription(subscription)
-        self.release(subscription.topic)
+        self.release(subscription.wire)
 
 
 _domains: dict[int, list[Participant]] = {}

@@ -45,10 +45,26 @@ class _Letter(NamedTuple):
         return rmw_service_info_t(self.id, self.sent, self.sent)
 
 
-class Service(End):
-    """A service of a node."""
+class _ServiceEnd(End):
+    """What services and clients have in common."""
 
     scheme = SERVICE
+    what = ""
+
+    def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
+        super().__init__(node, cls, name, qos)
+        self.participant.claim(self.wire, cls.Request, self.what, "request topic")
+
+    @property
+    def wire(self) -> str:
+        """The name that requests have in DDS."""
+        return f"rq{self.topic}Request"
+
+
+class Service(_ServiceEnd):
+    """A service of a node."""
+
+    what = "service"
 
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, name, qos)
@@ -94,12 +110,13 @@ class Service(End):
 
     def _destroy(self) -> None:
         self.participant.services.remove(self)
+        self.participant.release(self.wire)
 
 
-class Client(End):
+class Client(_ServiceEnd):
     """A client of a service."""
 
-    scheme = SERVICE
+    what = "client"
 
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, name, qos)
@@ -153,6 +170,7 @@ class Client(End):
 
     def _destroy(self) -> None:
         self.participant.clients.remove(self)
+        self.participant.release(self.wire)
 
 
 class TypeDescriptionService(Destroyable):

@@ -1,6 +1,7 @@
 """A batch that is disturbed: workers killed, Ctrl-C, a full disk; the next run goes on."""
 
 import contextlib
+import csv
 import os
 import shutil
 import signal
@@ -55,6 +56,9 @@ def test_workers_killed_ctrl_c_and_resumed(tmp_path: Path) -> None:
     assert batch.returncode not in (0, 1)
     assert any("will retry: its worker died" in line for line in said), said
     assert not any(Path(f"/proc/{worker}").exists() for worker in killed)
+    assert_complete(out)  # what is graded by then
+    marks = [*COURSE[:-1], "marks", "score", str(out), "12", "--student", "ann", "--why", "a test"]
+    subprocess.run(marks, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
 
     done = subprocess.run(command, check=False, cwd=ROOT, capture_output=True, timeout=LIMIT)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -62,6 +66,8 @@ def test_workers_killed_ctrl_c_and_resumed(tmp_path: Path) -> None:
     assert verdicts(out, everybody) == verdicts(undisturbed, everybody)
     assert len(stored(out)) == len(everybody)
     assert_complete(out)
+    rows = csv.DictReader((out / "scores.csv").read_text("utf-8-sig").splitlines())
+    assert {row["student"]: row["points"] for row in rows}["ann"] == "12"
 
 
 def heed_ctrl_c() -> None:

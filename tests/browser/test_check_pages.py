@@ -12,6 +12,7 @@ import classes
 import payloads
 import pytest
 
+from grader.classroom.amendments import Entry, Undo, Waive
 from grader.classroom.results import ResultOptions, write_results
 from grader.classroom.row import StoredResult, StudentRow
 from grader.report.page import page_html
@@ -30,7 +31,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for index, one in enumerate(results)
     }
     results = [replace(one, recordings=Path("recordings")) for one in results]
-    write_results(results, out, replace(options, students=rows))
+    log = [
+        Entry(1, "2026-05-04T09:12:00+00:00", "prof", Waive(SLUG, "blind"), classes.HOSTILE),
+        Entry(2, "2026-05-04T09:13:00+00:00", "prof", Undo(1), "a slip"),
+    ]
+    write_results(results, out, replace(options, students=rows, log=log))
     for page in (out / "feedback").glob(f"*/{SLUG}.html"):
         page.write_text(page_html(payloads.failing_page() | {"title": page.parent.name}))
     return out

@@ -177,11 +177,16 @@ def test_course_commands_and_their_options_exist(document: Document) -> None:
         if match is None:
             continue
         command = cli.commands.get(match[1])
+        if isinstance(command, click.Group) and match[2].strip():
+            verb, _, rest = match[2].strip().partition(" ")
+            command, asked_of = command.commands.get(verb), rest
+        else:
+            asked_of = match[2]
         if command is None:
             wrong.append(code)
             continue
         known = {name for parameter in command.params for name in parameter.opts} | {"--help"}
-        asked = [word for word in shlex.split(match[2], comments=True) if word.startswith("--")]
+        asked = [word for word in shlex.split(asked_of, comments=True) if word.startswith("--")]
         wrong += [f"{code}: {word}" for word in asked if word not in known]
     assert wrong == []
 

@@ -70,3 +70,19 @@ def test_the_same_course_gives_the_same_archive(released: Path, tmp_path: Path) 
     with zipfile.ZipFile(packed) as archive:
         names = {name.removeprefix("course/") for name in archive.namelist()}
     assert names == files(released)
+
+
+def test_a_week_of_two_exercises_has_their_notebooks_and_no_other_skeleton(tmp_path: Path) -> None:
+    chosen = ["--exercise", "1", "--exercise", "3"]
+    done = subprocess.run(
+        [sys.executable, "-m", "grader.cli", "release", str(tmp_path / "week"), *chosen],
+        capture_output=True, text=True, timeout=600, check=False,
+    )  # fmt: skip
+
+    assert (done.returncode, done.stderr) == (0, "")
+    there = files(tmp_path / "week")
+    notebooks = {path for path in there if path.startswith("notebooks/")}
+    assert notebooks == {f"notebooks/{name}.ipynb" for name in ("01_loop", "03_goal", "07_quiz")}
+    known = {file for exercise in all_exercises() for file in exercise.files}
+    skeletons = known & {path.rpartition("/")[2] for path in there if "_downloads/" in path}
+    assert skeletons == {"obstacle_avoidance_agent.py", "goal_seeking_agent.py"}

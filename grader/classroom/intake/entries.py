@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -80,6 +81,11 @@ class HandedIn:
         return self.entry.version, self.source
 
 
+def is_clone(path: Path) -> bool:
+    """Tell whether a folder is a repository, as far as it can be read."""
+    return not path.is_symlink() and path.is_dir() and os.path.exists(path / ".git")  # noqa: PTH110
+
+
 @dataclass(frozen=True)
 class Student:
     """One who handed something in, or who is in the roster."""
@@ -90,3 +96,4 @@ class Student:
     links: bool = False  # there are links, which are not followed
     person: Person | None = None  # in the roster
     who: tuple[Who, ...] = ()
+    entries: tuple[str, ...] = ()  # what of the downloads is theirs

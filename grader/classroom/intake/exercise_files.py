@@ -24,6 +24,7 @@ class Found:
     remark: str = ""  # what the instructor may want to know
     older: tuple[HandedIn, ...] = ()  # versions that do not count
     used: tuple[HandedIn, ...] = field(default=(), repr=False)
+    contrary: tuple[HandedIn, ...] = ()  # of `older`: another work, from another download
 
     @property
     def entry(self) -> Entry | None:
@@ -61,7 +62,13 @@ def find_files(student: Student, names: Sequence[str]) -> Found:
         remark = (
             f"{student.id}: {len(candidates)} different files {first}; {where}{newest} was graded"
         )
-    return Found(found, remark=remark, older=tuple(older), used=tuple(used))
+    mine = _content(chosen.path)
+    contrary = [
+        file for file in candidates if file.source != chosen.source and _content(file.path) != mine
+    ]
+    return Found(
+        found, remark=remark, older=tuple(older), used=tuple(used), contrary=tuple(contrary)
+    )
 
 
 def left_over(student: Student, used: Collection[HandedIn]) -> list[HandedIn]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +14,8 @@ FILE = (
     "a file of nobody's: expected a folder or an archive per student, or files with the prefix of "
     "Canvas or Moodle; put it into its student's folder"
 )
+RESULTS = "results of `course autograde`, no student's; move them elsewhere"
+GRADED_CLASS = ("store.sqlite", "class.html")
 LITTER = {"Thumbs.db", "desktop.ini", "__MACOSX", "__pycache__"}
 
 
@@ -23,6 +26,8 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
         name = path.name
         if not may_enter(name) or name in LITTER:
             found.set_aside.append(SetAside(name, "no student's", fault=False))
+        elif all(os.path.isfile(path / each) for each in GRADED_CLASS):  # noqa: PTH113
+            found.set_aside.append(SetAside(name, RESULTS))
         elif path.is_dir() or is_archive(name) or is_unread_archive(name) or path.is_symlink():
             stem = name if path.is_dir() else archive_stem(name)
             found.entries.append(Entry(path, Who(stem, "folder")))

@@ -11,14 +11,14 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from grader.classroom.intake.entries import Entry, Read, Who
+from grader.classroom.intake.entries import Entry, Read, Who, is_clone
 
 ENDING = "-submissions"
 
 
 def read(folder: Path, paths: Sequence[Path]) -> Read:
     """Return the repositories if their names say which part is the student's."""
-    clones = [path for path in paths if _is_clone(path)]
+    clones = [path for path in paths if is_clone(path)]
     prefix = _prefix(folder, [path.name for path in clones])
     if not prefix:
         return Read(left=list(paths))
@@ -27,10 +27,6 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
         [Entry(path, _who(path.name.removeprefix(prefix))) for path in theirs],
         left=[path for path in paths if path not in set(theirs)],
     )
-
-
-def _is_clone(path: Path) -> bool:
-    return not path.is_symlink() and path.is_dir() and (path / ".git").exists()
 
 
 def _prefix(folder: Path, names: Sequence[str]) -> str:

@@ -18,7 +18,10 @@ from grader.course.submission import read_regular_file
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
 ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)
-SIDES = {"inbound": ("outbound", "feedback"), "submitted": ("source", "release", "gradebook.db")}
+SIDES = {
+    "inbound": ("outbound", "feedback"),
+    "submitted": ("source", "release", "autograded", "feedback", "gradebook.db"),
+}
 
 
 def read(folder: Path, paths: Sequence[Path]) -> Read:
@@ -60,7 +63,12 @@ def _attempt(path: Path, found: Read) -> None:
 
 def _collected(student: Path) -> Iterator[Entry]:
     who = Who(student.name, "nbgrader", student.name)
-    for assignment in sorted(student.iterdir()):
+    try:
+        inside = sorted(student.iterdir())
+    except OSError:
+        yield Entry(student, who)  # it is held for that
+        return
+    for assignment in inside:
         if assignment.is_dir() and not assignment.is_symlink():
             time = _stamp(assignment / "timestamp.txt")
             yield Entry(assignment, who, version=_microseconds(time), time=time)

@@ -18,6 +18,7 @@ from grader.classroom.intake import (
     nbgrader,
     notebooks,
 )
+from grader.classroom.intake.downloads import platform_of
 from grader.classroom.intake.entries import (
     Entry,
     HandedIn,
@@ -48,6 +49,10 @@ LAYOUTS: tuple[Layout, ...] = (
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NOTEBOOKS = 50  # of a student that are opened
 LINK = "a link, which is not followed; expected a folder or an archive"
+DOWNLOAD = (
+    "{platform}'s download of several students, not the work of one; "
+    "name it itself on the command line"
+)
 UNREAD = f"an archive that is not read; ask for one of {', '.join(ARCHIVES)}"
 
 Key = tuple[object, ...]  # what makes two entries one student's
@@ -72,27 +77,30 @@ class _Pile:
     problems: list[str] = field(default_factory=list)
     links: bool = False
     who: list[Who] = field(default_factory=list)
+    entries: list[str] = field(default_factory=list)
 
 
 def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> Intake:
     """Return the students whose work lies in `sources`: folders, or a platform's archives.
 
-    Archives are unpacked below `scratch`. Everybody in the roster is a student.
+    Archives are unpacked below `scratch`; a folder of a source that holds it is nobody's. Everybody
+    in the roster is a student.
 
     Raises
     ------
     InputError
-        A source can't be read, or there is nothing in them.
+        A source can't be read, or there is nothing in them, or only downloads.
     """
     set_aside: list[SetAside] = []
     read: list[tuple[int, Entry]] = []
     for number, source in enumerate(sources):
         folder = _opened(source, scratch / ".downloads" / str(number), set_aside)
-        found = _layouts(folder, roster)
+        found = _layouts(folder, roster, scratch)
         read += [(number, entry) for entry in found.entries]
         set_aside += found.set_aside
     if not read and not roster.people:
         raise InputError(_nothing(sources, set_aside))
+    _refuse_downloads([entry for _, entry in read])
     piles = _piles(read, roster)
     students = []
     for name, (pile, entries) in _named(piles, roster).items():
@@ -102,7 +110,7 @@ def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> 
         students.append(
             Student(
                 name, tuple(pile.files), "; ".join(pile.problems), pile.links, pile.person,
-                tuple(pile.who),
+                tuple(pile.who), tuple(pile.entries),
             )
         )  # fmt: skip
     return Intake(sorted(students, key=lambda student: student.id), set_aside)
@@ -141,10 +149,30 @@ def _wrapped(room: Path) -> Path | None:
     return there[0] if _layouts(there[0]).entries else None
 
 
-def _layouts(folder: Path, roster: Roster = NOBODY) -> Read:
+def _refuse_downloads(entries: Sequence[Entry]) -> None:
+    """Refuse a folder of downloads: nothing in it is a student's."""
+    found = {entry.path: platform_of(entry.path) for entry in entries if _is_plain(entry)}
+    if entries and len(found) == len(entries) and all(found.values()):
+        listed = " ".join(f"'{path}'" for path in found)
+        raise InputError(
+            f"expected students, found downloads of {', '.join(sorted(set(found.values())))} "
+            f"a folder deeper; name them instead: {listed}"
+        )
+
+
+def _is_plain(entry: Entry) -> bool:
+    return entry.who.system == "folder" and not entry.path.is_symlink()
+
+
+def _layouts(folder: Path, roster: Roster = NOBODY, scratch: Path | None = None) -> Read:
     """Let each layout take what it knows."""
     total, left = Read(), sorted(folder.iterdir())
     left = [path for path in left if not roster.is_from(path)]
+    if scratch is not None:
+        here = scratch.resolve()
+        left = [
+            path for path in left if path.is_symlink() or not here.is_relative_to(path.resolve())
+        ]
     for layout in LAYOUTS:
         found = layout(folder, left)
         total.entries.extend(found.entries)
@@ -231,15 +259,20 @@ def _named(
 def _collect(pile: _Pile, entry: Entry, number: int, room: Path, set_aside: list[SetAside]) -> None:
     """Add an entry's files to its student's."""
     pile.who.append(entry.who)
+    pile.entries.append(entry.path.name)
     called = entry.called or entry.path.name
     if entry.path.is_symlink():
         pile.problems.append(LINK)
         return
+    if _is_plain(entry) and (platform := platform_of(entry.path)):
+        pile.problems.append(f"{entry.path.name}: {DOWNLOAD.format(platform=platform)}")
+        return
     if not entry.path.is_dir():
         _add_file(pile, HandedIn(entry.path, called, entry, number), room, set_aside)
         return
-    found, links = _files(entry.path)
+    found, links, closed = _files(entry.path)
     pile.links |= links
+    pile.problems += [f"{each} can't be read" for each in closed]
     handed_in = [
         HandedIn(file, file.relative_to(entry.path).as_posix(), entry, number) for file in found
     ]
@@ -273,7 +306,7 @@ def _add_file(pile: _Pile, file: HandedIn, room: Path, set_aside: list[SetAside]
     set_aside += [
         SetAside(f"{file.entry.path.name}: {name}", why, fault=False) for name, why in odd
     ]
-    inner, _ = _files(room)
+    inner, *_ = _files(room)
     pile.files += [
         HandedIn(path, path.relative_to(room).as_posix(), file.entry, file.source) for path in inner
     ]
@@ -293,14 +326,19 @@ def _open_notebooks(pile: _Pile, room: Path) -> None:
         ]
 
 
-def _files(folder: Path) -> tuple[list[Path], bool]:
-    """Return the ordinary files below a folder, sorted, and whether there are links.
+def _files(folder: Path) -> tuple[list[Path], bool, list[str]]:
+    """Return the ordinary files below a folder, sorted, if there are links, and closed folders.
 
     Hidden files and links are left out.
     """
     found: list[Path] = []
+    closed: list[str] = []
     seen, links = 0, False
-    for where, inner, files in os.walk(folder, followlinks=False):
+
+    def note(error: OSError) -> None:
+        closed.append(os.path.relpath(error.filename, folder.parent))
+
+    for where, inner, files in os.walk(folder, onerror=note, followlinks=False):
         depth = len(Path(where).relative_to(folder).parts)
         links |= any(Path(where, name).is_symlink() for name in [*inner, *files])
         inner[:] = sorted(f for f in inner if may_enter(f)) if depth < MAX_DEPTH else []
@@ -311,4 +349,4 @@ def _files(folder: Path) -> tuple[list[Path], bool]:
                 found.append(path)
         if seen > MAX_LISTED:
             break
-    return found, links
+    return found, links, closed

@@ -30,6 +30,7 @@ MAX_DEPTH = 6  # folders below a student's
 MANY = 100  # a class's download may have so many times more
 CUT = 20 * 1024 * 1024  # [bytes] of a file in a class's download: one can't keep out the others
 CHUNK = 64 * 1024  # [bytes]
+UTF_8 = 0x800  # flag of a zip's member: its name is UTF-8, else code page 437, says the format
 
 
 Odd = tuple[str, str]  # a member's name, and what is odd about it
@@ -157,7 +158,16 @@ def _zip(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], No
         for member in members:
             mode = stat.S_IFMT(member.external_attr >> 16)
             if not member.is_dir() and mode in (0, stat.S_IFREG):
-                yield member.filename, opened.open(member)
+                yield _name(member), opened.open(member)
+
+
+def _name(member: zipfile.ZipInfo) -> str:
+    """Return a member's name, which macOS and Linux write in UTF-8 without saying so."""
+    if member.flag_bits & UTF_8:
+        return member.filename
+    with contextlib.suppress(UnicodeError):
+        return member.filename.encode("cp437").decode("utf-8")
+    return member.filename
 
 
 def _tar(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], None, None]:

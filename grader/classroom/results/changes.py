@@ -26,7 +26,7 @@ def changes(log: Sequence[Entry]) -> Element | None:
             el("td", name(entry.who, 40)),
             el("td", el("span", one_line(described(entry.change), 240), dir="auto", class_="said"),
                el("p", f"“{one_line(entry.why, 300)}”", dir="auto", class_="often")),
-            el("td", "undone" if entry.number in undone else ""),
+            el("td", "undone" if entry.number in undone else "counts"),
         )
         for entry in log[: -MOST - 1 : -1]
     ]  # fmt: skip
@@ -38,7 +38,7 @@ def changes(log: Sequence[Entry]) -> Element | None:
         "prints all of it; course marks undo takes an entry back.",
         table(
             "The log of marks",
-            [("No.", "number"), ("When", ""), ("Who", ""), ("What and why", "wide"), ("", "")],
+            [("No.", "number"), ("When", ""), ("Who", ""), ("What and why", "wide"), ("State", "")],
             rows,
             stacks=True,
         ),

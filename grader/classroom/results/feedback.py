@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection, Sequence
 from pathlib import Path
+from typing import Any
 
 from grader.classroom.results import words
 from grader.classroom.results.clean import one_line
@@ -21,6 +23,7 @@ from grader.classroom.row import StoredResult
 from grader.errors import InputError
 from grader.recording import Recording
 from grader.report.page import page_html, page_payload
+from grader.report.replay import moments_of
 
 WAITING = "Not graded yet."
 ABSENT = "Nothing handed in."
@@ -32,18 +35,40 @@ HELD = "A person has to look at this one; it has no score yet, and nothing is lo
 
 
 def exercise_page(
-    result: StoredResult, task: Task, hidden: Collection[str], bags: Path | None
+    result: StoredResult,
+    task: Task,
+    hidden: Collection[str],
+    bags: Path | None,
+    before: Path | None = None,
 ) -> str:
-    """Return the page of one grading, as its student may see it."""
+    """Return the page of one grading, as its student may see it.
+
+    Replays take half a second to make. They are taken from the page `before`, if there is one; the
+    moments in them follow the grading.
+    """
     if result.grading is None:
         return unjudged_page(result, task)
     grading = for_students(result.grading, result.file_names, hidden)
     if result.amended is not None and (points := points_of(result, task)) is not None:
         notes = [*(grading.get("notes") or ()), *result.amended.steps]
         grading |= {"score": points, "max_score": task.points, "notes": notes}
-    recordings = runs_for_students(_recordings(bags), hidden) if bags else []
     title = f"{task.title}: {one_line(result.student, 60)}"
+    if before is not None and (replays := _replays_of(before)):
+        for replay in replays:
+            replay["moments"] = moments_of(grading["checks"], replay["scenario"])
+        return page_html({**page_payload(grading, [], title), "replays": replays})
+    recordings = runs_for_students(_recordings(bags), hidden) if bags else []
     return page_html(page_payload(grading, recordings, title))
+
+
+def _replays_of(page: Path) -> list[dict[str, Any]]:
+    """Return the replays of a page that was made before; [] if they can't be read."""
+    try:
+        text = page.read_text("utf-8").partition('id="payload">')[2].partition("</script>")[0]
+        found = json.loads(text)["replays"]
+        return [dict(replay) for replay in found]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
 
 
 def unjudged_page(result: StoredResult, task: Task) -> str:

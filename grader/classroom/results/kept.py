@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -68,6 +69,7 @@ def kept_options(text: str, students: Mapping[str, StudentRow]) -> ResultOptions
         nbgrader=Path(found.nbgrader) if found.nbgrader else None,
         columns=found.columns,
         students=students,
+        workers=len(os.sched_getaffinity(0)),
     )
 
 

@@ -14,6 +14,7 @@ Sources in moodle/moodle:
 from __future__ import annotations
 
 import zipfile
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import BinaryIO
@@ -43,20 +44,43 @@ def grades_csv(book: Book, task: Task) -> str | None:
     column = book.column([each for each in sheets[0].header if ":" in each], task) if sheets else ""
     times = _times(book, marks, sheets)
     rows: list[list[Cell]] = []
-    lost = []
+    lost, same = [], []
+    count = Counter(ids.get(kind, "") for ids in known.values())
+    most = _maximum(book, task)
     for mark in marks:
         id_ = known[mark.student].get(kind, "")
+        if id_ and count[id_] > 1:
+            same.append(mark.student)
+            continue
         if not id_ or (times and mark.student not in times):
             lost.append(mark.student)
             continue
         time = [Verbatim(times[mark.student])] if times else []
-        rows.append([Verbatim(id_), mark.points, *time])
+        rows.append([Verbatim(id_), scaled(mark.points, task, most), *time])
+    if same:
+        book.remark(f"moodle/{task.folder}.csv leaves out who shares their {heading}", same)
     if not rows:
         return None
+    if not most:
+        book.remark(
+            f"moodle/{task.folder}.csv is out of {task.points:g} points: where the grade item has "
+            "another maximum, import the grading worksheet, or give it as a --roster"
+        )
     if lost:
         book.remark(f"moodle/{task.folder}.csv leaves out who has no {heading} in the roster", lost)
     header: list[Cell] = [heading, Verbatim(column or book.titles.get(task.slug, task.title))]
     return csv_text([[*header, *(["Last downloaded from this course"] if times else [])], *rows])
+
+
+def _maximum(book: Book, task: Task) -> str:
+    """Return the most that Moodle gives for an exercise, as its worksheet says; "" if none does."""
+    here = {mark.handed(task.slug).id for mark in book.marks(task)} - {""}
+    for sheet, place in each_sheet(book.sheets("worksheet"), "identifier"):
+        small = [heading.casefold() for heading in sheet.header]
+        rows = [row for row in sheet.rows if _participant(row[place]) in here]
+        if rows and "maximum grade" in small:
+            return rows[0][small.index("maximum grade")]
+    return ""
 
 
 def _user_ids(book: Book, mark: Mark, task: Task) -> Mapping[str, str]:

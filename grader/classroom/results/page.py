@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import functools
 import hashlib
 from collections.abc import Iterable
 from pathlib import Path
@@ -99,8 +100,7 @@ def document(title: str, *body: Child | Iterable[Child], frames: bool = False) -
 
     With `frames` it may show other pages of this folder.
     """
-    style = "\n".join(path.read_text("utf-8").replace("\r\n", "\n") for path in (TOKENS, STYLE))
-    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
+    style, digest = _style()
     policy = (
         f"default-src 'none'; style-src 'sha256-{digest}'; img-src data:; "
         "base-uri 'none'; form-action 'none'"
@@ -122,6 +122,13 @@ def document(title: str, *body: Child | Iterable[Child], frames: bool = False) -
     page = el("html", head, el("body", el("div", *body, class_="page")), lang="en")
     html = ET.tostring(page, "us-ascii", method="html").decode("ascii")
     return f"<!DOCTYPE html>\n{html}\n"
+
+
+@functools.cache
+def _style() -> tuple[str, str]:
+    """Return the style sheet and its hash for the policy."""
+    style = "\n".join(path.read_text("utf-8").replace("\r\n", "\n") for path in (TOKENS, STYLE))
+    return style, base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
 
 
 def _bodies(rows: Iterable[Element]) -> list[Element]:

@@ -41,6 +41,7 @@ from grader.report.page import json_text, page_html
 CLASS_PAGE = "class.html"
 PAGES = ".pages.json"  # hashes of what each feedback page was made from
 ALIKE = ".alike.json"
+REPLAYS = "#replays"  # behind a page's name in PAGES
 MANY = 20  # pages; for fewer, starting more processes does not pay
 
 
@@ -172,6 +173,7 @@ class _Page:
     task: Task
     hidden: frozenset[str]
     bags: Path | None
+    keeps_replays: bool = False  # those of the page that is there are right
 
     def made_of(self) -> tuple[object, ...]:
         """Return all that the page depends on."""
@@ -185,6 +187,10 @@ class _Page:
             None if self.bags is None else _state(self.bags),
         )
 
+    def replays_made_of(self) -> tuple[object, ...]:
+        """Return all that the page's replays depend on, but for the moments in them."""
+        return (sorted(self.hidden), None if self.bags is None else _state(self.bags))
+
     @property
     def name(self) -> str:
         return f"the feedback page of {self.result.student} in {self.task.heading}"
@@ -193,7 +199,9 @@ class _Page:
         """Write the page, without its replays if they can't be made; return what is missing."""
         parts = Parts()
         with parts.part(f"the replays of {self.name.removeprefix('the ')}"):
-            write_text(self.path, exercise_page(self.result, self.task, self.hidden, self.bags))
+            before = self.path if self.keeps_replays else None
+            text = exercise_page(self.result, self.task, self.hidden, self.bags, before)
+            write_text(self.path, text)
             return []
         with parts.part(self.name):
             write_text(self.path, exercise_page(self.result, self.task, self.hidden, None))
@@ -257,9 +265,18 @@ class _Pages:
         self._now[name] = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
         return page.is_file() and self._before.get(name) == self._now[name]
 
+    def keeps_replays(self, page: Path, *made_of: object) -> bool:
+        """Tell whether the page's replays were made from the same; remember that for `save`."""
+        name = f"{page.relative_to(self._file.parent).as_posix()}{REPLAYS}"
+        text = json.dumps([self._look, *made_of], default=str)
+        self._now[name] = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+        return page.is_file() and self._before.get(name) == self._now[name]
+
     def forget(self, page: Path) -> None:
         """Have the page made again in the next run."""
-        self._now.pop(page.relative_to(self._file.parent).as_posix(), None)
+        name = page.relative_to(self._file.parent).as_posix()
+        for each in (name, f"{name}{REPLAYS}"):
+            self._now.pop(each, None)
 
     def save(self) -> None:
         """Store the hashes, after the pages are written."""
@@ -302,8 +319,9 @@ def _write_student(
             each.append(_Page(mine, result, task, frozenset(), bags if bags.is_dir() else None))
         for wanted in each:
             written.append(wanted.path)
+            keeps = pages.keeps_replays(wanted.path, *wanted.replays_made_of())
             if not pages.is_fresh(wanted.path, *wanted.made_of()):
-                due.append(wanted)
+                due.append(replace(wanted, keeps_replays=keeps and wanted.bags is not None))
     handed_in = out / "gradescope" / folder_name(student) / "results.json"
     with parts.part(f"the Gradescope results of {student}"):
         final = results_json(results, tasks, options.hidden)

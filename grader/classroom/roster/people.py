@@ -88,7 +88,7 @@ class Roster:
                     return found
         if system == "canvas":
             return index.by_squeezed(name)
-        return index.by_name(name)
+        return index.by_name(name) or (index.in_group(name) if system == "moodle" else None)
 
     def why_not(self, name: str) -> str:
         """Say why `find` found nobody."""
@@ -131,14 +131,27 @@ class _Index:
     def by_name(self, name: str) -> Person | None:
         return self.one("name", folded(name))
 
+    def in_group(self, name: str) -> Person | None:
+        """Find somebody by `GROUP-NAME`, as Moodle calls them where students work in groups."""
+        parts = name.split("-")
+        found = [self.by_name("-".join(parts[i:])) for i in range(1, len(parts))]
+        people = {person.key: person for person in found if person is not None}
+        return next(iter(people.values())) if len(people) == 1 else None
+
     def by_squeezed(self, name: str) -> Person | None:
         return self.one("squeezed", squeezed(name))
 
 
+APOSTROPHES = dict.fromkeys(map(ord, "'\u2019\u2018\u02bc\u0060\u00b4"))
+
+
 def folded(name: str) -> str:
-    """Return a name for comparison: NFC, no capitals, single spaces, no underscores."""
+    """Return a name for comparison: NFC, no capitals, single spaces, no underscores.
+
+    Apostrophes are left out, as Moodle does in the names of files.
+    """
     text = unicodedata.normalize("NFC", name).replace("_", " ").casefold()
-    return " ".join(text.split())
+    return " ".join(text.translate(APOSTROPHES).split())
 
 
 def squeezed(name: str) -> str:

@@ -45,6 +45,7 @@ NAMES = ("student", "name", "full name", "student name")
 FIRST = ("first name", "firstname", "first_name")
 LAST = ("last name", "surname", "lastname", "last_name")
 SECTION = ("section", "sections", "group", "groups", "section name")
+TEST_STUDENT = ("Student, Test", "Test Student")  # of Canvas's student view
 HELP = (
     "expected a CSV with headings: Canvas's or Moodle's gradebook export, Moodle's grading "
     "worksheet, Gradescope's or GitHub Classroom's roster, or your own with the columns "
@@ -86,6 +87,7 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
             place = len(people) - 1
         else:
             old = people[place]
+            _refuse_contrary(file, old, person)
             people[place] = replace(
                 old,
                 section=old.section or person.section,
@@ -100,6 +102,16 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
         keys.add(person.key)
         places.append(place)
     return tuple(places)
+
+
+def _refuse_contrary(file: Path, old: Person, person: Person) -> None:
+    """Refuse two ID numbers for one person: an export would give somebody another's points."""
+    mine, theirs = person.ids.get(NUMBER, ""), old.ids.get(NUMBER, "")
+    if mine and theirs and mine.casefold() != theirs.casefold():
+        raise InputError(
+            f"{file}: expected one ID number per person, but {person.name!r} has {mine!r} here "
+            f"and {theirs!r} in another roster; correct one of them"
+        )
 
 
 def _known(known: Roster, person: Person) -> int | None:
@@ -179,9 +191,14 @@ def _kind(header: Sequence[str]) -> str:
 
 
 def _is_person(kind: str, header: Sequence[str], row: Sequence[str]) -> bool:
-    """Tell whether a row is a person; Canvas has two more, without an id."""
+    """Tell whether a row is a student; Canvas has two more without an id, and one for tests."""
+    if kind == "gradescope":
+        cells = dict(zip(map(str.casefold, header), row, strict=True))
+        return cells.get("role", "").strip().casefold() in ("", "student")
     if kind != "canvas":
         return True
+    if row[0].strip() in TEST_STUDENT:
+        return False
     about = [cell for cell, heading in zip(row, header, strict=True) if heading == "ID"]
     return bool(about and about[0].strip()) and "Points Possible" not in row[0]
 

@@ -77,12 +77,20 @@ def test_killed_twice_and_resumed(handed_in: Path, undisturbed: Results, tmp_pat
             for _ in range(lines - _graded(tmp_path)):
                 batch.stdout.readline()
             batch.send_signal(signal.SIGKILL)
+        subprocess.run(
+            [*COURSE[:-1], "marks", "score", str(tmp_path), str(10 + lines), "--student", "bob",
+             "--why", f"killed after {lines} lines"],
+            check=True, stdout=subprocess.DEVNULL,
+        )  # fmt: skip
     assert 0 < _graded(tmp_path) < 4
     subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
 
     assert _results(tmp_path) == undisturbed
     assert not (tmp_path / "recordings" / ".part").exists()
     assert len(list((tmp_path / "recordings").glob("*/*"))) == 4
+    assert "bob,,,,trend_memory,graded,13,100" in (tmp_path / "scores.csv").read_text("utf-8-sig")
+    with Store(tmp_path / "store.sqlite") as store:
+        assert [entry.number for entry in store.log.entries()] == [1, 2]
 
 
 def test_on_a_cluster_that_loses_a_worker(

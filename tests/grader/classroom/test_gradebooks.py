@@ -20,7 +20,7 @@ from grader.classroom.results.canvas import canvas_csv
 from grader.classroom.results.gradebook import Book
 from grader.classroom.results.marks import tasks_of
 from grader.classroom.results.moodle import grades_csv, worksheet_csv
-from grader.classroom.roster import Roster, read_roster
+from grader.classroom.roster import Person, Roster, read_roster
 from grader.classroom.row import ABSENT, Handed, StoredResult, StudentRow
 from grader.errors import InputError
 from grader.nbgrader.class_scores import write_scores
@@ -176,7 +176,8 @@ def test_moodle_imports_grades_of_those_who_have_some(
     text = grades_csv(book, tasks_of(book.results)[0])
     moodle = Moodle({"ann@uni.edu": "ann", "bob@uni.edu": "bob", "cy@uni.edu": "cy"})
     moodle.load(text or "")
-    assert moodle.grades == {"ann": 60.0, "bob": 37.0, "cy": 60.0}
+    assert moodle.grades == {"ann": 30.0, "bob": 18.5, "cy": 30.0}  # of 50, says the worksheet
+    assert not any("is out of 100 points" in remark for remark in book.remarks)
     assert "Assignment: Obstacle avoidance (Real)" in (text or "")
     moodle.graded = {"bob": 1777900001}
     with pytest.raises(AssertionError, match="graded after the download"):
@@ -188,6 +189,18 @@ def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     text = grades_csv(book, tasks_of(book.results)[0]) or ""
     assert "ann" not in text
     assert any("has no Email address in the roster: a1" in remark for remark in book.remarks)
+    assert ",60," in text and any("is out of 100 points" in remark for remark in book.remarks)
+
+
+def test_two_with_one_number_are_in_no_import() -> None:
+    numbers = {"bob": "711", "cy": "711", "ann": "712"}
+    people = tuple(Person(name, ids={"idnumber": number}) for name, number in numbers.items())
+    students = {name: StudentRow(name, name, ids={"idnumber": numbers[name]}) for name in numbers}
+    results = [graded("bob"), graded("cy", 40), graded("ann", 50)]
+    book = Book(results, students, Roster(people))
+    text = grades_csv(book, tasks_of(book.results)[0]) or ""
+    assert "711" not in text and "712,50" in text
+    assert any("shares their ID number: bob, cy" in remark for remark in book.remarks)
 
 
 @pytest.mark.parametrize("with_sheet", [True, False])

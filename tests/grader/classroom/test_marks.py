@@ -275,6 +275,26 @@ def test_canvas_says_only_late(grade_class: Any, handed_in: Path, tmp_path: Path
     assert "counted as one day" in (out / "class.html").read_text()
 
 
+def test_times_of_an_exchange_and_its_gradebook(
+    grade_class: Any, handed_in: Path, tmp_path: Path
+) -> None:
+    for name, time in (("ann", "2026-05-04 20:00:00"), ("bob", "2026-05-06 00:00:01.5")):
+        (handed_in / name).rename(handed_in / f"{name}+week1+{time} UTC")
+    (handed_in / "eve" / FILE).unlink()
+    (handed_in / "eve").rmdir()
+    grade_class(judged)
+    out = tmp_path / "out"
+    with marking(out) as class_:
+        class_.add(Late(SLUG, 10, "2026-05-04T22:00+02:00", grace=60), "prof", WHY)
+    text = (out / "nbgrader.csv").read_text("utf-8")
+    rows = {row["student_id"]: row for row in csv.DictReader(io.StringIO(text, newline=""))}
+    found = {
+        name: tuple(row[key] for key in ("raw_score", "late_submission_penalty", "score"))
+        for name, row in rows.items()
+    }
+    assert found == {"ann": ("70", "0", "70"), "bob": ("70", "20", "50")}
+
+
 def test_times_that_are_none(tmp_path: Path, graded: Path) -> None:
     file = tmp_path / "times.csv"
     with reading(graded) as class_:

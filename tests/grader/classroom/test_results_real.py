@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from grader.authoring.mutants import find_mutant
+from grader.classroom.amendments import Entry, SetCheck, amended
 from grader.classroom.results import ResultOptions, write_results
 from grader.classroom.results.items import item_analysis
 from grader.classroom.results.withheld import shows_run
@@ -71,6 +72,26 @@ def payload(page: Path) -> dict[str, object]:
     start = text.index('id="payload">') + len('id="payload">')
     found: dict[str, object] = json.loads(text[start : text.index("</script>", start)])
     return found
+
+
+def test_a_page_whose_marks_change_keeps_its_replays(
+    graded: tuple[Path, list[StoredResult]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out, results = graded
+    mine = [replace(r, recordings=out / r.recordings) for r in results if r.recordings]
+    entry = Entry(1, "", "", SetCheck("obstacle_avoidance", "blind", 5), "")
+    changed, _ = amended(mine, [entry], {})
+    page = tmp_path / "feedback" / "ben" / "obstacle_avoidance.html"
+    write_results(mine, tmp_path)
+    before = page.read_bytes()
+    with monkeypatch.context() as patch:
+        patch.setattr("grader.classroom.results.feedback._recordings", lambda _: [])
+        write_results(changed, tmp_path)
+    after = page.read_bytes()
+    assert before != after
+    (tmp_path / ".pages.json").unlink()
+    write_results(changed, tmp_path)  # made anew, from the recordings
+    assert page.read_bytes() == after
 
 
 def test_a_class_gets_its_pages_with_replays(graded: tuple[Path, list[StoredResult]]) -> None:

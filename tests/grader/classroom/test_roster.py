@@ -109,3 +109,15 @@ def test_what_is_no_roster(tmp_path: Path, text: str, said: str) -> None:
         read(tmp_path, text)
     with pytest.raises(InputError, match="cannot read the roster"):
         read_roster([tmp_path / "nowhere.csv"])
+
+
+def test_canvas_and_gradescope_have_people_who_are_no_students(tmp_path: Path) -> None:
+    canvas = CANVAS + '"Student, Test",99,,,A,,\n'
+    roster = read(tmp_path, canvas, "Name,SID,Email,Role\nDi,s9,d@uni.edu,Instructor\n")
+    assert len(roster.people) == 3
+
+
+def test_two_id_numbers_for_one_person_are_refused(tmp_path: Path) -> None:
+    other = "name,id number,email\nCarla Lee,4002,carla@uni.edu\n"
+    with pytest.raises(InputError, match="one ID number per person, but 'Carla Lee' has '4002'"):
+        read(tmp_path, MOODLE, other)

@@ -1,0 +1,225 @@
+"""Make a new exercise: a small one that is graded and proven, in all the places of an exercise.
+
+The templates lie in `files/`, each at the place that it makes; `SLUG` and `NOTEBOOK` in a path and
+`{{words}}` in a text are filled in. Where the course lists its exercises, the new one is added.
+What is generated is generated.
+"""
+
+from __future__ import annotations
+
+import difflib
+import importlib.util
+import keyword
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grader.course.exercises import ROOT, all_exercises
+from grader.errors import GraderError, InputError
+
+FILES = Path(__file__).resolve().parent / "files"
+SUFFIX = ".in"
+NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+LONGEST = 20  # [characters] of a name, so that lines stay within 100
+GENERATED = (  # what has to be in step with it
+    "grader.course.skeletons",
+    "grader.authoring.catalogue",
+    "grader.notebook.build",
+)
+NEEDS = {"grader.notebook.build": "jupytext"}  # module: what it is made with
+
+
+@dataclass
+class Made:
+    """A new exercise in the tree."""
+
+    slug: str
+    number: int
+    new: list[Path] = field(default_factory=list)  # relative to the course
+    edited: dict[Path, str] = field(default_factory=dict)  # with the text before
+    left: list[str] = field(default_factory=list)  # commands that could not be run here
+
+
+def scaffold(name: str, root: Path = ROOT) -> Made:
+    """Make an exercise of that name; return what was made.
+
+    Nothing is left if it fails.
+
+    Raises
+    ------
+    InputError
+        The name is none, or taken, or this is no checkout.
+    GraderError
+        What is generated could not be made.
+    """
+    _check(name, root)
+    number = max(exercise.number for exercise in all_exercises()) + 1
+    made = Made(name, number)
+    words = _words(name, number, root)
+    try:
+        for path, text in _files(words):
+            if (root / path).exists():
+                raise InputError(f"{path} is there already; choose another name")
+            made.new.append(path)
+            (root / path).parent.mkdir(parents=True, exist_ok=True)
+            (root / path).write_text(text, "utf-8")
+        for path, text in _edits(words, root):
+            made.edited[path] = (root / path).read_text("utf-8")
+            (root / path).write_text(text, "utf-8")
+        _generate(made, root)
+    except BaseException:
+        _take_back(made, root)
+        raise
+    return made
+
+
+def _check(name: str, root: Path) -> None:
+    if not (root / "solutions").is_dir() or not (root / "pyproject.toml").is_file():
+        raise InputError(f"{root}: expected a checkout of the course, with solutions/ in it")
+    if not NAME.fullmatch(name) or len(name) > LONGEST or keyword.iskeyword(name):
+        raise InputError(
+            f"{name!r}: expected a name such as stop_line: small letters, digits and single "
+            f"underscores, at most {LONGEST} characters"
+        )
+    slugs = [exercise.slug for exercise in all_exercises()]
+    near = difflib.get_close_matches(name, slugs, n=1, cutoff=0.9)
+    if near:
+        raise InputError(f"{name!r} is too close to the exercise {near[0]}; choose another name")
+    taken = [*(root / "sim" / "scenarios").rglob("*.toml"), *(root / "sim" / "worlds").glob("*")]
+    for path in taken:
+        if path.stem in {name, f"{name}_ahead", f"{name}_best_effort", f"{name}_lane"}:
+            raise InputError(
+                f"{name!r}: {path.relative_to(root)} is called so; choose another name"
+            )
+    if importlib.util.find_spec(name) is not None or name in sys.stdlib_module_names:
+        raise InputError(f"{name!r} is a module of Python's or a library's; choose another name")
+
+
+def _words(name: str, number: int, root: Path) -> dict[str, str]:
+    notebooks = [path.name for path in (root / "notebooks" / "text").iterdir() if path.is_dir()]
+    first = max((int(n[:2]) for n in notebooks if n[:2].isdecimal()), default=0) + 1
+    return {
+        "slug": name,
+        "title": name.replace("_", " ").capitalize(),
+        "class": "".join(part.capitalize() for part in name.split("_")),
+        "number": str(number),
+        "notebook_number": str(first),
+        "notebook": f"{first:02}_{name}",
+    }
+
+
+# --- files of its own ----------------------------------------------------------------------------
+
+
+def _files(words: Mapping[str, str]) -> Iterator[tuple[Path, str]]:
+    """Yield the new files, relative to the course, with their texts."""
+    for template in sorted(FILES.rglob(f"*{SUFFIX}")):
+        place = template.relative_to(FILES).as_posix().removesuffix(SUFFIX)
+        place = place.replace("SLUG", words["slug"]).replace("NOTEBOOK", words["notebook"])
+        yield Path(place), filled(template.read_text("utf-8"), words)
+
+
+def filled(text: str, words: Mapping[str, str]) -> str:
+    """Return a template with its words.
+
+    Raises
+    ------
+    GraderError
+        It has one that nobody knows.
+    """
+    try:
+        return re.sub(r"\{\{(\w+)\}\}", lambda match: words[match[1]], text)
+    except KeyError as error:
+        raise GraderError(f"a template of a new exercise has an unknown word {error}") from None
+
+
+# --- where exercises are listed ------------------------------------------------------------------
+
+# file, what the new text stands behind (the last match counts), the new text
+LISTS = (
+    (
+        "README.md",
+        r"^\| \d+ \| \[\w+\]\(exercises/.*\n",
+        "| {{number}} | [{{slug}}](exercises/{{slug}}/README.md) | stop where you are told to |\n",
+    ),
+    (
+        "lessons/exercises/index.md",
+        r"^\| \d+ \| \[.*/README\.md\).*\n",
+        "| {{number}} | [{{title}}]({{slug}}/README.md) | stop where you are told to | 0.5 | "
+        "[The structure of an agent node](../node.md) |\n",
+    ),
+    ("lessons/exercises/index.md", r"^\w+/README\n", "{{slug}}/README\n"),
+    (
+        "exercises/launch/exercise.launch.py",
+        r"^    \"\w+\": \[.*\],\n(?=\})",
+        '    "{{slug}}": [("{{slug}}_agent", "")],\n',
+    ),
+    (
+        "pyproject.toml",
+        r"^    (\"grader\.checks\.\w+\",? ?)+\n(?=\])",
+        '    "grader.checks.{{slug}}",\n',
+    ),
+    (
+        "CHANGELOG.md",
+        r"\A(?s:.*?)^For students\n\n",
+        "- Exercise {{number}} *{{title}}*: task, skeleton and hints.\n",
+    ),
+)  # fmt: skip
+
+
+def _edits(words: Mapping[str, str], root: Path) -> Iterator[tuple[Path, str]]:
+    """Yield the files that list the exercises, with the new one added."""
+    texts: dict[str, str] = {}
+    for name, behind, new in LISTS:
+        text = texts.get(name) or (root / name).read_text("utf-8")
+        places = list(re.finditer(behind, text, re.MULTILINE))
+        if not places:
+            raise GraderError(f"{name}: no place for a new exercise: expected {behind!r}")
+        end = places[-1].end()
+        texts[name] = text[:end] + filled(new, words) + text[end:]
+    for name, text in texts.items():
+        yield Path(name), text
+
+
+# --- what is generated ---------------------------------------------------------------------------
+
+
+def _generate(made: Made, root: Path) -> None:
+    """Make what is generated: skeletons, the list of mutants, notebooks."""
+    slug = made.slug
+    made.new.append(Path("exercises") / slug / f"{slug}_agent.py")
+    before = {path: path.read_text("utf-8") for path in (root / "docs").glob("*.md")}
+    for module in GENERATED:
+        if module in NEEDS and importlib.util.find_spec(NEEDS[module]) is None:
+            made.left.append(f"python -m {module}  (needs {NEEDS[module]}: the extra notebooks)")
+            continue
+        if module in NEEDS:
+            text = next(path for path in made.new if path.parts[:2] == ("notebooks", "text"))
+            made.new.append(Path("notebooks/source", text.parent.name, f"{text.stem}.ipynb"))
+        done = subprocess.run(
+            [sys.executable, "-m", module],
+            cwd=root, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if done.returncode:
+            last = (done.stdout + done.stderr).strip().splitlines() or ["no words"]
+            raise GraderError(f"python -m {module}: {last[-1]}")
+    for page, old in before.items():
+        if page.read_text("utf-8") != old:
+            made.edited[page.relative_to(root)] = old
+
+
+def _take_back(made: Made, root: Path) -> None:
+    for path, text in made.edited.items():
+        (root / path).write_text(text, "utf-8")
+    for path in made.new:
+        (root / path).unlink(missing_ok=True)
+        for folder in (root / path).parents:
+            if folder == root or not folder.is_dir() or any(folder.iterdir()):
+                break
+            folder.rmdir()
+
+
+__all__ = ["Made", "scaffold"]

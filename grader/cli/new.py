@@ -1,0 +1,34 @@
+"""`course new`: make a new exercise."""
+
+from __future__ import annotations
+
+import click
+
+from grader.cli.results import FULL
+
+EXAMPLES = """\b
+Examples:
+  course new stop_line
+"""
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("name")
+def new(name: str) -> int:
+    """Make a new exercise called NAME, in all the places of one: small, graded and proven.
+
+    Make it yours from there, and ask `python -m grader.authoring.proof NAME` as you go.
+    """
+    from grader.authoring.scaffold import scaffold  # noqa: PLC0415
+
+    made = scaffold(name)
+    click.echo(f"Exercise {made.number}, {made.slug}. New:")
+    for path in made.new:
+        click.echo(f"  {path}")
+    click.echo(f"It is also in: {', '.join(map(str, made.edited))}")
+    for command in made.left:
+        click.echo(f"Still to be done: {command}")
+    click.echo("See that it is right, and again after each change:")
+    for command in (f".venv/bin/python -m grader.authoring.proof {name}", "make lint"):
+        click.echo(f"  {command}")
+    return FULL

@@ -1,0 +1,105 @@
+"""GitHub Classroom's template repository, and the container that a release comes with."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from grader.authoring import github
+from grader.authoring.release import release
+from grader.course.exercises import ROOT, find_exercise
+
+ONE, SIX = find_exercise("1"), find_exercise("6")
+
+
+@pytest.fixture(scope="module")
+def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("template") / "course"
+    chosen = [ONE.slug, SIX.slug]
+    release(folder, exercises=chosen, more=github.files([ONE, SIX]))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def job(template: Path) -> dict[str, Any]:
+    text = (template / ".github" / "workflows" / "classroom.yml").read_text("utf-8")
+    found: dict[str, Any] = yaml.safe_load(text)["jobs"]["grade"]
+    return found
+
+
+def test_each_exercise_has_a_step_that_the_reporter_reads(job: dict[str, Any]) -> None:
+    steps = {step["id"]: step for step in job["steps"] if "id" in step}
+    reporter = job["steps"][-1]
+
+    assert set(steps) == {"exercise-1", "exercise-6"}
+    assert reporter["with"]["runners"].split(",") == list(steps)
+    for name in steps:  # as the reporter looks for them
+        value = reporter["env"][f"{name.upper()}_RESULTS"]
+        assert value == f"${{{{ steps.{name}.outputs.result }}}}"
+
+
+def step_of(template: Path, job: dict[str, Any], name: str) -> dict[str, Any]:
+    """Run a step of the workflow; return the result that it gives."""
+    (step,) = [step for step in job["steps"] if step.get("id") == name]
+    command = step["run"].replace("python ", f"{sys.executable} ", 1)
+    output = template / "output"
+    output.write_text("")
+    subprocess.run(
+        ["bash", "-e", "-c", command], cwd=template, check=True, capture_output=True,
+        env={"GITHUB_OUTPUT": str(output), "PATH": "/usr/bin:/bin"},
+    )  # fmt: skip
+    key, _, value = output.read_text("utf-8").partition("=")
+    assert key == "result"
+    found: dict[str, Any] = json.loads(base64.b64decode(value))
+    return found
+
+
+@pytest.mark.long
+def test_a_push_is_graded(template: Path, job: dict[str, Any]) -> None:
+    before = step_of(template, job, "exercise-1")
+    text = (ONE.solutions / ONE.files[0]).read_text("utf-8")
+    (template / ONE.files[0]).write_text(text, "utf-8")
+    after = step_of(template, job, "exercise-1")
+
+    for found in (before, after):
+        assert set(found) == {"version", "status", "max_score", "tests"}
+        assert found["max_score"] == 100
+    assert (before["status"], sum(test["score"] for test in before["tests"])) == ("fail", 0)
+    assert (after["status"], sum(test["score"] for test in after["tests"])) == ("pass", 100)
+    assert {test["status"] for test in after["tests"]} == {"pass"}
+
+
+def test_a_release_has_the_container(template: Path) -> None:
+    about = json.loads((template / ".devcontainer" / "devcontainer.json").read_text("utf-8"))
+    file = (template / ".devcontainer" / about["build"]["dockerfile"]).resolve()
+
+    assert file == (template / "Dockerfile").resolve()
+    assert about["remoteUser"] == "jovyan"
+    assert ".github" not in (template / ".dockerignore").read_text("utf-8").splitlines()
+
+
+def test_the_dockerfile_keeps_to_binders_rules() -> None:
+    """Binder, "Preparing your Dockerfile": a user of its choice, who owns the home; no ENTRYPOINT.
+
+    The base image is pinned to a tag, Jupyter and JupyterHub are installed, the contents of the
+    repository lie in the home, and the last USER is not root.
+    """
+    text = (ROOT / "Dockerfile").read_text("utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+
+    assert re.match(r"FROM \S+:(?!latest)\S+$", next(filter(None, lines)))
+    assert {"ARG NB_USER=jovyan", "ARG NB_UID=1000"} <= set(lines)
+    assert "ENV USER=${NB_USER} NB_UID=${NB_UID} HOME=/home/${NB_USER}" in lines
+    assert "COPY --chown=${NB_UID} . ${HOME}" in lines
+    assert [line for line in lines if line.startswith("USER ")][-1] == "USER ${NB_USER}"
+    assert not [line for line in lines if line.startswith("ENTRYPOINT")]
+    assert "'jupyterhub>=5,<6' 'notebook>=7,<8'" in text
+    assert "[ros,ml,notebooks]" in text

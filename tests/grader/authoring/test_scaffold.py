@@ -1,0 +1,103 @@
+"""`course new`: the files of a new exercise, and that nothing is left of one that fails.
+
+`tests/docs/test_walk.py` makes one, proves it, and runs `make lint` on it.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tomllib
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from grader.authoring import scaffold as module
+from grader.authoring.scaffold import LISTS, scaffold
+from grader.course.exercises import ROOT, Exercise, all_exercises
+from grader.errors import GraderError, InputError
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    """A course of which only the lists are there."""
+    for name in {name for name, _, _ in LISTS}:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    for folder in ("solutions", "docs", "notebooks/text/01_loop", "sim/worlds", "sim/scenarios"):
+        (tmp_path / folder).mkdir(parents=True, exist_ok=True)
+        (tmp_path / folder / "kept.txt").write_text("")
+    return tmp_path
+
+
+def files(root: Path) -> dict[str, str]:
+    return {
+        path.relative_to(root).as_posix(): path.read_text("utf-8")
+        for path in root.rglob("*")
+        if path.is_file()
+    }
+
+
+def test_a_new_exercise_is_in_all_its_places(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = files(root)
+    monkeypatch.setattr(module, "GENERATED", ())
+    made = scaffold("wait_and_see", root)
+    after = files(root)
+    assert made.number == max(exercise.number for exercise in all_exercises()) + 1
+    new = {path.as_posix() for path in made.new} - {"exercises/wait_and_see/wait_and_see_agent.py"}
+    assert set(after) - set(before) == new
+    assert {path.as_posix() for path in made.edited} == {name for name, _, _ in LISTS}
+    about = tomllib.loads(after["exercises/wait_and_see/exercise.toml"])
+    assert msgspec.convert(about, Exercise).max_points == 100
+    assert "class WaitAndSeeAgent(Node)" in after["solutions/wait_and_see/wait_and_see_agent.py"]
+    assert "notebooks/text/02_wait_and_see/02_wait_and_see.md" in after
+    assert not any("{{" in after[name].replace("{{class", "") for name in new)
+    contracts = tomllib.loads(after["pyproject.toml"])["tool"]["importlinter"]["contracts"]
+    assert "grader.checks.wait_and_see" in contracts[5]["modules"]
+    for name in {name for name, _, _ in LISTS}:
+        added = set(after[name].splitlines()) - set(before[name].splitlines())
+        assert added, name
+        assert all("wait_and_see" in line or "Wait and see" in line for line in added)
+    compile(after["exercises/launch/exercise.launch.py"], "launch", "exec")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("Stop-Line", "expected a name such as stop_line"),
+        ("../evil", "expected a name"),
+        ("a" * 21, "at most 20 characters"),
+        ("class", "expected a name"),
+        ("goal_seeking", "too close to the exercise goal_seeking"),
+        ("goal_seekings", "too close to the exercise goal_seeking"),
+        ("random", "a module of Python's"),
+        ("numpy", "a module of Python's or a library's"),
+    ],
+)
+def test_a_name_that_will_not_do(root: Path, name: str, said: str) -> None:
+    before = files(root)
+    with pytest.raises(InputError, match=said):
+        scaffold(name, root)
+    assert files(root) == before
+
+
+def test_nothing_is_left_of_one_that_fails(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = files(root)
+    with monkeypatch.context() as patch, pytest.raises(GraderError, match="no_such_module"):
+        patch.setattr(module, "GENERATED", ("no_such_module",))
+        scaffold("stop_line", root)
+    assert files(root) == before
+    (root / "CHANGELOG.md").write_text("# Changelog\n")
+    before = files(root)
+    with pytest.raises(GraderError, match=r"CHANGELOG\.md: no place"):
+        scaffold("stop_line", root)
+    assert files(root) == before
+    assert not (root / "exercises" / "stop_line").exists()
+    (root / "sim" / "worlds" / "stop_line_lane.toml").write_text("")
+    with pytest.raises(InputError, match=r"stop_line_lane\.toml is called so"):
+        scaffold("stop_line", root)
+
+
+def test_only_in_a_checkout(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="expected a checkout"):
+        scaffold("stop_line", tmp_path)

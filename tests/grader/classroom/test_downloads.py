@@ -1,0 +1,193 @@
+"""Downloads as people keep them: a folder too high, with odd names, beside the results."""
+
+import os
+import zipfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from grader.classroom.account import Account, Line
+from grader.classroom.candidates import OTHER_CLASS, Class, find_class
+from grader.classroom.intake import Intake, find_files, take_in
+from grader.classroom.options import Options
+from grader.classroom.progress import listing
+from grader.classroom.roster import read_roster
+from grader.errors import InputError
+
+AGENT = "obstacle_avoidance_agent.py"
+GOAL = "goal_seeking_agent.py"
+MOODLE = tuple(f"{who}_assignsubmission_file_/{AGENT}" for who in ("Ann Lee_11", "Bo Ray_12"))
+CANVAS = (f"leeann_1_22_{AGENT}", f"raybo_2_23_{AGENT}")
+CLONES = (f"avoid-ann/{AGENT}", "avoid-ann/.git/HEAD", f"avoid-bo/{AGENT}", "avoid-bo/.git/HEAD")
+GRADESCOPE = ("submission_metadata.yml", f"submission_1/{AGENT}")
+EXCHANGE = (
+    f"ann+01_loop+2026-05-04 10:00:00 UTC/{AGENT}", f"bo+01_loop+2026-05-04 10:00:00 UTC/{AGENT}",
+)  # fmt: skip
+PLATFORMS = {
+    "Moodle": MOODLE, "Canvas": CANVAS, "GitHub Classroom": CLONES, "Gradescope": GRADESCOPE,
+    "nbgrader": EXCHANGE,
+}  # fmt: skip
+
+
+def put(folder: Path, *names: str) -> Path:
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(f"# {name}\n")
+    return folder
+
+
+def zipped(path: Path, *names: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with zipfile.ZipFile(path, "w") as archive:
+        for name in names:
+            archive.writestr(name, "pass\n")
+    return path
+
+
+def taken(*sources: Path) -> Intake:
+    return take_in(list(sources), sources[0].parent / "scratch")
+
+
+def looked(sources: list[Path], tmp_path: Path, roster: str = "") -> Class:
+    options = Options()
+    if roster:
+        (tmp_path / "roster.csv").write_text(roster)
+        options = replace(options, roster=read_roster([tmp_path / "roster.csv"]))
+    return find_class(sources, tmp_path / "scratch", options)
+
+
+def lines(account: Account, state: str) -> list[Line]:
+    return [line for line in account.lines if line.state == state]
+
+
+# --- a folder too high ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_downloads_a_folder_deeper_are_no_students(tmp_path: Path, platform: str) -> None:
+    put(tmp_path / "in" / "week 1", *PLATFORMS[platform])
+    put(tmp_path / "in" / "week 2", *PLATFORMS[platform])
+    with pytest.raises(InputError, match=f"downloads of {platform} a folder deeper") as raised:
+        taken(tmp_path / "in")
+    assert "week 1" in str(raised.value) and "week 2" in str(raised.value)
+
+
+@pytest.mark.parametrize("top", ["", "CS1-A1-4711/"])
+@pytest.mark.parametrize("platform", ["Moodle", "Canvas"])
+def test_so_are_their_archives(tmp_path: Path, platform: str, top: str) -> None:
+    zipped(tmp_path / "in" / "week 1.zip", *(top + name for name in PLATFORMS[platform]))
+    with pytest.raises(InputError, match=f"downloads of {platform}"):
+        taken(tmp_path / "in")
+
+
+def test_one_among_students_is_held_and_stops_nobody(tmp_path: Path) -> None:
+    put(tmp_path / "in" / "ann", AGENT)
+    zipped(tmp_path / "in" / "eve.zip", *MOODLE)
+    found = looked([tmp_path / "in"], tmp_path)
+    (told,) = lines(found.account, "not read")
+    assert told.student == "eve" and told.entry == "eve.zip" and told.held
+    assert "Moodle's download of several students" in told.reason
+    assert found.candidates["ann", "obstacle_avoidance"].trouble() == ""
+    assert "several students" in found.candidates["eve", "obstacle_avoidance"].trouble()
+
+
+def test_one_students_prefix_is_no_download(tmp_path: Path) -> None:
+    put(tmp_path / "in" / "ann", CANVAS[0])
+    put(tmp_path / "in" / "bo", f"Bo Ray_12_assignsubmission_file_{AGENT}", "repo/.git/HEAD")
+    assert [student.problem for student in taken(tmp_path / "in").students] == ["", ""]
+
+
+def test_a_course_of_nbgrader_has_more_than_what_was_submitted(tmp_path: Path) -> None:
+    names = ("submitted/ann/01_loop", "autograded/ann/01_loop", "feedback/ann/01_loop")
+    put(tmp_path / "in", *(f"{name}/{AGENT}" for name in names))
+    assert [student.id for student in taken(tmp_path / "in").students] == ["ann"]
+
+
+def test_the_results_beside_the_work_are_nobodys(tmp_path: Path) -> None:
+    put(tmp_path / "in", f"ann/{AGENT}", "new/store.sqlite", "old/store.sqlite", "old/class.html")
+    intake = take_in([tmp_path / "in"], tmp_path / "in" / "new" / "unpacked")
+    assert [student.id for student in intake.students] == ["ann"]
+    (told,) = intake.set_aside
+    assert told.name == "old" and told.fault and "results of `course autograde`" in told.reason
+
+
+# --- names ---------------------------------------------------------------------------------------
+
+
+def test_names_of_zips_from_macos_and_linux(tmp_path: Path) -> None:
+    path = zipped(tmp_path / "class.zip", f"XXXX/{AGENT}", f"YYYY/{AGENT}")
+    data = path.read_bytes()  # both names are four bytes: UTF-8 without the flag, code page 437
+    path.write_bytes(data.replace(b"XXXX", "Zoë".encode()).replace(b"YYYY", b"Zo\x89e"))
+    assert [student.id for student in taken(path).students] == ["Zoë", "Zoëe"]
+
+
+def test_moodle_leaves_out_apostrophes_and_adds_groups(tmp_path: Path) -> None:
+    people = "name,id\nSeán O'Brien,1\nAnne-Marie Ray,2\nBo Ray,3\nAnn Lee,4\n"
+    (tmp_path / "roster.csv").write_text(people, "utf-8")
+    roster = read_roster([tmp_path / "roster.csv"])
+    names = ("Seán OBrien", "Anne-Marie Ray", "Team-1-Bo Ray", "Team 2-Anne-Marie Ray")
+    assert [getattr(roster.find("moodle", name, "99"), "name", "") for name in names] == [
+        "Seán O'Brien", "Anne-Marie Ray", "Bo Ray", "Anne-Marie Ray",
+    ]  # fmt: skip
+    assert roster.find("moodle", "Team-Nobody", "99") is None
+    assert roster.find("folder", "Team-1-Bo Ray") is None
+
+
+# --- what a person has to look at ----------------------------------------------------------------
+
+
+def test_another_work_of_that_name_from_another_download(tmp_path: Path) -> None:
+    put(tmp_path / "hw1", f"leeann_1_90_{GOAL}")
+    put(tmp_path / "hw3", f"leeann_1_80_{GOAL}", f"leeann_1_81_{AGENT}")
+    found = looked([tmp_path / "hw1", tmp_path / "hw3"], tmp_path)
+    (told,) = lines(found.account, "older version")
+    assert told.fault and "another download" in told.reason
+    for name in ("hw1", "hw3"):  # the same work twice is no question
+        for path in (tmp_path / name).glob(f"*{GOAL}"):
+            path.write_text("# the same\n")
+    (told,) = lines(looked([tmp_path / "hw1", tmp_path / "hw3"], tmp_path).account, "older version")
+    assert not told.fault
+
+
+def test_a_list_says_what_will_be_held_and_why(tmp_path: Path) -> None:
+    put(tmp_path / "in", f"ann/{AGENT}", "bo/essay.pdf")
+    text, waiting = listing(looked([tmp_path / "in"], tmp_path))
+    assert waiting == 1
+    assert "will be held: bo  expected a file" in text and "there is essay.pdf" in text
+
+
+def test_what_can_not_be_read_is_held_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(tmp_path / "in", f"ann/{AGENT}", f"bo/{AGENT}", f"bo/closed/{GOAL}")
+    walk = os.walk
+
+    def closed(top: Path, **options: object) -> Iterator[tuple[str, list[str], list[str]]]:
+        for where, folders, files in walk(top, **options):  # type: ignore[call-overload]
+            if where.endswith("closed"):
+                options["onerror"](PermissionError(13, "Permission denied", where))  # type: ignore[operator]
+            else:
+                yield where, folders, files
+
+    monkeypatch.setattr(os, "walk", closed)
+    ann, bo = taken(tmp_path / "in").students
+    assert ann.problem == ""
+    assert bo.problem == "bo/closed can't be read"
+    assert find_files(bo, [AGENT]).files
+
+
+def test_links_are_no_nothing(tmp_path: Path) -> None:
+    put(tmp_path / "in", f"ann/{AGENT}")
+    (tmp_path / "in" / "bo").mkdir()
+    (tmp_path / "in" / "bo" / AGENT).symlink_to("/etc/passwd")
+    (told,) = lines(looked([tmp_path / "in"], tmp_path).account, "not read")
+    assert told.student == "bo" and told.held and "links" in told.reason
+
+
+def test_a_roster_of_another_class_is_one_line(tmp_path: Path) -> None:
+    put(tmp_path / "in", f"ann/{AGENT}", f"bo/{AGENT}")
+    found = looked([tmp_path / "in"], tmp_path, "name,id\nCy,7\nDi,8\n")
+    (told,) = found.account.faults
+    assert told.reason == OTHER_CLASS and "roster.csv" in told.entry
