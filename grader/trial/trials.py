@@ -22,7 +22,7 @@ from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
 from grader.trial.endings import BUSY_WAIT, is_halt, not_run
-from grader.trial.progress import TRIAL, OnProgress, Step, ignore
+from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
 from grader.trial.seeds import trial_seed
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
@@ -32,8 +32,7 @@ from sim.simulation import Simulation
 REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
 MAX_SAID = 200  # [characters] of an error in a message
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
-LEFT_OUT_KIND = "left out"
-LEFT_OUT = "The node {ended} in the run {name}, so {count} were left out."
+NOT_RUN = "The node {ended} in the run {name}, so {count} were left out."
 PATIENCE = 300.0  # [s] of wall time that the virtual trials of a submission may take in all
 HURRIED = Limits(total=20.0)  # once they have
 SLOW = (
@@ -179,7 +178,7 @@ class NodeTrials:
             return []
         ended = "hung" if ends[0].outcome.kind == "hung" else "never started"
         runs = f"the other {count} runs" if count > 1 else "the other run"
-        said = LEFT_OUT.format(ended=ended, name=ends[0].name, count=runs)
+        said = NOT_RUN.format(ended=ended, name=ends[0].name, count=runs)
         return [said if count > 1 else said.replace("were", "was")]
 
     def _unasked(self, scenario: str) -> bool:
@@ -237,7 +236,7 @@ class NodeTrials:
 
     def _run_unless_halted(self, scenario: Scenario) -> Recording:
         if self._unasked(scenario.name):
-            self._tell(scenario.name, LEFT_OUT_KIND)
+            self._tell(scenario.name, LEFT_OUT)
             raise _LeftOut(scenario)
         return self._run(scenario)
 
