@@ -35,6 +35,7 @@ set -e
 for each in "$@"; do [ "$each" = -- ] && break; mkdir -p "$0$each"; mount --bind "$each" "$0$each"
 shift; done; shift
 mount -t proc proc "$0/proc"; mount --rbind /sys "$0/sys"; mount --bind /dev "$0/dev"
+mount -t tmpfs -o mode=1777 tmpfs "$0/dev/shm"
 exec chroot "$0" "$@"
 """
 # What Docker leaves to root in a container
@@ -123,7 +124,7 @@ def gradescope(bare: Bare, work: Path) -> None:
     solution = (ROOT / "solutions" / "obstacle_avoidance" / file).read_text("utf-8")
     wall = "for name in ('source/course.secret', 'results/results.json'):\n    open(name)\n"
     for what, files in {
-        "the solution": {file: solution}, "under another name": {"Agent (1).py": solution},
+        "the solution": {file: solution}, "under another name": {"obstacle_avoidance_agent (1).py": solution},
         "one that looks for results": {file: f"import os\nos.chdir('/autograder')\n{wall}"},
     }.items():  # fmt: skip
         for text in (place / "submission").iterdir():

@@ -6,6 +6,8 @@ import dataclasses
 
 import click
 
+DIED = "the node died"  # a skeleton doesn't, unless ROS can't start here
+
 
 @click.command()
 def doctor() -> int:
@@ -48,5 +50,9 @@ def _try_it() -> str:
         grading = grade_files(exercise, files, trust=True)
     except GraderError as error:
         return str(error)
-    failed = [check for check in grading["checks"] if check["outcome"] == "error"]
+    failed = [
+        check
+        for check in grading["checks"]
+        if check["outcome"] == "error" or DIED in (check["message"] or "")
+    ]
     return f"{failed[0]['title']} {failed[0]['message']}" if failed else ""
