@@ -124,7 +124,8 @@ def gradescope(bare: Bare, work: Path) -> None:
     solution = (ROOT / "solutions" / "obstacle_avoidance" / file).read_text("utf-8")
     wall = "for name in ('source/course.secret', 'results/results.json'):\n    open(name)\n"
     for what, files in {
-        "the solution": {file: solution}, "under another name": {"obstacle_avoidance_agent (1).py": solution},
+        "the solution": {file: solution},
+        "under another name": {file.replace(".py", " (1).py"): solution},
         "one that looks for results": {file: f"import os\nos.chdir('/autograder')\n{wall}"},
     }.items():  # fmt: skip
         for text in (place / "submission").iterdir():
