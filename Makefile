@@ -9,7 +9,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-long test-all test-deep lint format prove conform wheel attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
+.PHONY: help setup grade test test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -39,6 +39,7 @@ lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the s
 	$(BIN)/python -m grader.course.skeletons --check
 	$(BIN)/python -m grader.authoring.catalogue --check
 	$(BIN)/python -m grader.authoring.pitfalls --check
+	$(BIN)/python -m grader.authoring.causes --check
 	$(BIN)/python lessons/figures.py --check
 	$(BIN)/python -m grader.notebook.build --check
 
@@ -48,6 +49,9 @@ format: $(VENV)/.dev ## let ruff format and fix what it can
 
 prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which check kills which
 	$(BIN)/python -m grader.authoring.proof
+
+mutate: $(VENV)/.dev ## make thousands of mutants by machine, grade them, list the gaps (hours; goes on where it was)
+	$(BIN)/python -m grader.authoring.mutate
 
 # A checkout of ros2/rclpy at the tag of the installed wheels; a folder of checkouts with nodes
 RCLPY ?=

@@ -57,7 +57,7 @@ print("heard", heard[:1])
 def main() -> int:
     """Build the wheel, and run the notebook in an overlay."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--source", help="what COURSE_SOURCE says; by default a wheel of this tree")
+    parser.add_argument("--source", help="COURSE_SOURCE; by default a wheel lies beside")
     parser.add_argument("--inside", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.inside:
@@ -68,8 +68,9 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="bare-") as name:
         folder = Path(name)
         folder.chmod(0o755)
-        source = options.source or str(wheel(folder))
-        own = [sys.executable, __file__, "--inside", name, "--source", source]
+        if not options.source:
+            wheel(folder)
+        own = [sys.executable, __file__, "--inside", name, "--source", options.source or ""]
         return subprocess.run(
             ["unshare", "--mount", "bash", "-c", MOUNT, name, *own], check=False
         ).returncode
@@ -123,6 +124,8 @@ def notebook(folder: Path, source: str) -> float:
     from grader.notebook.bootstrap import BOOTSTRAP  # noqa: PLC0415
 
     folder.mkdir()
+    for beside in () if source else folder.parent.glob("*.whl"):
+        shutil.copy(beside, folder)
     node = f"%%node {SOLUTION.name}\n{SOLUTION.read_text('utf-8')}"
     cells = (BOOTSTRAP, node, 'report = check("1")', "print(report.score, report.max_score)")
     manager, client = start_kernel(folder, source)
@@ -155,7 +158,7 @@ def start_kernel(folder: Path, source: str) -> tuple[Any, Any]:
     manager._kernel_spec = KernelSpec(
         argv=[PYTHON, "-m", "ipykernel_launcher", "-f", "{connection_file}"], language="python"
     )
-    environment = bare_environment() | {"COURSE_SOURCE": source}
+    environment = bare_environment() | ({"COURSE_SOURCE": source} if source else {})
     manager.start_kernel(cwd=str(folder), env=environment)
     client = manager.client()
     client.start_channels()

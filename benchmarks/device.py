@@ -58,7 +58,7 @@ def main(args: Sequence[str] | None = None) -> int:
     if options.measured:
         about, rows = read(options.measured)
     elif importlib.util.find_spec("torch") is None:
-        print("skipped: PyTorch is not installed; pip install 'rclpy-agents-course[deep]'")
+        print("skipped: PyTorch is not installed; pip install torch")
         return 0
     else:
         about, rows = measure(options.batches, options.seconds, options.threads)

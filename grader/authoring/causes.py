@@ -4,6 +4,9 @@
 twice as long as the proof, and writes `grader/grading/causes/known/EXERCISE.toml`: for each
 fingerprint of failures the mistakes that fail so. What ends a node's program needs no entry: it
 explains itself.
+
+With `--check` it grades nothing: it says which mistakes in the files are no mutant's any more.
+Whether each mutant is still told its own mistake, the proof sees as it goes along.
 """
 
 from __future__ import annotations
@@ -12,11 +15,11 @@ import argparse
 import sys
 from collections.abc import Iterable, Iterator
 
-from grader.authoring.proof import claims, grade_claim
+from grader.authoring.mutants import mutants
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.errors import InputError
 from grader.grading.causes.ends import WIRED
-from grader.grading.causes.known import KNOWN, MOST, fingerprint
+from grader.grading.causes.known import KNOWN, MOST, catalogue, fingerprint, told_as
 from grader.grading.plugin import FAIL
 from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
@@ -25,14 +28,17 @@ HEAD = "# Written by `python -m grader.authoring.causes {slug}`: the mistakes by
 
 
 def main(arguments: list[str]) -> int:
-    """Write the files of the exercises named; all by default."""
+    """Write, or check, the files of the exercises named; all by default."""
     parser = argparse.ArgumentParser(prog="causes", description="Collect known mistakes.")
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="name or number; or all")
+    parser.add_argument("--check", action="store_true", help="only look for stale mistakes")
     options = parser.parse_args(arguments)
     try:
         exercises = [find_exercise(name) for name in options.exercises] or all_exercises()
     except InputError as error:
         parser.error(str(error))
+    if options.check:
+        return int(sum(_is_stale(exercise) for exercise in exercises) > 0)  # all are told
     for exercise in exercises:
         text = known_toml(exercise.slug, _failures(exercise))
         (KNOWN / f"{exercise.slug}.toml").write_text(text, "utf-8")
@@ -40,8 +46,35 @@ def main(arguments: list[str]) -> int:
     return 0
 
 
+def _is_stale(exercise: Exercise) -> bool:
+    """Print the mistakes in an exercise's file that are none of its mutants'."""
+    left = stale(exercise)
+    for mistake in left:
+        print(f"{exercise.slug}: no mutant's mistake: {mistake}")
+    if left:
+        print(f"run `python -m grader.authoring.causes {exercise.slug}`")
+    return bool(left)
+
+
+def stale(exercise: Exercise) -> list[str]:
+    """Return the mistakes in an exercise's file that are none of its mutants' any more."""
+    theirs = {mutant.mistake for mutant in mutants(exercise)}
+    told = {mistake for mistakes in catalogue(exercise.slug).values() for mistake in mistakes}
+    return sorted(told - theirs)
+
+
+def misled(exercise: Exercise, mistake: str, cause: str) -> list[str]:
+    """Return the known mistakes of others that a cause names in place of a mutant's own."""
+    if told_as(mistake) in cause:
+        return []
+    known = {text for texts in catalogue(exercise.slug).values() for text in texts}
+    return sorted(text for text in known if told_as(text) in cause)
+
+
 def _failures(exercise: Exercise) -> Iterator[tuple[str, str]]:
     """Yield the mistakes of an exercise, each with the fingerprint of its failures."""
+    from grader.authoring.proof import claims, grade_claim  # noqa: PLC0415  (it imports this)
+
     with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
         for claim in claims(exercise):
             if claim.kind != "mutant" or claim.lacks:

@@ -26,6 +26,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from grader.authoring.causes import misled
 from grader.authoring.gradings import gradings
 from grader.authoring.mutants import mutants, stands_for, submission_of
 from grader.course.exercises import Exercise, all_exercises, find_exercise
@@ -147,6 +148,9 @@ def objections(claim: Claim, grading: Grading) -> list[str]:
         ]
         if not claim.fails:
             found.append("names no check that it fails")
+        cause = "" if grading.cause is None else grading.cause.text
+        others = misled(grading.exercise, claim.about, cause)
+        found += [f"is told another's mistake: {other}" for other in others]
     elif claim.kind == "skeleton":
         if grading.score > SKELETON_POINTS:
             found.append(f"gets {grading.score} points, at most {SKELETON_POINTS} are allowed")

@@ -87,7 +87,9 @@ WITH_SITE = """\
 The lesson is a site that needs no network: open `lesson/index.html`. To work in notebooks:
 
     pip install --constraint constraints.txt jupyterlab matplotlib
-    jupyter lab notebooks"""
+    jupyter lab notebooks
+
+Elsewhere, on a cloud machine, upload the notebook and the wheel that lies beside it."""
 PLAIN = "The lesson begins with `lessons/index.md`."
 
 Make = Callable[[Collection[str]], Mapping[str, bytes]]

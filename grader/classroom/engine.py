@@ -179,8 +179,7 @@ class DaskWorkers:
             import distributed  # noqa: PLC0415  (an extra)
         except ImportError:
             raise InputError(
-                "--dask needs the extra `cluster`; install it: pip install "
-                "'rclpy-agents-course[cluster]'"
+                "--dask needs the extra `cluster`; install it: pip install --editable '.[cluster]'"
             ) from None
         untyped: Any = distributed
         scheduler = {"scheduler_file": where} if Path(where).is_file() else {"address": where}

@@ -32,6 +32,9 @@ Examples:
 @click.option("--field", is_flag=True, help="With --gradescope: run the field checks too.")
 @click.option("--hide", metavar="WHAT", help="With --gradescope: as for `course autograde`.")
 @click.option(
+    "--source", default="", metavar="ADDRESS", help="Where notebooks get the course's wheel."
+)
+@click.option(
     "--plain", is_flag=True, help="No notebooks, and the lesson as Markdown: needs no Sphinx."
 )
 def release(
@@ -43,6 +46,7 @@ def release(
     secret: Path | None,
     field: bool,
     hide: str | None,
+    source: str,
     plain: bool,
 ) -> int:
     """Write into DIR what students get: no solutions, no rubrics, no tests.
@@ -50,18 +54,22 @@ def release(
     That is the lesson as a site, the skeletons, the notebooks, the public scenarios and the grader.
     """
     from grader.authoring import github  # noqa: PLC0415
+    from grader.authoring.carried import built_wheel, carried, what_lacks  # noqa: PLC0415
     from grader.authoring.handouts import handouts, stay_behind  # noqa: PLC0415
     from grader.authoring.release import release as make_release  # noqa: PLC0415
     from grader.course.exercises import all_exercises, find_exercise  # noqa: PLC0415
 
     slugs = [find_exercise(name).slug for name in exercises]
     if gradescope:
-        if student_package or classroom or plain:
+        if student_package or classroom or plain or source:
             raise InputError("--gradescope writes nothing for students; leave the others out")
         return _autograder(folder, slugs, field, hide, secret)
     if secret is not None or field or hide is not None:
         raise InputError("--secret, --field and --hide go with --gradescope")
-    make = None if plain else handouts
+    if plain and source:
+        raise InputError("--source is for notebooks, which --plain leaves out")
+    wheel = built_wheel()
+    make = None if plain else lambda left: carried(handouts(left), wheel, source)
     released = [each for each in all_exercises() if not slugs or each.slug in slugs]
     more = github.files(released) if classroom else {}
     found = make_release(folder, exercises=slugs, archive=student_package, make=make, more=more)
@@ -70,6 +78,8 @@ def release(
     left_out = {e.slug for e in all_exercises()} - {e.slug for e in released}
     for said in () if plain else stay_behind(left_out):
         click.echo(f"Note: {said}.", err=True)
+    if not plain and (lacks := what_lacks(wheel, source)):
+        click.echo(f"Note: {lacks}.", err=True)
     click.echo(f"Students' material: {folder}")
     if student_package:
         click.echo(f"The same, packed: {folder}.zip")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from types import TracebackType
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.live import Live
@@ -14,12 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from grader.report.terminal import printable
-
-if TYPE_CHECKING:
-    from grader.trial.progress import Step
-
-TRIAL = "trial"
-SKIPPED = ("skip", "unavailable")
+from grader.trial.progress import LEFT_OUT, TRIAL, Step
 
 
 class Waiting:
@@ -71,6 +65,8 @@ class Waiting:
                 self._running[step.name] = None
                 return
             self._running.pop(step.name, None)
+        if step.outcome == LEFT_OUT:
+            return
         if self._live is None and not self._quiet:
             self._console.print(Text(self._plain(step.name)), soft_wrap=True)
 

@@ -8,13 +8,13 @@ from collections.abc import Iterable
 from grader.errors import GraderError
 
 COURSE = "rclpy-agents-course"
-OPTIONAL = {  # module: its usual name, and our extra that installs it
-    "sklearn": ("scikit-learn", "ml"),
-    "onnx": ("onnx", "ml"),
-    "onnxruntime": ("onnxruntime", "ml"),
-    "skl2onnx": ("skl2onnx", "ml"),
-    "torch": ("PyTorch", "deep"),
-    "keras": ("Keras", "deep"),
+OPTIONAL = {  # module: its usual name, and its distribution
+    "sklearn": ("scikit-learn", "scikit-learn"),
+    "onnx": ("onnx", "onnx"),
+    "onnxruntime": ("onnxruntime", "onnxruntime"),
+    "skl2onnx": ("skl2onnx", "skl2onnx"),
+    "torch": ("PyTorch", "torch"),
+    "keras": ("Keras", "keras"),
 }
 
 
@@ -30,9 +30,9 @@ def why_not(modules: Iterable[str]) -> str:
     if not missing:
         return ""
     names = [OPTIONAL[module][0] for module in missing]
-    extras = sorted({OPTIONAL[module][1] for module in missing})
     verb = "is" if len(names) == 1 else "are"
-    command = f"pip install '{COURSE}[{','.join(extras)}]'"
+    # by their own names: nobody owns the course's on the package index, so anybody could
+    command = f"pip install {' '.join(OPTIONAL[module][1] for module in missing)}"
     return f"skipped: {' and '.join(names)} {verb} not installed here; {command}"
 
 

@@ -112,7 +112,7 @@ def _trained(rows: int = 600, trees: int = 12, seed: int = 5) -> bytes:
     except ImportError as error:
         raise GraderError(
             f"scikit-learn is needed to make a trained model ({error}); "
-            "run `pip install 'rclpy-agents-course[ml]'` (the extra `ml`)"
+            "run `pip install scikit-learn onnx onnxruntime skl2onnx`"
         ) from error
     data = make_dataset(int(rows), int(seed))
     degrees = np.degrees(PROFILE.angles)

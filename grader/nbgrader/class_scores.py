@@ -73,9 +73,7 @@ def _gradebook() -> Any:
     try:
         from nbgrader.api import Gradebook  # noqa: PLC0415  (1 s, and an extra)
     except ImportError:
-        raise InputError(
-            "--nbgrader: nbgrader is not installed; pip install 'rclpy-agents-course[notebooks]'"
-        ) from None
+        raise InputError("--nbgrader: nbgrader is not installed; pip install nbgrader") from None
     return Gradebook
 
 

@@ -119,7 +119,7 @@ def _require_libraries() -> None:
     if absent:
         raise GraderError(
             f"the training part needs {', '.join(absent)}; "
-            "run `pip install 'rclpy-agents-course[ml]'` (the extra `ml`)"
+            "run `pip install scikit-learn onnx onnxruntime skl2onnx`"
         )
 
 

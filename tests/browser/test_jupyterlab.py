@@ -251,6 +251,9 @@ def test_all_of_it_turns_dark_with_jupyterlab(right: Opened) -> None:
     )
     assert back == "rgba(0, 0, 0, 0)"
     assert min(map(int, ink[ink.index("(") + 1 : -1].split(",")[:3])) > 180
+    plot = right.beginning("show_scan(").locator("img.course-plot")
+    assert "invert" in plot.evaluate("(e) => getComputedStyle(e).filter")
+    plot.evaluate("(e) => e.scrollIntoView({block: 'center'})")
     every.evaluate("(e) => e.scrollIntoView({block: 'start'})")
     wait_until(page, "true")
     picture(page, "notebook-dark", panel(page))

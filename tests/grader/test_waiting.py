@@ -5,7 +5,7 @@ import io
 from rich.console import Console
 
 from grader.cli.waiting import Waiting
-from grader.trial.progress import CHECK, TRIAL, Step
+from grader.trial.progress import CHECK, LEFT_OUT, TRIAL, Step
 
 STEPS = [
     Step(TRIAL, 0, 3, "avoid_wall"),
@@ -14,6 +14,7 @@ STEPS = [
     Step(CHECK, 1, 5, "wiring", "pass"),
     Step(CHECK, 2, 5, "slow_zone", "fail"),
     Step(TRIAL, 2, 3, "avoid_cart", "hung"),
+    Step(TRIAL, 3, 3, "avoid_store", LEFT_OUT),
 ]
 
 
@@ -39,7 +40,7 @@ def test_a_terminal_shows_at_once_that_something_goes_on() -> None:
 
 
 def test_a_terminal_shows_what_runs_and_what_has_passed() -> None:
-    text = shown(STEPS[:-1], terminal=True)
+    text = shown(STEPS[:-2], terminal=True)
     assert "1 of 3 runs" in text
     for name, value in (("running", "avoid_cart"), ("passed", "wiring"), ("failed", "slow_zone")):
         assert any(line.split() == [name, value] for line in text.splitlines()), text

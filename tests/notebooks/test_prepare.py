@@ -13,14 +13,16 @@ import sys
 import sysconfig
 import tomllib
 from pathlib import Path, PurePath
+from typing import Any
 
 import pytest
 from kernels import Kernel, started
 
 from grader.course.exercises import all_exercises
+from grader.errors import InputError
 from grader.link.ros_environment import find_ros
 from grader.notebook import preparation
-from grader.notebook.bootstrap import BOOTSTRAP
+from grader.notebook.bootstrap import BOOTSTRAP, with_address
 
 ROOT = Path(preparation.__file__).resolve().parents[2]
 WHEEL = "rclpy_agents_course"  # the one package of the wheel
@@ -53,9 +55,9 @@ print("heard", heard[:1])
 
 
 def test_the_first_cell_is_short_and_needs_only_python() -> None:
-    assert len(BOOTSTRAP.splitlines()) <= 14
+    assert len(BOOTSTRAP.splitlines()) <= 36
     assert max(map(len, BOOTSTRAP.splitlines())) <= 100
-    tree = ast.parse(BOOTSTRAP)
+    tree = ast.parse(BOOTSTRAP, feature_version=(3, 7))  # old ones have to understand it
     top = [n for n in ast.walk(tree) if isinstance(n, ast.Import)]
     names = {alias.name.partition(".")[0] for node in top for alias in node.names}
     assert names <= sys.stdlib_module_names | {WHEEL}  # that one only where it is installed
@@ -69,33 +71,110 @@ def test_the_first_cell_goes_straight_on_where_all_is_installed(kernel: Kernel) 
     assert (said.stderr, said.displays) == ("", [])
 
 
+def first_cell(folder: Path, cell: str = BOOTSTRAP, **environment: str) -> tuple[str, Any, Any]:
+    """Run the cell where the course is not, with a pip that notes what it is asked for.
+
+    Return the last line said, pip's words and its permission to break the system's packages.
+    """
+    (folder / "pip.py").write_text(FAKE_PIP)
+    seen = folder / "seen.json"
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", cell],
+        env={"SEEN": str(seen), "PYTHONPATH": str(folder), **environment},
+        cwd=folder, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    words, breaks = json.loads(seen.read_text()) if seen.exists() else (None, None)
+    return done.stderr.splitlines()[-1], words, breaks
+
+
 @pytest.mark.parametrize(
-    ("source", "asked"),
+    ("source", "beside", "asked"),
     [
-        ("", "rclpy-agents-course[ros,ml]"),
-        ("{folder}/course.whl", "rclpy-agents-course[ros,ml] @ file://{folder}/course.whl"),
-        ("git+https://host/x.git", "rclpy-agents-course[ros,ml] @ git+https://host/x.git"),
+        ("{folder}/course.whl", "", "{file}/course.whl"),
+        ("git+https://host/x.git", "rclpy_agents_course-9.whl", "git+https://host/x.git"),
+        ("", "rclpy_agents_course-0.1.0-py3-none-any.whl", "{file}/{beside}"),
     ],
 )
-def test_the_first_cell_installs_from_where_it_is_told(
-    tmp_path: Path, source: str, asked: str
+def test_the_first_cell_installs_from_where_it_is_told_or_from_beside_itself(
+    tmp_path: Path, source: str, beside: str, asked: str
 ) -> None:
-    """The course is not there, and pip is one that notes what it is asked for."""
-    (tmp_path / "pip.py").write_text(FAKE_PIP)
-    environment = {
-        "SEEN": str(tmp_path / "seen.json"),
-        "PYTHONPATH": str(tmp_path),
-        **({"COURSE_SOURCE": source.format(folder=tmp_path)} if source else {}),
-    }
-    done = subprocess.run(
-        [sys.executable, "-S", "-c", BOOTSTRAP],
-        env=environment, cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    if beside:
+        (tmp_path / beside).touch()
+    told = {"COURSE_SOURCE": source.format(folder=tmp_path)} if source else {}
+    said, words, breaks = first_cell(tmp_path, **told)
 
-    assert f"No module named '{WHEEL}'" in done.stderr  # this pip installs nothing
-    words, breaks = json.loads((tmp_path / "seen.json").read_text())
-    assert words == ["install", "--quiet", asked.format(folder=tmp_path), "matplotlib"]
+    assert f"No module named '{WHEEL}'" in said  # this pip installs nothing
+    where = asked.format(file=f"file://{tmp_path}", beside=beside)
+    assert words[:2] == ["install", "--quiet"]
+    assert words[-2:] == [f"rclpy-agents-course[ros,ml] @ {where}", "matplotlib"]
     assert breaks == ("1" if os.getuid() == 0 else None)
+
+
+def test_without_a_wheel_the_first_cell_asks_for_it_and_installs_no_bare_name(
+    tmp_path: Path,
+) -> None:
+    said, words, _ = first_cell(tmp_path)
+
+    asks = "put rclpy_agents_course-….whl, from your instructor, beside this notebook."
+    assert said.endswith(asks)
+    assert words is None
+
+
+PIP_SAYS = {
+    "WARNING: Retrying after connection broken by 'NewConnectionError(…)'\n"
+    "ERROR: No matching distribution found for numpy": "reaches no network",
+    "ERROR: No matching distribution found for pymunk": "package for this system: ERROR",
+    "error: subprocess-exited-with-error\nERROR: Failed to build 'pymunk'": "no compiler: ERROR",
+    "error: externally-managed-environment": "start Jupyter from a venv",
+    "ERROR: [Errno 28] No space left on device": "the disk is full",
+    "/usr/bin/python3: No module named pip": "has no pip",
+    "ERROR: something else": "pip failed: ERROR: something else",
+}
+
+
+@pytest.mark.parametrize("output", PIP_SAYS)
+def test_the_first_cell_says_in_one_sentence_why_not(tmp_path: Path, output: str) -> None:
+    (tmp_path / "rclpy_agents_course-0.1.0-py3-none-any.whl").touch()
+    said, _, _ = first_cell(tmp_path, SAY=output, EXIT="1")
+
+    assert said.startswith(("NotReady: ", "__main__.NotReady: "))
+    assert PIP_SAYS[output] in said
+
+
+def test_a_python_of_another_age_is_told_so(tmp_path: Path) -> None:
+    old = "import sys; sys.version_info = (3, 9, 18)\n"
+    said, words, _ = first_cell(tmp_path, old + BOOTSTRAP, COURSE_SOURCE="x.whl")
+
+    assert said.endswith("this is Python 3.9; choose a kernel of Python 3.11 to 3.14.")
+    assert words is None
+
+
+def test_a_notebook_shows_the_sentence_alone(kernel: Kernel, tmp_path: Path) -> None:
+    why = BOOTSTRAP.replace("if not (importlib", "if True or (importlib", 1)
+    said = kernel.run("import sys; kept = sys.version_info; sys.version_info = (3, 10)\n" + why)
+    kernel.run("sys.version_info = kept")
+
+    assert said.traceback.startswith("Not ready: this is Python 3.10; choose a kernel")
+    assert said.traceback.count("\n") == 0
+
+
+# --- the address of a release --------------------------------------------------------------------
+
+
+def test_a_release_tells_its_notebooks_where_the_wheel_is(tmp_path: Path) -> None:
+    address = "https://university.example/course/rclpy_agents_course-0.1.0-py3-none-any.whl"
+    source = [line + "\n" for line in BOOTSTRAP.splitlines()]
+    notebook = json.dumps({"cells": [{"source": source}]}).encode()
+
+    cells = json.loads(with_address(notebook, address))["cells"]
+    _, words, _ = first_cell(tmp_path, "".join(cells[0]["source"]))
+    assert words[-2] == f"rclpy-agents-course[ros,ml] @ {address}"
+
+
+@pytest.mark.parametrize("address", ["course.whl", "https://x/'", 'https://x/"', "https://x/ y"])
+def test_what_is_no_address_is_refused(address: str) -> None:
+    with pytest.raises(InputError, match="--source"):
+        with_address(b"{}", address)
 
 
 # --- what lacks ----------------------------------------------------------------------------------

@@ -30,6 +30,14 @@ def test_a_raw_stream_has_its_rate_and_its_ends() -> None:
     assert math.isnan(angular_z)
 
 
+def test_a_raw_stream_fills_all_six_fields() -> None:
+    (sent,) = messages(
+        "raw = [{ from = 0.5, to = 0.55, linear_x = 1, others = [2, nan, 4, -inf], angular_z = 6 }]"
+    )
+
+    assert str(twist_from_cdr(sent.data)) == "(1.0, 2.0, nan, 4.0, -inf, 6.0)"
+
+
 def test_streams_follow_one_another_without_overlap() -> None:
     streams = "raw = [{ from = 0.5, to = 1.0, rate = 10 }, { from = 1.0, to = 1.2, rate = 10 }]"
 

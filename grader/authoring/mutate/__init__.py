@@ -1,1 +1,1 @@
-"""Mutants made by machine: right nodes with one edit, or with something around them (`__main__`)."""
+"""Mutants made by machine: right nodes with one edit, or with something around them."""

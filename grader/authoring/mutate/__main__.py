@@ -149,6 +149,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="name or number; or all")
     parser.add_argument("--only", metavar="WORDS", help="only mutants with this in their names")
     parser.add_argument("--variants", type=int, default=VARIANTS, help="that are wrapped, too")
+    parser.add_argument("--survivors", action="store_true", help="only those that survived before")
     parser.add_argument("--list", action="store_true", help="list the mutants, grade none")
     parser.add_argument("--show", metavar="NAME", help="print the program of this mutant")
     parser.add_argument("--keep", type=Path, default=KEEP, help=f"verdicts; {KEEP} by default")
@@ -163,6 +164,11 @@ def main(arguments: list[str]) -> int:
     if options.only or options.show:
         words = options.only or options.show
         made = {e: [m for m in every_one if words in m.stem] for e, every_one in made.items()}
+    if options.survivors:
+        lived = {(v.exercise, v.name) for v in _read(options.keep) if not v.killed_by}
+        made = {
+            e: [m for m in every_one if (e.slug, m.stem) in lived] for e, every_one in made.items()
+        }
     if options.list or options.show:
         for exercise, every_one in made.items():
             for claim in every_one:

@@ -36,6 +36,7 @@ ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
     ast.FloorDiv: ast.Mult,
 }
 FACTORS = (0.5, 0.8, 1.25, 2.0)  # of a float
+NOTHING = "return None"
 UNTOUCHED = ("main", "__main__")  # how a program starts and ends is for other tests
 
 
@@ -59,16 +60,15 @@ class Single:
 
 def singles(right: Claim) -> Iterator[Claim]:
     """Return a right solution with each single edit of its nodes."""
-    for file, text in right.files.items():
-        if "rclpy" not in text:
-            continue
+    nodes = {file: text for file, text in right.files.items() if "rclpy" in text}
+    for file, text in nodes.items():
+        which = f"{file} " if len(nodes) > 1 else ""
         for edit in edits(file, text):
-            files = {**right.files, file: edit.text}
             yield replace(
                 right,
                 kind="mutant",
-                stem=f"{right.stem} {edit.name}",
-                files=files,
+                stem=f"{right.stem} {which}{edit.name}",
+                files={**right.files, file: edit.text},
                 about=edit.name,
                 field_ready=False,
             )
@@ -77,17 +77,12 @@ def singles(right: Claim) -> Iterator[Claim]:
 def edits(file: str, text: str) -> Iterator[Single]:
     """Return each single edit of a program."""
     known: Counter[tuple[str, str, str]] = Counter()
+    lines = [line.encode() for line in text.splitlines(keepends=True)]
     for where, node in _nodes(ast.parse(text)):
-        old = ast.get_source_segment(text, node) or ""
         for new in dict.fromkeys(_others(node)):
-            edited = _spliced(text, node, new)
-            try:
-                ast.parse(edited)
-            except SyntaxError:  # an f-string before Python 3.12 has no places of its own
-                continue
-            if edited == text:
-                continue
-            words = where, _short(old), _short(new)
+            before, old, after = _parted(lines, node)
+            edited = (before + new.encode() + after).decode()
+            words = where, _short(old.decode()), _short(new)
             known[words] += 1
             yield Single(file, *words, known[words], edited)
 
@@ -103,6 +98,7 @@ def _nodes(tree: ast.Module) -> Iterator[tuple[str, ast.expr | ast.stmt]]:
             elif isinstance(child, ast.ClassDef):
                 yield from bodies(child.body, child.name)
             elif not isinstance(child, ast.Import | ast.ImportFrom | ast.JoinedStr):
+                # (what is in an f-string has no place of its own before Python 3.12)
                 if isinstance(child, ast.expr | ast.stmt):
                     yield where, child
                 yield from visit(child, where)
@@ -116,6 +112,15 @@ def _nodes(tree: ast.Module) -> Iterator[tuple[str, ast.expr | ast.stmt]]:
 
 def _others(node: ast.expr | ast.stmt) -> Iterator[str]:
     """Return what may stand in the place of a node."""
+    if isinstance(node, ast.expr):
+        yield from _other_expressions(node)
+    elif _can_go(node):
+        yield "pass"
+    elif isinstance(node, ast.Return) and node.value is not None and ast.unparse(node) != NOTHING:
+        yield NOTHING
+
+
+def _other_expressions(node: ast.expr) -> Iterator[str]:
     if isinstance(node, ast.Compare):
         for i, operator in enumerate(node.ops):
             for other in COMPARISONS[type(operator)]:
@@ -123,13 +128,10 @@ def _others(node: ast.expr | ast.stmt) -> Iterator[str]:
                 changed.ops[i] = other()
                 yield ast.unparse(changed)
     elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
-        changed_op = copy.deepcopy(node)
-        changed_op.op = ARITHMETIC[type(node.op)]()
-        yield f"({ast.unparse(changed_op)})"
+        yield f"({ast.unparse(ast.BinOp(node.left, ARITHMETIC[type(node.op)](), node.right))})"
     elif isinstance(node, ast.BoolOp):
-        other_op = copy.deepcopy(node)
-        other_op.op = ast.Or() if isinstance(node.op, ast.And) else ast.And()
-        yield f"({ast.unparse(other_op)})"
+        other_op = ast.Or() if isinstance(node.op, ast.And) else ast.And()
+        yield f"({ast.unparse(ast.BoolOp(other_op, node.values))})"
         for i in range(len(node.values)):
             rest = [value for j, value in enumerate(node.values) if j != i]
             left = ast.BoolOp(node.op, rest) if len(rest) > 1 else rest[0]
@@ -138,17 +140,13 @@ def _others(node: ast.expr | ast.stmt) -> Iterator[str]:
         yield f"({ast.unparse(node.operand)})"
     elif isinstance(node, ast.Constant):
         yield from _other_constants(node.value)
-    elif isinstance(node, ast.If | ast.While):
-        pass  # its condition is edited, not the whole
-    elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
-        yield "pass"
-    elif isinstance(node, ast.Assign | ast.AugAssign) and not _defines(node):
-        yield "pass"
-    elif isinstance(node, ast.Continue):
-        yield "pass"
-    elif isinstance(node, ast.Return) and node.value is not None:
-        if not (isinstance(node.value, ast.Constant) and node.value.value is None):
-            yield "return None"
+
+
+def _can_go(node: ast.stmt) -> bool:
+    """Tell whether a statement can be left out: a call, a `continue`, an attribute's new value."""
+    call = isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
+    assigns = isinstance(node, ast.Assign | ast.AugAssign) and not _defines(node)
+    return call or assigns or isinstance(node, ast.Continue)
 
 
 def _other_constants(value: object) -> Iterator[str]:
@@ -166,13 +164,17 @@ def _defines(node: ast.stmt) -> bool:
     return any(isinstance(target, ast.Name | ast.Tuple) for target in targets)
 
 
-def _spliced(text: str, node: ast.expr | ast.stmt, new: str) -> str:
-    """Return the text with something else in the place of a node (its columns count bytes)."""
-    lines = [line.encode() for line in text.splitlines(keepends=True)]
+def _parted(lines: list[bytes], node: ast.expr | ast.stmt) -> tuple[bytes, bytes, bytes]:
+    """Return what stands before a node, the node, and what stands after it.
+
+    Columns count bytes.
+    """
     first, last = node.lineno - 1, (node.end_lineno or node.lineno) - 1
-    before = b"".join(lines[:first]) + lines[first][: node.col_offset]
-    after = lines[last][node.end_col_offset :] + b"".join(lines[last + 1 :])
-    return (before + new.encode() + after).decode()
+    begin, end = node.col_offset, node.end_col_offset
+    before = b"".join(lines[:first]) + lines[first][:begin]
+    after = lines[last][end:] + b"".join(lines[last + 1 :])
+    text = b"".join(lines)
+    return before, text[len(before) : len(text) - len(after)], after
 
 
 def _short(text: str) -> str:

@@ -10,7 +10,7 @@ import inspect
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import product
+from functools import cache
 from typing import Any
 
 from grader.authoring.mutate import hooks, operators
@@ -102,7 +102,7 @@ class Wrapper:
         if self.field:
             parts.append(hooks.at)
             make = f"at({self.field!r}, lambda: {make})"
-        code = "\n\n".join(inspect.getsource(part) for part in parts)
+        code = "\n\n".join(_source(part) for part in parts)
         end = "hears" if self.hears else "says"
         return (
             f"# --- a wrapper: {self.name} ---\n"
@@ -110,6 +110,11 @@ class Wrapper:
             "from typing import Any\n\nimport rclpy.node\n\n\n"
             f"{code}\n\n{end}(rclpy.node.Node, {self.topic!r}, {make})\n\n\n"
         )
+
+
+@cache
+def _source(part: Any) -> str:
+    return inspect.getsource(part)
 
 
 def repr_of(number: float) -> str:

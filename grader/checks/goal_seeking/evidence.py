@@ -22,6 +22,8 @@ from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording
 
 RATE_TOLERANCE = 0.005  # [s] around the period
+AT_ONCE = 0.3  # [s] in which the node warns of what it ignores
+REACHED = "goal reached"  # in the log, in any case
 REACTION = 2.5 * PERIOD  # [s] long enough for a tick of the control loop, even at 5 Hz
 
 
@@ -207,6 +209,41 @@ def require_one_stop(recording: Recording, quest: Quest) -> None:
             recording=recording,
             help="On arrival forget the goal; without a goal publish nothing, wherever you are.",
         )
+
+
+def require_announcement(recording: Recording, quest: Quest) -> None:
+    """Fail unless the log says that a goal is reached, while it is the newest one."""
+    said = [line for line in recording.log if REACHED in line.text.lower()]
+    if any(quest.begin <= line.t < quest.end + recording.slack for line in said):
+        return
+    fail(
+        f"the log does not say that {quest.what} is reached",
+        expected="the line “Goal reached!”",
+        actual="none on arrival" if said else "none",
+        at=arrival(recording, quest),
+        recording=recording,
+        help='self.get_logger().info("Goal reached!"), together with the zero Twist.',
+    )
+
+
+def require_warnings(recording: Recording) -> None:
+    """Fail unless the node warned of goals that are not finite, and of poses."""
+    goals, odom = recording.goals(), recording.odometry()
+    bad = {
+        "goal": goals.t[~(np.isfinite(goals.x) & np.isfinite(goals.y))],
+        "pose": odom.t[~(np.isfinite(odom.x) & np.isfinite(odom.y) & np.isfinite(odom.yaw))],
+    }
+    loud = [line.t for line in recording.log if line.level in ("warn", "error", "fatal")]
+    for what, times in bad.items():
+        if not any(times[0] <= t <= times[-1] + AT_ONCE + recording.slack for t in loud):
+            fail(
+                f"the log has no warning of a {what} that is not finite",
+                expected="a warning when it is ignored",
+                actual="none",
+                at=float(times[0]),
+                recording=recording,
+                help="self.get_logger().warning(…): whoever sent it has to hear of it.",
+            )
 
 
 def _nearly_there(recording: Recording, quest: Quest, time: float) -> bool:

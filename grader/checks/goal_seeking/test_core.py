@@ -26,12 +26,14 @@ from grader.checks.goal_seeking.evidence import (
     holds,
     last_command,
     quest_at,
+    require_announcement,
     require_one_stop,
     require_rate,
     require_reached,
     require_sign,
     require_silence,
     require_turns_toward,
+    require_warnings,
     way,
     zero_commands,
 )
@@ -175,11 +177,12 @@ def test_limits(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=10, scenarios=("goal_arrival",), needs=("wiring",))
 def test_stops_once(recordings: Recordings) -> None:
-    """On arrival exactly one zero Twist, then silence, even when the robot is moved away."""
+    """On arrival one zero Twist and “Goal reached!” in the log, then silence, wherever it is."""
     for recording in recordings:
         require_alive(recording)
         for quest in quests(recording):
             require_one_stop(recording, quest)
+            require_announcement(recording, quest)
 
 
 @pytest.mark.check(points=10, scenarios=("goal_changes",), needs=("wiring",))
@@ -224,7 +227,7 @@ def test_near_goal(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=("goal_bad_input",), needs=("wiring",))
 def test_bad_input(recordings: Recordings) -> None:
-    """Goals and poses that are not finite are ignored, and the node goes on."""
+    """Goals and poses that are not finite are ignored, with a warning, and the node goes on."""
     for recording in recordings:
         require_alive(recording)
         twists = recording.twists()
@@ -247,6 +250,7 @@ def test_bad_input(recordings: Recordings) -> None:
             if not same.all():
                 wrong = int(during[np.flatnonzero(~same)[0]])
                 _fail_bad_input(recording, wrong, f"as before: {v:.2f} m/s, {w:.2f} rad/s")
+        require_warnings(recording)
 
 
 @pytest.mark.check(points=5, scenarios=(FIRST, *AROUND), needs=("reaches_goal", "reaches_any_goal"))

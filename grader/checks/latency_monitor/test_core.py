@@ -15,6 +15,7 @@ from grader.checks.latency_monitor.evidence import (
     require_reports,
     require_speeds,
 )
+from grader.checks.model_commands import require_error_log
 from grader.checks.moments import first_asked
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
@@ -50,9 +51,9 @@ def test_features(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=5, scenarios=("latency_clip",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("latency_clip", "latency_default_speed"), needs=("wiring",))
 def test_clipped(recordings: Recordings) -> None:
-    """Predictions are clipped to 0 … max_speed (here 0.4 m/s); all other fields are 0."""
+    """Predictions are clipped to 0 … max_speed (0.4 m/s, or not set); all other fields are 0."""
     for recording in recordings:
         require_speeds(recording, "clip", "max(0.0, min(max_speed, prediction))")
         require_zero(recording, FIELDS[1:], "This robot only drives straight ahead.")
@@ -86,6 +87,7 @@ def test_fail_safe(recordings: Recordings) -> None:
             recording=bare,
             help="No model: an error in the log, and 0.0.",
         )
+    require_error_log(bare, "the node has no model, and its log does not say so")
 
 
 @pytest.mark.check(points=10, scenarios=("latency_window", "latency_late_lidar"), needs=("wiring",))
@@ -191,12 +193,15 @@ def test_levels(recordings: Recordings) -> None:
                 require_level(recording, report, choices)
 
 
-@pytest.mark.check(points=5, scenarios=("latency_raises",), needs=("status_form",))
+@pytest.mark.check(
+    points=5, scenarios=("latency_raises", "latency_nothing_to_say"), needs=("status_form",)
+)
 def test_raised_calls(recordings: Recordings) -> None:
-    """A call that raises leads to 0.0, is not counted, and does not end the node."""
-    for recording in recordings:
-        require_speeds(recording, "raises", "A model that raises gives no prediction: 0.0.")
-        require_speeds(recording, "good", "After an exception the next scan counts again.")
-        require_numbers(
-            recording, ("count",), "Append the latency after predict has returned, not in finally."
-        )
+    """A call that raises leads to 0.0 and is not counted; one that returns NaN is counted."""
+    raises, says_nan = recordings
+    require_speeds(raises, "raises", "A model that raises gives no prediction: 0.0.")
+    require_speeds(raises, "good", "After an exception the next scan counts again.")
+    require_numbers(
+        raises, ("count",), "Append the latency after predict has returned, not in finally."
+    )
+    require_numbers(says_nan, ("count",), "A call that returned NaN has taken its time, too.")

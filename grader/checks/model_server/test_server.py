@@ -17,6 +17,7 @@ from grader.checks.model_server.contract import ROLES, allowed
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
+from sim.scenario import ProgramSpec
 
 Recordings = tuple[Recording, ...]
 
@@ -85,7 +86,7 @@ def test_blind_sector(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=("detect_no_model",), needs=("server_wiring",))
 def test_no_model(recordings: Recordings) -> None:
-    """Without a model file, or with a broken one, it starts all the same and refuses."""
+    """Without a model file, or with a broken one, it logs an error, starts and refuses."""
     for recording in recordings:
         require_alive(recording)
         lives = [p for p in recording.scenario.program if not p.supplied]
@@ -98,6 +99,23 @@ def test_no_model(recordings: Recordings) -> None:
             why = f"the server was started with {paths[0] if paths else 'a model'}, which can't be "
             why += "loaded"
             require_refusal(recording, ask, why, "Catch whatever pickle.load raises.")
+        for program in broken:
+            _require_error(recording, program)
+
+
+def _require_error(recording: Recording, server: ProgramSpec) -> None:
+    """Fail unless this server, which has no model, logged an error."""
+    begin, end = server.start, server.stop or recording.duration_s
+    if any(line.level in ("error", "fatal") and begin <= line.t <= end for line in recording.log):
+        return
+    fail(
+        "the server has no model, and its log does not say so",
+        expected="an error in the log: self.get_logger().error(…)",
+        actual="none",
+        at=begin,
+        recording=recording,
+        help="Log which file cannot be loaded, and why.",
+    )
 
 
 @pytest.mark.check(points=5, scenarios=("detect_failing_model",), needs=("server_wiring",))

@@ -49,7 +49,7 @@ def test_only_linear_x(recordings: Recordings) -> None:
         require_only_linear_x(recording, "This agent only drives straight ahead.")
 
 
-@pytest.mark.check(points=10, scenarios=("avoid_zones",), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=("avoid_zones", "avoid_hundred"), needs=("wiring",))
 def test_clear_zone(recordings: Recordings) -> None:
     """From 1.0 m on the robot drives at 0.50 m/s."""
     for recording in recordings:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 LONGEST_GAP = 0.075  # [s] between two commands
+LEAST_COMMANDS = 19.0  # per second, on average
 MOST_COMMANDS = 21.0  # per second, on average
 LEAST_RATE = 3.0  # [Hz] of inference
 LEAST_RATE_5_HZ = 2.4  # [Hz] with a lidar of 5 Hz

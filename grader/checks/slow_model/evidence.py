@@ -9,13 +9,19 @@ import numpy as np
 
 from grader.checks.commands import ZERO
 from grader.checks.inferences import Answered
-from grader.checks.predictions import TOLERANCE, predictions
-from grader.checks.slow_model.contract import LATEST_STOP, LONGEST_GAP, MOST_COMMANDS
+from grader.checks.predictions import TOLERANCE, max_speed, predictions
+from grader.checks.slow_model.contract import (
+    LATEST_STOP,
+    LEAST_COMMANDS,
+    LONGEST_GAP,
+    MOST_COMMANDS,
+)
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording
 
 START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
+ARRIVAL_HAIR = 0.02  # [s] a scan that came this shortly before an inference may be too late for it
 STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; no scan's prediction
 
 
@@ -117,6 +123,15 @@ def require_period(recording: Recording) -> None:
             recording=recording,
             help="Only the control loop publishes; inference keeps its prediction for it.",
         )
+    if rate < LEAST_COMMANDS and recording.live is None:
+        fail(
+            "the control loop is too slow",
+            expected="20 commands per second, one every 50 ms",
+            actual=f"{rate:.1f} per second",
+            at=float(t[0]),
+            recording=recording,
+            help="Is the timer's period 0.05 s?",
+        )
 
 
 def _a_rare_delay(recording: Recording, gaps: np.ndarray, wrong: int) -> bool:
@@ -188,6 +203,34 @@ def require_ages(recording: Recording, limit: float) -> None:
         at=float(twists.t[i]),
         recording=recording,
         help="Do scans wait in a queue? Does inference idle with a scan at hand? Take the newest.",
+    )
+
+
+def require_newest(recording: Recording) -> None:
+    """Fail unless nearly every inference took the newest scan that there was when it started."""
+    said = predictions(recording)
+    arrived = np.array([prediction.scan.t for prediction in said])
+    least = np.array([prediction.least for prediction in said]) - TOLERANCE
+    most = np.array([prediction.most for prediction in said]) + TOLERANCE
+    calls = [i for i in recording.inferences if i.method == "predict" and i.asked >= 0 and i.said]
+    late = []
+    for call in calls:
+        asked = call.asked / 1e9
+        there = arrived <= asked - ARRIVAL_HAIR - recording.slack
+        speed = min(max(call.said[0], 0.0), max_speed(recording.scenario))
+        taken = (arrived <= asked) & (least <= speed) & (speed <= most)
+        if there.any() and taken.any() and not taken[np.flatnonzero(there)[-1] :].any():
+            late.append((asked, asked - float(arrived[taken][-1])))
+    if len(late) <= 0.05 * len(calls):
+        return
+    at, age = late[0]
+    fail(
+        "inference takes old scans, though there are newer ones",
+        expected="the newest scan that there is when predict is called",
+        actual=f"a scan that is {age:.2f} s old ({len(late)} of {len(calls)} calls)",
+        at=at,
+        recording=recording,
+        help="A queue that is full drops what comes, and keeps what is old: keep only the newest.",
     )
 
 

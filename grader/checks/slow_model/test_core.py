@@ -7,6 +7,7 @@ import pytest
 
 from grader.checks.commands import FIELDS, is_zero, require_zero
 from grader.checks.inferences import require_one_at_a_time
+from grader.checks.model_commands import require_error_log
 from grader.checks.slow_model.contract import (
     AGE_P95,
     AGE_P95_5_HZ,
@@ -23,6 +24,7 @@ from grader.checks.slow_model.evidence import (
     require_commands,
     require_held,
     require_moves,
+    require_newest,
     require_period,
     require_rate,
     spell,
@@ -33,6 +35,8 @@ from grader.recording import Recording
 
 LEADER = "slow_leader"
 SHORTEST_INFERENCE = 0.2  # [s] of the late lidar's model
+JUDGED = 0.45  # [s] after a scan in which two inferences have passed, and a tick
+AGE_HAIR = 0.05  # [s] ages this near to the limit may fall on either side
 
 Recordings = tuple[Recording, ...]
 
@@ -94,6 +98,7 @@ def test_scan_age(recordings: Recordings) -> None:
     """The scan behind a command is at most 0.58 s old (p95): scans never queue up."""
     for recording in recordings:
         require_ages(recording, AGE_P95)
+        require_newest(recording)
 
 
 @pytest.mark.check(points=5, scenarios=("slow_lidar_5_hz",), needs=("inference_rate", "scan_age"))
@@ -133,6 +138,7 @@ def test_too_old(recordings: Recordings) -> None:
                 recording=recording,
                 help="Keep the stamp of the scan with its prediction; how old is the *scan*?",
             )
+        _require_not_too_soon(recording, last)
 
 
 @pytest.mark.check(points=5, scenarios=("slow_dropout",), needs=("scan_age",))
@@ -165,9 +171,9 @@ def test_features(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=5, scenarios=("slow_clip",), needs=("scan_age",))
+@pytest.mark.check(points=5, scenarios=("slow_clip", "slow_default_speed"), needs=("scan_age",))
 def test_clipped(recordings: Recordings) -> None:
-    """Predictions are clipped to 0 … max_speed (here 0.4 m/s); all other fields are 0."""
+    """Predictions are clipped to 0 … max_speed (0.4 m/s, or not set); all other fields are 0."""
     for recording in recordings:
         require_held(recording, "clip", "max(0.0, min(max_speed, prediction))")
         require_zero(recording, FIELDS[1:], "This robot only drives straight ahead.")
@@ -181,12 +187,14 @@ def test_raising_model(recordings: Recordings) -> None:
         require_held(recording, "good", "After an exception the next inference counts again.")
 
 
-@pytest.mark.check(points=5, scenarios=("slow_nan",), needs=("scan_age",))
+@pytest.mark.check(points=5, scenarios=("slow_nan", "slow_blind"), needs=("scan_age",))
 def test_nan_model(recordings: Recordings) -> None:
-    """A model that returns NaN leaves the control loop running: 0.0, until it works again."""
-    for recording in recordings:
-        require_held(recording, "nan", "NaN is no prediction: 0.0, after 0.6 s at the latest.")
-        require_held(recording, "good", "After a NaN the next prediction counts again.")
+    """NaN from the model, or a blind sector: 0.0, until there is a prediction again."""
+    silent, blind = recordings
+    require_held(silent, "nan", "NaN is no prediction: 0.0, after 0.6 s at the latest.")
+    require_held(silent, "good", "After a NaN the next prediction counts again.")
+    require_held(blind, "none", "A sector without a usable reading: there is no prediction.")
+    require_held(blind, "good", "After blindness the next prediction counts again.")
 
 
 @pytest.mark.check(points=5, scenarios=("slow_alone",), needs=("wiring",))
@@ -207,12 +215,13 @@ def test_too_slow_model(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=5, scenarios=(LEADER, "slow_no_model"), needs=("wiring",))
 def test_no_model(recordings: Recordings) -> None:
-    """Without a model that can be loaded the node lives and publishes 0.0."""
+    """Without a model that can be loaded: an error in the log, and 0.0 at each tick."""
     leader, bare = recordings
     require_moves(leader)
     _require_only_zeros(
         bare, "Without a model there is no prediction: an error in the log, and 0.0."
     )
+    require_error_log(bare, "the node has no model, and its log does not say so")
 
 
 def _require_only_zeros(recording: Recording, help: str) -> None:
@@ -227,6 +236,27 @@ def _require_only_zeros(recording: Recording, help: str) -> None:
             at=float(twists.t[moving[0]]),
             recording=recording,
             help=help,
+        )
+
+
+def _require_not_too_soon(recording: Recording, last: float) -> None:
+    """Fail if the prediction for the last scan [s] counts as too old before it is.
+
+    A model of 200 ms has judged that scan when two inferences have passed.
+    """
+    begin, end = last + JUDGED + recording.slack, last + MAX_AGE - AGE_HAIR - recording.slack
+    twists = recording.twists()
+    during = np.flatnonzero((twists.t > begin) & (twists.t < end))
+    standing = during[is_zero(twists.linear_x[during])]
+    if len(standing):
+        i = int(standing[0])
+        fail(
+            f"the robot is told to stop {twists.t[i] - last:.2f} s after the last scan",
+            expected=f"its prediction until the scan is {MAX_AGE} s old",
+            actual="0.0",
+            at=float(twists.t[i]),
+            recording=recording,
+            help="Was the last scan judged at all? If so: too old is more than 0.6 s.",
         )
 
 

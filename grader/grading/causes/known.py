@@ -39,13 +39,14 @@ def known_cause(exercise: Exercise, failed: Sequence[Failed], trials: ByName) ->
     found = catalogue(exercise.slug).get(fingerprint(failed, trials), [])
     if not found or len(found) > MOST:
         return None
-    text = ", or ".join(_sentence(text) for text in found)
+    text = ", or ".join(told_as(text) for text in found)
     sure = len(found) == 1 and (len(failed) > 1 or _has_bench(failed[0], trials))
     how = "most probably" if sure else "perhaps" if len(found) == 1 else "one of two, perhaps"
     return Cause.of(exercise, f"{how}: {text}.", failed, all_of_it=len(failed) > 1)
 
 
-def _sentence(text: str) -> str:
+def told_as(text: str) -> str:
+    """Return a mistake as a cause tells it."""
     return f"the node {text[0].lower()}{text[1:].rstrip('.')}"
 
 

@@ -22,8 +22,12 @@ class Detector(Node):
 
     @functools.cached_property
     def model(self):
-        with open(self.get_parameter("model_path").value, "rb") as file:
-            return pickle.load(file)
+        try:
+            with open(self.get_parameter("model_path").value, "rb") as file:
+                return pickle.load(file)
+        except Exception as error:
+            self.get_logger().error(f"no model: {error!r}")
+            raise
 
     def detect(self, request, response):
         del self.scans[:-1]

@@ -33,6 +33,8 @@ def infer(model, scan: LaserScan) -> float:
         np.nanmin(ranges[angles > limit]),
         np.nanmin(ranges[angles < -limit]),
     ]
+    if np.isnan(row).any():
+        raise ValueError("a sector has no usable reading")
     return float(model.predict(np.array(row).reshape(1, -1))[0])
 
 

@@ -19,12 +19,9 @@ def test_nothing_is_missing() -> None:
 
 def test_it_says_what_is_missing_and_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    assert why_not(("torch",)) == (
-        "skipped: PyTorch is not installed here; pip install 'rclpy-agents-course[deep]'"
-    )
+    assert why_not(("torch",)) == ("skipped: PyTorch is not installed here; pip install torch")
     assert why_not(("sklearn", "keras")) == (
-        "skipped: scikit-learn and Keras are not installed here; "
-        "pip install 'rclpy-agents-course[deep,ml]'"
+        "skipped: scikit-learn and Keras are not installed here; pip install scikit-learn keras"
     )
 
 

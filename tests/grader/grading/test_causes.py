@@ -1,15 +1,23 @@
 """The most probable cause: found by evidence, silent where there is none, never in the way."""
 
+import re
 from dataclasses import dataclass
 
 import pytest
 from node_runs import RunNode
 
-from grader.authoring.causes import known_toml
+from grader.authoring.causes import known_toml, misled, stale
 from grader.course.exercises import all_exercises, find_exercise
 from grader.grading.causes import find_cause
 from grader.grading.causes.cause import hint_for
-from grader.grading.causes.known import KNOWN, MOST, catalogue, fingerprint, known_cause
+from grader.grading.causes.known import (
+    KNOWN,
+    MOST,
+    catalogue,
+    fingerprint,
+    known_cause,
+    told_as,
+)
 from grader.recording import Recording
 from sim.scenario import load_scenario
 
@@ -172,6 +180,21 @@ def test_the_tables_can_be_read_and_every_hint_is_there(exercise) -> None:  # ty
     assert (KNOWN / f"{exercise.slug}.toml").stat().st_size < 40_000
     for check in _places()[exercise.slug]:
         assert hint_for(exercise, [Check(check)]), check
+
+
+@pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
+def test_every_known_mistake_is_a_mutants(exercise) -> None:  # type: ignore[no-untyped-def]
+    assert stale(exercise) == []
+    assert all(re.fullmatch("[0-9a-f]{16}", key) for key in catalogue(exercise.slug))
+
+
+def test_a_mutant_that_is_told_anothers_mistake_is_noticed() -> None:
+    own, other = sorted({text for texts in catalogue(EXERCISE.slug).values() for text in texts})[:2]
+    cause = f"Most probably: {told_as(other)}."
+    assert misled(EXERCISE, own, cause) == [other]
+    assert misled(EXERCISE, own, f"{cause}, or {told_as(own)}") == []
+    assert misled(EXERCISE, own, "The node dies in the callback of /scan.") == []
+    assert misled(EXERCISE, own, "") == []
 
 
 def test_no_failure_has_no_cause() -> None:

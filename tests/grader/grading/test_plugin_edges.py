@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from plugin_kit import CHAIN, Run, outcomes
+from plugin_kit import CHAIN, FakeTrials, Run, outcomes
 
 from grader.errors import GraderError
 from grader.grading.plugin import MAX_MESSAGE
@@ -147,3 +147,21 @@ def test_configurations_nearby_do_not_disturb(run: Run, tmp_path: Path) -> None:
 def test_one_grading_after_the_other(run: Run) -> None:
     assert outcomes(run(DOES.format("fail('no')")))["does"] == "fail"
     assert outcomes(run(DOES.format("pass")))["does"] == "pass"
+
+
+# --- up to the first failure ---------------------------------------------------------------------
+
+
+def test_nothing_is_judged_after_the_first_failure(run: Run) -> None:
+    trials = FakeTrials()
+    grading = run(CHAIN.format(scenario="a", body="fail('no')"), trials=trials, first_failure=True)
+
+    assert outcomes(grading) == {"first": "fail"}
+    assert (set(trials.asked), trials.given_up) == ({"a"}, True)
+
+
+def test_everything_is_judged_if_nothing_fails(run: Run) -> None:
+    grading = run(CHAIN.format(scenario="a", body="pass"), first_failure=True)
+
+    assert set(outcomes(grading).values()) == {"pass"}
+    assert len(grading.checks) == 4

@@ -124,7 +124,7 @@ def test_what_could_not_be_judged_is_not_counted() -> None:
 
 
 def test_what_needs_a_missing_library_is_said_plainly() -> None:
-    why = "skipped: PyTorch is not installed here; pip install 'rclpy-agents-course[deep]'"
+    why = "skipped: PyTorch is not installed here; pip install torch"
     absent = [check("unavailable", message=why) for _ in range(2)]
     shown = words(render(grading(check(), *absent), width=120))
     assert "10 of 10 points" in shown

@@ -1,0 +1,52 @@
+"""Exercise 7's oracle forgives, in the checks of other rules, what one rule alone is about."""
+
+import pytest
+
+from grader.checks.safety_supervisor.contract import (
+    Decision,
+    Situation,
+    Tick,
+    is_right_or_never_reverses,
+    is_settled,
+)
+
+NOTHING = Situation(False, (0.5, 0.0, 0.0, 0.0, 0.0, 1.9), 0.1, (2.0,), 0.1)
+RISING = Decision("limited", speed=0.045, turn_rate=1.9, wish=0.5)
+BACK = Decision("ok", speed=-0.5, turn_rate=0.0, wish=-0.5)
+
+
+def tick(speed: float, turn_rate: float, *right: Decision, same_for: float = 0.0) -> Tick:
+    return Tick(1.0, (speed, 0.0, 0.0, 0.0, 0.0, turn_rate), NOTHING, right, same_for)
+
+
+@pytest.mark.parametrize(
+    ("speed", "strict", "forgiven"),
+    [(0.045, True, True), (0.3, False, True), (0.5, False, True), (0.6, False, False),
+     (0.0, False, False), (float("nan"), False, False)],
+)  # fmt: skip
+def test_a_rise_that_is_too_fast_is_one_mistake(speed: float, strict: bool, forgiven: bool) -> None:
+    one = tick(speed, 1.9, RISING)
+    assert (one.is_right, one.is_right_but_for_the_rise) == (strict, forgiven)
+
+
+def test_a_wrong_turn_is_not_forgiven() -> None:
+    assert not tick(0.3, 0.0, RISING).is_right_but_for_the_rise
+
+
+def test_never_reversing_is_one_mistake() -> None:
+    assert is_right_or_never_reverses(tick(0.0, 0.0, BACK))
+    assert not is_right_or_never_reverses(tick(-0.045, 0.0, BACK))
+    assert not is_right_or_never_reverses(tick(0.0, 0.0, RISING))
+
+
+def test_whether_it_moves_and_has_to() -> None:
+    stop = Decision("e_stop")
+    assert tick(0.0, 1.9, RISING).must_move
+    assert not tick(0.0, 0.0, RISING, stop).must_move
+    assert not tick(float("nan"), 0.0, RISING).moves
+    assert tick(0.0, -0.1, RISING).moves
+
+
+def test_settled_is_when_a_speed_is_reached() -> None:
+    assert not is_settled(tick(0.1, 0.0, RISING, same_for=0.55))
+    assert is_settled(tick(0.1, 0.0, RISING, same_for=0.6))
