@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import sqlite3
 from collections.abc import Callable
 from pathlib import Path
@@ -72,7 +73,7 @@ def test_a_score_counts_before_all(mark: Callable[..., Any], graded: Path) -> No
     assert (graded / "feedback" / "eve" / f"{SLUG}.html").is_file()
 
 
-def test_undo_and_undo_of_the_undo(mark: Callable[..., Any]) -> None:
+def test_undo_and_undo_of_the_undo(mark: Callable[..., Any], graded: Path) -> None:
     assert mark(Score(SLUG, 85, ANN))["ann"] == "85"
     assert mark(Undo(1))["ann"] == "70"
     with pytest.raises(InputError, match="undone already, by entry 2"):
@@ -80,6 +81,8 @@ def test_undo_and_undo_of_the_undo(mark: Callable[..., Any]) -> None:
     with pytest.raises(InputError, match="no entry 9; there are: 1 to 2"):
         mark(Undo(9))
     assert mark(Undo(2))["ann"] == "85"
+    states = re.findall(r">(counts|undone)<", (graded / "class.html").read_text())
+    assert states == ["counts", "undone", "counts"]  # the newest first
 
 
 def test_a_score_for_one_who_handed_in_nothing(
