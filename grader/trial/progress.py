@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 TRIAL, CHECK = "trial", "check"
+LEFT_OUT = "left out"  # the outcome of a trial that no check can use
 
 
 class Step(NamedTuple):

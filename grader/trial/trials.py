@@ -22,7 +22,7 @@ from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
 from grader.trial.endings import BUSY_WAIT, is_halt, not_run
-from grader.trial.progress import TRIAL, OnProgress, Step, ignore
+from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
 from grader.trial.seeds import trial_seed
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
@@ -32,8 +32,7 @@ from sim.simulation import Simulation
 REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
 MAX_SAID = 200  # [characters] of an error in a message
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
-LEFT_OUT_KIND = "left out"
-LEFT_OUT = "The node {ended} in the run {name}, so {count} were left out."
+NOT_RUN = "The node {ended} in the run {name}, so {count} were left out."
 PATIENCE = 300.0  # [s] of wall time that the virtual trials of a submission may take in all
 HURRIED = Limits(total=20.0)  # once they have
 SLOW = (
@@ -179,7 +178,7 @@ class NodeTrials:
             return []
         ended = "hung" if ends[0].outcome.kind == "hung" else "never started"
         runs = f"the other {count} runs" if count > 1 else "the other run"
-        said = LEFT_OUT.format(ended=ended, name=ends[0].name, count=runs)
+        said = NOT_RUN.format(ended=ended, name=ends[0].name, count=runs)
         return [said if count > 1 else said.replace("were", "was")]
 
     def _unasked(self, scenario: str) -> bool:
@@ -237,7 +236,7 @@ class NodeTrials:
 
     def _run_unless_halted(self, scenario: Scenario) -> Recording:
         if self._unasked(scenario.name):
-            self._tell(scenario.name, LEFT_OUT_KIND)
+            self._tell(scenario.name, LEFT_OUT)
             raise _LeftOut(scenario)
         return self._run(scenario)
 
@@ -258,7 +257,7 @@ class NodeTrials:
         """Save a recording; one that can't be saved is judged all the same."""
         place = bags / recording.name
         try:
-            return with_bag(recording, bag.save(recording, place))
+            return replace(recording, bag=str(bag.save(recording, place)))
         except Exception as error:
             if is_disk_full(error):
                 raise
@@ -383,23 +382,3 @@ class SavedTrials:
     def notes(self) -> list[str]:
         """Return none: nothing runs."""
         return []
-
-
-def with_bag(recording: Recording, folder: Path) -> Recording:
-    """Return the recording with a note of where it is saved."""
-    return replace(recording, bag=str(folder))
-
-
-def load_bags(path: Path) -> list[Recording]:
-    """Load one bag, or every bag in a folder.
-
-    Raises
-    ------
-    InputError
-        There is none, or one can't be read.
-    """
-    if path.is_dir() and not (path / "metadata.yaml").exists():
-        folders = sorted(file.parent for file in path.glob("*/metadata.yaml"))
-        if folders:
-            return [bag.load(folder) for folder in folders]
-    return [bag.load(path)]

@@ -1,11 +1,13 @@
 """What `course grade` shows while it runs: on a terminal, and in a log."""
 
 import io
+import sys
 
+import pytest
 from rich.console import Console
 
 from grader.cli.waiting import Waiting
-from grader.trial.progress import CHECK, TRIAL, Step
+from grader.trial.progress import CHECK, LEFT_OUT, TRIAL, Step
 
 STEPS = [
     Step(TRIAL, 0, 3, "avoid_wall"),
@@ -14,6 +16,7 @@ STEPS = [
     Step(CHECK, 1, 5, "wiring", "pass"),
     Step(CHECK, 2, 5, "slow_zone", "fail"),
     Step(TRIAL, 2, 3, "avoid_cart", "hung"),
+    Step(TRIAL, 3, 3, "avoid_store", LEFT_OUT),
 ]
 
 
@@ -34,12 +37,21 @@ def test_a_log_gets_a_line_for_each_run_that_is_over() -> None:
     ]
 
 
+def test_lines_are_seen_while_checks_run_which_capture_stderr(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Waiting("Exercise 1, agent.py") as waiting, monkeypatch.context() as checks:
+        checks.setattr(sys, "stderr", io.StringIO())
+        waiting(STEPS[2])
+    assert "run 1 of 3 is over" in capsys.readouterr().err
+
+
 def test_a_terminal_shows_at_once_that_something_goes_on() -> None:
     assert "Exercise 1, agent.py: getting ready (0 s)" in shown([], terminal=True)
 
 
 def test_a_terminal_shows_what_runs_and_what_has_passed() -> None:
-    text = shown(STEPS[:-1], terminal=True)
+    text = shown(STEPS[:-2], terminal=True)
     assert "1 of 3 runs" in text
     for name, value in (("running", "avoid_cart"), ("passed", "wiring"), ("failed", "slow_zone")):
         assert any(line.split() == [name, value] for line in text.splitlines()), text
