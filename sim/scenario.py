@@ -23,7 +23,7 @@ from sim.bench import BenchScan
 from sim.errors import InputError
 from sim.lidar import PROFILES
 from sim.messages import LASER_FRAME
-from sim.toml_input import convert, merged, near_ones, nearest, parse_toml, read_toml, shown
+from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown, unknown_name
 from sim.world import Degrees, Metres, World, load_world, world_from_doc, world_names
 
 SCENARIOS = Path(__file__).parent / "scenarios"
@@ -45,6 +45,7 @@ _MAY_BE_INFINITE = (
 Probability = Annotated[float, Meta(ge=0, le=1)]
 Delay = Annotated[float, Meta(ge=0, le=10)]  # [s]
 Noise = Annotated[float, Meta(ge=0, le=10)]  # standard deviation
+Bias = Annotated[float, Meta(ge=-10, le=10)]  # [m]
 Mount = Annotated[float, Meta(ge=-0.5, le=0.5)]  # from the robot's middle [m]
 Rate = Annotated[float, Meta(gt=0, le=200)]  # [Hz]
 Time = Annotated[float, Meta(gt=0, le=3600)]  # since the scenario's start [s]
@@ -118,9 +119,7 @@ class Faults(_Table, frozen=True):
     """[faults] What goes wrong: noise of the lidar, lost messages, slip; nothing by default."""
 
     range_noise: Noise = 0.0  # of the lidar: standard deviation of every reading [m]
-    range_bias: Annotated[float, Meta(ge=-10, le=10)] = (
-        0.0  # of the lidar: added to each reading [m]
-    )
+    range_bias: Bias = 0.0  # of the lidar: added to each reading [m]
     beam_dropout: Probability = 0.0  # that a beam sees nothing
     nan_speckle: Probability = 0.0  # that a beam reads NaN
     scan_latency: Delay = 0.0  # from measurement to delivery [s]
@@ -333,11 +332,7 @@ def _find(name_or_path: str | Path) -> Path:
         return Path(name_or_path)
     if path := _named(text):
         return path
-    said, names = f"no scenario is called '{text}'", scenario_names()
-    near = near_ones(text, names)
-    if len(near) < 2:
-        raise InputError(said + nearest(text, near or names, LIST))
-    raise InputError(f"{said}; `{LIST}` lists all {len(names)}, and the nearest are", near)
+    raise unknown_name("scenario", text, scenario_names(), LIST)
 
 
 def _named(name: str) -> Path | None:

@@ -9,7 +9,7 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -244,3 +244,14 @@ def _not_finite(doc: Any, key: Key = ()) -> Iterator[tuple[Key, float]]:
     elif isinstance(doc, list | tuple):
         for index, value in enumerate(doc):
             yield from _not_finite(value, (*key, index))
+
+
+def unknown_name(what: str, name: str, known: Collection[str], listed: str) -> InputError:
+    """Return the error for a name that nothing is called: the nearest ones have a line each.
+
+    `listed` is the command that lists them all.
+    """
+    said, near = f"no {what} is called '{name}'", near_ones(name, known)
+    if len(near) < 2:
+        return InputError(said + nearest(name, near or known, listed))
+    return InputError(f"{said}; `{listed}` lists all {len(known)}, and the nearest are", near)

@@ -19,6 +19,7 @@ from grader.classroom.amendments import (
     Whom,
     active,
     amended,
+    undone_by,
 )
 from grader.classroom.amendments.apply import version_of
 from grader.classroom.amendments.people import nearest, the_student
@@ -281,15 +282,6 @@ def _check_undo(change: Undo, entries: Sequence[Entry]) -> None:
                 f"entry {change.number} is undone already, by entry {entry[1]}; to bring it back, "
                 f"undo {entry[1]}"
             )
-
-
-def undone_by(entries: Sequence[Entry]) -> list[tuple[int, int]]:
-    """Return the entries that don't count, each with the one that undid it."""
-    found: dict[int, int] = {}
-    for entry in reversed(entries):
-        if entry.number not in found and isinstance(entry.change, Undo):
-            found[entry.change.number] = entry.number
-    return sorted(found.items())
 
 
 def is_about(entry: Entry, student: str, rows: Mapping[str, StudentRow]) -> bool:

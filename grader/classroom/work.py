@@ -135,9 +135,10 @@ def _grade(unit: Unit) -> UnitResult:
 
 
 def _judge_saved(exercise: Exercise, unit: Unit) -> dict[str, Any]:
-    from grader.trial.trials import SavedTrials, load_bags  # noqa: PLC0415
+    from grader.recording.bag import load_all  # noqa: PLC0415
+    from grader.trial.trials import SavedTrials  # noqa: PLC0415
 
-    trials = SavedTrials(load_bags(Path(unit.saved)))
+    trials = SavedTrials(load_all(Path(unit.saved)))
     first = exercise.files[0]
     return _portable(
         grade(exercise, trials, file=first, field=unit.field, tier=unit.tier).as_dict()

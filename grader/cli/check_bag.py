@@ -34,9 +34,10 @@ def check_bag(
     """Judge saved recordings: BAG is one bag, or a folder of them. No student code runs."""
     from grader.course.exercises import find_exercise  # noqa: PLC0415
     from grader.grading.grading import grade  # noqa: PLC0415
-    from grader.trial.trials import SavedTrials, load_bags  # noqa: PLC0415
+    from grader.recording.bag import load_all  # noqa: PLC0415
+    from grader.trial.trials import SavedTrials  # noqa: PLC0415
 
     chosen = find_exercise(exercise)
     check_writable(report, json_)
-    trials = SavedTrials(load_bags(bag))
+    trials = SavedTrials(load_all(bag))
     return show(grade(chosen, trials, file=str(bag), field=field, only=only), json_, report)

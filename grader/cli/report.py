@@ -69,8 +69,7 @@ def _about(class_: Marking, student: str) -> list[str]:
 
 
 def _log(class_: Marking, entries: list[Entry]) -> list[str]:
-    from grader.classroom.amendments import described  # noqa: PLC0415
-    from grader.classroom.marking import undone_by  # noqa: PLC0415
+    from grader.classroom.amendments import described, undone_by  # noqa: PLC0415
     from grader.classroom.results.words import moment  # noqa: PLC0415
 
     if not entries:

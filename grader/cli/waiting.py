@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 import time
 from types import TracebackType
@@ -25,7 +26,8 @@ class Waiting:
     def __init__(self, title: str, console: Console | None = None, *, quiet: bool = False) -> None:
         """Take what is graded; `quiet`: no lines but on a terminal, for those who parse JSON."""
         self._quiet = quiet
-        self._console = console or Console(stderr=True, highlight=False)
+        # this very stderr: while the checks run, pytest has put another in its place
+        self._console = console or Console(file=sys.stderr, highlight=False)
         self._title = title
         self._begin = time.monotonic()
         self._lock = threading.Lock()  # steps come from several threads
@@ -94,7 +96,7 @@ class Waiting:
                 ("failed", ", ".join(self._with("fail"))),
             ]
         grid = Table.grid(padding=(0, 1, 0, 1))
-        grid.add_column(width=7)
+        grid.add_column(min_width=7, no_wrap=True)
         grid.add_column(no_wrap=True, overflow="ellipsis")
         grid.add_row(self._spinner, Text(f"{self._title}: {how} ({seconds:.0f} s)"))
         for name, text in rows:

@@ -263,3 +263,18 @@ def _log_message(line: LogLine) -> Message:
 def _log_line(message: Message) -> LogLine:
     value = decode(message.data, LOG)
     return LogLine(message.time, value.name, value.msg)
+
+
+def load_all(path: Path) -> list[Recording]:
+    """Load one bag, or every bag in a folder.
+
+    Raises
+    ------
+    InputError
+        There is none, or one can't be read.
+    """
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        folders = sorted(file.parent for file in path.glob("*/metadata.yaml"))
+        if folders:
+            return [load(folder) for folder in folders]
+    return [load(path)]

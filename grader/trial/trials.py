@@ -257,7 +257,7 @@ class NodeTrials:
         """Save a recording; one that can't be saved is judged all the same."""
         place = bags / recording.name
         try:
-            return with_bag(recording, bag.save(recording, place))
+            return replace(recording, bag=str(bag.save(recording, place)))
         except Exception as error:
             if is_disk_full(error):
                 raise
@@ -382,23 +382,3 @@ class SavedTrials:
     def notes(self) -> list[str]:
         """Return none: nothing runs."""
         return []
-
-
-def with_bag(recording: Recording, folder: Path) -> Recording:
-    """Return the recording with a note of where it is saved."""
-    return replace(recording, bag=str(folder))
-
-
-def load_bags(path: Path) -> list[Recording]:
-    """Load one bag, or every bag in a folder.
-
-    Raises
-    ------
-    InputError
-        There is none, or one can't be read.
-    """
-    if path.is_dir() and not (path / "metadata.yaml").exists():
-        folders = sorted(file.parent for file in path.glob("*/metadata.yaml"))
-        if folders:
-            return [bag.load(folder) for folder in folders]
-    return [bag.load(path)]

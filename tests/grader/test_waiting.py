@@ -1,7 +1,9 @@
 """What `course grade` shows while it runs: on a terminal, and in a log."""
 
 import io
+import sys
 
+import pytest
 from rich.console import Console
 
 from grader.cli.waiting import Waiting
@@ -33,6 +35,15 @@ def test_a_log_gets_a_line_for_each_run_that_is_over() -> None:
         "Exercise 1, agent.py: run 1 of 3 is over (avoid_wall)",
         "Exercise 1, agent.py: run 2 of 3 is over (avoid_cart); 1 check passed, 1 failed",
     ]
+
+
+def test_lines_are_seen_while_checks_run_which_capture_stderr(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Waiting("Exercise 1, agent.py") as waiting, monkeypatch.context() as checks:
+        checks.setattr(sys, "stderr", io.StringIO())
+        waiting(STEPS[2])
+    assert "run 1 of 3 is over" in capsys.readouterr().err
 
 
 def test_a_terminal_shows_at_once_that_something_goes_on() -> None:

@@ -145,6 +145,15 @@ def active(entries: Sequence[Entry]) -> list[Entry]:
     return kept[::-1]
 
 
+def undone_by(entries: Sequence[Entry]) -> list[tuple[int, int]]:
+    """Return the entries that don't count, each with the one that undid it."""
+    found: dict[int, int] = {}
+    for entry in reversed(entries):
+        if entry.number not in found and isinstance(entry.change, Undo):
+            found[entry.change.number] = entry.number
+    return sorted(found.items())
+
+
 def described(change: Change | None) -> str:
     """Return in words what a change is."""
     match change:

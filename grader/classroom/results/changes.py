@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from grader.classroom.amendments.change import Undo
-from grader.classroom.amendments.log import Entry, described
+from grader.classroom.amendments.log import Entry, described, undone_by
 from grader.classroom.results.clean import one_line
 from grader.classroom.results.page import Element, el, name, section, table
 from grader.classroom.results.words import moment
@@ -17,7 +16,7 @@ def changes(log: Sequence[Entry]) -> Element | None:
     """Return the newest entries of the log; None if there are none."""
     if not log:
         return None
-    undone = {each.change.number for each in log if isinstance(each.change, Undo)}
+    undone = dict(undone_by(log))
     rows = [
         el(
             "tr",

@@ -139,9 +139,9 @@ def _row(result: StoredResult, task: Task) -> Element:
 
 def _recordings(bags: Path) -> list[Recording]:
     """Return the recordings to replay; none if they can't be read, so that there is a page."""
-    from grader.trial.trials import load_bags  # noqa: PLC0415  (rosbags: 0.2 s)
+    from grader.recording.bag import load_all  # noqa: PLC0415  (rosbags: 0.2 s)
 
     try:
-        return load_bags(bags)
+        return load_all(bags)
     except (InputError, OSError):
         return []

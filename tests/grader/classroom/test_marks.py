@@ -1,20 +1,20 @@
-"""Marks that people change: what they come to, in every export, and what the log says of them."""
+"""Marks that people change: what they come to, in every export."""
 
 from __future__ import annotations
 
 import csv
-import errno
 import io
 import json
+import re
 import sqlite3
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from fake_class import FILE, SLUG, fair, grading
-from made_results import check, result
+from fake_class import FILE, SLUG, fair
+from made_results import result
+from marked_class import ANN, CHECKS, WHY, judged, payload, points, scores
 
 from grader.classroom.amendments import (
     Entry,
@@ -28,61 +28,11 @@ from grader.classroom.amendments import (
     amended,
 )
 from grader.classroom.amendments.late import moment_of, span_of, times_of
-from grader.classroom.marking import Marking, marking, reading
+from grader.classroom.marking import marking, reading
 from grader.classroom.results.marks import points_of, tasks_of
 from grader.classroom.row import GRADED, HELD
 from grader.classroom.store import Store
-from grader.classroom.work import Unit, UnitResult
-from grader.errors import DiskFull, GraderError, InputError
-
-ANN = Whom(("ann",))
-CHECKS = (check("stop_zone", "pass", 60), check("slow_zone", "fail", 30), check("blind", "pass"))
-WHY = "because"
-
-
-def judged(unit: Unit) -> UnitResult:
-    """70 of 100 for everybody; eve's slow_zone could not be judged."""
-    checks = [dict(each) for each in CHECKS]
-    if unit.student == "eve":
-        checks[1]["outcome"] = "inconclusive"
-    most = 70 if unit.student == "eve" else 100
-    return UnitResult({**grading(score=70), "max_score": most, "checks": checks})
-
-
-@pytest.fixture
-def graded(grade_class: Any, tmp_path: Path) -> Path:
-    grade_class(judged)
-    return tmp_path / "out"
-
-
-@pytest.fixture
-def mark(graded: Path) -> Callable[..., dict[str, str]]:
-    """Make changes, and return everybody's points by scores.csv."""
-
-    def mark(*changes: Any) -> dict[str, str]:
-        with marking(graded) as class_:
-            for change in changes:
-                class_.add(change, "prof", WHY)
-        return points(graded)
-
-    return mark
-
-
-def scores(out: Path) -> dict[str, dict[str, str]]:
-    text = (out / "scores.csv").read_text("utf-8-sig")
-    return {row["student"]: row for row in csv.DictReader(io.StringIO(text, newline=""))}
-
-
-def points(out: Path) -> dict[str, str]:
-    return {student: row["points"] for student, row in scores(out).items()}
-
-
-def payload(page: Path) -> dict[str, Any]:
-    text = page.read_text("utf-8")
-    start = text.index('id="payload">') + len('id="payload">')
-    found: dict[str, Any] = json.loads(text[start : text.index("</script>", start)])
-    return found
-
+from grader.errors import InputError
 
 # --- what changes come to --------------------------------------------------------------------
 
@@ -123,7 +73,7 @@ def test_a_score_counts_before_all(mark: Callable[..., Any], graded: Path) -> No
     assert (graded / "feedback" / "eve" / f"{SLUG}.html").is_file()
 
 
-def test_undo_and_undo_of_the_undo(mark: Callable[..., Any]) -> None:
+def test_undo_and_undo_of_the_undo(mark: Callable[..., Any], graded: Path) -> None:
     assert mark(Score(SLUG, 85, ANN))["ann"] == "85"
     assert mark(Undo(1))["ann"] == "70"
     with pytest.raises(InputError, match="undone already, by entry 2"):
@@ -131,6 +81,8 @@ def test_undo_and_undo_of_the_undo(mark: Callable[..., Any]) -> None:
     with pytest.raises(InputError, match="no entry 9; there are: 1 to 2"):
         mark(Undo(9))
     assert mark(Undo(2))["ann"] == "85"
+    states = re.findall(r">(counts|undone)<", (graded / "class.html").read_text())
+    assert states == ["counts", "undone", "counts"]  # the newest first
 
 
 def test_a_score_for_one_who_handed_in_nothing(
@@ -330,127 +282,3 @@ def test_published_pages_are_kept_in_step(mark: Callable[..., Any], graded: Path
     assert not (there / "eve" / f"{SLUG}.html").exists()  # she is held
     mark(Undo(3))
     assert not there.exists()
-
-
-# --- the log -----------------------------------------------------------------------------------
-
-
-def test_the_log_only_grows(mark: Callable[..., Any], graded: Path) -> None:
-    mark(Score(SLUG, 85, ANN))
-    db = sqlite3.connect(graded / "store.sqlite")
-    for statement in ("UPDATE amendments SET why='x'", "DELETE FROM amendments"):
-        with pytest.raises(sqlite3.IntegrityError, match="only grows"):
-            db.execute(statement)
-    db.close()
-
-
-@pytest.fixture
-def edit(graded: Path) -> Callable[[str], None]:
-    def edit(statement: str) -> None:
-        db = sqlite3.connect(graded / "store.sqlite")
-        for verb in ("UPDATE", "DELETE"):
-            db.execute(f"DROP TRIGGER IF EXISTS amendments_{verb}")
-        db.execute(statement)
-        db.commit()
-        db.close()
-
-    return edit
-
-
-@pytest.mark.parametrize(
-    ("statement", "number", "said"),
-    [
-        ("UPDATE amendments SET what=replace(what, '85', '99') WHERE number=1", 1, "changed"),
-        ("UPDATE amendments SET what='[]' WHERE number=2", 2, "changed"),
-        ("UPDATE amendments SET why='was told to' WHERE number=2", 2, "changed"),
-        ("DELETE FROM amendments WHERE number=1", 1, "removed"),
-        ("DELETE FROM amendments WHERE number=2", 2, "removed"),
-    ],
-)
-def test_a_log_that_was_edited_by_hand(
-    mark: Callable[..., Any], graded: Path, edit: Callable[[str], None], grade_class: Any,
-    statement: str, number: int, said: str,
-) -> None:  # fmt: skip
-    mark(Score(SLUG, 85, ANN), Score(SLUG, 35, Whom(("bob",))))
-    before = (graded / "scores.csv").read_text()
-    edit(statement)
-    with pytest.raises(InputError, match=f"entry {number} .*{said}"):
-        mark(Score(SLUG, 1, ANN))
-    with pytest.raises(InputError, match=f"entry {number} .*{said}"):
-        grade_class(judged)
-    assert (graded / "scores.csv").read_text() == before
-    with reading(graded) as class_:
-        assert [entry.number for entry in class_.entries if entry.problem] == [number]
-    found = mark(Undo(number))  # said to count no longer
-    assert found == {"ann": "85" if number == 2 else "70", "bob": "35" if number == 1 else "70",
-                     "eve": ""}  # fmt: skip
-
-
-@pytest.mark.parametrize("ends", [KeyboardInterrupt(), OSError(errno.ENOSPC, "full")])
-def test_what_ends_while_results_are_written_is_in_the_log(
-    graded: Path, monkeypatch: pytest.MonkeyPatch, ends: BaseException
-) -> None:
-    def end(*_: object) -> None:
-        raise ends
-
-    with monkeypatch.context() as patch:
-        patch.setattr("grader.classroom.folder.write_results", end)
-        with pytest.raises((KeyboardInterrupt, DiskFull)) as caught, marking(graded) as class_:
-            class_.add(Score(SLUG, 85, ANN), "prof", WHY)
-    if isinstance(caught.value, DiskFull):
-        assert "course marks write" in str(caught.value)
-    assert points(graded)["ann"] == "70"
-    with marking(graded) as class_:
-        class_.write()
-    assert points(graded)["ann"] == "85"
-
-
-def test_two_at_once(graded: Path) -> None:
-    with marking(graded), pytest.raises(GraderError, match="another"), marking(graded):
-        pass
-
-
-def _append(out: Path, count: int) -> None:
-    with Store(out / "store.sqlite") as store:
-        for number in range(count):
-            store.log.append(Undo(number), "prof", WHY)
-
-
-def test_entries_of_two_at_once_are_all_there(tmp_path: Path) -> None:
-    with Store(tmp_path / "store.sqlite"):
-        pass
-    with ThreadPoolExecutor(2) as both:
-        list(both.map(_append, [tmp_path] * 2, [20] * 2))
-    with Store(tmp_path / "store.sqlite") as store:
-        entries = store.log.entries()
-    assert [entry.number for entry in entries] == list(range(1, 41))
-    assert not any(entry.problem for entry in entries)
-
-
-@pytest.fixture
-def odd_names(handed_in: Path) -> Iterator[list[str]]:
-    names = ["=1+1", "--all", "<img src=x onerror=alert(1)>", "-h", "@SUM(A1)"]
-    for name in names:
-        (handed_in / name).mkdir()
-        (handed_in / name / FILE).write_text(f"# {name}\n")
-    yield names
-
-
-def test_names_that_are_formulas_options_or_html(
-    odd_names: list[str], grade_class: Any, tmp_path: Path
-) -> None:
-    grade_class(judged)
-    out = tmp_path / "out"
-    with marking(out) as class_:
-        whom = class_.whom(["=1+1", "--all", "-h"], "", everybody=False)
-        class_.add(Score(SLUG, 85, whom), "=cmd()", "<script>alert(1)</script>")
-        odd: Marking = class_
-        assert len(odd.students) == 8
-    found = points(out)
-    assert [found[name] for name in ("'=1+1", "'--all", "'-h", "'@SUM(A1)")] == [
-        "85", "85", "85", "70",
-    ]  # fmt: skip
-    page = (out / "class.html").read_text("utf-8")
-    assert "<script>" not in page
-    assert "&lt;script&gt;alert(1)" in page
-    assert "<img" not in page

@@ -1,0 +1,144 @@
+"""The log of marks: it only grows, and nothing that goes wrong loses an entry."""
+
+from __future__ import annotations
+
+import errno
+import sqlite3
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fake_class import FILE, SLUG
+from marked_class import ANN, WHY, judged, points
+
+from grader.classroom.amendments import (
+    Score,
+    Undo,
+    Whom,
+)
+from grader.classroom.marking import Marking, marking, reading
+from grader.classroom.store import Store
+from grader.errors import DiskFull, GraderError, InputError
+
+
+def test_the_log_only_grows(mark: Callable[..., Any], graded: Path) -> None:
+    mark(Score(SLUG, 85, ANN))
+    db = sqlite3.connect(graded / "store.sqlite")
+    for statement in ("UPDATE amendments SET why='x'", "DELETE FROM amendments"):
+        with pytest.raises(sqlite3.IntegrityError, match="only grows"):
+            db.execute(statement)
+    db.close()
+
+
+@pytest.fixture
+def edit(graded: Path) -> Callable[[str], None]:
+    def edit(statement: str) -> None:
+        db = sqlite3.connect(graded / "store.sqlite")
+        for verb in ("UPDATE", "DELETE"):
+            db.execute(f"DROP TRIGGER IF EXISTS amendments_{verb}")
+        db.execute(statement)
+        db.commit()
+        db.close()
+
+    return edit
+
+
+@pytest.mark.parametrize(
+    ("statement", "number", "said"),
+    [
+        ("UPDATE amendments SET what=replace(what, '85', '99') WHERE number=1", 1, "changed"),
+        ("UPDATE amendments SET what='[]' WHERE number=2", 2, "changed"),
+        ("UPDATE amendments SET why='was told to' WHERE number=2", 2, "changed"),
+        ("DELETE FROM amendments WHERE number=1", 1, "removed"),
+        ("DELETE FROM amendments WHERE number=2", 2, "removed"),
+    ],
+)
+def test_a_log_that_was_edited_by_hand(
+    mark: Callable[..., Any], graded: Path, edit: Callable[[str], None], grade_class: Any,
+    statement: str, number: int, said: str,
+) -> None:  # fmt: skip
+    mark(Score(SLUG, 85, ANN), Score(SLUG, 35, Whom(("bob",))))
+    before = (graded / "scores.csv").read_text()
+    edit(statement)
+    with pytest.raises(InputError, match=f"entry {number} .*{said}"):
+        mark(Score(SLUG, 1, ANN))
+    with pytest.raises(InputError, match=f"entry {number} .*{said}"):
+        grade_class(judged)
+    assert (graded / "scores.csv").read_text() == before
+    with reading(graded) as class_:
+        assert [entry.number for entry in class_.entries if entry.problem] == [number]
+    found = mark(Undo(number))  # said to count no longer
+    assert found == {"ann": "85" if number == 2 else "70", "bob": "35" if number == 1 else "70",
+                     "eve": ""}  # fmt: skip
+
+
+@pytest.mark.parametrize("ends", [KeyboardInterrupt(), OSError(errno.ENOSPC, "full")])
+def test_what_ends_while_results_are_written_is_in_the_log(
+    graded: Path, monkeypatch: pytest.MonkeyPatch, ends: BaseException
+) -> None:
+    def end(*_: object) -> None:
+        raise ends
+
+    with monkeypatch.context() as patch:
+        patch.setattr("grader.classroom.folder.write_results", end)
+        with pytest.raises((KeyboardInterrupt, DiskFull)) as caught, marking(graded) as class_:
+            class_.add(Score(SLUG, 85, ANN), "prof", WHY)
+    if isinstance(caught.value, DiskFull):
+        assert "course marks write" in str(caught.value)
+    assert points(graded)["ann"] == "70"
+    with marking(graded) as class_:
+        class_.write()
+    assert points(graded)["ann"] == "85"
+
+
+def test_two_at_once(graded: Path) -> None:
+    with marking(graded), pytest.raises(GraderError, match="another"), marking(graded):
+        pass
+
+
+def _append(out: Path, count: int) -> None:
+    with Store(out / "store.sqlite") as store:
+        for number in range(count):
+            store.log.append(Undo(number), "prof", WHY)
+
+
+def test_entries_of_two_at_once_are_all_there(tmp_path: Path) -> None:
+    with Store(tmp_path / "store.sqlite"):
+        pass
+    with ThreadPoolExecutor(2) as both:
+        list(both.map(_append, [tmp_path] * 2, [20] * 2))
+    with Store(tmp_path / "store.sqlite") as store:
+        entries = store.log.entries()
+    assert [entry.number for entry in entries] == list(range(1, 41))
+    assert not any(entry.problem for entry in entries)
+
+
+@pytest.fixture
+def odd_names(handed_in: Path) -> Iterator[list[str]]:
+    names = ["=1+1", "--all", "<img src=x onerror=alert(1)>", "-h", "@SUM(A1)"]
+    for name in names:
+        (handed_in / name).mkdir()
+        (handed_in / name / FILE).write_text(f"# {name}\n")
+    yield names
+
+
+def test_names_that_are_formulas_options_or_html(
+    odd_names: list[str], grade_class: Any, tmp_path: Path
+) -> None:
+    grade_class(judged)
+    out = tmp_path / "out"
+    with marking(out) as class_:
+        whom = class_.whom(["=1+1", "--all", "-h"], "", everybody=False)
+        class_.add(Score(SLUG, 85, whom), "=cmd()", "<script>alert(1)</script>")
+        odd: Marking = class_
+        assert len(odd.students) == 8
+    found = points(out)
+    assert [found[name] for name in ("'=1+1", "'--all", "'-h", "'@SUM(A1)")] == [
+        "85", "85", "85", "70",
+    ]  # fmt: skip
+    page = (out / "class.html").read_text("utf-8")
+    assert "<script>" not in page
+    assert "&lt;script&gt;alert(1)" in page
+    assert "<img" not in page
