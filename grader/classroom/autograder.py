@@ -30,6 +30,7 @@ from grader.course.students import read_secret, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import layers_here
+from grader.grading.trying import why_none_runs
 from grader.host.sandbox.layers import FILES, USER
 from grader.link.scratch import fresh_folder
 from grader.report.page import json_text
@@ -119,6 +120,9 @@ def judged(root: Path) -> dict[str, Any] | str:
                 name, exercise.slug, files, seed=seed, field=settings.field, bags=False, trust=True
             )
             results.append(_stored(unit, _grade(unit)))
+    zero = any(result.grading is not None and not result.grading["score"] for result in results)
+    if zero and (why := why_none_runs()):  # the container's, not the student's
+        raise GraderError(f"no node runs here, not even a skeleton: {why}")
     held = [result for result in results if is_held(result)]
     if held:
         return f"{held[0].exercise}: {why_held(held[0]).reason}"

@@ -172,6 +172,25 @@ def test_what_cannot_be_judged_has_no_results(
     assert not (place / "results" / "results.json").exists()
 
 
+@pytest.mark.parametrize(("why", "code"), [("no shared memory", 1), ("", 0)])
+def test_a_zero_of_the_containers_is_no_score(
+    place: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    why: str,
+    code: int,
+) -> None:
+    (place / "submission" / FILE).write_bytes(b"print()")
+    grading = {"score": 0, "max_score": 100, "checks": [], "file": FILE}
+    monkeypatch.setattr(autograder, "grade_unit", lambda unit: UnitResult(grading))
+    monkeypatch.setattr(autograder, "why_none_runs", lambda: why)
+
+    assert main([str(place)]) == code
+
+    assert why in capsys.readouterr().out
+    assert (place / "results" / "results.json").exists() == (code == 0)
+
+
 def test_without_isolation_nothing_runs(
     place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
