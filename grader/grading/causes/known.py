@@ -47,7 +47,7 @@ def known_cause(exercise: Exercise, failed: Sequence[Failed], trials: ByName) ->
 
 def told_as(text: str) -> str:
     """Return a mistake as a cause tells it."""
-    return f"the node {text[0].lower()}{text[1:].rstrip('.')}"
+    return f"the node {text[:1].lower()}{text[1:].rstrip('.')}"
 
 
 def fingerprint(failed: Sequence[Failed], trials: ByName) -> str:

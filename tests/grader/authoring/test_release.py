@@ -117,6 +117,7 @@ def test_students_get_the_ros_packages(tmp_path: Path) -> None:
         if not (tmp_path / path).exists():
             (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
             (tmp_path / path).write_text("", "utf-8")
+    given.add("course_setup.py")  # made: what builds a released package
     assert set(contents((), tmp_path)) == given
     one = set(contents(["obstacle_avoidance"], tmp_path))
     assert given - one == {"exercises/config/slow_model.yaml"}
@@ -256,7 +257,7 @@ def test_secrets_lying_about_are_left_where_they_are(tmp_path: Path) -> None:
     (tmp_path / "sim" / "link.py").symlink_to(tmp_path / "secret.txt")
     (tmp_path / "exercises/a/README.md").write_text("public", "utf-8")
     assert set(contents((), tmp_path)) == {
-        "LICENSE", "README.md", "pyproject.toml", "exercises/a/README.md",
+        "LICENSE", "README.md", "course_setup.py", "pyproject.toml", "exercises/a/README.md",
     }  # fmt: skip
 
 
