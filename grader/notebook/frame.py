@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 
-HEIGHT = 900  # [px]
+HEIGHT = 960  # [px]
 # A page in a frame takes its colour scheme from the frame: JupyterLab, nbconvert, VS Code, Colab.
 STYLE = """\
 <style>
