@@ -98,8 +98,9 @@ LISTINGS = (
             "stops_once": "The robot never came to where it has to stop, and the message says "
             "so: it is not the stop that is wrong. Leave it until the goals are reached.",
             "new_goal": "Again a goal that is not reached; nothing about new goals is wrong.",
+            "bad_input": "It has passed the goal and turns, where it should only go on.",
         },
-        "Heading error = bearing - yaw, wrapped to [-π, π]. Five messages, one line of code: the "
+        "Heading error = bearing - yaw, wrapped to [-π, π]. Six messages, one line of code: the "
         "one that shows the wrong sign is the one to start with.",
     ),
     Listing(
