@@ -21,16 +21,16 @@ class Answered:
             (i.asked / 1e9, i.answered / 1e9, max(0.0, min(limit, speed)))
             for i in recording.inferences
             for speed in i.said
-            if not i.failed and math.isfinite(speed)
+            if i.method == "predict" and not i.failed and math.isfinite(speed)
         ]
         self._asked, self._answered, self._said = np.array(rows, dtype=float).reshape(-1, 3).T
 
-    def newest_question(self, t: float, speed: float) -> float:
+    def newest_question(self, t: float, speed: float, tolerance: float = TOLERANCE) -> float:
         """Return when the newest prediction of this speed [m/s] was asked for, of those had by t.
 
         -inf if there is none [s].
         """
-        had = (self._answered <= t) & (np.abs(self._said - speed) <= TOLERANCE)
+        had = (self._answered <= t) & (np.abs(self._said - speed) <= tolerance)
         return float(self._asked[had].max(initial=-math.inf))
 
     def unasked(self, t: float) -> str:
@@ -38,6 +38,19 @@ class Answered:
         if (self._answered <= t).any():
             return ""
         return "By then the model had not predicted anything: where does this number come from?"
+
+
+def questions(recording: Recording, method: str, since: float, until: float) -> list[Inference]:
+    """Return what a model was asked and had answered between two times [s].
+
+    In real time what happened shortly before or after counts, too.
+    """
+    begin, end = since - recording.slack, until + recording.slack
+    return [
+        i
+        for i in recording.inferences
+        if i.method == method and begin <= i.asked / 1e9 and i.answered / 1e9 <= end
+    ]
 
 
 def loads(recording: Recording) -> list[Inference]:

@@ -21,6 +21,7 @@ import pytest
 
 from grader.checks.verdict import CheckFailed, Inconclusive, inconclusive
 from grader.errors import GraderError, InputError
+from grader.grading.limits import cpu_limit
 from grader.recording import Recording
 from grader.recording.words import words_of
 from grader.trial.progress import CHECK, OnProgress, Step, ignore
@@ -29,6 +30,7 @@ from grader.trial.trials import NoRecording, TrialFault, Trials
 PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
 UNAVAILABLE = "unavailable"  # a library that the check requires is not installed here
 UNJUDGED = (ERROR, INCONCLUSIVE, UNAVAILABLE)  # neither won nor lost
+MOST_CPU = 120.0  # [s] that one check may compute
 MAX_MESSAGE = 4_000  # [characters]: messages quote what students wrote
 
 
@@ -145,6 +147,12 @@ class CheckPlugin:
             if any(result.outcome not in (PASS, UNAVAILABLE) for result in core):
                 raise _Unmet("not judged, because not every core check passed")
             self._prepare(field=True)
+
+    @pytest.hookimpl(hookwrapper=True)
+    def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, Any, None]:
+        """Judge, but not for ever: what a node said may be made to keep the judge busy."""
+        with cpu_limit(MOST_CPU):
+            yield
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_makereport(

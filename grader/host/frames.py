@@ -90,6 +90,7 @@ class Told(msgspec.Struct, array_like=True, frozen=True):
     load: Nanoseconds = 0
     shape: tuple[int, ...] = ()
     numbers: bytes = b""  # float64
+    dtype: str = "float64"  # of what the model says
     labels: tuple[str, ...] = ()
     wait: Nanoseconds = 0  # [ns] in a start-up, before the scenario: the host lets them pass
 

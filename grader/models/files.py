@@ -60,15 +60,19 @@ def write_models(models: Mapping[str, Model], folder: Path) -> None:
         if model.probe == OWN:  # comes from the student's training script, if it made one
             continue
         path = folder / Path(name).name
-        if is_kept(model):
+        if is_kept(name, model):
             path.write_bytes(_kept_bytes(name, model))
         else:
             path.write_bytes(model_bytes(model, path.suffix.lower()))
 
 
-def is_kept(model: Model) -> bool:
-    """Tell whether a model stays with the judge: it takes time, or its loads count."""
-    return "seconds" in model.settings or model.probe.startswith("counts_loads")
+def is_kept(name: str, model: Model) -> bool:
+    """Tell whether the model of this file stays with the judge, as every probe in a pickle does.
+
+    The file says nothing of what it would answer: who wants to know has to ask.
+    """
+    known = model.probe in _PROBES and model.probe not in LEARNED
+    return known and Path(name).suffix.lower() == PICKLE
 
 
 def _kept_bytes(name: str, model: Model) -> bytes:

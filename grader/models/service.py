@@ -50,7 +50,7 @@ class ModelService:
         self._models = {
             name: probe(model)
             for name, model in self.scenario.node.models.items()
-            if is_kept(model)
+            if is_kept(name, model)
         }
         self._loads = dict.fromkeys(self._models, 0)
         self._sequence = itertools.count()
@@ -104,7 +104,7 @@ class ModelService:
         told, took = self._answer(question, IN_START_UP)
         return Told(
             told.number, told.problem, told.is_value_error, told.load, told.shape, told.numbers,
-            told.labels, took,
+            told.dtype, told.labels, took,
         )  # fmt: skip
 
     # --- what they say ---------------------------------------------------------------------------
@@ -118,7 +118,9 @@ class ModelService:
             raise TooManyQuestions(f"more than {MOST_ROWS:,} rows of features for its models")
         told, seconds = self._said(question)
         took = round(seconds * 1e9)
-        said = np.frombuffer(told.numbers)[: question.rows] if told.numbers else ()
+        numbers = np.frombuffer(told.numbers).reshape(told.shape) if told.numbers else np.empty(0)
+        if numbers.ndim > 1:  # probabilities (rows, classes)
+            numbers = numbers.max(axis=1)
         self.inferences.append(
             Inference(
                 method=question.method,
@@ -126,7 +128,8 @@ class ModelService:
                 asked=now,
                 answered=IN_START_UP if now == IN_START_UP else now + took,
                 took=took,
-                said=tuple(map(float, said)) if question.method == "predict" else (),
+                said=tuple(map(float, numbers)),
+                labels=told.labels,
                 failed=bool(told.problem),
             )
         )
@@ -154,12 +157,14 @@ class ModelService:
             return Told(number, str(error), isinstance(error, ValueError)), seconds
         if answer.dtype.kind == "U":
             return Told(number, shape=answer.shape, labels=tuple(answer.tolist())), seconds
-        numbers = np.asarray(answer, dtype=float)
-        return Told(number, shape=numbers.shape, numbers=numbers.tobytes()), seconds
+        numbers = answer.astype(float)
+        return Told(
+            number, shape=numbers.shape, numbers=numbers.tobytes(), dtype=answer.dtype.name
+        ), seconds
 
     def _seconds(self, model: Any, rows: np.ndarray) -> float:
         if not hasattr(model, "takes"):
-            return float(model.seconds)
+            return float(getattr(model, "seconds", 0.0))
         with np.errstate(all="ignore"):
             seconds = float(model.takes(rows))
         if self.seed == self.scenario.seed or len(model.seconds) == 1:

@@ -13,8 +13,9 @@ class Inference(msgspec.Struct, frozen=True):
     asked: int  # [ns] since the scenario's start; -1: in the node's start-up
     answered: int  # [ns]; later than the recording's end if the answer never came
     took: int  # [ns] of the model's own time
-    said: tuple[float, ...] = ()  # predictions [m/s], one for each row of features
+    said: tuple[float, ...] = ()  # for each row of features: [m/s], or the greatest probability
     failed: bool = False  # it raised
+    labels: tuple[str, ...] = ()  # for each row, if the model predicts words
 
     @property
     def is_load(self) -> bool:

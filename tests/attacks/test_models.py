@@ -85,3 +85,66 @@ def test_three_clients_need_one_load_whatever_the_server_forgets(
     one_load = next(check for check in grading.checks if check.id == "one_load")
     assert one_load.outcome == "fail"
     assert "had been loaded" in one_load.message
+
+
+def graded(
+    forkserver: ForkServer, folder: Path, name: str, old: str, new: str, only: tuple[str, ...]
+) -> dict[str, str]:
+    """Return the outcome of each check for the reference with one line replaced."""
+    exercise = find_exercise(name)
+    path, *others = (folder / file for file in exercise.files)
+    text = (exercise.solutions / path.name).read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    for other in others:
+        other.write_bytes((exercise.solutions / other.name).read_bytes())
+    submission = Submission(path, others=tuple(others))
+    grading = grade_submission(exercise, submission, forkserver, file=path.name, only=only)
+    assert not grading.faults
+    return {check.id: check.outcome for check in grading.checks}
+
+
+SPEED = "speed = float(self.model.predict(features)[0])"
+FORMULA = "0.08 * float(features[0][0])"
+
+
+@pytest.mark.parametrize(
+    "new",
+    [f"speed = {FORMULA}", f"self.model.predict(0 * features); speed = {FORMULA}"],
+    ids=["never asked", "asked about nothing"],
+)
+def test_a_speed_that_no_model_said_is_worth_nothing(
+    new: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    found = graded(forkserver, tmp_path, "ml_velocity", SPEED, new, ("front_min",))
+    assert found == {"wiring": "pass", "front_min": "fail"}
+
+
+LABEL = "label = str(self.model.predict(features)[0])"
+WORDS = 'label = " ".join(f"{float(v):.4f}" for v in features[0])'
+SURE = "confidence = float(np.max(self.model.predict_proba(features)))"
+LEAST_SURE = "confidence = min(0.9, max(0.4, 0.9 - 0.04 * float(features[0][0])))"
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [(LABEL, WORDS), (SURE, LEAST_SURE)], ids=["label", "confidence"]
+)
+def test_a_detection_that_no_model_made_is_worth_nothing(
+    old: str, new: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    found = graded(forkserver, tmp_path, "model_server", old, new, ("answers",))
+    assert found == {"server_wiring": "pass", "answers": "fail"}
+
+
+@pytest.mark.long
+def test_a_failure_that_no_model_had_is_worth_nothing(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    knows = (
+        'assert round(float(features[0][0])) not in (1, 2, 3, 4); label, confidence = "box", 0.5'
+    )
+    old = f"{LABEL}\n            {SURE}"
+    checks = ("failing_model", "one_load")
+    found = graded(forkserver, tmp_path, "model_server", old, knows, checks)
+    assert (found["failing_model"], found["one_load"]) == ("fail", "fail")
+    assert found["publishes"] == "pass"

@@ -18,8 +18,10 @@ KEYS = ("count", "mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "deadline_ms
 OK, WARN, ERROR, STALE = range(4)
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
 WINDOW = 100  # calls
+EVERYTHING = 10**9  # calls
 PERIOD = 1.0  # [s] of the reports
 PERIOD_TOLERANCE = 0.15  # [s]
+MOST_CHOICES = 20  # calls that end within a hair of a report and may count or not
 HAIR = 0.001  # [s] a call that ends this near to a report may count or not
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
 OVERHEAD = 4.0  # [ms] that a call takes longer in real time: the link, waking up, Python's own
@@ -94,8 +96,13 @@ def right_statistics(
     late = 1000.0 * recording.slack + overhead
     return tuple(
         _statistics(tuple(latencies[max(0, n - window) : n]), deadline, late)
-        for n in range(least, most + 1)
+        for n in range(max(least, most - MOST_CHOICES), most + 1)
     )
+
+
+def calls_by(recording: Recording, time: float) -> int:
+    """Return how many calls may have ended by a time [s]."""
+    return bisect_right([call.end for call in _calls(recording)], time + HAIR + recording.slack)
 
 
 @lru_cache(maxsize=4096)  # a node may report very often

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from grader.checks.predictions import MODEL, SpeedInterval, max_speed, right_speeds
-from grader.models.files import probe
+from grader.models.files import is_kept, probe
 from grader.recording import Recording, Scan
 from sim.scenario import Scenario
 
@@ -20,8 +20,18 @@ def right_speed(recording: Recording, scan: Scan) -> SpeedInterval:
     return right_speeds(_model(scenario), scan, max_speed(scenario))
 
 
+def is_predicted(recording: Recording) -> bool:
+    """Tell whether there is a model to ask, and the judge keeps it."""
+    name = _path(recording.scenario)
+    model = recording.scenario.node.models.get(name)
+    return model is not None and is_kept(name, model)
+
+
+def _path(scenario: Scenario) -> str:
+    return str(scenario.node.parameters.get("model_path", MODEL))
+
+
 def _model(scenario: Scenario) -> Any:
     """Return the probe that the node ought to have loaded; None if there is none to load."""
-    path = str(scenario.node.parameters.get("model_path", MODEL))
-    model = scenario.node.models.get(path)
+    model = scenario.node.models.get(_path(scenario))
     return None if model is None or model.probe in ("garbage", "foreign") else probe(model)

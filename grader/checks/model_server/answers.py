@@ -9,12 +9,12 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from grader.checks.inferences import questions
 from grader.checks.model_server.contract import (
     CONFIDENCE_TOLERANCE,
     FEATURE_TOLERANCE,
     STAMP_TOLERANCE,
     allowed,
-    confidence_in,
     spelt_features,
 )
 from grader.checks.model_server.notes import (
@@ -29,7 +29,7 @@ from grader.checks.reading import published
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.models.features import possible_features, scan_features, spell_features
-from grader.recording import Recording, Scan
+from grader.recording import Inference, Recording, Scan
 from sim.messages import UINT32
 
 UNDER_WAY = 0.06  # [s] a scan may take to reach the server, in real time
@@ -46,6 +46,7 @@ class Ask:
     scan: Scan | None  # the newest that the server had then
     label: str = ""  # of the bench scan
     tags: tuple[str, ...] = ()
+    until: float = 0.0  # [s] when its answer came
 
     @property
     def what(self) -> str:
@@ -60,12 +61,14 @@ class Ask:
 def asks(recording: Recording) -> list[Ask]:
     """Return each request to the server, with its answer."""
     require_ours(recording, ASKED)
-    answers = (note for _, note in notes(recording, TOLD) if isinstance(note, Answered))
-    told = {answer.number: answer for answer in answers}
+    heard = [(at, note) for at, note in notes(recording, TOLD) if isinstance(note, Answered)]
+    told = {note.number: note for _, note in heard}
+    came = {note.number: at for at, note in heard}
     scans, bench = recording.scans(), recording.scenario.bench_scans
     found: list[Ask] = []
     for at, asked in published(recording, ASKED, UINT32):
-        said = told.get(int(asked.data))
+        number = int(asked.data)
+        said = told.get(number)
         if _just_started(recording, at):
             continue
         newest = _newest(recording, at, said)
@@ -79,6 +82,7 @@ def asks(recording: Recording) -> list[Ask]:
                 scan=scans[newest] if newest >= 0 else None,
                 label=sent.label if sent else "",
                 tags=sent.tags if sent else (),
+                until=came.get(number, at),
             )
         )
     if not found:
@@ -215,19 +219,51 @@ def require_detection(recording: Recording, ask: Ask) -> None:
             f"stamp = {right:.3f}, the time in the header of the newest scan",
             f"stamp = {stamp:.3f} ({stamp - right:+.3f} s)",
         )
-    features = spelt_features(label)
-    if features is None:
-        features = scan_features(ask.scan)
-        if np.isnan(features).any():
-            return
-    greatest = confidence_in(recording.scenario, features)
-    if not abs(confidence - greatest) <= CONFIDENCE_TOLERANCE:
+    require_label(recording, ask)
+    sure = [p for i in asked_about(recording, ask, "predict_proba") for p in i.said]
+    if not any(abs(confidence - p) <= CONFIDENCE_TOLERANCE for p in sure):
+        greatest = f" = {sure[-1]:.3f}" if sure else ""
         _fail_message(
             recording,
             ask,
-            f"confidence = {greatest:.3f}, the greatest of predict_proba",
-            f"confidence = {confidence:.3f}",
+            f"confidence{greatest}, the greatest of predict_proba",
+            f"confidence = {confidence:.3f}" + ("" if sure else ", and nobody asked the model"),
         )
+
+
+def require_label(recording: Recording, ask: Ask) -> None:
+    """Fail unless the label is what the model predicted from the newest scan."""
+    label = read_detection(recording, ask)["label"]
+    asked = asked_about(recording, ask, "predict")
+    said = [word for i in asked for word in i.labels or [f"{number:g}" for number in i.said]]
+    if isinstance(label, str) and any(_is_same(label, word) for word in said):
+        return
+    _fail_message(
+        recording,
+        ask,
+        f"label = {said[-1]!r}, what predict returned"
+        if said
+        else "the label that predict returns",
+        f"label = {_spell(label)}" + ("" if said else ", and nobody asked the model"),
+    )
+
+
+def asked_about(recording: Recording, ask: Ask, method: str) -> list[Inference]:
+    """Return what the model was asked between the newest scan and the answer to this request."""
+    if ask.scan is None:
+        return []
+    early = 0.0 if recording.live is None else UNDER_WAY
+    return questions(recording, method, ask.scan.t - early, ask.until)
+
+
+def _is_same(label: str, word: str) -> bool:
+    """Tell whether a label is the model's: "3", "3.0" and "[3]" are one number."""
+    if label == word:
+        return True
+    try:
+        return float(label.strip("[]")) == float(word)
+    except ValueError:
+        return False
 
 
 def require_features(recording: Recording, ask: Ask, help: str = "") -> None:

@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.models.features import possible_features
-from grader.models.files import probe
 from grader.recording import Scan
-from sim.scenario import Scenario
 
 MAX_SCAN_AGE = 1.0  # [s] an older scan gives no detection
 ASK_PERIOD = 0.5  # [s] from one request to the next
@@ -57,9 +55,3 @@ def spelt_features(label: str) -> Floats | None:
     except ValueError:
         return None
     return np.array(numbers) if len(numbers) == 5 and np.isfinite(numbers).all() else None
-
-
-def confidence_in(scenario: Scenario, features: Floats) -> float:
-    """Return the greatest probability that the scenario's model gives for these features."""
-    model = scenario.node.models[str(scenario.node.parameters["model_path"])]
-    return float(np.max(probe(model).predict_proba(features.reshape(1, -1))))

@@ -59,7 +59,7 @@ class Kept:
             raise (ValueError if told.is_value_error else RuntimeError)(told.problem)
         if told.labels:
             return np.array(told.labels)
-        return np.frombuffer(told.numbers).reshape(told.shape).copy()
+        return np.frombuffer(told.numbers).reshape(told.shape).astype(told.dtype)
 
 
 class KeptClassifier(Kept):
