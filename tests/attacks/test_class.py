@@ -93,6 +93,7 @@ def test_some_that_aim_at_the_reporting(tmp_path: Path) -> None:
 
 
 @pytest.mark.long
+@pytest.mark.skipif(not FULL, reason="all that aim at the reporting: make attacks")
 def test_all_that_aim_at_the_reporting(tmp_path: Path) -> None:
     for name, content in reporting.submissions().items():
         hand_in(tmp_path / "in", name, {FILE: content})

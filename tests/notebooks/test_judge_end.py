@@ -14,7 +14,7 @@ from grader.course.exercises import SOLUTIONS
 
 AGENT = "obstacle_avoidance_agent.py"
 RIGHT = (SOLUTIONS / "obstacle_avoidance" / AGENT).read_text("utf-8")
-HANGS = "import threading\nthreading.Event().wait()\n"
+HANGS = "while True:\n    pass\n"
 
 ASK = """\
 from grader.notebook.child import JUDGE

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pytest
 from nbgrader_kit import (
+    FULL,
     MadeOnce,
     autograded,
     cell_named,
@@ -54,6 +55,7 @@ def can_mount() -> bool:
 
 pytestmark = [
     pytest.mark.long,
+    pytest.mark.skipif(not FULL, reason="two weeks of a class take two minutes: make notebooks"),
     pytest.mark.skipif(not can_mount(), reason="a hub's user names need a mount namespace: root"),
 ]
 
