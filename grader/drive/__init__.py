@@ -1,0 +1,20 @@
+"""Drive any rclpy node in the mock robot, without grading it; look for worlds that it fails in."""
+
+from grader.drive.node import (
+    arguments_of,
+    drive_node,
+    read_params_files,
+    read_stdin,
+    scenario_for,
+)
+from grader.drive.summary import event_lines, print_summary
+
+__all__ = [
+    "arguments_of",
+    "drive_node",
+    "event_lines",
+    "print_summary",
+    "read_params_files",
+    "read_stdin",
+    "scenario_for",
+]
