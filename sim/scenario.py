@@ -32,15 +32,9 @@ LIST = "course list --scenarios"
 _NOT_INHERITED = ("title", "description")
 MAX_BENCH_SCANS = 20_000
 _MAY_BE_INFINITE = (
-    "script.goal",
-    "script.odom",
-    "raw.linear_x",
-    "raw.angular_z",
-    "raw.others",
-    "node.models",
-    "bench.fill",
-    "bench.patches.range",
-)
+    "script.goal", "script.odom", "raw.linear_x", "raw.angular_z", "raw.others", "node.models",
+    "bench.fill", "bench.patches.range",
+)  # fmt: skip
 
 Probability = Annotated[float, Meta(ge=0, le=1)]
 Delay = Annotated[float, Meta(ge=0, le=10)]  # [s]
@@ -127,6 +121,7 @@ class Faults(_Table, frozen=True):
     scan_loss: Probability = 0.0  # that a scan never arrives
     odom_loss: Probability = 0.0  # that an odometry message never arrives
     odom_latency: Delay = 0.0  # [s]
+    command_latency: Delay = 0.0  # from the node's command to the wheels [s]
     freeze: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # readings repeat [s]
     blackout: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # no scans [s]
     wheel_slip: Annotated[float, Meta(ge=0, le=0.9)] = 0.0  # fraction of the wheels' motion lost

@@ -23,8 +23,8 @@ Ranges and limits are the defaults; `[lidar]` and `[robot]` of the scenario chan
 
 Dynamics
     A differential drive in steps of 10 ms. A command takes effect in the first step that begins at
-    or after its time; the wheels ramp toward it by at most 0.9 m/s² and 7 rad/s². They ramp to zero
-    0.5 s after the last command. A command that is not finite counts as zero. Contacts are
+    or after its time (plus `command_latency` of `[faults]`); the wheels ramp toward it by at most
+    0.9 m/s² and 7 rad/s². They ramp to zero 0.5 s after the last command arrived. A command that is not finite counts as zero. Contacts are
     inelastic: the robot stops at what it hits. Sensors measure between steps by linear
     interpolation.
 
@@ -127,6 +127,7 @@ class Simulation:
         self._scanner = Scanner(scenario, self.layout, self.seed)
         self._plan(schedule(scenario, self.seed))
         self._stepped = 0  # time that the physics has reached [ns]
+        self._late = round(scenario.faults.command_latency * 1e9)  # [ns]
         self._commands: list[tuple[int, float, float]] = []  # not yet in effect, by time
         self._command = (-(10**18), 0.0, 0.0)
         self._samples = [self._sample(contact=False)]
@@ -159,8 +160,8 @@ class Simulation:
         until
             Since the scenario's start [ns], not before `now`.
         commands
-            Time [ns], linear.x [m/s] and angular.z [rad/s] of each; one before `now` takes effect
-            in the next step, one after `until` is kept until its time has come.
+            Time [ns], linear.x [m/s] and angular.z [rad/s] of each, as sent; one that arrives
+            before `now` takes effect in the next step, one after `until` when its time has come.
 
         Raises
         ------
@@ -170,7 +171,8 @@ class Simulation:
         if until < self.now:
             raise ValueError(f"cannot advance to {until} ns: it is already {self.now} ns")
         if commands:
-            self._commands = sorted([*self._commands, *commands], key=lambda command: command[0])
+            arriving = ((time + self._late, v, w) for time, v, w in commands)
+            self._commands = sorted([*self._commands, *arriving], key=lambda command: command[0])
         while self._stepped < until:
             self._step()
         self.now = until

@@ -60,6 +60,17 @@ def test_a_command_for_later_is_kept_and_a_late_one_counts_at_once():
     assert simulation.truth().v[-1] > 0
 
 
+def test_late_commands_give_the_same_drive_later():
+    sent = [(0, 0.5, 0.0), (400_000_000, 0.1, 1.0)]
+    at_once, _ = simulate("", sent, seconds=2.0)
+    late, _ = simulate("[faults]\ncommand_latency = 0.2", sent, seconds=2.2)
+    late.advance(round(2.5 * SECOND))
+    now, then = at_once.truth(), late.truth()
+    assert not then.v[:11].any()  # 0.2 s, in samples of 20 ms
+    assert then.x[10:111].tolist() == now.x.tolist()
+    assert then.yaw[10:111].tolist() == now.yaw.tolist()
+
+
 def test_the_lidar_sees_the_hall_and_the_odometry_the_motion():
     commands = [(k * 100_000_000, 0.3, 0.0) for k in range(40)]
     simulation, messages = simulate("", commands, seconds=4.0, world="hall")
