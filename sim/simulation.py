@@ -23,10 +23,10 @@ Ranges and limits are the defaults; `[lidar]` and `[robot]` of the scenario chan
 
 Dynamics
     A differential drive in steps of 10 ms. A command takes effect in the first step that begins at
-    or after its time (plus `command_latency` of `[faults]`); the wheels ramp toward it by at most
-    0.9 m/s² and 7 rad/s². They ramp to zero 0.5 s after the last command arrived. A command that is not finite counts as zero. Contacts are
-    inelastic: the robot stops at what it hits. Sensors measure between steps by linear
-    interpolation.
+    or after its time (plus `[faults] command_latency`); the wheels ramp toward it by at most
+    0.9 m/s² and 7 rad/s². They ramp to zero 0.5 s after the last command has arrived. A command
+    that is not finite counts as zero. Contacts are inelastic: the robot stops at what it hits.
+    Sensors measure between steps by linear interpolation.
 
 Start
     `[robot] start`, plus a uniform jitter that the seed draws. The robot is at rest.

@@ -20,6 +20,7 @@ from grader.cli import (
     new,
     release,
     report,
+    search,
 )
 from grader.cli.results import FAULT, LESS
 from grader.errors import GraderError, InputError
@@ -37,6 +38,7 @@ for _command in (
     exercises.list_,
     grade.grade,
     drive.drive,
+    search.search,
     dataset.dataset,
     check_bag.check_bag,
     doctor.doctor,

@@ -1,0 +1,130 @@
+"""`course search`: the smallest world in which a node comes to grief."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from grader.cli.results import FULL, LESS, check_writable, write_report
+from grader.cli.start import portable_option, start_forkserver
+
+if TYPE_CHECKING:
+    from grader.drive.search.finder import Found, Search
+    from grader.drive.search.mishaps import Mishap
+
+EXAMPLES = """\b
+Examples:
+  course search obstacle_avoidance_agent.py
+  course search my_agent.py --exercise 1 --minutes 3 --out found.toml --report found.html
+  course search my_agent.py --exercise 1 --seed 7 --tries 300
+  course drive my_agent.py --scenario found.toml
+"""
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--exercise", metavar="N", help="Whose contract counts; else the file's name tells.")
+@click.option("--minutes", type=click.FloatRange(0.01, 600), help="How long to look; default 1.")
+@click.option(
+    "--tries", type=click.IntRange(1, 1_000_000),
+    help="How many worlds to try instead: then the same seed finds the same world.",
+)  # fmt: skip
+@click.option("--seed", type=click.IntRange(0, 10**6), default=0, help="Where to begin; default 0.")
+@click.option("--out", type=click.Path(path_type=Path), help="Write the world as a scenario file.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
+@portable_option
+def search(
+    file: Path,
+    exercise: str | None,
+    minutes: float | None,
+    tries: int | None,
+    seed: int,
+    out: Path | None,
+    report: Path | None,
+    portable: bool,
+) -> int:
+    """Look for the smallest world in which a node fails.
+
+    A node fails that touches something, dies, breaks a limit, or stands for ever though its way is
+    free. Ctrl-C keeps the smallest world so far. This is no grading: it gives and takes no points.
+
+    Exit code 0: nothing was found. 1: a world was found. 2: wrong usage.
+    """
+    from grader.course.submission import find_submission  # noqa: PLC0415
+    from grader.drive import search as searching  # noqa: PLC0415
+
+    chosen = searching.exercise_for(exercise, file.name)
+    arena = searching.arena_of(chosen)
+    submission = find_submission(file, chosen.files[0])
+    check_writable(report)
+    check_writable(out)
+    seconds = None if minutes is None and tries is not None else 60.0 * (minutes or 1.0)
+    progress = _Progress(f"Exercise {chosen.number}, {file.name}")
+    with progress, start_forkserver(portable=portable) as forkserver:
+        result = searching.search_node(
+            arena, submission, forkserver, seed=seed, tries=tries, seconds=seconds, on_try=progress
+        )
+    if result.found is None:
+        _say_nothing_found(result, seed)
+        return FULL
+    show(result.found, result, seed, chosen.number)
+    if out is not None:
+        out.write_text(result.found.toml, "utf-8")
+        click.echo(f"Scenario: {out}")
+    if report is not None:
+        found = result.found
+        write_report(report, None, [found.recording], f"{file.name}: {found.sentence}")
+    return LESS
+
+
+def show(found: Found, result: Search, seed: int, exercise: int) -> None:
+    """Print a world that was found, and where to go from there."""
+    early = ", interrupted" if result.interrupted else ""
+    click.echo(found.sentence)
+    click.echo()
+    click.echo(found.toml)
+    click.echo(f"The smallest of {result.tries} worlds (exercise {exercise}, seed {seed}{early}).")
+
+
+def _say_nothing_found(result: Search, seed: int) -> None:
+    early = " before it was interrupted" if result.interrupted else ""
+    count = f"{result.tries} worlds" if result.tries != 1 else "one world"
+    click.echo(
+        f"Nothing found in {count} (seed {seed}){early}. That is no proof: another --seed tries "
+        "others."
+    )
+
+
+class _Progress:
+    """Shows on stderr how far the search is: a line that changes, or one for each kind found."""
+
+    def __init__(self, title: str) -> None:
+        from rich.console import Console  # noqa: PLC0415
+
+        self._console = Console(file=sys.stderr, highlight=False)
+        self._title = title
+        self._status = self._console.status(f"{title}: getting ready", spinner="line")
+        self._found = ""
+
+    def __enter__(self) -> _Progress:
+        if self._console.is_terminal:
+            self._status.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._status.stop()
+
+    def __call__(self, tries: int, mishap: Mishap | None) -> None:
+        """Note a try."""
+        from rich.text import Text  # noqa: PLC0415
+
+        said = f": {mishap.text}; now looking for a smaller world" if mishap else ""
+        line = Text(f"{self._title}: world {tries}{said}")
+        if self._console.is_terminal:
+            self._status.update(line)
+        elif mishap is not None and not self._found:
+            self._console.print(line, soft_wrap=True)
+        self._found = said

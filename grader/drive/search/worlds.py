@@ -1,0 +1,181 @@
+"""Worlds to try, as hypothesis draws them: it begins with the simplest and shrinks to it.
+
+Everything is drawn in whole steps (decimetres, 15°, 50 ms) for files that a person can read. Each
+part of a world alone is one that the exercises' contracts speak of: their lidars, lost scans,
+NaN, a driver that publishes best effort.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from hypothesis import strategies as st
+from hypothesis.strategies import DrawFn, SearchStrategy
+from msgspec.structs import replace
+
+from grader.drive.search.fair import is_fair
+from sim.scenario import (
+    Faults,
+    LidarSpec,
+    Model,
+    NodeSpec,
+    OdometrySpec,
+    Qos,
+    RawCommands,
+    RobotSpec,
+    Scenario,
+    ScriptEvent,
+)
+from sim.world import Box, Wall, World
+
+MOST_THINGS = 3
+THICK = 0.1  # [m] of a wall: one seen from its end is still seen
+ROOM = Wall(points=((-3.0, -3.0), (4.0, -3.0), (4.0, 3.0), (-3.0, 3.0)), closed=True)
+LIDARS = ("default", "lds02", "lds01", "wide")
+MODEL = "velocity_model.pkl"
+Place = tuple[float, float, float]  # x [m], y [m], yaw [°]
+SILENCE = 2.5  # [s] that a lidar falls silent
+E_STOP = 2.0  # [s] that an emergency stop lasts
+
+
+def _dm(value: int) -> float:
+    return value / 10
+
+
+@st.composite
+def _box(draw: DrawFn) -> Box:
+    """Draw a box that is mostly in the robot's way, or beside it."""
+    size = _dm(draw(st.integers(1, 6)))
+    x, y = draw(st.integers(5, 20)), draw(st.integers(-12, 12))
+    if draw(st.booleans()):  # as near to the way as it gets
+        y = max(-3, min(3, y))
+    turn = draw(st.sampled_from((0.0, 45.0, 15.0, 30.0)))
+    return Box(center=(_dm(x), _dm(y)), size=(size, size), yaw_deg=turn)
+
+
+@st.composite
+def _wall(draw: DrawFn) -> Box:
+    """Draw a wall: long and thin, at any angle."""
+    length = _dm(draw(st.integers(5, 30)))
+    x, y = draw(st.integers(8, 20)), draw(st.integers(-15, 15))
+    turn = draw(st.sampled_from((90.0, 60.0, 120.0, 45.0, 135.0, 30.0, 150.0, 0.0)))
+    return Box(center=(_dm(x), _dm(y)), size=(length, THICK), yaw_deg=turn)
+
+
+@st.composite
+def _world(draw: DrawFn) -> World:
+    things = draw(st.lists(st.one_of(_box(), _wall()), max_size=MOST_THINGS))
+    return World(boxes=tuple(things), walls=(ROOM,) if draw(st.booleans()) else ())
+
+
+@st.composite
+def _lidar_faults(draw: DrawFn) -> Faults:
+    """Draw nothing wrong in most cases, else a little of it."""
+    if not draw(st.booleans()):
+        return Faults()
+    begin = draw(st.integers(0, 6)) / 2  # [s]; 0: never
+    return Faults(
+        nan_speckle=draw(st.sampled_from((0.0, 0.02, 0.05))),
+        scan_loss=draw(st.sampled_from((0.0, 0.1, 0.2))),
+        scan_latency=draw(st.sampled_from((0.0, 0.05, 0.1))),
+        range_noise=draw(st.sampled_from((0.0, 0.01))),
+        blackout=((begin, begin + SILENCE),) if begin else (),
+    )
+
+
+@st.composite
+def _driving(draw: DrawFn, duration: float, node: NodeSpec, supervises: bool) -> Scenario:
+    """Draw a world of things that stand, and a lidar."""
+    return Scenario(
+        title="",
+        world=draw(_world()),
+        duration=duration,
+        node=node,
+        raw=draw(_raw(duration)) if supervises else (),
+        script=draw(_e_stops()) if supervises else (),
+        lidar=LidarSpec(profile=draw(st.sampled_from(LIDARS))),
+        faults=draw(_lidar_faults()),
+        qos=Qos(sensors=draw(st.sampled_from(("reliable", "sensor_data")))),
+        odometry=OdometrySpec(enabled=False),
+    )
+
+
+@st.composite
+def _raw(draw: DrawFn, duration: float) -> tuple[RawCommands, ...]:
+    """Draw what a model asks for: a turn on the spot, or none, then straight ahead."""
+    turn = draw(st.sampled_from((0.0, 1.0, -1.0, 3.0, -3.0)))
+    speeds = st.sampled_from((0.3, 0.2, 0.5, 1.0, float("nan")))
+    first, then = draw(speeds), draw(speeds)
+    begin, half, rate = 0.33, duration / 2 + 0.03, 10.0
+    phases = [(0.0, turn, 1.03)] if turn else []
+    phases += [(first, 0.0, half), (then, 0.0, duration)]
+    streams: list[RawCommands] = []
+    for speed, turning, end in phases:
+        if streams and streams[-1].linear_x == speed and streams[-1].angular_z == turning:
+            streams[-1] = replace(streams[-1], end=end)
+        else:
+            streams.append(
+                RawCommands(begin=begin, end=end, linear_x=speed, angular_z=turning, rate=rate)
+            )
+        begin = end
+    return tuple(streams)
+
+
+@st.composite
+def _e_stops(draw: DrawFn) -> tuple[ScriptEvent, ...]:
+    at = draw(st.integers(0, 5))
+    if not at:
+        return ()
+    return (ScriptEvent(at=float(at), e_stop=True), ScriptEvent(at=at + E_STOP, e_stop=False))
+
+
+def driving_worlds(
+    duration: float, model: Model | None = None, *, supervises: bool = False
+) -> SearchStrategy[Scenario]:
+    """Return fair worlds for a node that sees by lidar and drives straight ahead.
+
+    `model`: what the node finds as its model; `supervises`: commands come in, and an e-stop.
+    """
+    node = NodeSpec(models={MODEL: model}) if model else NodeSpec()
+    return _driving(duration, node, supervises).filter(is_fair)
+
+
+@st.composite
+def _goals(draw: DrawFn) -> Scenario:
+    """Draw a start, and one goal or two, far enough from it and near enough to be reached."""
+    half_metres = st.integers(-4, 4).map(lambda n: n / 2)
+    yaw = draw(st.sampled_from((0.0, 90.0, -90.0, 180.0, 135.0, -135.0, 45.0, -45.0)))
+    start = (draw(half_metres), draw(half_metres), yaw)
+    goals = [(draw(half_metres), draw(half_metres), 0.0)]
+    if draw(st.booleans()):
+        goals.append((draw(half_metres), draw(half_metres), 0.0))
+    script = tuple(
+        ScriptEvent(at=0.55 + 3.0 * index, goal=goal) for index, goal in enumerate(goals)
+    )
+    lossy = draw(st.booleans())
+    return Scenario(
+        title="",
+        world=World(description="An open floor."),
+        duration=_time_for(start, goals, script[-1].at),
+        robot=RobotSpec(start=start),
+        script=script,
+        lidar=LidarSpec(enabled=False),
+        odometry=OdometrySpec(rate=draw(st.sampled_from((20.0, 100.0)))),
+        faults=Faults(
+            odom_loss=draw(st.sampled_from((0.0, 0.1, 0.2))) if lossy else 0.0,
+            odom_latency=draw(st.sampled_from((0.0, 0.05, 0.1))) if lossy else 0.0,
+        ),
+        qos=Qos(sensors=draw(st.sampled_from(("reliable", "sensor_data")))),
+    )
+
+
+def _time_for(start: Place, goals: Sequence[Place], last: float) -> float:
+    """Return a duration in which even a slow turner arrives: 4 s for each metre, and 8 s [s]."""
+    way = max(math.dist(place[:2], goals[-1][:2]) for place in (start, *goals))
+    return round(last + 8.0 + 4.0 * way, 1)
+
+
+def goal_worlds() -> SearchStrategy[Scenario]:
+    """Return worlds for a node that drives to goals, without obstacles."""
+    return _goals()
