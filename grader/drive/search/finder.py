@@ -1,8 +1,9 @@
 """Look for the smallest world in which a node comes to grief: hypothesis draws and shrinks.
 
-Each try is one drive in virtual time. The first world found fixes what is looked for; from then on
-only smaller worlds with the same kind of mishap count. With a number of tries, the same seed gives
-the same world; with a limit of time it depends on the machine.
+Each try is one drive in virtual time. Half of the search looks for what is worse than standing; if
+nothing of the kind turns up, the other half shrinks a world in which the robot stands. The first
+hit fixes the kind of mishap: from then on only smaller worlds with the same kind count. With a
+number of tries, the same seed gives the same world; with a limit of time the machine decides.
 """
 
 from __future__ import annotations
@@ -22,7 +23,16 @@ from hypothesis.internal.constants_ast import Constants
 from msgspec.structs import replace
 
 from grader.drive.search.arenas import Arena
-from grader.drive.search.mishaps import LOST, STANDS, Mishap, mishap_of
+from grader.drive.search.mishaps import (
+    BREAKS,
+    DIES,
+    KINDS,
+    LOST,
+    STANDS,
+    TOUCHES,
+    Mishap,
+    mishap_of,
+)
 from grader.drive.search.toml import scenario_to_toml
 from grader.drive.search.words import sentence, title
 from grader.recording import Recording
@@ -62,6 +72,9 @@ class Search:
 
 OnTry = Callable[[int, "Mishap | None"], None]
 
+_RANK = {kind: rank for rank, kind in enumerate(KINDS)}
+HARM = frozenset({DIES, TOUCHES, BREAKS})
+
 
 class _Over(BaseException):
     """No tries or no time is left: hypothesis lets this through."""
@@ -69,42 +82,59 @@ class _Over(BaseException):
 
 @dataclass
 class _Hunt:
-    """The tries so far, and the smallest world with a mishap among them."""
+    """The tries so far, and the smallest world with each kind of mishap among them."""
 
     arena: Arena
     drive: Drive
-    tries_left: int
-    deadline: float | None  # on the monotonic clock [s]
     on_try: OnTry
+    most: int  # tries
+    seconds: float
+    wanted: frozenset[str] = frozenset()
+    share: float = 1.0  # of tries and seconds that may go by without a hit
     tries: int = 0
-    best: tuple[Scenario, Recording, Mishap] | None = None
+    trouble: Exception | None = None
 
     def __post_init__(self) -> None:
-        self._known: dict[str, bool] = {}
+        self._began = time.monotonic()
+        self._known: dict[str, str] = {}  # world: kind of mishap, "" for none
+        self._smallest: dict[str, tuple[Scenario, Recording, Mishap]] = {}
+
+    @property
+    def best(self) -> tuple[Scenario, Recording, Mishap] | None:
+        """The smallest world of the kind that is looked for, or else of the worst kind."""
+        kinds = sorted(self._smallest, key=lambda kind: (kind not in self.wanted, _RANK[kind]))
+        return self._smallest[kinds[0]] if kinds else None
 
     def comes_to_grief(self, scenario: Scenario) -> bool:
-        """Drive in a world; tell whether it is one to be looked for."""
+        """Drive in a world, unless that is known; tell whether it is one to be looked for."""
         text = scenario_to_toml(scenario)
         if text not in self._known:
-            self._known[text] = self._try(scenario)
-        return self._known[text]
+            try:
+                self._known[text] = self._try(scenario)
+            except Exception as error:  # not to be shrunk: it is no answer to the question
+                self.trouble = error
+                raise _Over from error
+        kind = self._known[text]
+        if kind in self.wanted:
+            self.wanted = frozenset({kind})
+        elif kind and self.tries == 1:
+            self.wanted = frozenset({kind})  # it fails in the simplest world of all
+        return kind in self.wanted
 
-    def _try(self, scenario: Scenario) -> bool:
-        if not self.tries_left or (self.deadline and time.monotonic() > self.deadline):
+    def _try(self, scenario: Scenario) -> str:
+        share = 1.0 if len(self.wanted) == 1 else self.share
+        passed = time.monotonic() - self._began
+        if self.tries >= self.most * share or passed > self.seconds * share:
             raise _Over
         recording = self.drive(scenario)
         self.tries += 1
-        self.tries_left -= 1
         mishap = mishap_of(recording, self.arena.contract)
-        hit = mishap is not None and (self.best is None or mishap.kind == self.best[2].kind)
-        if mishap is not None and hit:
-            self._keep(scenario, recording, mishap)
+        if mishap is not None:
+            known = self._smallest.get(mishap.kind)
+            if known is None or smallness(scenario) < smallness(known[0]):
+                self._smallest[mishap.kind] = scenario, recording, mishap
         self.on_try(self.tries, self.best[2] if self.best else None)
-        return hit
-
-    def _keep(self, scenario: Scenario, recording: Recording, mishap: Mishap) -> None:
-        if self.best is None or smallness(scenario) < smallness(self.best[0]):
-            self.best = scenario, recording, mishap
+        return mishap.kind if mishap else ""
 
 
 def smallness(scenario: Scenario) -> tuple[int, int, str]:
@@ -133,29 +163,37 @@ def search(
         When to end the search; at least one of them.
     on_try
         Is told after each try how many there were, and what has been found so far.
+
+    Raises
+    ------
+    InputError
+        The node can't be driven in virtual time.
     """
-    deadline = None if seconds is None else time.monotonic() + seconds
-    hunt = _Hunt(arena, drive, tries or ENDLESS, deadline, on_try)
+    hunt = _Hunt(arena, drive, on_try, tries or ENDLESS, seconds or math.inf)
     interrupted = False
     try:
-        _run(hunt, seed)
-    except _Over:
-        pass
+        if arena.contract.free is not None:  # there are things to run into
+            _run(hunt, seed, HARM, 0.5)
+        if hunt.best is None or len(hunt.wanted) > 1:
+            _run(hunt, seed, frozenset(KINDS), 1.0)
     except KeyboardInterrupt:
         interrupted = True
     found = None if hunt.best is None else _told(hunt, *hunt.best)
     return Search(found, hunt.tries, interrupted)
 
 
-def _run(hunt: _Hunt, seed: int) -> None:
+def _run(hunt: _Hunt, seed: int, wanted: frozenset[str], share: float) -> None:
+    hunt.wanted, hunt.share = wanted, share
     how = settings(
-        max_examples=min(ENDLESS, REPEATS * hunt.tries_left),
+        max_examples=min(ENDLESS, REPEATS * hunt.most),
         database=None,
         deadline=None,
         phases=(Phase.generate, Phase.shrink),
     )
-    with _by_seed_alone(), contextlib.suppress(NoSuchExample):
+    with _by_seed_alone(), contextlib.suppress(NoSuchExample, _Over):
         find(hunt.arena.worlds, hunt.comes_to_grief, settings=how, random=Random(seed))
+    if hunt.trouble is not None:
+        raise hunt.trouble
 
 
 @contextlib.contextmanager
@@ -177,7 +215,7 @@ def _told(hunt: _Hunt, scenario: Scenario, recording: Recording, mishap: Mishap)
     """Return a world with its title, no longer than it takes to see what goes wrong."""
     scenario = replace(scenario, title=title(scenario), name=NAME)
     if mishap.kind not in (STANDS, LOST):
-        shorter = replace(scenario, duration=min(scenario.duration, _rounded(mishap.at)))
+        shorter = cut(scenario, math.ceil(mishap.at + AFTERMATH))
         again = hunt.drive(shorter)
         same = mishap_of(again, hunt.arena.contract)
         if same is not None and same.kind == mishap.kind:
@@ -185,5 +223,16 @@ def _told(hunt: _Hunt, scenario: Scenario, recording: Recording, mishap: Mishap)
     return Found(scenario, recording, mishap, sentence(recording, mishap))
 
 
-def _rounded(at: float) -> float:
-    return float(math.ceil(at + AFTERMATH))
+def cut(scenario: Scenario, duration: float) -> Scenario:
+    """Return a scenario that ends earlier, without what would happen later."""
+    duration = min(scenario.duration, float(duration))
+    return replace(
+        scenario,
+        duration=duration,
+        script=tuple(event for event in scenario.script if event.at < duration),
+        raw=tuple(
+            replace(stream, end=min(stream.end, duration))
+            for stream in scenario.raw
+            if stream.begin < duration
+        ),
+    )

@@ -19,6 +19,7 @@ from sim.scenario import Scenario
 DIES, TOUCHES, BREAKS, STANDS, LOST = "dies", "touches", "breaks", "stands", "lost"
 KINDS = (DIES, TOUCHES, BREAKS, STANDS, LOST)  # the worse of two at the same time comes first
 HAIR = 1e-6  # [m/s], [rad/s]
+TICKS = 0.1  # [s] in which a node hears of an emergency stop: two ticks
 MOTION = 0.02  # [m] less than this is standing
 LEAST_SCANS = 5  # that show a free way
 ARRIVED = 0.55  # [m] the contract says 0.5
@@ -124,10 +125,9 @@ def _beyond(row: list[float], before: float, limits: Limits) -> str:
 
 def _e_stop_spans(recording: Recording) -> list[tuple[float, float]]:
     """Return from when to when the emergency stop was pressed, with time to hear of it [s]."""
-    reaction = 0.1  # [s] two ticks
     events = [(e.at, e.e_stop) for e in recording.scenario.script if e.e_stop is not None]
-    ends = [at for at, _ in events[1:]] + [recording.scenario.duration]
-    return [(at + reaction, end) for (at, on), end in zip(events, ends, strict=True) if on]
+    ends = [at for at, _ in events] + [recording.scenario.duration]
+    return [(at + TICKS, end) for (at, on), end in zip(events, ends[1:], strict=True) if on]
 
 
 def _stands(recording: Recording, free: Free, patience: float) -> Mishap | None:
@@ -138,7 +138,8 @@ def _stands(recording: Recording, free: Free, patience: float) -> Mishap | None:
         return None
     if _way(recording, since) > MOTION:
         return None
-    return Mishap(STANDS, since, "the robot stands for ever though its way is free")
+    text = "the robot stands for ever though its way is free"
+    return Mishap(STANDS, _last_motion(recording), text)
 
 
 def _lost(recording: Recording) -> Mishap | None:

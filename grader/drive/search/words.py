@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from grader.drive.search.mishaps import TOUCHES, Mishap
+from grader.drive.search.mishaps import LOST, STANDS, TOUCHES, Mishap
 from grader.recording import Recording
 from sim.clearance import clearance
 from sim.layout import Layout
@@ -27,8 +27,16 @@ def sentence(recording: Recording, mishap: Mishap) -> str:
     faults = _faults(scenario)
     where = f"{things}, {' and '.join(faults)}" if things and faults else things
     where = where or " and ".join(faults) or "in an empty world"
-    text = f"{where}: {mishap.text} at {mishap.at:.1f} s."
+    text = f"{where}: {mishap.text}{_when(recording, mishap)}."
     return text[0].upper() + text[1:]
+
+
+def _when(recording: Recording, mishap: Mishap) -> str:
+    if mishap.kind == STANDS:
+        return f", from {mishap.at:.1f} s on"
+    if mishap.kind == LOST:
+        return f" in {recording.duration_s:.0f} s"
+    return f" at {mishap.at:.1f} s"
 
 
 def title(scenario: Scenario) -> str:
@@ -47,7 +55,7 @@ def _things(recording: Recording, mishap: Mishap) -> str:
     goals = [event.goal for event in scenario.script if event.goal is not None]
     if goals:
         places = [_place(_seen_from(scenario, goal[:2])) for goal in goals]
-        return f"a goal {', then one '.join(places)} of the start"
+        return f"a goal {'; then one '.join(places)}"
     boxes = list(scenario.world.boxes)
     if mishap.kind == TOUCHES and boxes:
         touched = _touched(recording, mishap.at)
@@ -67,7 +75,7 @@ def _others(count: int) -> str:
 
 
 def _named(scenario: Scenario, box: Box) -> str:
-    """Return "a box of 0.3 m, 1.1 m to the left"."""
+    """Return "a box of 0.3 m at 1.1 m, 40° to the left"."""
     long, short = max(box.size), min(box.size)
     what = f"a wall of {long:g} m" if long > LONG * short else f"a box of {long:g} m"
     return f"{what} {_place(_seen_from(scenario, box.center))}"
@@ -83,12 +91,12 @@ def _seen_from(scenario: Scenario, point: tuple[float, float]) -> tuple[float, f
 
 def _place(seen: tuple[float, float]) -> str:
     distance, bearing = seen
-    side = "left" if bearing > 0 else "right"
+    where = f"{abs(bearing):.0f}° to the {'left' if bearing > 0 else 'right'}"
     if abs(bearing) < AHEAD:
-        return f"{distance:.1f} m straight ahead"
-    if abs(bearing) > 180.0 - AHEAD:
-        return f"{distance:.1f} m straight behind"
-    return f"at {distance:.1f} m, {abs(bearing):.0f}° to the {side}"
+        where = "straight ahead"
+    elif abs(bearing) > 180.0 - AHEAD:
+        where = "straight behind"
+    return f"at {distance:.1f} m, {where}"
 
 
 def _touched(recording: Recording, at: float) -> int | None:

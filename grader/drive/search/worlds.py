@@ -35,7 +35,7 @@ ROOM = Wall(points=((-3.0, -3.0), (4.0, -3.0), (4.0, 3.0), (-3.0, 3.0)), closed=
 LIDARS = ("default", "lds02", "lds01", "wide")
 MODEL = "velocity_model.pkl"
 Place = tuple[float, float, float]  # x [m], y [m], yaw [°]
-SILENCE = 2.5  # [s] that a lidar falls silent
+SILENCE = 4.0  # [s] that a lidar falls silent
 E_STOP = 2.0  # [s] that an emergency stop lasts
 
 
@@ -59,7 +59,7 @@ def _wall(draw: DrawFn) -> Box:
     """Draw a wall: long and thin, at any angle."""
     length = _dm(draw(st.integers(5, 30)))
     x, y = draw(st.integers(8, 20)), draw(st.integers(-15, 15))
-    turn = draw(st.sampled_from((90.0, 60.0, 120.0, 45.0, 135.0, 30.0, 150.0, 0.0)))
+    turn = draw(st.sampled_from((90.0, 60.0, 120.0, 45.0, 135.0, 30.0, 150.0, 15.0, 165.0)))
     return Box(center=(_dm(x), _dm(y)), size=(length, THICK), yaw_deg=turn)
 
 
@@ -74,7 +74,7 @@ def _lidar_faults(draw: DrawFn) -> Faults:
     """Draw nothing wrong in most cases, else a little of it."""
     if not draw(st.booleans()):
         return Faults()
-    begin = draw(st.integers(0, 6)) / 2  # [s]; 0: never
+    begin = draw(st.integers(0, 5)) / 2  # [s]; 0: never
     return Faults(
         nan_speckle=draw(st.sampled_from((0.0, 0.02, 0.05))),
         scan_loss=draw(st.sampled_from((0.0, 0.1, 0.2))),
@@ -144,7 +144,7 @@ def driving_worlds(
 @st.composite
 def _goals(draw: DrawFn) -> Scenario:
     """Draw a start, and one goal or two, far enough from it and near enough to be reached."""
-    half_metres = st.integers(-4, 4).map(lambda n: n / 2)
+    half_metres = st.integers(-3, 3).map(lambda n: n / 2)
     yaw = draw(st.sampled_from((0.0, 90.0, -90.0, 180.0, 135.0, -135.0, 45.0, -45.0)))
     start = (draw(half_metres), draw(half_metres), yaw)
     goals = [(draw(half_metres), draw(half_metres), 0.0)]
