@@ -9,6 +9,7 @@ number of tries, the same seed gives the same world; with a limit of time the ma
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import math
 import time
 from collections.abc import Callable, Iterator
@@ -178,7 +179,7 @@ def search(
             _run(hunt, seed, frozenset(KINDS), 1.0)
     except KeyboardInterrupt:
         interrupted = True
-    found = None if hunt.best is None else _told(hunt, *hunt.best)
+    found = None if hunt.best is None else _told(hunt, *hunt.best, again=not interrupted)
     return Search(found, hunt.tries, interrupted)
 
 
@@ -211,15 +212,21 @@ def _by_seed_alone() -> Iterator[None]:
         yield
 
 
-def _told(hunt: _Hunt, scenario: Scenario, recording: Recording, mishap: Mishap) -> Found:
-    """Return a world with its title, no longer than it takes to see what goes wrong."""
+def _told(
+    hunt: _Hunt, scenario: Scenario, recording: Recording, mishap: Mishap, *, again: bool
+) -> Found:
+    """Return a world with its title, no longer than it takes to see what goes wrong.
+
+    `again`: the node may be driven once more, to see that the shorter world shows it, too.
+    """
     scenario = replace(scenario, title=title(scenario), name=NAME)
-    if mishap.kind not in (STANDS, LOST):
+    if again and mishap.kind not in (STANDS, LOST):
         shorter = cut(scenario, math.ceil(mishap.at + AFTERMATH))
-        again = hunt.drive(shorter)
-        same = mishap_of(again, hunt.arena.contract)
+        shown = hunt.drive(shorter)
+        same = mishap_of(shown, hunt.arena.contract)
         if same is not None and same.kind == mishap.kind:
-            return Found(shorter, again, same, sentence(again, same))
+            return Found(shorter, shown, same, sentence(shown, same))
+    recording = dataclasses.replace(recording, scenario=scenario)
     return Found(scenario, recording, mishap, sentence(recording, mishap))
 
 

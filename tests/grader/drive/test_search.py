@@ -1,0 +1,252 @@
+"""The search for counter-examples, with nodes that are functions; a real one is at the end."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import msgspec
+import pytest
+from click.testing import CliRunner
+from driven import careful, drive_by, reckless, timid
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from grader.authoring.mutants import find_mutant
+from grader.cli import cli
+from grader.course.exercises import find_exercise
+from grader.drive.search import arena_of, exercise_for, search
+from grader.drive.search.fair import is_fair
+from grader.drive.search.finder import cut, smallness
+from grader.drive.search.toml import scenario_to_toml
+from grader.errors import InputError
+from grader.recording import Outcome
+from sim.scenario import Scenario, load_scenario, scenario_from_toml
+
+ROOT = Path(__file__).resolve().parents[3]
+SEARCHED = (1, 2, 3, 4, 5, 7, 9)
+SETTINGS = settings(
+    derandomize=True, deadline=None, max_examples=40, phases=[Phase.generate],
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)  # fmt: skip
+FIRST = arena_of(find_exercise("1"))
+
+
+def by(policy):
+    return lambda scenario: drive_by(policy, scenario)
+
+
+# --- what is found -------------------------------------------------------------------------------
+
+
+def test_who_never_brakes_touches_a_small_box_and_nothing_else_is_in_the_world():
+    found = search(FIRST, by(reckless), tries=60).found
+    assert found is not None
+    assert found.mishap.kind == "touches"
+    world = found.scenario.world
+    assert len(world.boxes) + len(world.walls) == 1
+    assert found.scenario.faults == Scenario(title="", world=world).faults
+    assert found.recording.truth.contact.any()
+    assert len(found.toml.splitlines()) <= 12
+    assert found.sentence.endswith(f"the robot touches it at {found.mishap.at:.1f} s.")
+
+
+def test_who_stands_for_ever_is_found_in_the_simplest_world():
+    result = search(FIRST, by(timid), tries=30)
+    assert result.found is not None
+    assert result.found.mishap.kind == "stands"
+    assert not result.found.scenario.world.boxes
+    assert result.found.sentence == (
+        "In an empty world: the robot stands for ever though its way is free, from 0.0 s on."
+    )
+    assert result.found.recording.scenario == result.found.scenario
+
+
+def test_who_is_careful_is_not_found():
+    result = search(FIRST, by(careful), tries=40)
+    assert (result.found, result.tries) == (None, 40)
+
+
+def test_a_command_beyond_the_limits_is_found():
+    found = search(FIRST, by(lambda scan: 0.6), tries=5).found
+    assert found is not None
+    assert found.mishap.kind == "breaks"
+    assert found.sentence == "In an empty world: the node asks for 0.60 m/s at 0.0 s."
+
+
+def test_a_command_that_is_not_finite_is_found():
+    found = search(FIRST, by(lambda scan: float("nan")), tries=5).found
+    assert found is not None
+    assert "not finite" in found.sentence
+
+
+def test_a_node_that_dies_is_found():
+    died = Outcome("exception", "ZeroDivisionError: division by zero", 0.3)
+    found = search(FIRST, lambda scenario: drive_by(careful, scenario, died), tries=5).found
+    assert found is not None
+    assert found.mishap.kind == "dies"
+    assert "the node dies: ZeroDivisionError" in found.sentence
+    assert found.scenario.duration == 2.0
+
+
+def test_a_touch_counts_more_than_standing_although_it_is_found_later():
+    def stands_where_it_sees_nothing(scan):
+        return 0.0 if scan.ranges.min() > 2.5 else 0.5
+
+    found = search(FIRST, by(stands_where_it_sees_nothing), tries=5).found
+    assert found is not None
+    assert found.mishap.kind == "stands"  # in the simplest world of all: nothing is simpler
+
+    def stands_in_rooms(scan):
+        return 0.0 if scan.ranges.max() < 11.0 else 0.5
+
+    found = search(FIRST, by(stands_in_rooms), tries=80).found
+    assert found is not None
+    assert found.mishap.kind == "touches"
+
+
+# --- by seed, and by whom it ends ----------------------------------------------------------------
+
+
+def test_the_same_seed_and_number_of_tries_give_the_same_world():
+    first, again = (search(FIRST, by(reckless), seed=3, tries=25).found for _ in range(2))
+    assert first is not None and again is not None
+    assert first.toml == again.toml
+    assert first.recording.digest() == again.recording.digest()
+
+
+def test_interrupted_it_keeps_the_smallest_so_far():
+    drives = []
+
+    def drive(scenario):
+        drives.append(scenario)
+        if len(drives) == 7:
+            raise KeyboardInterrupt
+        return drive_by(reckless, scenario)
+
+    result = search(FIRST, drive, tries=200)
+    assert result.interrupted
+    assert result.tries == 6
+    assert result.found is not None
+
+
+def test_trouble_of_the_grader_ends_the_search_as_it_is():
+    def drive(scenario):
+        raise InputError("no such lidar")
+
+    with pytest.raises(InputError, match="no such lidar"):
+        search(FIRST, drive, tries=5)
+
+
+def test_a_node_that_needs_real_time_is_refused():
+    odd = Outcome("real_time", "it needs real time", 0.0)
+    with pytest.raises(InputError, match="can't be searched: it needs real time"):
+        search(FIRST, lambda scenario: drive_by(careful, scenario, odd), tries=5)
+
+
+def test_no_time_means_no_tries():
+    assert search(FIRST, by(reckless), seconds=1e-9).tries == 0
+
+
+# --- the worlds ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", SEARCHED)
+def test_every_world_is_fair_and_its_file_says_all_of_it(number):
+    @SETTINGS
+    @given(arena_of(find_exercise(str(number))).worlds)
+    def check(scenario):
+        assert is_fair(scenario)
+        text = scenario_to_toml(scenario)
+        assert repr(scenario_from_toml(text, "x")) == repr(scenario)  # NaN is not equal to itself
+
+    check()
+
+
+def test_a_box_at_the_start_is_not_fair():
+    text = 'title = "x"\n[world]\nboxes = [{ center = [0.5, 0], size = [0.2, 0.2] }]'
+    scenario = scenario_from_toml(text, "x")
+    assert not is_fair(scenario)
+
+
+@settings(derandomize=True, max_examples=50)
+@given(st.text())
+def test_any_title_comes_back_from_a_file(text):
+    scenario = Scenario(title=text, world=load_scenario("demo_wall").world)
+    if "\x00" not in text and text.isprintable():
+        assert scenario_from_toml(scenario_to_toml(scenario), "x") == scenario
+
+
+@pytest.mark.parametrize("name", ["safe_drive", "slow_leader", "goal_changes", "ml_drive_store"])
+def test_scenarios_of_the_course_come_back_from_a_file(name):
+    scenario = msgspec.structs.replace(load_scenario(name), name="")
+    assert scenario_from_toml(scenario_to_toml(scenario), "x") == scenario
+
+
+def test_what_is_cut_off_is_not_in_the_file():
+    scenario = cut(load_scenario("safe_drive"), 4)
+    assert scenario.duration == 4.0
+    assert [(stream.begin, stream.end) for stream in scenario.raw] == [(0.33, 4.0)]
+
+
+def test_fewer_things_are_smaller():
+    wall, store = load_scenario("demo_wall"), load_scenario("slow_leader")
+    assert smallness(wall) != smallness(store)
+    assert smallness(wall) == smallness(wall)
+
+
+# --- whose contract ------------------------------------------------------------------------------
+
+
+def test_the_files_name_tells_the_exercise():
+    assert exercise_for(None, "trend_agent.py").number == 4
+    assert exercise_for("3", "trend_agent.py").number == 3
+
+
+def test_another_name_needs_the_exercise():
+    with pytest.raises(InputError, match=r"my_agent\.py: its name is that of no exercise's file"):
+        exercise_for(None, "my_agent.py")
+
+
+def test_exercises_that_do_not_drive_are_refused():
+    with pytest.raises(InputError, match="expected one of 1, 2, 3, 4, 5, 7, 9"):
+        arena_of(find_exercise("6"))
+
+
+# --- for real ------------------------------------------------------------------------------------
+
+
+def run(*words):
+    done = CliRunner().invoke(cli, ["search", *map(str, words)], standalone_mode=False)
+    return done, done.stdout
+
+
+@pytest.mark.long
+def test_a_wrong_node_is_found_and_the_file_shows_it_again(tmp_path):
+    node = tmp_path / "my_agent.py"
+    mutant = find_mutant(find_exercise("1"), "front_is_index_zero")
+    node.write_text(mutant.text, "utf-8")
+    said = []
+    for name in ("one", "two"):
+        out = tmp_path / f"{name}.toml"
+        done, text = run(
+            node, "--exercise", 1, "--tries", 40, "--out", out, "--report", tmp_path / "r.html"
+        )
+        assert done.exception is None and done.return_value == 1, done.output
+        assert "the robot touches it" in text
+        said.append(out.read_text("utf-8"))
+    assert said[0] == said[1]
+    assert "<html" in (tmp_path / "r.html").read_text("utf-8")
+    again = subprocess.run(
+        [sys.executable, "-m", "grader.cli", "drive", node, "--scenario", tmp_path / "one.toml"],
+        capture_output=True, text=True, check=False, cwd=ROOT,
+    )  # fmt: skip
+    assert "TOUCHED an obstacle" in again.stdout, again.stderr
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", ["1", "4"])
+def test_in_a_right_node_nothing_is_found(number):
+    exercise = find_exercise(number)
+    done, text = run(exercise.solutions / exercise.files[0], "--tries", 15)
+    assert done.return_value == 0, done.output
+    assert text.startswith("Nothing found in 15 worlds (seed 0).")
