@@ -12,8 +12,8 @@ from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
 
 if TYPE_CHECKING:
+    from grader.drive.mishaps import Mishap
     from grader.drive.search.finder import Found, Search
-    from grader.drive.search.mishaps import Mishap
 
 EXAMPLES = """\b
 Examples:
@@ -54,9 +54,10 @@ def search(
     Exit code 0: nothing was found. 1: a world was found. 2: wrong usage.
     """
     from grader.course.submission import find_submission  # noqa: PLC0415
+    from grader.drive import exercise_for  # noqa: PLC0415
     from grader.drive import search as searching  # noqa: PLC0415
 
-    chosen = searching.exercise_for(exercise, file.name)
+    chosen = exercise_for(exercise, file.name)
     arena = searching.arena_of(chosen)
     submission = find_submission(file, chosen.files[0])
     check_writable(report)

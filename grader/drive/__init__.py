@@ -1,7 +1,9 @@
 """Drive any rclpy node in the mock robot, without grading it; look for worlds that it fails in."""
 
+from grader.drive.contracts import exercise_for
 from grader.drive.node import (
     arguments_of,
+    drive_in,
     drive_node,
     read_params_files,
     read_stdin,
@@ -11,8 +13,10 @@ from grader.drive.summary import event_lines, print_summary
 
 __all__ = [
     "arguments_of",
+    "drive_in",
     "drive_node",
     "event_lines",
+    "exercise_for",
     "print_summary",
     "read_params_files",
     "read_stdin",

@@ -23,8 +23,7 @@ from hypothesis.internal.conjecture import providers
 from hypothesis.internal.constants_ast import Constants
 from msgspec.structs import replace
 
-from grader.drive.search.arenas import Arena
-from grader.drive.search.mishaps import (
+from grader.drive.mishaps import (
     BREAKS,
     DIES,
     KINDS,
@@ -34,6 +33,7 @@ from grader.drive.search.mishaps import (
     Mishap,
     mishap_of,
 )
+from grader.drive.search.arenas import Arena
 from grader.drive.search.toml import scenario_to_toml
 from grader.drive.search.words import sentence, title
 from grader.recording import Recording

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from grader.drive.search.mishaps import LOST, STANDS, TOUCHES, Mishap
+from grader.drive.mishaps import LOST, STANDS, TOUCHES, Mishap
 from grader.recording import Recording
 from sim.clearance import clearance
 from sim.layout import Layout

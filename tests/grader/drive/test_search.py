@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from grader.authoring.mutants import find_mutant
 from grader.cli import cli
 from grader.course.exercises import find_exercise
-from grader.drive.search import arena_of, exercise_for, search
+from grader.drive import exercise_for
+from grader.drive.search import arena_of, search
 from grader.drive.search.fair import is_fair
 from grader.drive.search.finder import cut, smallness
 from grader.drive.search.toml import scenario_to_toml
