@@ -6,7 +6,7 @@ robot that stands though its way has long been free.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,8 +57,10 @@ class Contract:
     heeds_e_stop: bool = False
 
 
-def mishap_of(recording: Recording, contract: Contract) -> Mishap | None:
-    """Return the first mishap of a drive, if there is one.
+def mishap_of(
+    recording: Recording, contract: Contract, kinds: Collection[str] = KINDS
+) -> Mishap | None:
+    """Return the first mishap of a drive among those of these kinds, if there is one.
 
     Raises
     ------
@@ -67,17 +69,16 @@ def mishap_of(recording: Recording, contract: Contract) -> Mishap | None:
     """
     outcome = recording.outcome
     if outcome.kind in UNFIT:
-        raise InputError(f"the node can't be searched: {outcome.text}")
-    found = [
-        mishap
-        for mishap in (_death(recording), _touch(recording), _excess(recording, contract))
-        if mishap is not None
-    ]
+        raise InputError(f"the node can't be looked at: {outcome.text}")
+    at_once = (_death(recording), _touch(recording), _excess(recording, contract))
+    found = [mishap for mishap in at_once if mishap is not None and mishap.kind in kinds]
     if found:
         return min(found, key=lambda mishap: (mishap.at, KINDS.index(mishap.kind)))
     if contract.free is None:
-        return _lost(recording)
-    return _stands(recording, contract.free, contract.patience)
+        last = _lost(recording)
+    else:
+        last = _stands(recording, contract.free, contract.patience)
+    return last if last is not None and last.kind in kinds else None
 
 
 def _death(recording: Recording) -> Mishap | None:

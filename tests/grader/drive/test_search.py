@@ -140,7 +140,7 @@ def test_trouble_of_the_grader_ends_the_search_as_it_is():
 
 def test_a_node_that_needs_real_time_is_refused():
     odd = Outcome("real_time", "it needs real time", 0.0)
-    with pytest.raises(InputError, match="can't be searched: it needs real time"):
+    with pytest.raises(InputError, match="can't be looked at: it needs real time"):
         search(FIRST, lambda scenario: drive_by(careful, scenario, odd), tries=5)
 
 

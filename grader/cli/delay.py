@@ -1,0 +1,65 @@
+"""`course delay`: the largest delay of sensors and commands that a node survives."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from grader.cli.results import FULL, LESS, check_writable
+from grader.cli.start import portable_option, start_forkserver
+
+EXAMPLES = """\b
+Examples:
+  course delay obstacle_avoidance_agent.py
+  course delay my_agent.py --exercise 1 --report delay.html
+"""
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--exercise", metavar="N", help="Whose worlds; else the file's name tells.")
+@click.option("--report", type=click.Path(path_type=Path), help="Write a page with two plots.")
+@portable_option
+def delay(file: Path, exercise: str | None, report: Path | None, portable: bool) -> int:
+    """Find out how late sensors and commands may be for a node.
+
+    It drives in its exercise's closed-loop worlds with delays of 0 to 300 ms. This is no grading:
+    it gives and takes no points.
+
+    Exit code 0: the node survives at least without delay. 1: it does not. 2: wrong usage.
+    """
+    from rich.console import Console  # noqa: PLC0415
+
+    from grader.course.submission import find_submission  # noqa: PLC0415
+    from grader.drive import drive_in, exercise_for  # noqa: PLC0415
+    from grader.drive.contracts import contract_of  # noqa: PLC0415
+    from grader.drive.delay import delays, reference_of  # noqa: PLC0415
+    from grader.drive.delay_page import page, table  # noqa: PLC0415
+    from grader.report.terminal import printable  # noqa: PLC0415
+
+    chosen = exercise_for(exercise, file.name)
+    contract_of(chosen)  # refuses exercises that do not drive, before anything starts
+    submission = find_submission(file, chosen.files[0])
+    check_writable(report)
+    console = Console(file=sys.stderr, highlight=False)
+    doing = f"Exercise {chosen.number}, {file.name}"
+    with (
+        console.status(f"{doing}: getting ready", spinner="line") as status,
+        start_forkserver(chosen.libraries, portable=portable) as forkserver,
+    ):
+        result = delays(
+            chosen,
+            lambda scenario: drive_in(submission, scenario, forkserver),
+            on_drive=lambda done, of: status.update(f"{doing}: drive {done} of {of}"),
+        )
+    reference = reference_of(chosen)
+    out = Console()
+    for line in table(result, reference):
+        click.echo(printable(line, out))
+    if report is not None:
+        report.write_text(page(result, reference, file.name), "utf-8")
+        click.echo(f"Report with plots: {report}")
+    survived = result.survived
+    return FULL if min(survived.sensors, survived.commands) >= 0 else LESS
