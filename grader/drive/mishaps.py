@@ -76,9 +76,8 @@ def mishap_of(
         return min(found, key=lambda mishap: (mishap.at, KINDS.index(mishap.kind)))
     if contract.free is None:
         last = _lost(recording)
-    else:
-        last = _stands(recording, contract.free, contract.patience)
-    return last if last is not None and last.kind in kinds else None
+        return last if last is not None and last.kind in kinds else None
+    return _stands(recording, contract.free, contract.patience) if STANDS in kinds else None
 
 
 def _death(recording: Recording) -> Mishap | None:

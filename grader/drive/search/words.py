@@ -15,7 +15,7 @@ from sim.scenario import Scenario
 from sim.world import Box, World
 
 AHEAD = 5.0  # [°] within which a thing is straight ahead
-ASIDE = 20.0  # [°] beyond which it is worth saying which beams see it
+ASIDE = 10.0  # [°] beyond which it is worth saying which beams see it
 LOOK_BACK = 1.0  # [s] before a touch
 LONG = 3.0  # times as long as wide: a wall
 
