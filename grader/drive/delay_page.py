@@ -120,7 +120,7 @@ def _plot(result: Delays, reference: Survived | None, axis: str) -> str:
     return (
         f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{label}">\n'
         f'<text x="0" y="{TOP + 8}">{most:.2f} {result.unit}</text>\n'
-        f'<text x="{WIDTH}" y="{HEIGHT - 2}" text-anchor="end">delay [ms]</text>\n'
+        f'<text x="{WIDTH}" y="{HEIGHT - 5}" text-anchor="end">delay [ms]</text>\n'
         + "\n".join(parts)
         + "\n</svg>"
     )
