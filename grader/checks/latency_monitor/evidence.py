@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -21,13 +22,17 @@ from grader.checks.latency_monitor.contract import (
     calls_by,
     right_statistics,
 )
-from grader.checks.predictions import predictions
+from grader.checks.inferences import questions
+from grader.checks.predictions import Prediction, max_speed, predictions
 from grader.checks.reading import published
 from grader.checks.turns import turns
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.recording import Recording
+from grader.recording import Inference, Recording
 
+MOST_CALLS = 2  # of predict for each scan, on average
+LATEST_CALL = 0.5  # [s] from a scan to its call of predict
+LATE_IN_REAL_TIME = 0.1  # of the scans, whose calls may come later on a busy machine
 MOST_REPORTS = 200  # in one trial, of which the longest takes 6 s
 
 
@@ -48,7 +53,7 @@ class Report:
 
 
 def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
-    """Fail unless its clipped prediction, or 0.0, followed each scan (with this tag)."""
+    """Fail unless its clipped prediction, or 0.0, followed each scan (with this tag): a call's."""
     require_alive(recording)
     twists, bench = recording.twists(), recording.scenario.bench_scans
     said = predictions(recording)
@@ -71,6 +76,63 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
             recording=recording,
             help=help,
         )
+    require_calls(recording)
+
+
+def require_calls(recording: Recording) -> None:
+    """Fail unless the model was asked about each scan that has features, one row at a time.
+
+    What is measured is up to the node: who never asks, or always the same, has numbers that are
+    right and say nothing.
+    """
+    require_alive(recording)
+    scans, _ = turns(recording)
+    said = predictions(recording)[: len(scans)]
+    calls = sorted(questions(recording, "predict", 0.0, math.inf), key=_asked)
+    if len(calls) > MOST_CALLS * len(recording.scans()):
+        fail(
+            f"predict was called {len(calls):,} times for {len(recording.scans()):,} scans",
+            expected="one call of predict for each scan",
+            actual=f"more than {MOST_CALLS} for each",
+            at=calls[MOST_CALLS * len(recording.scans())].asked / 1e9,
+            recording=recording,
+            help="What is measured is what drives the robot: measure those calls, and no others.",
+        )
+    missed, place = [], 0
+    for right in said:
+        if right.missing:  # blind, or the model says nothing: only who asks can know that
+            continue
+        place = bisect_left(calls, right.scan.t - recording.slack, place, key=_asked)
+        late = bisect_right(calls, right.scan.t + LATEST_CALL + recording.slack, place, key=_asked)
+        about = (i for i in range(place, late) if _is_about(recording, calls[i], right))
+        found = next(about, None)
+        if found is None:
+            missed.append(right)
+        else:
+            place = found + 1
+    if len(missed) <= (LATE_IN_REAL_TIME * len(said) if recording.live is not None else 0):
+        return
+    at, asked = missed[0].scan.t, len(calls)
+    fail(
+        f"the model was not asked about the scan at {at:.2f} s",
+        expected=f"one call of predict, with one row, that returns {missed[0].text}",
+        actual=f"{asked} calls in all; {len(missed)} of {len(said)} scans without one",
+        at=at,
+        recording=recording,
+        help="Call predict for each scan, and measure that call: numbers about no calls, or about "
+        "others, say nothing about the model that drives.",
+    )
+
+
+def _asked(call: Inference) -> float:
+    """Return when a call began [s]."""
+    return call.asked / 1e9
+
+
+def _is_about(recording: Recording, call: Inference, right: Prediction) -> bool:
+    """Tell whether a call was about a scan: it had one row, and returned what is right for it."""
+    limit = max_speed(recording.scenario)
+    return len(call.said) == 1 and right.allows(max(0.0, min(limit, call.said[0])))
 
 
 def require_reports(recording: Recording) -> list[Report]:
@@ -181,6 +243,8 @@ def require_numbers(
 
     Without `full_windows` only reports from before the hundred-and-first call are judged.
     """
+    if until == math.inf:
+        require_calls(recording)
     judged = 0
     for report in require_reports(recording):
         if report.t > until:
