@@ -310,6 +310,30 @@ def test_one_cannot_keep_out_the_others(tmp_path: Path, monkeypatch: pytest.Monk
     assert sum("cut off" in reason for reason in faults(intake).values()) == 2
 
 
+@pytest.mark.parametrize(
+    ("names", "why"),
+    [
+        (("\U0001f980" * 90,), "File name too long"),
+        (("notes", "notes/mine.py"), "can't be written"),
+        (("notes\\..\\..\\..\\x.py",), "points outside"),
+    ],
+    ids=["too long", "file and folder", "outside"],
+)
+def test_an_impossible_name_cannot_keep_out_the_others(
+    tmp_path: Path, names: tuple[str, ...], why: str
+) -> None:
+    room = "Eve Bad_102_assignsubmission_file"
+    with zipfile.ZipFile(tmp_path / "class.zip", "w") as archive:
+        archive.writestr(f"Ann Lee_101_assignsubmission_file/{AGENT}", "# fine\n")
+        for name in names:
+            archive.writestr(f"{room}/{name}", "evil")
+        archive.writestr(f"Zoe Ok_103_assignsubmission_file/{AGENT}", "# fine\n")
+    intake = taken(tmp_path / "class.zip")
+    assert {"Ann Lee", "Zoe Ok"} <= graded(intake).keys()
+    assert any(why in reason for reason in faults(intake).values())
+    assert not list(tmp_path.rglob("x.py"))
+
+
 def test_links_in_a_download_are_not_followed(download: Path, tmp_path: Path) -> None:
     put(tmp_path, f"secret/{AGENT}", "secret.py")
     for name in ("Eve_1_assignsubmission_file", "submission_9", "week-eve"):
