@@ -153,6 +153,17 @@ def test_two_assignments_of_moodle_are_one_class(tmp_path: Path) -> None:
     assert find_files(ann, ["goal_seeking_agent.py"]).files
 
 
+@pytest.mark.parametrize("chosen", ["leecarla_12345_99999999", "leecarla_12345"])
+def test_nobody_hands_in_for_another_by_a_name_with_ids(download: Path, chosen: str) -> None:
+    put(download, f"leecarla_12345_678901_{AGENT}")
+    with zipfile.ZipFile(download / f"{chosen}_777_888_mine.zip", "w") as archive:
+        archive.writestr(AGENT, "# evil\n")
+    intake = taken(download)
+    assert len(intake.students) == 1
+    assert "evil" not in graded(intake)["leecarla_12345"]
+    assert ["can't be told" in reason for reason in faults(intake).values()] == [True]
+
+
 # --- nbgrader, GitHub Classroom, Gradescope ------------------------------------------------------
 
 
