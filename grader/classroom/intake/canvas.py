@@ -24,8 +24,8 @@ _WHO = r"(?:(?P<name>\w*?)_)??(?:(?P<late>LATE)_)?(?P<id>\d+|anon_[A-Za-z0-9]+)"
 UPLOAD = re.compile(rf"{_WHO}_(?P<attachment>\d+)_(?P<file>.+)", re.DOTALL)
 UNCLEAR = re.compile(r"(?:LATE_)?\d{3,}_.+", re.DOTALL)  # what seems to be the file's own name
 WHOSE = (
-    "its name begins with numbers, or its student's name ends with some: whose it is can't be told; "
-    "look into Canvas, and rename the file"
+    "its name begins with a number, or its student's name ends with one: whose it is can't be "
+    "told; look into Canvas, and rename the file"
 )
 TYPED = re.compile(rf"{_WHO}_(?P<kind>text|link)\.html")
 TYPED_IN = {"text": "text typed into Canvas.html", "link": "web address.html"}
