@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -176,8 +176,8 @@ def ticks(recording: Recording, *, silences: bool = False) -> list[Tick]:
 def _in_force(recording: Recording, silences: bool) -> Iterator[tuple[float, list[float]]]:
     """Yield the times [s] and fields of commands, and those in force during silences."""
     twists = recording.twists()
-    ends = [*twists.t.tolist()[1:], recording.duration_s]
-    for t, row, end in zip(twists.t.tolist(), twists.values.tolist(), ends, strict=True):
+    times = [*twists.t.tolist(), recording.duration_s]
+    for (t, end), row in zip(pairwise(times), twists.values.tolist(), strict=True):
         yield t, row
         if silences:
             for tick in np.arange(t + SILENCE + recording.slack, end, PERIOD).tolist():
