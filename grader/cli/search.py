@@ -13,7 +13,6 @@ from grader.cli.start import portable_option, start_forkserver
 
 if TYPE_CHECKING:
     from grader.drive.mishaps import Mishap
-    from grader.drive.search.finder import Found, Search
 
 EXAMPLES = """\b
 Examples:
@@ -62,16 +61,17 @@ def search(
     submission = find_submission(file, chosen.files[0])
     check_writable(report)
     check_writable(out)
-    seconds = None if minutes is None and tries is not None else 60.0 * (minutes or 1.0)
+    seconds = (
+        None if minutes is None and tries is not None else 60.0 * (minutes or searching.MINUTES)
+    )
     progress = _Progress(f"Exercise {chosen.number}, {file.name}")
     with progress, start_forkserver(portable=portable) as forkserver:
         result = searching.search_node(
             arena, submission, forkserver, seed=seed, tries=tries, seconds=seconds, on_try=progress
         )
+    click.echo(searching.account(result, exercise=chosen.number, seed=seed))
     if result.found is None:
-        _say_nothing_found(result, seed)
         return FULL
-    show(result.found, result, seed, chosen.number)
     if out is not None:
         out.write_text(result.found.toml, "utf-8")
         click.echo(f"Scenario: {out}")
@@ -79,24 +79,6 @@ def search(
         found = result.found
         write_report(report, None, [found.recording], f"{file.name}: {found.sentence}")
     return LESS
-
-
-def show(found: Found, result: Search, seed: int, exercise: int) -> None:
-    """Print a world that was found, and where to go from there."""
-    early = ", interrupted" if result.interrupted else ""
-    click.echo(found.sentence)
-    click.echo()
-    click.echo(found.toml)
-    click.echo(f"The smallest of {result.tries} worlds (exercise {exercise}, seed {seed}{early}).")
-
-
-def _say_nothing_found(result: Search, seed: int) -> None:
-    early = " before it was interrupted" if result.interrupted else ""
-    count = f"{result.tries} worlds" if result.tries != 1 else "one world"
-    click.echo(
-        f"Nothing found in {count} (seed {seed}){early}. That is no proof: another --seed tries "
-        "others."
-    )
 
 
 class _Progress:
@@ -108,7 +90,7 @@ class _Progress:
         self._console = Console(file=sys.stderr, highlight=False)
         self._title = title
         self._status = self._console.status(f"{title}: getting ready", spinner="line")
-        self._found = ""
+        self._found = False
 
     def __enter__(self) -> _Progress:
         if self._console.is_terminal:
@@ -122,10 +104,11 @@ class _Progress:
         """Note a try."""
         from rich.text import Text  # noqa: PLC0415
 
-        said = f": {mishap.text}; now looking for a smaller world" if mishap else ""
-        line = Text(f"{self._title}: world {tries}{said}")
+        from grader.drive.search import how_far  # noqa: PLC0415
+
+        line = Text(f"{self._title}: {how_far(tries, mishap)}")
         if self._console.is_terminal:
             self._status.update(line)
         elif mishap is not None and not self._found:
             self._console.print(line, soft_wrap=True)
-        self._found = said
+        self._found = mishap is not None

@@ -7,6 +7,7 @@ the names below. The kernel itself never imports rclpy: nodes run in other proce
 `%%node FILE.py`          cell magic: the cell becomes the file FILE.py in the notebook's folder
 `drive("demo_wall")`      run the file of the last `%%node` cell in one scenario, and watch it
 `check("1")`              have an exercise judged, as `course grade` does
+`search("1")`             look for the smallest world in which the node fails
 `dataset()`               make data to learn from, as `course dataset` does
 `train()`                 run the training script of exercise 2 on such data
 `show_scan("demo_wall")`  plot a scan
@@ -35,6 +36,7 @@ __all__ = [
     "dataset",
     "drive",
     "prepare",
+    "search",
     "show_features",
     "show_left_right",
     "show_scan",
@@ -128,6 +130,35 @@ def check(
     from grader.notebook.validation import validated  # noqa: PLC0415
 
     return validated(check_file(None if name is None else str(name), file, field=field))
+
+
+def search(
+    name: str | int | None = None,
+    file: str | Path | None = None,
+    *,
+    minutes: float | None = None,
+    tries: int | None = None,
+    seed: int = 0,
+) -> None:
+    """Look for the smallest world in which a node fails, as `course search` does; show its replay.
+
+    It fails that touches something, dies, breaks a limit, or stands for ever though its way is
+    free. Nothing is judged.
+
+    Parameters
+    ----------
+    name
+        The exercise by name or number; by default that of the last `%%node` cell.
+    file
+        The node's file; by default the exercise's, in the notebook's folder.
+    minutes, tries
+        When to give up: after a minute by default, or after so many worlds.
+    seed
+        Where to begin. With a number of tries, the same seed finds the same world.
+    """
+    from grader.notebook.judging import search_file  # noqa: PLC0415
+
+    search_file(None if name is None else str(name), file, minutes=minutes, tries=tries, seed=seed)
 
 
 def dataset(file: str | Path = "train.npz", *, scans: int = 2000, seed: int = 1) -> NotebookDataset:

@@ -37,6 +37,7 @@ from grader.notebook.orders import (
     Driven,
     Grade,
     Graded,
+    Look,
     Order,
     Problem,
     Progressed,
@@ -80,6 +81,8 @@ def carry_out(order: Order, forkservers: ForkServerPool, send: Send) -> Answer |
                 return _drive(order, forkservers.of(order.libraries))
             case Grade():
                 return _grade(order, forkservers, send)
+            case Look():
+                return _look(order, forkservers, send)
     except InputError as error:
         return None if isinstance(order, Warm) else Problem(str(error))
     except GraderError as error:
@@ -99,6 +102,31 @@ def _drive(order: Drive, forkserver: Launcher) -> Driven:
         print_summary(recording, file=order.shown, practice=forkserver.practice)
     payload = page_payload(None, [recording], recording.scenario.title or recording.name)
     return Driven(said.getvalue(), page_html({**payload, "embedded": True}))
+
+
+def _look(order: Look, forkservers: ForkServerPool, send: Send) -> Driven:
+    from grader.drive import search  # noqa: PLC0415  (hypothesis takes a while)
+
+    exercise = find_exercise(order.exercise)
+    arena = search.arena_of(exercise)
+    submission = find_submission(Path(order.file), exercise.files[0])
+    minutes = order.minutes or (None if order.tries else search.MINUTES)
+    result = search.search_node(
+        arena,
+        submission,
+        forkservers.of(exercise.libraries),
+        seed=order.seed,
+        tries=order.tries,
+        seconds=None if minutes is None else 60.0 * minutes,
+        on_try=lambda tries, mishap: send(
+            Progressed("world", tries, order.tries or 0, search.how_far(tries, mishap))
+        ),
+    )
+    said = search.account(result, exercise=exercise.number, seed=order.seed)
+    if result.found is None:
+        return Driven(said, "")
+    payload = page_payload(None, [result.found.recording], result.found.sentence)
+    return Driven(said, page_html({**payload, "embedded": True}))
 
 
 def _grade(order: Grade, forkservers: ForkServerPool, send: Send) -> Graded:

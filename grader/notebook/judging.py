@@ -12,7 +12,17 @@ from grader.errors import GraderError, InputError
 from grader.notebook.child import JUDGE
 from grader.notebook.frame import frame_html
 from grader.notebook.kind import sentence
-from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Order, Problem, Progressed
+from grader.notebook.orders import (
+    Answer,
+    Drive,
+    Driven,
+    Grade,
+    Graded,
+    Look,
+    Order,
+    Problem,
+    Progressed,
+)
 from grader.notebook.report import CheckReport
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import Progress, preformatted, tell
@@ -77,6 +87,38 @@ def check_file(name: str | None, file: str | Path | None, *, field: bool) -> Che
     )
     bar.end(report.shown())
     return report
+
+
+def search_file(
+    name: str | None,
+    file: str | Path | None,
+    *,
+    minutes: float | None,
+    tries: int | None,
+    seed: int,
+) -> None:
+    """See `grader.notebook.search`."""
+    try:
+        exercise, _ = _wanted(name, file)
+        path = SESSION.file_for(exercise, file)
+        order = Look(exercise.slug, str(path), path.name, *_bounds(minutes, tries), int(seed))
+    except (InputError, GraderError) as error:
+        tell(f"Not searched: {error}")
+        return
+    bar = Progress(f"Exercise {exercise.number}, {path.name}")
+    answer = _ask(order, bar, "Not searched")
+    if isinstance(answer, Driven):
+        said = answer.text.strip("\n")
+        frame = frame_html(answer.page, title=f"Replay of {path.name}") if answer.page else ""
+        bar.end({"text/plain": said, "text/html": preformatted(said) + frame})
+
+
+def _bounds(minutes: float | None, tries: int | None) -> tuple[float | None, int | None]:
+    if minutes is not None and not 0 < float(minutes) <= 600:
+        raise InputError(f"minutes={minutes!r}: expected a number up to 600, such as 2")
+    if tries is not None and int(tries) < 1:
+        raise InputError(f"tries={tries!r}: expected a whole number, such as 200")
+    return None if minutes is None else float(minutes), None if tries is None else int(tries)
 
 
 def _written(path: Path) -> str:

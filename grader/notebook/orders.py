@@ -35,24 +35,35 @@ class Grade(msgspec.Struct, frozen=True, tag="grade"):
     field: bool = False
 
 
-Order = Warm | Drive | Grade
+class Look(msgspec.Struct, frozen=True, tag="look"):
+    """Look for the smallest world in which a node fails."""
+
+    exercise: str
+    file: str  # absolute path
+    shown: str
+    minutes: float | None = None
+    tries: int | None = None
+    seed: int = 0
+
+
+Order = Warm | Drive | Grade | Look
 
 
 class Progressed(msgspec.Struct, frozen=True, tag="progress"):
     """How far a grading is."""
 
-    what: str  # "trial" or "check"
+    what: str  # "trial", "check" or "world"
     done: int
     of: int
-    name: str = ""  # of the scenario or the check
+    name: str = ""  # of the scenario or the check; how far a search is
     outcome: str = ""  # of a check; how a trial ended; "": it begins
 
 
 class Driven(msgspec.Struct, frozen=True, tag="driven"):
-    """The result of a drive."""
+    """The result of a drive, or of a search."""
 
     text: str  # the summary
-    page: str  # HTML, the replay
+    page: str  # HTML, the replay; "" if a search found nothing
 
 
 class Graded(msgspec.Struct, frozen=True, tag="graded"):

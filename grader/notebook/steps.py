@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from grader.notebook.orders import Progressed
 
-TRIAL = "trial"
+TRIAL, WORLD = "trial", "world"
 
 
 @dataclass
@@ -17,9 +17,13 @@ class Steps:
     trials: tuple[int, int] = (0, 0)  # done, of
     checks: tuple[int, int] = (0, 0)
     outcomes: dict[str, str] = field(default_factory=dict)  # by check
+    search: str = ""  # how far a search is
 
     def note(self, step: Progressed) -> None:
         """Note a step."""
+        if step.what == WORLD:
+            self.trials, self.search = (step.done, step.of), step.name
+            return
         if step.what != TRIAL:
             self.checks = step.done, step.of
             self.outcomes[step.name] = step.outcome
@@ -33,6 +37,8 @@ class Steps:
     def told(self) -> tuple[float, str]:
         """Return the progress as a share, 0 … 1, and in words."""
         (trials, all_trials), (checks, all_checks) = self.trials, self.checks
+        if self.search:
+            return trials / all_trials if all_trials else 0.0, self.search
         parts = [f"{trials} of {all_trials} runs"] if all_trials else []
         parts += [f"running {', '.join(self.running)}"] if self.running else []
         parts += [

@@ -16,7 +16,17 @@ from grader.errors import GraderError
 from grader.link.pool import ForkServerPool
 from grader.notebook import judge
 from grader.notebook.judge import carry_out
-from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Problem, Progressed, Warm
+from grader.notebook.orders import (
+    Answer,
+    Drive,
+    Driven,
+    Grade,
+    Graded,
+    Look,
+    Problem,
+    Progressed,
+    Warm,
+)
 
 AGENT = "obstacle_avoidance_agent.py"
 RIGHT = SOLUTIONS / "obstacle_avoidance" / AGENT
@@ -142,3 +152,27 @@ def test_orders_survive_the_pipe(message: Any) -> None:
 
     assert b"\n" not in line
     assert msgspec.json.decode(line, type=judge.Order) == message
+
+
+def test_a_search_tells_each_world_and_shows_the_smallest(
+    forkservers: ForkServerPool, tmp_path: Path
+) -> None:
+    sent: list[Any] = []
+    file = tmp_path / AGENT
+    file.write_text(RIGHT.read_text("utf-8").replace("FULL_SPEED = 0.5", "FULL_SPEED = 0.7"))
+    answer = carry_out(Look("1", str(file), AGENT, tries=4), forkservers, sent.append)
+
+    assert isinstance(answer, Driven), answer
+    assert answer.text.startswith("In an empty world: the node asks for 0.70 m/s at ")
+    assert [(step.what, step.done, step.of) for step in sent] == [
+        ("world", done, 4) for done in range(1, len(sent) + 1)
+    ]
+    assert replays(answer.page)[0]["title"] == "An empty world"
+
+
+def test_a_search_of_an_exercise_that_does_not_drive_is_refused(
+    forkservers: ForkServerPool,
+) -> None:
+    answer = carry_out(Look("6", str(RIGHT), AGENT, tries=4), forkservers, lambda _: None)
+    assert isinstance(answer, Problem)
+    assert "do not drive by themselves" in answer.text

@@ -5,6 +5,7 @@ from __future__ import annotations
 from grader.course.submission import Submission
 from grader.drive.mishaps import Mishap
 from grader.drive.node import drive_in
+from grader.drive.search.account import MINUTES, account, how_far
 from grader.drive.search.arenas import Arena, arena_of
 from grader.drive.search.finder import Found, OnTry, Search, search
 from grader.link.launcher import Launcher
@@ -12,10 +13,13 @@ from grader.recording import Recording
 from sim.scenario import Scenario
 
 __all__ = [
+    "MINUTES",
     "Found",
     "Mishap",
     "Search",
+    "account",
     "arena_of",
+    "how_far",
     "search",
     "search_node",
 ]

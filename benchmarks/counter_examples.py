@@ -1,0 +1,124 @@
+"""How many wrong nodes does `course search` find without being told, and any right one?
+
+The search runs over references, variants and mutants. Nothing found in a right node is the claim;
+of the mutants only some can be found, since a search knows no more than what no right node does.
+What is done already is read from `--keep FILE`, so an interrupted run goes on where it was. Ends
+with 1 if something was found in a right node.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+
+from grader.authoring.proof import Claim, claims, complete
+from grader.course.exercises import Exercise, find_exercise
+from grader.drive.search import arena_of, search_node
+from grader.errors import InputError
+from grader.link.choice import start_launcher
+
+RIGHT = ("reference", "variant")
+SEARCHED = ("1", "2", "3", "4", "5", "7", "9")
+
+
+class Looked(msgspec.Struct, frozen=True):
+    """A node that was searched."""
+
+    solution: str
+    seed: int
+    most: int  # tries at most
+    tries: int
+    seconds: float
+    kind: str = ""  # of the mishap; "" for none
+    sentence: str = ""
+    toml: str = ""
+
+
+def main() -> int:
+    """Search and print; 1 if something was found in a right node."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("exercises", nargs="*", help="all that drive by default")
+    parser.add_argument("--right", type=int, default=2000, help="tries for each right node")
+    parser.add_argument("--wrong", type=int, default=200, help="tries for each mutant")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--keep", type=Path, help="read and add what was found (JSON lines)")
+    parser.add_argument("--worlds", action="store_true", help="print each world that was found")
+    options = parser.parse_args()
+    known = read(options.keep)
+    bad = 0
+    for name in options.exercises or SEARCHED:
+        exercise = find_exercise(name)
+        rows = []
+        for claim in claims(exercise):
+            most = options.right if claim.kind in RIGHT else options.wrong
+            if claim.kind == "skeleton" or claim.lacks or not most:
+                continue
+            row = known.get((claim.name, options.seed, most))
+            if row is None:
+                row = look(claim, options.seed, most)
+                if options.keep is not None:
+                    with options.keep.open("ab", buffering=0) as file:
+                        file.write(msgspec.json.encode(row) + b"\n")
+            rows.append((claim, row))
+        for line in lines(exercise, rows, worlds=options.worlds):
+            print(line, flush=True)
+        bad += sum(claim.kind in RIGHT and bool(row.kind) for claim, row in rows)
+    return 1 if bad else 0
+
+
+def look(claim: Claim, seed: int, most: int) -> Looked:
+    """Search in one node."""
+    began = time.perf_counter()
+    kind = sentence = toml = ""
+    tries = 0
+    with start_launcher(claim.exercise.libraries) as launcher, complete(claim) as submission:
+        try:
+            result = search_node(
+                arena_of(claim.exercise), submission, launcher, seed=seed, tries=most
+            )
+        except InputError as error:  # not in virtual time
+            kind, sentence = "refused", str(error)
+        else:
+            tries = result.tries
+            if result.found is not None:
+                kind, sentence = result.found.mishap.kind, result.found.sentence
+                toml = result.found.toml
+    return Looked(
+        claim.name, seed, most, tries, round(time.perf_counter() - began, 1), kind, sentence, toml
+    )
+
+
+def read(keep: Path | None) -> dict[tuple[str, int, int], Looked]:
+    """Return what was done already."""
+    if keep is None or not keep.exists():
+        return {}
+    rows = [msgspec.json.decode(line, type=Looked) for line in keep.read_bytes().splitlines()]
+    return {(row.solution, row.seed, row.most): row for row in rows}
+
+
+def lines(exercise: Exercise, rows: list[tuple[Claim, Looked]], *, worlds: bool) -> Iterator[str]:
+    """Return the table of an exercise."""
+    yield f"\n{exercise.number} · {exercise.title}"
+    for claim, row in rows:
+        said = row.sentence or "nothing found"
+        yield f"  {claim.kind:9} {claim.stem:36} {row.tries:5} tries {row.seconds:6.1f} s  {said}"
+        if worlds and row.toml:
+            yield "\n".join(f"      {line}" for line in row.toml.splitlines())
+    right = [row for claim, row in rows if claim.kind in RIGHT]
+    wrong = [row for claim, row in rows if claim.kind not in RIGHT]
+    kinds = Counter(row.kind for row in wrong if row.kind)
+    found = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
+    yield (
+        f"  right: {sum(bool(row.kind) for row in right)} of {len(right)} found; wrong: "
+        f"{sum(kinds.values())} of {len(wrong)} found{f' ({found})' if found else ''}"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
