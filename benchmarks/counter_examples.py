@@ -1,6 +1,7 @@
 """How many wrong nodes does `course search` find without being told, and any right one?
 
-The search runs over references, variants and mutants. Nothing found in a right node is the claim;
+The search runs over references, variants and mutants; in a right node that does not claim to be
+field-ready without what only the badge asks for. Nothing found in a right node is the claim;
 of the mutants only some can be found, since a search knows no more than what no right node does.
 What is done already is read from `--keep FILE`, so an interrupted run goes on where it was. Ends
 with 1 if something was found in a right node.
@@ -74,13 +75,14 @@ def main() -> int:
 
 def look(claim: Claim, seed: int, most: int) -> Looked:
     """Search in one node."""
+    field = claim.field_ready or claim.kind not in RIGHT
     began = time.perf_counter()
     kind = sentence = toml = ""
     tries = 0
     with start_launcher(claim.exercise.libraries) as launcher, complete(claim) as submission:
         try:
             result = search_node(
-                arena_of(claim.exercise), submission, launcher, seed=seed, tries=most
+                arena_of(claim.exercise, field=field), submission, launcher, seed=seed, tries=most
             )
         except InputError as error:  # not in virtual time
             kind, sentence = "refused", str(error)

@@ -32,6 +32,7 @@ Examples:
     help="How many worlds to try instead: then the same seed finds the same world.",
 )  # fmt: skip
 @click.option("--seed", type=click.IntRange(0, 10**6), default=0, help="Where to begin; default 0.")
+@click.option("--field", is_flag=True, help="Other sensors and networks too, as for the badge.")
 @click.option("--out", type=click.Path(path_type=Path), help="Write the world as a scenario file.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
 @portable_option
@@ -41,6 +42,7 @@ def search(
     minutes: float | None,
     tries: int | None,
     seed: int,
+    field: bool,
     out: Path | None,
     report: Path | None,
     portable: bool,
@@ -57,7 +59,7 @@ def search(
     from grader.drive import search as searching  # noqa: PLC0415
 
     chosen = exercise_for(exercise, file.name)
-    arena = searching.arena_of(chosen)
+    arena = searching.arena_of(chosen, field=field)
     submission = find_submission(file, chosen.files[0])
     check_writable(report)
     check_writable(out)

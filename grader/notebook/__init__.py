@@ -139,6 +139,7 @@ def search(
     minutes: float | None = None,
     tries: int | None = None,
     seed: int = 0,
+    field: bool = False,
 ) -> None:
     """Look for the smallest world in which a node fails, as `course search` does; show its replay.
 
@@ -155,10 +156,13 @@ def search(
         When to give up: after a minute by default, or after so many worlds.
     seed
         Where to begin. With a number of tries, the same seed finds the same world.
+    field
+        Other sensors and networks too, as for the badge.
     """
     from grader.notebook.judging import search_file  # noqa: PLC0415
 
-    search_file(None if name is None else str(name), file, minutes=minutes, tries=tries, seed=seed)
+    wanted = None if name is None else str(name)
+    search_file(wanted, file, minutes=minutes, tries=tries, seed=seed, field=field)
 
 
 def dataset(file: str | Path = "train.npz", *, scans: int = 2000, seed: int = 1) -> NotebookDataset:

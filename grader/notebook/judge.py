@@ -108,7 +108,7 @@ def _look(order: Look, forkservers: ForkServerPool, send: Send) -> Driven:
     from grader.drive import search  # noqa: PLC0415  (hypothesis takes a while)
 
     exercise = find_exercise(order.exercise)
-    arena = search.arena_of(exercise)
+    arena = search.arena_of(exercise, field=order.field)
     submission = find_submission(Path(order.file), exercise.files[0])
     minutes = order.minutes or (None if order.tries else search.MINUTES)
     result = search.search_node(

@@ -96,12 +96,14 @@ def search_file(
     minutes: float | None,
     tries: int | None,
     seed: int,
+    field: bool,
 ) -> None:
     """See `grader.notebook.search`."""
     try:
         exercise, _ = _wanted(name, file)
         path = SESSION.file_for(exercise, file)
-        order = Look(exercise.slug, str(path), path.name, *_bounds(minutes, tries), int(seed))
+        bounds = _bounds(minutes, tries)
+        order = Look(exercise.slug, str(path), path.name, *bounds, int(seed), field)
     except (InputError, GraderError) as error:
         tell(f"Not searched: {error}")
         return

@@ -44,6 +44,7 @@ class Look(msgspec.Struct, frozen=True, tag="look"):
     minutes: float | None = None
     tries: int | None = None
     seed: int = 0
+    field: bool = False
 
 
 Order = Warm | Drive | Grade | Look

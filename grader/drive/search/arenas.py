@@ -33,8 +33,10 @@ class Arena:
     contract: Contract
 
 
-def arena_of(exercise: Exercise) -> Arena:
+def arena_of(exercise: Exercise, *, field: bool = False) -> Arena:
     """Return the worlds and the contract of an exercise.
+
+    `field`: also what only nodes with the badge field-ready have to cope with.
 
     Raises
     ------
@@ -42,19 +44,24 @@ def arena_of(exercise: Exercise) -> Arena:
         Its nodes do not drive.
     """
     contract = contract_of(exercise)
-    return Arena(_WORLDS[exercise.number], contract)
+    return Arena(_worlds(exercise.number, field=field), contract)
 
 
-def _with_model(probe: str, **settings: float) -> SearchStrategy[Scenario]:
-    return driving_worlds(9.0, Model(probe=probe, settings={**BRAKING, **settings}))
+def _worlds(number: int, *, field: bool) -> SearchStrategy[Scenario]:
+    if number == 3:
+        return goal_worlds(field=field)
+    if number == 7:
+        return driving_worlds(8.0, supervises=True, field=field)
+    model = _MODELS.get(number)
+    return driving_worlds(8.0 if number == 1 else 9.0, model, field=field)
 
 
-_WORLDS = {
-    1: driving_worlds(8.0),
-    2: _with_model("echo"),
-    3: goal_worlds(),
-    4: driving_worlds(9.0),
-    5: _with_model("slow", seconds=0.2),
-    7: driving_worlds(8.0, supervises=True),
-    9: _with_model("slow", seconds=0.02),
+def _braking(probe: str, **settings: float) -> Model:
+    return Model(probe=probe, settings={**BRAKING, **settings})
+
+
+_MODELS = {
+    2: _braking("echo"),
+    5: _braking("slow", seconds=0.2),
+    9: _braking("slow", seconds=0.02),
 }

@@ -1,8 +1,8 @@
 """Worlds to try, as hypothesis draws them: it begins with the simplest and shrinks to it.
 
-Everything is drawn in whole steps (decimetres, 15°, 50 ms) for files that a person can read. Each
-part of a world alone is one that the exercises' contracts speak of: their lidars, lost scans,
-NaN, a driver that publishes best effort.
+Everything is drawn in whole steps (decimetres, 15°, 50 ms) for files that a person can read. What
+the exercises ask only of nodes with the badge field-ready, other lidars, lost messages and drivers
+that publish best effort, is in a world only if it is asked for.
 """
 
 from __future__ import annotations
@@ -37,6 +37,9 @@ MODEL = "velocity_model.pkl"
 Place = tuple[float, float, float]  # x [m], y [m], yaw [°]
 SILENCE = 4.0  # [s] that a lidar falls silent
 E_STOP = 2.0  # [s] that an emergency stop lasts
+_NONE = st.just(0.0)
+_LOSS = st.sampled_from((0.0, 0.1, 0.2))
+_QOS = st.sampled_from((Qos(), Qos(sensors="sensor_data")))
 
 
 def _dm(value: int) -> float:
@@ -70,14 +73,14 @@ def _world(draw: DrawFn) -> World:
 
 
 @st.composite
-def _lidar_faults(draw: DrawFn) -> Faults:
+def _lidar_faults(draw: DrawFn, field: bool) -> Faults:
     """Draw nothing wrong in most cases, else a little of it."""
     if not draw(st.booleans()):
         return Faults()
     begin = draw(st.integers(0, 5)) / 2  # [s]; 0: never
     return Faults(
         nan_speckle=draw(st.sampled_from((0.0, 0.02, 0.05))),
-        scan_loss=draw(st.sampled_from((0.0, 0.1, 0.2))),
+        scan_loss=draw(_LOSS if field else _NONE),
         scan_latency=draw(st.sampled_from((0.0, 0.05, 0.1))),
         range_noise=draw(st.sampled_from((0.0, 0.01))),
         blackout=((begin, begin + SILENCE),) if begin else (),
@@ -85,7 +88,9 @@ def _lidar_faults(draw: DrawFn) -> Faults:
 
 
 @st.composite
-def _driving(draw: DrawFn, duration: float, node: NodeSpec, supervises: bool) -> Scenario:
+def _driving(
+    draw: DrawFn, duration: float, node: NodeSpec, supervises: bool, field: bool
+) -> Scenario:
     """Draw a world of things that stand, and a lidar."""
     return Scenario(
         title="",
@@ -94,9 +99,9 @@ def _driving(draw: DrawFn, duration: float, node: NodeSpec, supervises: bool) ->
         node=node,
         raw=draw(_raw(duration)) if supervises else (),
         script=draw(_e_stops()) if supervises else (),
-        lidar=LidarSpec(profile=draw(st.sampled_from(LIDARS))),
-        faults=draw(_lidar_faults()),
-        qos=Qos(sensors=draw(st.sampled_from(("reliable", "sensor_data")))),
+        lidar=LidarSpec(profile=draw(st.sampled_from(LIDARS if field else LIDARS[:1]))),
+        faults=draw(_lidar_faults(field)),
+        qos=draw(_QOS) if field else Qos(),
         odometry=OdometrySpec(enabled=False),
     )
 
@@ -131,18 +136,19 @@ def _e_stops(draw: DrawFn) -> tuple[ScriptEvent, ...]:
 
 
 def driving_worlds(
-    duration: float, model: Model | None = None, *, supervises: bool = False
+    duration: float, model: Model | None = None, *, supervises: bool = False, field: bool = False
 ) -> SearchStrategy[Scenario]:
     """Return fair worlds for a node that sees by lidar and drives straight ahead.
 
-    `model`: what the node finds as its model; `supervises`: commands come in, and an e-stop.
+    `model`: what the node finds as its model; `supervises`: commands come in, and an e-stop;
+    `field`: other sensors and networks, too.
     """
     node = NodeSpec(models={MODEL: model}) if model else NodeSpec()
-    return _driving(duration, node, supervises).filter(is_fair)
+    return _driving(duration, node, supervises, field).filter(is_fair)
 
 
 @st.composite
-def _goals(draw: DrawFn) -> Scenario:
+def _goals(draw: DrawFn, field: bool) -> Scenario:
     """Draw a start, and one goal or two, far enough from it and near enough to be reached."""
     half_metres = st.integers(-3, 3).map(lambda n: n / 2)
     yaw = draw(st.sampled_from((0.0, 90.0, -90.0, 180.0, 135.0, -135.0, 45.0, -45.0)))
@@ -161,12 +167,12 @@ def _goals(draw: DrawFn) -> Scenario:
         robot=RobotSpec(start=start),
         script=script,
         lidar=LidarSpec(enabled=False),
-        odometry=OdometrySpec(rate=draw(st.sampled_from((20.0, 100.0)))),
+        odometry=OdometrySpec(rate=draw(st.sampled_from((20.0, 100.0) if field else (20.0,)))),
         faults=Faults(
-            odom_loss=draw(st.sampled_from((0.0, 0.1, 0.2))) if lossy else 0.0,
+            odom_loss=draw(_LOSS) if lossy and field else 0.0,
             odom_latency=draw(st.sampled_from((0.0, 0.05, 0.1))) if lossy else 0.0,
         ),
-        qos=Qos(sensors=draw(st.sampled_from(("reliable", "sensor_data")))),
+        qos=draw(_QOS) if field else Qos(),
     )
 
 
@@ -176,6 +182,6 @@ def _time_for(start: Place, goals: Sequence[Place], last: float) -> float:
     return round(last + 8.0 + 4.0 * way, 1)
 
 
-def goal_worlds() -> SearchStrategy[Scenario]:
+def goal_worlds(*, field: bool = False) -> SearchStrategy[Scenario]:
     """Return worlds for a node that drives to goals, without obstacles."""
-    return _goals()
+    return _goals(field)

@@ -154,11 +154,24 @@ def test_no_time_means_no_tries():
 @pytest.mark.parametrize("number", SEARCHED)
 def test_every_world_is_fair_and_its_file_says_all_of_it(number):
     @SETTINGS
-    @given(arena_of(find_exercise(str(number))).worlds)
+    @given(arena_of(find_exercise(str(number)), field=True).worlds)
     def check(scenario):
         assert is_fair(scenario)
         text = scenario_to_toml(scenario)
         assert repr(scenario_from_toml(text, "x")) == repr(scenario)  # NaN is not equal to itself
+
+    check()
+
+
+@pytest.mark.parametrize("number", SEARCHED)
+def test_what_only_the_badge_asks_for_is_not_in_the_other_worlds(number):
+    @SETTINGS
+    @given(arena_of(find_exercise(str(number))).worlds)
+    def check(scenario):
+        assert scenario.lidar.profile == "default"
+        assert (scenario.faults.scan_loss, scenario.faults.odom_loss) == (0.0, 0.0)
+        assert scenario.qos.sensors == "reliable"
+        assert scenario.odometry.rate == 20.0
 
     check()
 
