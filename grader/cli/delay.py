@@ -33,8 +33,8 @@ def delay(file: Path, exercise: str | None, report: Path | None, portable: bool)
     from rich.console import Console  # noqa: PLC0415
 
     from grader.course.submission import find_submission  # noqa: PLC0415
-    from grader.drive import drive_in, exercise_for  # noqa: PLC0415
-    from grader.drive.contracts import contract_of  # noqa: PLC0415
+    from grader.drive import drive_in  # noqa: PLC0415
+    from grader.drive.contracts import contract_of, exercise_for  # noqa: PLC0415
     from grader.drive.delay import delays, reference_of  # noqa: PLC0415
     from grader.drive.delay_page import page, table  # noqa: PLC0415
     from grader.report.terminal import printable  # noqa: PLC0415

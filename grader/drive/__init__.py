@@ -1,6 +1,5 @@
 """Drive any rclpy node in the mock robot, without grading it; look for worlds that it fails in."""
 
-from grader.drive.contracts import exercise_for
 from grader.drive.node import (
     arguments_of,
     drive_in,
@@ -16,7 +15,6 @@ __all__ = [
     "drive_in",
     "drive_node",
     "event_lines",
-    "exercise_for",
     "print_summary",
     "read_params_files",
     "read_stdin",
