@@ -81,7 +81,18 @@ def _not_once(recording: Recording) -> str:
     """Twice for each scan, or by a timer of its own."""
     times = np.round(recording.times(CMD_VEL_TOPIC), 6)
     scans = np.round([scan.t for scan in recording.scans()], 6)
-    if recording.live is not None or len(scans) < FULL or len(times) < FULL:
+    if recording.live is not None or len(scans) < FULL or not len(times):
+        return ""
+    late = float(times[0] - scans[0])
+    if late > HAIR and not recording.inferences and len(times) <= len(scans):
+        more = int((scans <= times[0]).sum()) - 1
+        return (
+            f"the first command comes {late:.2f} s after the first scan, when {more} more "
+            f"{'has' if more == 1 else 'have'} come. Does the callback sleep or wait, does it "
+            "return before its publish(), or does a timer or a thread publish instead? Publish "
+            "once in the callback of /scan, and let it return at once."
+        )
+    if len(times) < FULL:
         return ""
     if not np.isin(times, scans).any():
         step = float(np.median(np.diff(times)))

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.host.deaths import MAX_VALUE, account, value_words
+from grader.host.deaths import MAX_VALUE, account, first_of, value_words
 from grader.recording import death_of
 
 PROGRAM = """
@@ -74,3 +74,39 @@ def test_lines_that_look_like_ours_stay_text(tmp_path: Path) -> None:
     assert death is not None
     assert [frame.file for frame in death.frames] == ["agent.py"]
     assert death.place == "the start-up"
+
+
+CLEANS_UP = """
+def drive():
+    return missing
+def work():
+    raise ValueError("the first one")
+def main():
+    try:
+        work()
+    {handler}
+        drive()
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("handler", "kind"), [("finally:", ValueError), ("except ValueError:", NameError)]
+)
+def test_what_a_finally_raises_does_not_hide_the_first_exception(
+    tmp_path: Path, handler: str, kind: type
+) -> None:
+    file, source = tmp_path / "agent.py", CLEANS_UP.format(handler=handler)
+    file.write_text(source)
+    linecache.checkcache(str(file))
+
+    with pytest.raises(NameError) as caught:
+        exec(compile(source, str(file), "exec"), {"__name__": "__main__"})
+
+    assert type(first_of(caught.value)) is kind
+
+
+def test_a_ring_of_exceptions_ends() -> None:
+    one, other = ValueError(), ValueError()
+    one.__context__, other.__context__ = other, one
+    assert first_of(one) is one
