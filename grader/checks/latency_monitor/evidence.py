@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from grader.checks.commands import ZERO
 from grader.checks.latency_monitor.contract import (
     DIAGNOSTICS,
     KEYS,
@@ -21,7 +22,8 @@ from grader.checks.latency_monitor.contract import (
     calls_by,
     right_statistics,
 )
-from grader.checks.predictions import predictions
+from grader.checks.model_commands import require_asked
+from grader.checks.predictions import TOLERANCE, predictions
 from grader.checks.reading import published
 from grader.checks.turns import turns
 from grader.checks.verdict import fail
@@ -61,6 +63,10 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
         begin, end = first[number : number + 2]
         speed = float(twists.linear_x[end - 1]) if end > begin else None
         if speed is not None and right.allows(speed):
+            if abs(speed) > ZERO:
+                what = f"the scan at {right.scan.t:.2f} s"
+                came = float(twists.t[end - 1])
+                require_asked(recording, right.scan, came, speed, TOLERANCE, what=what)
             continue
         label = f"“{bench[number].label}”" if bench else f"the scan at {right.scan.t:.2f} s"
         fail(
