@@ -46,16 +46,21 @@ MAX_CHAIN = 8  # exceptions that followed one another
 MAX_SAID = 400  # [characters] of an exception's text
 RCLPY = ("rclpy", "executors.py")
 NAMES = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
+ADDRESS = re.compile(r" at 0x[0-9a-f]+")  # tells nothing, and differs from run to run
 SILENT = (ModuleType, FunctionType, MethodType, type, CodeType)
 MISSING = object()
 NO_RESPONSE = "a service's callback has to end with `return response`, on every path"
+WRONG_FIELD = (
+    "a field of the response has another type than it should: a bool, a number or a str; a dict "
+    "becomes a text with json.dumps(…)"
+)
 FIT = (
     "fit(features, speeds): first the table with one row of five for each example, then the column "
     "of what they should give, as many numbers as the table has rows"
 )
 NO_RESULT = (
-    "result() is None until the answer has come: use it in a function given to "
-    "future.add_done_callback(…), or ask future.done() first"
+    "result() is None until the answer has come: use it in a function that is given, by its name "
+    "and without brackets, to future.add_done_callback(…); or ask future.done() first"
 )
 
 Line = tuple[FrameType, int]
@@ -130,12 +135,19 @@ def account_of_syntax(error: SyntaxError) -> str:
 
 def _advice(error: BaseException, place: str, own: list[Line]) -> str:
     if not own and isinstance(error, TypeError) and place.startswith("the service"):
-        return NO_RESPONSE
+        return _advice_on_service(str(error))
     if own and isinstance(error, ValueError) and ".fit(" in _lines_before(*own[-1], count=0):
         return FIT
     if own and "NoneType" in str(error) and ".result()" in _lines_before(*own[-1]):
         return NO_RESULT
     return _surroundings(error) or plain_words(error)
+
+
+def _advice_on_service(said: str) -> str:
+    """Say what is wrong with a callback that ROS could not call, or whose response it can't send."""
+    if "positional argument" in said:
+        return "a service's callback takes two arguments: def detect_callback(self, request, response)"
+    return NO_RESPONSE if "NoneType" in said or "__class__" in said else WRONG_FIELD
 
 
 def _surroundings(error: BaseException) -> str:
@@ -317,4 +329,4 @@ def _said(error: BaseException) -> str:
         text = "".join(traceback.format_exception_only(error))
     except Exception:
         text = type(error).__name__
-    return " ".join(text.split())[:MAX_SAID]
+    return " ".join(ADDRESS.sub("", text).split())[:MAX_SAID]

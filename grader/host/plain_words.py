@@ -48,6 +48,41 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     ("TypeError", r"missing \d+ required positional argument", CALLED),
     (
         "TypeError",
+        r"__init__\(\) takes 1 positional argument but",
+        "a message takes its fields by name, such as Float64(data=1.0); in a class of your own, is "
+        "self the first parameter of __init__?",
+    ),
+    (
+        "TypeError",
+        r"^Expected <class '[\w.]*msg[\w.]*'>, got <class",
+        "publish() takes a message of the publisher's own type, not what belongs in one: first "
+        "make that message, and fill it in",
+    ),
+    (
+        "TypeError",
+        r"not JSON serializable",
+        "JSON knows Python's own numbers and texts, not NumPy's: write float(x), int(x) or str(x)",
+    ),
+    (
+        "TypeError",
+        r"bad argument type for built-in operation|^\w+ is not a sequence|must be real number",
+        "a field of the message holds another type than it should: str(…) for a text, float(…) "
+        "or int(…) for a number, a list where there are several",
+    ),
+    (
+        "SystemError",
+        r"publish\b.*exception set",
+        "a field of the message holds another type than it should: an integer field takes an int, "
+        "not a float",
+    ),
+    (
+        "TypeError",
+        r"'Duration'|'Time'",
+        "a Time and a Duration count nanoseconds and are no numbers: duration.nanoseconds / 1e9 "
+        "are its seconds",
+    ),
+    (
+        "TypeError",
         r"takes \d+ positional arguments? but \d+ (was|were) given",
         "does the method's first parameter say self? Python hands over the object itself, too",
     ),

@@ -124,8 +124,17 @@ def require_value(recording: Recording, case: Case, help: str = "") -> None:
             actual=f"{value:.3f} m/s" if abs(value) < 1e6 else f"{value:.3g} m/s",
             at=case.step.scan.t,
             recording=recording,
-            help=garbage(value) or help,
+            help=garbage(value) or _sign(value, least, most) or help,
         )
+
+
+def _sign(value: float, least: float, most: float) -> str:
+    """Say so if only the sign is wrong."""
+    if abs(value) <= CLOSING_TOLERANCE or not least <= -value + CLOSING_TOLERANCE:
+        return ""
+    if -value - CLOSING_TOLERANCE > most:
+        return ""
+    return "Only the sign is wrong: it is *minus* the slope, positive for what comes closer."
 
 
 def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None:

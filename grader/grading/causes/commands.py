@@ -67,7 +67,8 @@ def _why_it_stands(recording: Recording) -> str:
         return ""
     return (
         "every command is zero, and the node never asks its model, though it has loaded it. Is the "
-        "model kept in an attribute (self.model = …), and does the callback get as far as predict?"
+        "model kept in an attribute (self.model = …), is a thread that should ask it started "
+        "(start()), and does the callback get as far as predict?"
         if all(each.is_load for each in recording.inferences)
         else ""
     )

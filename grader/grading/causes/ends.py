@@ -40,5 +40,6 @@ def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
     if death.said:
         text = f"{who} dies in {death.place}: {death.said}"
     else:
-        text = f"{who} hangs in {death.place}"
+        loop = f", in the loop of {death.loop}" if death.loop else ""
+        text = f"{who} hangs in {death.place}{loop}"
     return Cause(f"{text.rstrip('.')}. {check.help}".strip(), check.kind, where)

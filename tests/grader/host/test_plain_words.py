@@ -56,6 +56,12 @@ class NoSuper(RclpyNode):
 class Misspelt(RclpyNode):
     def __int__(self):
         super().__init__("agent")
+class Twist:
+    def __init__(self, *, linear=None):
+        pass
+
+class Duration:
+    pass
 agent = Agent()
 """
 MEANT = {
@@ -72,6 +78,14 @@ MEANT = {
     "Misspelt()": "spelt __init__, with two underscores on either side",
     "(0.5).x": "write linear.x = …, not linear = …",
     "2.0 ^ 2.0": "x**2",
+    "Twist(1.0)": "by name, such as Float64(data=1.0)",
+    "raise TypeError(\"Expected <class 'std_msgs.msg._float64.Float64'>, got <class 'float'>\")": (
+        "not what belongs in one"
+    ),
+    "import json; json.dumps(np.float32(1))": "not NumPy's",
+    "raise TypeError('bad argument type for built-in operation')": "str(…) for a text",
+    "raise SystemError('<method publish> returned a result with an exception set')": "takes an int",
+    "Duration() > 0.5": "duration.nanoseconds / 1e9",
     "None()": "handed over by its name, without brackets",
     "raise RuntimeError('callback should be either be callable with one argument(to get')": (
         "the message and nothing else"
