@@ -282,8 +282,8 @@ def _own_attribute(owner: Any, name: str, *, by_itself: bool) -> str:
         return f"self.{name} is used before it is given a value: do that first, in __init__"
     if name in _locals(cls):
         return (
-            f"{name} = … without self. is a variable of its method, and gone when that returns: "
-            f"write self.{name} = …"
+            f"without self. in front, {name} = … is a variable of its method, and gone when that "
+            f"returns: write self.{name} = …"
         )
     known = [*getattr(owner, "__dict__", {}), *vars(cls)]
     known = [each for each in known if each.startswith("_") == name.startswith("_")]

@@ -12,11 +12,12 @@ import numpy as np
 
 from grader.checks.commands import ZERO
 from grader.course.exercises import Exercise
-from grader.grading.causes.cause import ByName, Cause, Failed
+from grader.grading.causes.cause import ByName, Cause, Failed, Hint, hint_for
 from grader.recording import Floats, Recording
 from sim.messages import CMD_VEL_TOPIC
 
 PERIODS = {"goal_seeking": 0.1, "slow_model": 0.05, "safety_supervisor": 0.05}  # [s] of the timer
+ACTS = ("one_command_per_scan", "only_linear_x", "control_rate", "control_period", "limits")
 REVERSES = ("safety_supervisor",)  # may command a negative speed
 DENORMAL = 1e-300  # [m/s] an int's or a np.float32's memory, read as a double
 STEADY = 0.01  # of a period
@@ -26,6 +27,10 @@ APART = 0.1  # [m/s]
 ROBOTS_OWN = (0, 5)  # linear.x and angular.z
 FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
 
+NO_FEATURES = (
+    "It has loaded its model and never asks it. If there seem to be no features: are the limits of "
+    "the sectors in radians, as the beams' angles are?"
+)
 GARBAGE = (
     "the node puts an int, an array or an np.float32 into a float field, and what goes out is "
     "garbage. Write float(…) around what you assign to linear.x and angular.z."
@@ -40,7 +45,8 @@ def cause_of_commands(exercise: Exercise, failed: Sequence[Failed], trials: ByNa
         return None
     for look in (_mute, _garbage, _other_field, _backwards, _slow_timer):
         if text := look(exercise, ran):
-            return Cause.of(exercise, text, failed, all_of_it=True)
+            hint = hint_for(exercise, failed[:1]) if failed[0].id in ACTS else None
+            return _cause(text, failed, hint)
     return None
 
 
@@ -50,27 +56,33 @@ def never_moves(trials: ByName) -> bool:
     return bool(values) and all(np.nan_to_num(each, nan=1).max(initial=0) <= ZERO for each in values)
 
 
-def cause_of_standing(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+def cause_of_standing(_: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
     """Return why a node only ever commands zeros, or always the same, if there is evidence."""
     recording = trials.get(failed[0].scenario or "")
     if recording is None or not len(recording.twists().t):
         return None
     text = _why_it_stands(recording) if never_moves(trials) else _unmoved(recording)
-    return Cause.of(exercise, text, failed, all_of_it=True) if text else None
+    return _cause(text, failed) if text else None
+
+
+def _cause(text: str, failed: Sequence[Failed], hint: Hint | None = None) -> Cause:
+    """Return a cause of all that failed, whose hints are about something else."""
+    said = f"{text[0].upper()}{text[1:]}"
+    return Cause(said, failed[0].kind, hint=hint, explains=tuple(check.id for check in failed))
 
 
 def _why_it_stands(recording: Recording) -> str:
     said = Counter(line.text for line in recording.log if line.level in ("warn", "error", "fatal"))
+    asks = any(not each.is_load for each in recording.inferences)
     for line, _ in said.most_common(1):
-        return f"every command is zero, and the node's log says why: “{' '.join(line.split())}”."
-    if not recording.inferences:
+        told = f"every command is zero, and the node's log says why: “{' '.join(line.split())}”."
+        return told if asks or not recording.inferences else f"{told} {NO_FEATURES}"
+    if asks or not recording.inferences:
         return ""
     return (
         "every command is zero, and the node never asks its model, though it has loaded it. Is the "
         "model kept in an attribute (self.model = …), is a thread that should ask it started "
         "(start()), and does the callback get as far as predict?"
-        if all(each.is_load for each in recording.inferences)
-        else ""
     )
 
 

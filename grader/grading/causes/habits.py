@@ -89,7 +89,7 @@ def _not_once(recording: Recording) -> str:
         more = int((scans <= times[0]).sum()) - 1
         return (
             f"the first command comes {late:.2f} s after the first scan, when {more} more "
-            f"{'has' if more == 1 else 'have'} come. Does the callback sleep or wait, does it "
+            f"{'has' if more == 1 else 'have'} come. Does the callback sleep, wait or spin, does it "
             "return before its publish(), or does a timer or a thread publish instead? Publish "
             "once in the callback of /scan, and let it return at once."
         )

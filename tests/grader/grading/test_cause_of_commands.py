@@ -105,6 +105,10 @@ def test_what_may_be_right_is_not_blamed(slug: str, trial: Trial) -> None:
         (Trial([ZERO] * 3, log=(said("A sector without\na reading"),)), "“A sector without a read"),
         (Trial([ZERO] * 3, inferences=(asked(0.0, "load"),)), "never asks its model"),
         (
+            Trial([ZERO] * 3, log=(said("blind"),), inferences=(asked(0.0, "load"),)),
+            "“blind”. It has loaded its model and never asks it",
+        ),
+        (
             Trial([SPEED] * 3, inferences=tuple(asked(0.1 * i) for i in range(8))),
             "0.50 m/s, whatever the model predicts",
         ),
