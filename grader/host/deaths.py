@@ -46,7 +46,8 @@ MAX_CHAIN = 8  # exceptions that followed one another
 MAX_SAID = 400  # [characters] of an exception's text
 RCLPY = ("rclpy", "executors.py")
 NAMES = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
-ADDRESS = re.compile(r" at 0x[0-9a-f]+")  # tells nothing, and differs from run to run
+ADDRESS = re.compile(r" at 0x[0-9a-f]+")
+BUILT_IN = re.compile(r"<built-in method (\w+) of [^<>]*>")
 SILENT = (ModuleType, FunctionType, MethodType, type, CodeType)
 MISSING = object()
 NO_RESPONSE = "a service's callback has to end with `return response`, on every path"
@@ -147,7 +148,7 @@ def _advice_on_service(said: str) -> str:
     """Say what is wrong with a callback that ROS could not call, or whose response it can't send."""
     if "positional argument" in said:
         return "a service's callback takes two arguments: def detect_callback(self, request, response)"
-    return NO_RESPONSE if "NoneType" in said or "__class__" in said else WRONG_FIELD
+    return WRONG_FIELD if said.strip() else NO_RESPONSE  # None makes pybind11 raise without words
 
 
 def _surroundings(error: BaseException) -> str:
@@ -329,4 +330,9 @@ def _said(error: BaseException) -> str:
         text = "".join(traceback.format_exception_only(error))
     except Exception:
         text = type(error).__name__
-    return " ".join(ADDRESS.sub("", text).split())[:MAX_SAID]
+    return readable(" ".join(text.split()))[:MAX_SAID]
+
+
+def readable(text: str) -> str:
+    """Leave out what tells a student nothing, and differs from run to run."""
+    return ADDRESS.sub("", BUILT_IN.sub(r"\1()", text))

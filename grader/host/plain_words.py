@@ -165,7 +165,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     ),
     (
         "ValueError",
-        r"Expected 2D array|expecting \d+ features|Reshape your data",
+        r"Expected 2D array|expecting \d+ features|features of shape|Reshape your data",
         "the model wants a row for each sample, (1, 5) here: features.reshape(1, -1)",
     ),
     (
@@ -183,6 +183,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         r"cannot convert float NaN|could not convert|invalid literal",
         "this is no number: a scan may hold NaN, a text may hold anything",
     ),
+    ("UnicodeDecodeError", r"", "a pickle is bytes and no text: open(path, 'rb')"),
     ("ValueError", r"unpack", "there are not as many values as names on the left"),
     (
         "OverflowError",

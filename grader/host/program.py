@@ -135,7 +135,7 @@ def _advice(error: BaseException) -> str:
 
 def _first_line(error: BaseException) -> str:
     try:
-        return (str(error).splitlines() or [""])[0]
+        return deaths.readable((str(error).splitlines() or [""])[0])
     except Exception:
         return "(its text could not be read)"
 

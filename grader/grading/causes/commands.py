@@ -13,6 +13,7 @@ import numpy as np
 from grader.checks.commands import ZERO
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed, Hint, hint_for
+from grader.grading.causes.own_words import plain_words_on
 from grader.recording import Floats, Recording
 from sim.messages import CMD_VEL_TOPIC
 
@@ -75,7 +76,10 @@ def _why_it_stands(recording: Recording) -> str:
     said = Counter(line.text for line in recording.log if line.level in ("warn", "error", "fatal"))
     asks = any(not each.is_load for each in recording.inferences)
     for line, _ in said.most_common(1):
-        told = f"every command is zero, and the node's log says why: “{' '.join(line.split())}”."
+        quoted, words = " ".join(line.split()), plain_words_on(line)
+        told = f"every command is zero, and the node's log says why: “{quoted}”."
+        if words:
+            return f"{told} Perhaps: {words}."
         return told if asks or not recording.inferences else f"{told} {NO_FEATURES}"
     if asks or not recording.inferences:
         return ""

@@ -21,6 +21,7 @@ SLIPS = re.compile(
 DEAD_THREAD = "Exception in thread "  # Python's own words
 FRAME = re.compile(r'File "(?P<file>[^/"\n]{1,100})", line (?P<line>\d{1,6}), in (?P<function>\S+)')
 ENDS_WITH = re.compile(r"[A-Z]\w*(Error|Exception|Iteration|Interrupt)\b.*")
+NAMED = re.compile(r"\b([A-Z]\w*(?:Error|Exception|Argument))\b")
 SHAPE = re.compile(r"shape|rank|dimension|2D array|1D array|features|reshape|not defined|attribute")
 
 
@@ -64,6 +65,11 @@ def _dead_thread(failed: Sequence[Failed], log: Sequence[LogLine]) -> Cause | No
 
 
 def _advice(text: str) -> str:
-    match = SLIPS.search(text)
-    words = words_for([match[1]], text) if match else ""
+    words = plain_words_on(text)
     return f". Perhaps: {words}." if words else ""
+
+
+def plain_words_on(line: str) -> str:
+    """Return what to try about the exception that a line of the log names; "" if unknown."""
+    match = NAMED.search(line)
+    return words_for([match[1]], line) if match else ""

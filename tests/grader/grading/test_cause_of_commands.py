@@ -103,6 +103,7 @@ def test_what_may_be_right_is_not_blamed(slug: str, trial: Trial) -> None:
     ("trial", "words"),
     [
         (Trial([ZERO] * 3, log=(said("A sector without\na reading"),)), "“A sector without a read"),
+        (Trial([ZERO] * 3, log=(said("UnicodeDecodeError('utf-8')"),)), "open(path, 'rb')"),
         (Trial([ZERO] * 3, inferences=(asked(0.0, "load"),)), "never asks its model"),
         (
             Trial([ZERO] * 3, log=(said("blind"),), inferences=(asked(0.0, "load"),)),

@@ -5,7 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from grader.host.deaths import MAX_VALUE, account, first_of, value_words
+from grader.host.deaths import (
+    MAX_VALUE,
+    _advice_on_service,
+    account,
+    first_of,
+    readable,
+    value_words,
+)
 from grader.recording import death_of
 
 PROGRAM = """
@@ -104,6 +111,24 @@ def test_what_a_finally_raises_does_not_hide_the_first_exception(
         exec(compile(source, str(file), "exec"), {"__name__": "__main__"})
 
     assert type(first_of(caught.value)) is kind
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ("", "return response"),
+        ("bad argument type for built-in operation", "another type"),
+        ("A.on_ask() takes 2 positional arguments but 3 were given", "(self, request, response)"),
+    ],
+)
+def test_what_is_wrong_with_a_service_follows_from_pythons_words(said: str, words: str) -> None:
+    assert words in _advice_on_service(said)
+
+
+def test_what_differs_from_run_to_run_is_left_out() -> None:
+    said = "<built-in method publish of pybind11_x.y_z object at 0x7fe62f8d8150> returned"
+    assert readable(said) == "publish() returned"
+    assert readable("<Agent object at 0x7fe6>") == "<Agent object>"
 
 
 def test_a_ring_of_exceptions_ends() -> None:

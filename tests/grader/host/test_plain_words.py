@@ -86,6 +86,7 @@ MEANT = {
     "raise TypeError('bad argument type for built-in operation')": "str(…) for a text",
     "raise SystemError('<method publish> returned a result with an exception set')": "takes an int",
     "Duration() > 0.5": "duration.nanoseconds / 1e9",
+    "b'\\x80'.decode()": "open(path, 'rb')",
     "None()": "handed over by its name, without brackets",
     "raise RuntimeError('callback should be either be callable with one argument(to get')": (
         "the message and nothing else"
