@@ -17,7 +17,7 @@ from grader.classroom.candidates import Class, enter_candidates, find_class
 from grader.classroom.folder import STORE, locked, write_class
 from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.options import Options
-from grader.classroom.progress import Progress
+from grader.classroom.progress import Progress, listing
 from grader.classroom.regrade_run import RegradeRun
 from grader.classroom.results import Missing, ResultOptions, Written, column_titles
 from grader.classroom.results.kept import OPTIONS, kept_text
@@ -46,8 +46,10 @@ class GradedClass:
     account: Account = field(default_factory=Account)  # of what was handed in
 
 
-def look_at(submissions: Sequence[Path], options: Options) -> Class:
-    """Return who handed in what; nothing is graded, and nothing is written.
+def look_at(submissions: Sequence[Path], options: Options) -> tuple[str, int]:
+    """Return who handed in what, for the terminal, and how many things wait for a person.
+
+    Nothing is graded, and nothing is written.
 
     Raises
     ------
@@ -55,7 +57,7 @@ def look_at(submissions: Sequence[Path], options: Options) -> Class:
         The submissions can't be read.
     """
     with tempfile.TemporaryDirectory(prefix="course-") as scratch:
-        return find_class(submissions, Path(scratch), options)
+        return listing(find_class(submissions, Path(scratch), options))  # while the files are there
 
 
 def autograde(

@@ -1,5 +1,7 @@
 """Faked time and counts of models: no attack is worth more than the same node without it.
 
+Nor is doing little, which breaks no rule while nobody looks (`lazy`).
+
 `make test` takes two of them, `make test-long` all.
 """
 
@@ -19,8 +21,9 @@ from sim.messages import EPOCH_NS
 
 HERE = Path(__file__).resolve().parent / "models"
 NAIVE = HERE / "naive.py"
-ATTACKS = sorted({*HERE.glob("*.py")} - {NAIVE})
-QUICK = ("ml_forgotten_loads",)
+LAZY = HERE.with_name("lazy")
+ATTACKS = sorted({*HERE.glob("*.py"), *LAZY.glob("*.py")} - {NAIVE})
+QUICK = ("ml_forgotten_loads", "latency_of_no_call", "supervisor_falls_silent")
 SECRET = b"a secret of a course"
 
 

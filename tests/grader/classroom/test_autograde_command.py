@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 from grader.course.exercises import ROOT
@@ -39,6 +40,14 @@ def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
     assert "not understood" in said
     assert "a file of nobody's" in said
     assert "\x1b" not in said
+
+
+def test_a_look_into_an_archive(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "week.zip", "w") as archive:
+        archive.writestr(f"leecarla_12345_678901_{AGENT}", "# mine\n")
+    code, said = course(tmp_path / "week.zip", "--list")
+    assert code == 0
+    assert "held" not in said
 
 
 def test_wrong_usage(tmp_path: Path) -> None:
