@@ -26,7 +26,7 @@ _ENDS = {
 }
 
 NO_NODE = (
-    "It never made a node: does the file end with `if __name__ == \"__main__\": main()`, and does "
+    'It never made a node: does the file end with `if __name__ == "__main__": main()`, and does '
     "main() make the node and spin it?"
 )
 SURVIVES = "The node survives every message that it gets."

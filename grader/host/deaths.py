@@ -145,9 +145,11 @@ def _advice(error: BaseException, place: str, own: list[Line]) -> str:
 
 
 def _advice_on_service(said: str) -> str:
-    """Say what is wrong with a callback that ROS could not call, or whose response it can't send."""
+    """Say what is wrong with a callback that can't be called, or a response that can't be sent."""
     if "positional argument" in said:
-        return "a service's callback takes two arguments: def detect_callback(self, request, response)"
+        return (
+            "a service's callback takes two arguments: def detect_callback(self, request, response)"
+        )
     return WRONG_FIELD if said.strip() else NO_RESPONSE  # None makes pybind11 raise without words
 
 

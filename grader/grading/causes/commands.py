@@ -54,7 +54,9 @@ def cause_of_commands(exercise: Exercise, failed: Sequence[Failed], trials: ByNa
 def never_moves(trials: ByName) -> bool:
     """Tell whether no command of any trial moves the robot: many mistakes look like that."""
     values = [np.abs(each.twists().values) for each in trials.values()]
-    return bool(values) and all(np.nan_to_num(each, nan=1).max(initial=0) <= ZERO for each in values)
+    return bool(values) and all(
+        np.nan_to_num(each, nan=1).max(initial=0) <= ZERO for each in values
+    )
 
 
 def cause_of_standing(_: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
@@ -162,5 +164,3 @@ def _slow_timer(exercise: Exercise, ran: Sequence[Recording]) -> str:
 
 def _values(ran: Sequence[Recording]) -> Floats:
     return np.concatenate([recording.twists().values for recording in ran])
-
-

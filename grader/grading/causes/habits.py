@@ -89,8 +89,8 @@ def _not_once(recording: Recording) -> str:
         more = int((scans <= times[0]).sum()) - 1
         return (
             f"the first command comes {late:.2f} s after the first scan, when {more} more "
-            f"{'has' if more == 1 else 'have'} come. Does the callback sleep, wait or spin, does it "
-            "return before its publish(), or does a timer or a thread publish instead? Publish "
+            f"{'has' if more == 1 else 'have'} come. Does the callback sleep, wait or spin, does "
+            "it return before its publish(), or does a timer or a thread publish instead? Publish "
             "once in the callback of /scan, and let it return at once."
         )
     if len(times) < FULL:
@@ -150,8 +150,10 @@ def _waits_or_never_uses(trials: ByName) -> str:
 def _stops(trials: ByName) -> str:
     """The control loop ends in the middle of the run."""
     recording = trials.get("slow_leader")
-    times = recording.times(CMD_VEL_TOPIC) if recording is not None else []
-    if recording is None or not len(times) or recording.duration_s - times[-1] < LOST:
+    if recording is None:
+        return ""
+    times = recording.times(CMD_VEL_TOPIC)
+    if not len(times) or recording.duration_s - times[-1] < LOST:
         return ""
     return (
         f"the control loop stops: its last command comes at {times[-1]:.2f} s, and then none for "
@@ -171,7 +173,11 @@ def _waits_for_the_model(trials: ByName) -> str:
         for each in recording.inferences
         if not each.is_load and each.took > LONG and each.answered / 1e9 < recording.duration_s
     ]
-    if len(spans) < FULL or not len(times) or any(((times > a) & (times < b)).any() for a, b in spans):
+    if (
+        len(spans) < FULL
+        or not len(times)
+        or any(((times > a) & (times < b)).any() for a, b in spans)
+    ):
         return ""
     return (
         "not one command comes while the model computes: control waits for inference. Do both run "

@@ -1,4 +1,4 @@
-"""What to look at next follows from what came: another unit, sign or reason is called by its name."""
+"""What to look at next follows from what came: another unit, sign or reason is named."""
 
 from types import SimpleNamespace
 from typing import Any
