@@ -3,12 +3,16 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from grader.checks.goal_seeking.contract import Quest
+from grader.checks.goal_seeking.evidence import require_reached
 from grader.checks.latency_monitor.evidence import _slip
 from grader.checks.obstacle_avoidance.evidence import _odd
 from grader.checks.safety_supervisor import evidence as safety
 from grader.checks.trend_memory.evidence import _sign
+from grader.checks.verdict import CheckFailed
 
 
 @pytest.mark.parametrize(
@@ -59,3 +63,20 @@ def test_the_supervisor_is_asked_about_the_reason_that_it_names_itself(
     recording: Any = None
 
     assert (f"Your node says {says} here" in safety._own_reason(recording, tick)) is asked
+
+
+@pytest.mark.parametrize(
+    ("yaw", "speed", "said"),
+    [(0.0, 0.0, "It looks at the goal and stands"), (0.0, 0.3, "bearing"), (1.5, 0.0, "bearing")],
+)
+def test_who_stands_in_front_of_its_goal_is_not_told_about_turning(
+    yaw: float, speed: float, said: str
+) -> None:
+    t = np.arange(100) * 0.05
+    truth = SimpleNamespace(t=t * 1e9, x=speed * t, y=0 * t, yaw=0 * t + yaw)
+    recording: Any = SimpleNamespace(truth=truth, name="goal", outcome=None)
+
+    with pytest.raises(CheckFailed) as failed:
+        require_reached(recording, Quest(0.0, 5.0, 5.0, 0.0))
+
+    assert said in failed.value.help
