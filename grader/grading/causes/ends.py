@@ -40,6 +40,7 @@ def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
     if death.said:
         text = f"{who} dies in {death.place}: {death.said}"
     else:
-        loop = f", in the loop of {death.loop}" if death.loop else ""
+        told = not death.loop or death.loop in check.help
+        loop = "" if told else f", in the loop of {death.loop}"
         text = f"{who} hangs in {death.place}{loop}"
     return Cause(f"{text.rstrip('.')}. {check.help}".strip(), check.kind, where)

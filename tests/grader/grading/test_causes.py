@@ -271,3 +271,15 @@ def test_how_control_and_inference_get_into_each_others_way(
     text = _waits_or_never_uses(recordings)  # type: ignore[arg-type]
 
     assert said in text
+
+
+@pytest.mark.parametrize("help_", ["It has to end.", "Does the loop of line 5, `while True:` end?"])
+def test_a_hang_names_its_loop_once(help_: str) -> None:
+    detail = "in the constructor\nagent.py, line 6, in work\n    pass\nloop: line 5, `while True:`"
+    trial = SimpleNamespace(name="x", outcome=Outcome("hung", "hung", 0.0, detail))
+    failed = [Check("wiring", scenario="x", where="line 6", help=help_)]
+
+    cause = find_cause(EXERCISE, failed, [trial])  # type: ignore[list-item]
+
+    assert cause is not None
+    assert cause.text.count("line 5, `while True:`") == 1
