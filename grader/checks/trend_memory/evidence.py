@@ -126,8 +126,17 @@ def require_value(recording: Recording, case: Case, help: str = "") -> None:
             actual=f"{value:.3f} m/s" if abs(value) < 1e6 else f"{value:.3g} m/s",
             at=case.step.scan.t,
             recording=recording,
-            help=garbage(value) or help,
+            help=garbage(value) or _sign(value, least, most) or help,
         )
+
+
+def _sign(value: float, least: float, most: float) -> str:
+    """Say so if only the sign is wrong."""
+    if abs(value) <= CLOSING_TOLERANCE or not least <= -value + CLOSING_TOLERANCE:
+        return ""
+    if -value - CLOSING_TOLERANCE > most:
+        return ""
+    return "Only the sign is wrong: it is *minus* the slope, positive for what comes closer."
 
 
 def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None:
@@ -149,7 +158,10 @@ def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None
         fail(f"no scan with the tag {tag} was sent")
     usual, count = Counter(speed for speed, _ in said).most_common(1)[0]
     wrong = sum(not _allows(speeds, usual) for _, speeds in said)
-    if len(said) - count < max(min(wrong, 2), REACTIONS * wrong):  # one blip is no reaction
+    others = [(speeds, speed) for speed, speeds in said if speed != usual]
+    one_is_right = any(_allows(speeds, speed) for speeds, speed in others)
+    least = 1 if one_is_right else 2  # one blip is no reaction
+    if len(others) < max(min(wrong, least), REACTIONS * wrong):
         exactly = "always" if count == len(said) else f"in {count} of {len(said)} answers"
         fail(
             "the command is the same whatever the node sees",
