@@ -67,7 +67,7 @@ def search(
         None if minutes is None and tries is not None else 60.0 * (minutes or searching.MINUTES)
     )
     progress = _Progress(f"Exercise {chosen.number}, {file.name}")
-    with progress, start_forkserver(portable=portable) as forkserver:
+    with progress, start_forkserver(chosen.libraries, portable=portable) as forkserver:
         result = searching.search_node(
             arena, submission, forkserver, seed=seed, tries=tries, seconds=seconds, on_try=progress
         )
