@@ -263,4 +263,4 @@ def test_in_a_right_node_nothing_is_found(number):
     exercise = find_exercise(number)
     done, text = run(exercise.solutions / exercise.files[0], "--tries", 15)
     assert done.return_value == 0, done.output
-    assert text.startswith("Nothing found in 15 worlds (seed 0).")
+    assert text.startswith(f"Nothing found in 15 worlds (exercise {number}, seed 0).")
