@@ -19,6 +19,7 @@ from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import RegradeRun
+from grader.classroom.remembered import as_before, keep_settings
 from grader.classroom.results import Missing, ResultOptions, Written, column_titles
 from grader.classroom.results.kept import OPTIONS, kept_text
 from grader.classroom.row import GRADED, HELD, StoredResult
@@ -46,8 +47,9 @@ class GradedClass:
     account: Account = field(default_factory=Account)  # of what was handed in
 
 
-def look_at(submissions: Sequence[Path], options: Options) -> Class:
-    """Return who handed in what; nothing is graded, and nothing is written.
+@contextlib.contextmanager
+def looking_at(submissions: Sequence[Path], options: Options) -> Iterator[Class]:
+    """Show who handed in what; nothing is graded, and nothing is written but what is unpacked.
 
     Raises
     ------
@@ -55,7 +57,7 @@ def look_at(submissions: Sequence[Path], options: Options) -> Class:
         The submissions can't be read.
     """
     with tempfile.TemporaryDirectory(prefix="course-") as scratch:
-        return find_class(submissions, Path(scratch), options)
+        yield find_class(submissions, Path(scratch), options)
 
 
 def autograde(
@@ -93,7 +95,13 @@ def _autograde(
         sweep()
         active(store.log.entries())  # one that was changed by hand is refused before the work
         store.requeue_running()
+        options, known = as_before(options, store)
+        if known:
+            progress.say(known)
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
+        keep_settings(options, store)
+        if taken_in.gone:
+            progress.say(taken_in.gone)
         only = _students(options.only if regrade else options.again, store, taken_in)
         if options.retry_held and not regrade:
             store.retry_held()
@@ -169,7 +177,7 @@ class _Writer:
 
     def _wanted(self, notes: Sequence[str]) -> ResultOptions:
         return ResultOptions(
-            hide=self._options.hide,
+            hide=self._options.hide or "nothing",
             notes=[*self._store.notes(), *notes, *_version_notes(self._store.results())],
             workers=self._options.workers,
             account=self._taken_in.account,

@@ -41,7 +41,10 @@ def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRo
             f"{one_line(word)!r} may be {' or '.join(map(one_line, same[:NEAR]))}: give the id"
         )
     known = {name: s for s in students for name in (*_names(s, rows.get(s)), *_ids(s, rows.get(s)))}
-    near = difflib.get_close_matches(word, list(known), n=NEAR, cutoff=0.5)
+    parts = set(folded(word.replace(",", " ")).split())
+    near = [name for name in known if parts & set(folded(name.replace(",", " ")).split())]
+    near += difflib.get_close_matches(word, list(known), n=NEAR, cutoff=0.5)
+    near = list({known[name]: _also(name, known[name]) for name in reversed(near)}.values())[::-1]
     raise InputError(f"nobody in this class is {one_line(word)!r}{_hint(near, len(students))}")
 
 
@@ -54,9 +57,20 @@ def nearest(word: str, known: Iterable[str], what: str) -> InputError:
     return InputError(f"unknown {what} {one_line(word)!r}; {hint}")
 
 
+def _also(name: str, student: str) -> str:
+    """Return a name with the folder that it stands for."""
+    return name if folded(name) == folded(student) else f"{name} ({student})"
+
+
+def _last_first(name: str) -> str:
+    """Return a name as gradebooks sort it."""
+    first, space, last = name.rpartition(" ")
+    return f"{last}, {first}" if space and "," not in name else ""
+
+
 def _hint(near: Sequence[str], count: int) -> str:
     if near:
-        return f"; did you mean {' or '.join(one_line(each) for each in dict.fromkeys(near))}?"
+        return f"; did you mean {' or '.join(one_line(each) for each in near[:NEAR])}?"
     return f"; scores.csv lists all {count} under `student`"
 
 
@@ -70,5 +84,5 @@ def _ids(student: str, row: StudentRow | None) -> list[str]:
 def _names(student: str, row: StudentRow | None) -> list[str]:
     names = [student]
     if row is not None:
-        names += [row.name, *(each.name for each in row.handed.values())]
+        names += [row.name, _last_first(row.name), *(each.name for each in row.handed.values())]
     return [name for name in dict.fromkeys(names) if name]

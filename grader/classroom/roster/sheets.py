@@ -97,7 +97,7 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
         if place in places or person.key in keys:
             raise InputError(
                 f"{file}: expected a row per person, but two are {person.name!r} "
-                f"({person.key}); remove one, or add a column id"
+                f"({person.key}); remove one{'' if person.ids else ', or add a column id'}"
             )
         keys.add(person.key)
         places.append(place)
