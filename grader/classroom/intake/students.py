@@ -223,14 +223,22 @@ def _key(number: int, who: Who, ambiguous: bool, nth: int) -> Key:
     if who.system == "folder":
         return ("folder", who.name, nth)  # a folder and an archive of one name are two students
     if who.system == "moodle":  # whose ids are an assignment's
-        return ("moodle", number, who.id) if ambiguous else ("moodle", who.name)
+        apart = ambiguous or _is_blind(who)
+        return ("moodle", number, who.id) if apart else ("moodle", who.name)
     if who.system == "gradescope":
         return ("gradescope", who.email or who.id or who.name)
     return (who.system, who.id or who.name)
 
 
 def _label(who: Who) -> str:
+    if _is_blind(who):
+        return f"{who.name} {who.id}"
     return f"{who.name}_{who.id}" if who.system == "canvas" and who.id else who.name
+
+
+def _is_blind(who: Who) -> bool:
+    """Tell whether Moodle calls everybody so: its anonymous submissions have only numbers."""
+    return who.system == "moodle" and who.name.casefold() == "participant"
 
 
 def _named(

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 from grader.course.exercises import ROOT
@@ -41,8 +42,20 @@ def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
     assert "\x1b" not in said
 
 
+def test_a_look_into_an_archive(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "week.zip", "w") as archive:
+        archive.writestr(f"leecarla_12345_678901_{AGENT}", "# mine\n")
+    code, said = course(tmp_path / "week.zip", "--list")
+    assert code == 0
+    assert "leecarla_12345: obstacle_avoidance\n" in said
+    assert "held" not in said
+
+
 def test_wrong_usage(tmp_path: Path) -> None:
     assert course(tmp_path)[0] == 2
     code, said = course(tmp_path, "--list", "--column", "1")
     assert code == 2
     assert "expected EXERCISE=TITLE" in said
+    code, said = course(tmp_path, "--out", tmp_path / "out", "--regrade", "--again", "ann")
+    assert code == 2
+    assert "expected one of them" in said
