@@ -17,8 +17,9 @@ def find_student(word: str, students: Sequence[str], rows: Mapping[str, StudentR
     """Return the student whom a word means; None if nobody or more than one can be meant."""
     if word in students:
         return word
+    forms = _forms(word)
     for names in (_ids, _names):
-        found = [s for s in students if folded(word) in map(folded, names(s, rows.get(s)))]
+        found = [s for s in students if forms.intersection(map(folded, names(s, rows.get(s))))]
         if found:
             return found[0] if len(found) == 1 else None
     return None
@@ -35,17 +36,24 @@ def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRo
     found = find_student(word, students, rows)
     if found is not None:
         return found
-    same = [s for s in students if folded(word) in map(folded, _names(s, rows.get(s)))]
+    same = [s for s in students if _forms(word).intersection(map(folded, _names(s, rows.get(s))))]
     if len(same) > 1:
         raise InputError(
             f"{one_line(word)!r} may be {' or '.join(map(one_line, same[:NEAR]))}: give the id"
         )
-    known = {name: s for s in students for name in (*_names(s, rows.get(s)), *_ids(s, rows.get(s)))}
-    parts = set(folded(word.replace(",", " ")).split())
-    near = [name for name in known if parts & set(folded(name.replace(",", " ")).split())]
-    near += difflib.get_close_matches(word, list(known), n=NEAR, cutoff=0.5)
-    near = list({known[name]: _also(name, known[name]) for name in reversed(near)}.values())[::-1]
-    raise InputError(f"nobody in this class is {one_line(word)!r}{_hint(near, len(students))}")
+    called = [
+        (name, s) for s in students for name in (*_names(s, rows.get(s)), *_ids(s, rows.get(s)))
+    ]
+    parts = set(_parts(word))
+    like = {name for name, _ in called if parts.intersection(_parts(name))}
+    like = like or set(difflib.get_close_matches(word, [n for n, _ in called], NEAR, cutoff=0.5))
+    near = {student: _also(name, student) for name, student in called[::-1] if name in like}
+    hint = _hint(list(near.values())[::-1], len(students))
+    raise InputError(f"nobody in this class is {one_line(word)!r}{hint}")
+
+
+def _parts(name: str) -> list[str]:
+    return folded(name.replace(",", " ")).split()
 
 
 def nearest(word: str, known: Iterable[str], what: str) -> InputError:
@@ -62,10 +70,10 @@ def _also(name: str, student: str) -> str:
     return name if folded(name) == folded(student) else f"{name} ({student})"
 
 
-def _last_first(name: str) -> str:
-    """Return a name as gradebooks sort it."""
-    first, space, last = name.rpartition(" ")
-    return f"{last}, {first}" if space and "," not in name else ""
+def _forms(word: str) -> set[str]:
+    """Return the forms of a name for comparison; gradebooks sort them, as "Lee, Ann"."""
+    last, comma, first = word.partition(",")
+    return {folded(word), folded(f"{first} {last}")} if comma and first.strip() else {folded(word)}
 
 
 def _hint(near: Sequence[str], count: int) -> str:
@@ -84,5 +92,5 @@ def _ids(student: str, row: StudentRow | None) -> list[str]:
 def _names(student: str, row: StudentRow | None) -> list[str]:
     names = [student]
     if row is not None:
-        names += [row.name, _last_first(row.name), *(each.name for each in row.handed.values())]
+        names += [row.name, *(each.name for each in row.handed.values())]
     return [name for name in dict.fromkeys(names) if name]

@@ -104,8 +104,6 @@ def test_a_mark_follows_who_hands_in_later(
     assert "is about somebody who is not in the class: Nob Zed" in (out / "class.html").read_text()
 
 
-def test_the_report_has_the_rosters_names(
-    grade_class: Any, tmp_path: Path, roster: Roster
-) -> None:
+def test_the_report_has_the_rosters_names(grade_class: Any, tmp_path: Path, roster: Roster) -> None:
     grade_class(roster=roster)
     assert "Ann Lee" in (tmp_path / "out/class.html").read_text()
