@@ -21,6 +21,7 @@ from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import RegradeRun
 from grader.classroom.remembered import as_before, keep_settings
 from grader.classroom.results import Missing, ResultOptions, Written, column_titles
+from grader.classroom.results.gradebook import missing_columns
 from grader.classroom.results.kept import OPTIONS, kept_text
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.store import Store
@@ -98,6 +99,8 @@ def _autograde(
         options, known = as_before(options, store)
         if known:
             progress.say(known)
+        for wrong in missing_columns(column_titles(options.columns), options.roster):
+            progress.say(wrong)
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
         keep_settings(options, store)
         if taken_in.gone:

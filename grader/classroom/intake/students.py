@@ -120,6 +120,8 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
     """Return the folder with the entries of a download; an archive is unpacked first."""
     if source.is_dir():
         return source
+    if not os.path.lexists(source):
+        raise InputError(f"{source}: expected what the class has handed in; nothing is there")
     if not source.is_file() or not is_archive(source.name):
         raise InputError(
             f"{source}: expected a folder with a folder or an archive per student, or the archive "

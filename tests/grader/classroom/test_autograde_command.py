@@ -59,3 +59,6 @@ def test_wrong_usage(tmp_path: Path) -> None:
     code, said = course(tmp_path, "--out", tmp_path / "out", "--regrade", "--again", "ann")
     assert code == 2
     assert "expected one of them" in said
+    code, said = course(tmp_path / "nowhere.zip", "--list")
+    assert code == 2
+    assert "nowhere.zip: expected what the class has handed in; nothing is there" in said

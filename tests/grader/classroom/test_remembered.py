@@ -47,6 +47,19 @@ def test_the_roster_and_the_column_stay(grade_class: Any, tmp_path: Path, roster
     assert points(out)["Nob Zed"] == "30"
 
 
+def test_a_column_that_is_not_there_is_said(
+    grade_class: Any, tmp_path: Path, roster: Roster
+) -> None:
+    said = grade_class(roster=roster, columns=(f"{SLUG}=Homewerk",))[2].lines
+    assert (
+        "--column: no column 'Homewerk' in gradebook.csv, so importing makes a new one; did you "
+        "mean 'Homework (71)'?"
+    ) in said
+    assert not any(
+        "--column: no" in line for line in grade_class(columns=(f"{SLUG}=Homework",))[2].lines
+    )
+
+
 def test_settings_stay_and_can_be_changed(grade_class: Any, tmp_path: Path) -> None:
     grade_class(field=True, hide="details")
     assert grade_class()[1].students == []
