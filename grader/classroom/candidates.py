@@ -18,7 +18,7 @@ from grader.classroom.conditions import HASHED, fingerprint, submission_hash
 from grader.classroom.intake import Found, Intake, Student, find_files, left_over, take_in
 from grader.classroom.options import Options
 from grader.classroom.results.clean import one_line
-from grader.classroom.row import Handed, StudentRow
+from grader.classroom.row import ABSENT, Handed, StudentRow
 from grader.classroom.store import Key, Store
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.students import Seed, student_key
@@ -102,8 +102,9 @@ def enter_candidates(
     """
     found = find_class(submissions, scratch, options)
     slugs = {slug for _, slug in found.candidates}
-    before = {r.student for r in store.results() if not r.canary and r.exercise in slugs}
-    here = {student for student, _ in found.candidates}
+    stored = [r for r in store.results() if not r.canary and r.exercise in slugs]
+    before = {r.student for r in stored if r.state != ABSENT}
+    here = {student for (student, _), each in found.candidates.items() if not each.absent}
     if before and not before & here:
         raise InputError(
             f"expected the class that was graded here: of its {len(before)} students "
@@ -122,10 +123,11 @@ def enter_candidates(
         if candidate.found.remark:
             store.note(f"{candidate.found.remark}.")
     said = ""
+    gone = {r.student for r in stored} - {student for student, _ in found.candidates}
     if store.keep_only(found.candidates, slugs):
         said = (
             "Earlier results were dropped, because their students are no longer there: "
-            f"{_some(before - here)}."
+            f"{_some(gone)}. A run with all downloads of the class grades them again."
         )
         store.note(said)
     store.know(found.students)
