@@ -1,14 +1,21 @@
-"""Whether a node commands what its model predicts: the verdicts that exercises 2 and 8 share."""
+"""Whether a node commands what its model predicts: verdicts that exercises 2, 8 and 9 share."""
 
 from __future__ import annotations
 
-from grader.checks.commands import Answer, spell
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from grader.checks.commands import ZERO, Answer, spell
 from grader.checks.driving import path_length, require_no_contact
+from grader.checks.inferences import questions
 from grader.checks.moments import came_to_rest, first_asked
-from grader.checks.predictions import MAX_SPEED, SpeedInterval
+from grader.checks.predictions import MAX_SPEED, SpeedInterval, max_speed
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.recording import Recording
+from grader.models.features import possible_features
+from grader.recording import Recording, Scan
 
 LEAST_WAY = 0.8  # [m]
 BRISK = 0.8  # of max_speed, reached where the way is free
@@ -54,6 +61,39 @@ def require_speed(
             recording=recording,
             help=help,
         )
+
+
+def require_said(recording: Recording, found: Sequence[Answer], tolerance: float) -> None:
+    """Fail unless the speed after each scan is one that the model, which the judge keeps, said."""
+    ends = [*(answer.scan.t for answer in found[1:]), recording.duration_s]
+    for answer, end in zip(found, ends, strict=True):
+        what = scan_in_words(recording, answer)
+        require_asked(recording, answer.scan, end, answer.speed or 0.0, tolerance, what=what)
+
+
+def require_asked(
+    recording: Recording, scan: Scan, end: float, speed: float, tolerance: float, *, what: str
+) -> None:
+    """Fail unless the model was asked about a scan by `end` [s] and said this speed [m/s].
+
+    What it said may be clipped. No question is due about a scan that may count as blind.
+    """
+    if np.isnan(possible_features(scan)).any():
+        return
+    asked = questions(recording, "predict", scan.t, end)
+    limit = max_speed(recording.scenario)
+    said = [min(max(s, 0.0), limit) for i in asked for s in i.said if math.isfinite(s)]
+    if asked and (abs(speed) < ZERO or any(abs(s - speed) <= tolerance for s in said)):
+        return
+    fail(
+        f"{what}: the speed does not come from the model",
+        expected="a call of predict for each scan, and what it returned, clipped",
+        actual=f"linear.x = {speed:.4f} m/s; "
+        + (f"the model said {', '.join(f'{s:.4f}' for s in said)}" if said else "nobody asked it"),
+        at=scan.t,
+        recording=recording,
+        help="Ask the model about the features of each scan, and publish what it says.",
+    )
 
 
 def require_prompt(recording: Recording, scan: float) -> None:

@@ -17,7 +17,7 @@ from grader.classroom.candidates import Class, enter_candidates, find_class
 from grader.classroom.folder import STORE, locked, write_class
 from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.options import Options
-from grader.classroom.progress import Progress
+from grader.classroom.progress import Progress, listing
 from grader.classroom.regrade_run import RegradeRun
 from grader.classroom.remembered import as_before, keep_settings
 from grader.classroom.results import Missing, ResultOptions, Written, column_titles
@@ -48,9 +48,10 @@ class GradedClass:
     account: Account = field(default_factory=Account)  # of what was handed in
 
 
-@contextlib.contextmanager
-def looking_at(submissions: Sequence[Path], options: Options) -> Iterator[Class]:
-    """Show who handed in what; nothing is graded, and nothing is written but what is unpacked.
+def look_at(submissions: Sequence[Path], options: Options) -> tuple[str, int]:
+    """Return who handed in what, for the terminal, and how many things wait for a person.
+
+    Nothing is graded, and nothing is written.
 
     Raises
     ------
@@ -58,7 +59,7 @@ def looking_at(submissions: Sequence[Path], options: Options) -> Iterator[Class]
         The submissions can't be read.
     """
     with tempfile.TemporaryDirectory(prefix="course-") as scratch:
-        yield find_class(submissions, Path(scratch), options)
+        return listing(find_class(submissions, Path(scratch), options))  # while the files are there
 
 
 def autograde(

@@ -107,9 +107,9 @@ def autograde(
     if no_class and not only_list:
         raise InputError(no_class)
     from grader.classroom.batch import autograde as grade_class  # noqa: PLC0415
-    from grader.classroom.batch import looking_at  # noqa: PLC0415
+    from grader.classroom.batch import look_at  # noqa: PLC0415
     from grader.classroom.options import Options  # noqa: PLC0415
-    from grader.classroom.progress import ConsoleProgress, listing, say, summary  # noqa: PLC0415
+    from grader.classroom.progress import ConsoleProgress, say, summary  # noqa: PLC0415
     from grader.classroom.results import ResultOptions, column_titles  # noqa: PLC0415
     from grader.classroom.roster import read_roster  # noqa: PLC0415
     from grader.course.students import read_secret  # noqa: PLC0415
@@ -129,8 +129,7 @@ def autograde(
     )
     console = Console()
     if only_list or out is None:
-        with looking_at(submissions, chosen) as found:
-            text, waiting = listing(found)
+        text, waiting = look_at(submissions, chosen)
         say(console, text)
         return LESS if waiting else FULL
     with ConsoleProgress(console) as progress:

@@ -22,6 +22,7 @@ MAX_STDIN = 1024 * 1024  # [bytes]
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_QUESTIONS = 64  # to models of the judge's, at a time
 MAX_ROWS = 1_000  # of features in one question
+MAX_COLUMNS = 64  # features in a row
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
 LENGTH = struct.Struct("<I")
 MARK = "\x1e"  # in stdout and stderr, followed by the time [ns]: what comes next was said then

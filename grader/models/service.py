@@ -22,7 +22,6 @@ from sim.scenario import Scenario
 
 MOST = 20_000  # questions in one trial
 MOST_ROWS = 50_000  # of features in all of them: checks compare each command with each prediction
-COLUMNS = 5
 SPREAD = 0.04  # by which the times of a model that has several differ between students
 IN_START_UP = -1  # [ns] when a question was asked before the scenario
 
@@ -146,9 +145,9 @@ class ModelService:
         if not 1 <= question.load <= self._loads[question.file]:
             return Told(number, f"{question.file} was not loaded"), 0.0
         rows = np.frombuffer(question.features[: len(question.features) // 8 * 8])
-        if not question.rows or len(rows) != question.rows * COLUMNS:
+        if not question.rows or not len(rows) or len(rows) % question.rows:
             return Told(number, "expected features of shape (n, 5)", is_value_error=True), 0.0
-        rows = rows.reshape(-1, COLUMNS)
+        rows = rows.reshape(question.rows, -1)
         seconds = self._seconds(model, rows) if question.method == "predict" else 0.0
         try:
             with np.errstate(all="ignore"):

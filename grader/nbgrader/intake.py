@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from grader.course.submission import MAX_SIZE, read_regular_file
 
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000
+MAX_NESTED = 500_000  # of brackets that open: each becomes an object, 50 times as large as its text
+MAX_QUOTES = 4_000_000
 MAX_SOURCE = 2 * MAX_SIZE  # [characters] of a cell; above MAX_SIZE, which the judge refuses
 MAX_PICTURES = 8 * 1024 * 1024  # [characters] of one cell
 KINDS = ("code", "markdown", "raw")
@@ -50,14 +53,16 @@ def read_cells(path: Path) -> list[Cell]:
         raise Unreadable(f"the file cannot be read ({error.strerror})") from None
     if len(data) > MAX_NOTEBOOK:
         raise Unreadable(f"the file is larger than {MAX_NOTEBOOK:,} bytes; clear its outputs")
+    if data.count(b"{") + data.count(b"[") > MAX_NESTED or data.count(b'"') > MAX_QUOTES:
+        raise Unreadable("it has far more parts than any notebook; clear its outputs")
     try:
         notebook = json.loads(data.decode("utf-8-sig", "replace"))
     except (ValueError, RecursionError, MemoryError) as error:
         raise Unreadable(f"it is not JSON ({_short(error)})") from None
-    cells = list(_cells(notebook))
+    cells = list(islice(_cells(notebook), MAX_CELLS))
     if not cells:
         raise Unreadable("it is not a notebook, or it has no cells")
-    return cells[:MAX_CELLS]
+    return cells
 
 
 def _cells(notebook: Any) -> Iterator[Cell]:

@@ -1,5 +1,7 @@
 """Faked time and counts of models: no attack is worth more than the same node without it.
 
+Nor is doing little, which breaks no rule while nobody looks (`lazy`).
+
 `make test` takes two of them, `make test-long` all.
 """
 
@@ -19,8 +21,9 @@ from sim.messages import EPOCH_NS
 
 HERE = Path(__file__).resolve().parent / "models"
 NAIVE = HERE / "naive.py"
-ATTACKS = sorted({*HERE.glob("*.py")} - {NAIVE})
-QUICK = ("ml_forgotten_loads",)
+LAZY = HERE.with_name("lazy")
+ATTACKS = sorted({*HERE.glob("*.py"), *LAZY.glob("*.py")} - {NAIVE})
+QUICK = ("ml_forgotten_loads", "latency_of_no_call", "supervisor_falls_silent")
 SECRET = b"a secret of a course"
 
 
@@ -89,8 +92,8 @@ def test_three_clients_need_one_load_whatever_the_server_forgets(
 
 def graded(
     forkserver: ForkServer, folder: Path, name: str, old: str, new: str, only: tuple[str, ...]
-) -> dict[str, str]:
-    """Return the outcome of each check for the reference with one line replaced."""
+) -> dict[str, tuple[str, str]]:
+    """Return outcome and message of each check for the reference with one line replaced."""
     exercise = find_exercise(name)
     path, *others = (folder / file for file in exercise.files)
     text = (exercise.solutions / path.name).read_text()
@@ -101,7 +104,7 @@ def graded(
     submission = Submission(path, others=tuple(others))
     grading = grade_submission(exercise, submission, forkserver, file=path.name, only=only)
     assert not grading.faults
-    return {check.id: check.outcome for check in grading.checks}
+    return {check.id: (check.outcome, check.message) for check in grading.checks}
 
 
 SPEED = "speed = float(self.model.predict(features)[0])"
@@ -117,7 +120,20 @@ def test_a_speed_that_no_model_said_is_worth_nothing(
     new: str, forkserver: ForkServer, tmp_path: Path
 ) -> None:
     found = graded(forkserver, tmp_path, "ml_velocity", SPEED, new, ("front_min",))
-    assert found == {"wiring": "pass", "front_min": "fail"}
+    assert found["wiring"] == ("pass", "")
+    assert "does not come from the model" in found["front_min"][1]
+
+
+WEIGHTS = "speed = float(features[0].astype(float) @ np.array([0.03, 0.012, 0.04, 0.02, 0.005]))"
+
+
+def test_a_speed_that_was_never_measured_is_worth_nothing(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    checks = ("features",)
+    found = graded(forkserver, tmp_path, "latency_monitor", SPEED, WEIGHTS, checks)
+    assert found["wiring"] == ("pass", "")
+    assert "does not come from the model" in found["features"][1]
 
 
 LABEL = "label = str(self.model.predict(features)[0])"
@@ -133,7 +149,8 @@ def test_a_detection_that_no_model_made_is_worth_nothing(
     old: str, new: str, forkserver: ForkServer, tmp_path: Path
 ) -> None:
     found = graded(forkserver, tmp_path, "model_server", old, new, ("answers",))
-    assert found == {"server_wiring": "pass", "answers": "fail"}
+    assert found["server_wiring"] == ("pass", "")
+    assert found["answers"][0] == "fail"
 
 
 @pytest.mark.long
@@ -146,5 +163,6 @@ def test_a_failure_that_no_model_had_is_worth_nothing(
     old = f"{LABEL}\n            {SURE}"
     checks = ("failing_model", "one_load")
     found = graded(forkserver, tmp_path, "model_server", old, knows, checks)
-    assert (found["failing_model"], found["one_load"]) == ("fail", "fail")
-    assert found["publishes"] == "pass"
+    assert "without asking the model" in found["failing_model"][1]
+    assert found["one_load"][0] == "fail"
+    assert found["publishes"][0] == "pass"

@@ -48,6 +48,14 @@ def test_an_honest_notebook_stays_as_it_is() -> None:
     assert set(by_name(made)) == {"node-agent", "ex-wiring", "quiz-1"}
 
 
+def test_a_notebook_of_empty_parts_takes_no_memory(tmp_path: Path) -> None:
+    path = tmp_path / "loop.ipynb"
+    for part in ("{},", "[],", '"","",'):
+        path.write_text(f'{{"cells":[{part * intake.MAX_NESTED * 4}{{}}]}}')
+        with pytest.raises(Unreadable, match="far more parts"):
+            read_cells(path)
+
+
 def test_changed_tests_are_as_released() -> None:
     cells = [MINE, Cell("markdown", "check = print # full points!", "ex-wiring"), WRITTEN]
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from grader.checks.commands import ZERO
+from grader.checks.inferences import questions
 from grader.checks.latency_monitor.contract import (
     DIAGNOSTICS,
     KEYS,
@@ -21,14 +24,18 @@ from grader.checks.latency_monitor.contract import (
     calls_by,
     right_statistics,
 )
-from grader.checks.predictions import predictions
+from grader.checks.model_commands import require_asked
+from grader.checks.predictions import TOLERANCE, Prediction, max_speed, predictions
 from grader.checks.reading import published
 from grader.checks.turns import turns
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.recording import Recording
+from grader.recording import Inference, Recording
 
-MOST_REPORTS = 200  # in one trial, of which the longest takes 6 s
+MOST_CALLS = 2  # of predict for each scan, on average
+LATEST_CALL = 0.5  # [s] from a scan to its call of predict
+LATE_IN_REAL_TIME = 0.1  # of the scans, whose calls may come later on a busy machine
+MOST_REPORTS = 1_000  # in one trial, of which the longest takes 6 s
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,10 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
         begin, end = first[number : number + 2]
         speed = float(twists.linear_x[end - 1]) if end > begin else None
         if speed is not None and right.allows(speed):
+            if abs(speed) > ZERO:
+                what = f"the scan at {right.scan.t:.2f} s"
+                came = float(twists.t[end - 1])
+                require_asked(recording, right.scan, came, speed, TOLERANCE, what=what)
             continue
         label = f"“{bench[number].label}”" if bench else f"the scan at {right.scan.t:.2f} s"
         fail(
@@ -71,6 +82,62 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
             recording=recording,
             help=help,
         )
+
+
+def require_calls(recording: Recording) -> None:
+    """Fail unless the model was asked about each scan that has features, one row at a time.
+
+    What is measured is up to the node: who never asks, or always the same, has numbers that are
+    right and say nothing.
+    """
+    require_alive(recording)
+    scans, _ = turns(recording)
+    said = predictions(recording)[: len(scans)]
+    calls = sorted(questions(recording, "predict", 0.0, math.inf), key=_asked)
+    if len(calls) > MOST_CALLS * len(recording.scans()):
+        fail(
+            f"predict was called {len(calls):,} times for {len(recording.scans()):,} scans",
+            expected="one call of predict for each scan",
+            actual=f"more than {MOST_CALLS} for each",
+            at=calls[MOST_CALLS * len(recording.scans())].asked / 1e9,
+            recording=recording,
+            help="What is measured is what drives the robot: measure those calls, and no others.",
+        )
+    missed, place = [], 0
+    for right in said:
+        if right.missing:  # blind, or the model says nothing: only who asks can know that
+            continue
+        place = bisect_left(calls, right.scan.t - recording.slack, place, key=_asked)
+        late = bisect_right(calls, right.scan.t + LATEST_CALL + recording.slack, place, key=_asked)
+        about = (i for i in range(place, late) if _is_about(recording, calls[i], right))
+        found = next(about, None)
+        if found is None:
+            missed.append(right)
+        else:
+            place = found + 1
+    if len(missed) <= (LATE_IN_REAL_TIME * len(said) if recording.live is not None else 0):
+        return
+    at, asked = missed[0].scan.t, len(calls)
+    fail(
+        f"the model was not asked about the scan at {at:.2f} s",
+        expected=f"one call of predict, with one row, that returns {missed[0].text}",
+        actual=f"{asked} calls in all; {len(missed)} of {len(said)} scans without one",
+        at=at,
+        recording=recording,
+        help="Call predict for each scan, and measure that call: numbers about no calls, or about "
+        "others, say nothing about the model that drives.",
+    )
+
+
+def _asked(call: Inference) -> float:
+    """Return when a call began [s]."""
+    return call.asked / 1e9
+
+
+def _is_about(recording: Recording, call: Inference, right: Prediction) -> bool:
+    """Tell whether a call was about a scan: it had one row, and returned what is right for it."""
+    limit = max_speed(recording.scenario)
+    return len(call.said) == 1 and right.allows(max(0.0, min(limit, call.said[0])))
 
 
 def require_reports(recording: Recording) -> list[Report]:
@@ -181,6 +248,8 @@ def require_numbers(
 
     Without `full_windows` only reports from before the hundred-and-first call are judged.
     """
+    if until == math.inf:
+        require_calls(recording)
     judged = 0
     for report in require_reports(recording):
         if report.t > until:

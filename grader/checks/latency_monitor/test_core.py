@@ -8,6 +8,7 @@ import pytest
 from grader.checks.commands import FIELDS, is_zero, require_one_command_each, require_zero
 from grader.checks.latency_monitor.contract import EVERYTHING, KEYS, STALE, right_statistics
 from grader.checks.latency_monitor.evidence import (
+    require_calls,
     require_form,
     require_level,
     require_numbers,
@@ -122,6 +123,14 @@ def test_stale_at_first(recordings: Recordings) -> None:
         for report in early:
             require_level(recording, report, right_statistics(recording, report.t))
         late = [report for report in reports if report.t > first_scan + 0.5]
+        if not any(call.method == "predict" for call in recording.inferences):
+            fail(
+                "the model was never asked, so nothing can be said of when it had answered",
+                expected="a call of predict for each scan",
+                actual="none",
+                at=first_scan,
+                recording=recording,
+            )
         if late and late[-1].level == STALE:
             fail(
                 "the status is still STALE, though predictions have been made",
@@ -186,6 +195,7 @@ def test_missed(recordings: Recordings) -> None:
 def test_levels(recordings: Recordings) -> None:
     """OK if no call missed the deadline, WARN if some did, ERROR if p95 is over it."""
     for recording in recordings:
+        require_calls(recording)
         for report in require_reports(recording):
             choices = right_statistics(recording, report.t)
             everything = right_statistics(recording, report.t, window=EVERYTHING)

@@ -7,13 +7,10 @@ import math
 import numpy as np
 
 from grader.checks import model_commands
-from grader.checks.commands import ZERO, Answer, garbage, judged
-from grader.checks.inferences import questions
+from grader.checks.commands import Answer, garbage, judged
 from grader.checks.ml_velocity.contract import is_predicted, right_speed
 from grader.checks.model_commands import LEAST_WAY, scan_in_words
-from grader.checks.predictions import max_speed
 from grader.checks.verdict import fail
-from grader.models.features import possible_features
 from grader.recording import Recording
 
 SPEED_TOLERANCE = 2e-4  # [m/s]; at this the probes tell distances 2.5 mm apart
@@ -32,30 +29,7 @@ def require_speeds(recording: Recording, help: str = "") -> None:
             help=_advice(answer, help),
         )
     if is_predicted(recording):
-        ends = [*(answer.scan.t for answer in found[1:]), recording.duration_s]
-        for answer, end in zip(found, ends, strict=True):
-            _require_asked(recording, answer, end)
-
-
-def _require_asked(recording: Recording, answer: Answer, end: float) -> None:
-    """Fail unless the model was asked about this scan by `end` [s], and said this speed."""
-    scan, speed = answer.scan, answer.speed or 0.0
-    if np.isnan(possible_features(scan)).any():  # it may count as blind: there is nothing to ask
-        return
-    asked = questions(recording, "predict", scan.t, end)
-    limit = max_speed(recording.scenario)
-    said = [min(max(s, 0.0), limit) for i in asked for s in i.said if math.isfinite(s)]
-    if asked and (abs(speed) < ZERO or any(abs(s - speed) <= SPEED_TOLERANCE for s in said)):
-        return
-    fail(
-        f"{scan_in_words(recording, answer)}: the speed does not come from the model",
-        expected="one call of predict for each scan, and what it returned, clipped",
-        actual=f"linear.x = {speed:.4f} m/s; "
-        + (f"the model said {', '.join(f'{s:.4f}' for s in said)}" if said else "nobody asked it"),
-        at=scan.t,
-        recording=recording,
-        help="Ask the model about the features of each scan, and publish what it says.",
-    )
+        model_commands.require_said(recording, found, SPEED_TOLERANCE)
 
 
 def require_going_on(recording: Recording, after: float) -> None:

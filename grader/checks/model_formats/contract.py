@@ -6,7 +6,7 @@ from pathlib import PurePath
 from typing import Any
 
 from grader.checks.predictions import MODEL, SpeedInterval, max_speed, right_speeds
-from grader.models.files import probe
+from grader.models.files import is_kept, probe
 from grader.recording import Recording, Scan
 from sim.scenario import Scenario
 
@@ -28,6 +28,12 @@ def right_speed(recording: Recording, scan: Scan) -> SpeedInterval:
     """Return the speeds that the contract allows for this scan."""
     scenario = recording.scenario
     return right_speeds(_model(scenario), scan, max_speed(scenario))
+
+
+def is_predicted(recording: Recording) -> bool:
+    """Tell whether there is a model to ask, and the judge keeps it."""
+    scenario, file = recording.scenario, model_file(recording.scenario)
+    return _model(scenario) is not None and is_kept(file, scenario.node.models[file])
 
 
 def _model(scenario: Scenario) -> Any:

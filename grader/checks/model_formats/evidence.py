@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.checks import model_commands
 from grader.checks.commands import Answer, garbage, judged
 from grader.checks.model_commands import scan_in_words
-from grader.checks.model_formats.contract import model_file, right_speed
+from grader.checks.model_formats.contract import is_predicted, model_file, right_speed
 from grader.link.log import LogLine
 from grader.recording import Recording
 
@@ -15,7 +15,8 @@ LOUD = ("warn", "error", "fatal")
 
 def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
     """Fail unless the node commanded the right speed after every scan with this tag."""
-    for answer in judged(recording, tag):
+    found = judged(recording, tag)
+    for answer in found:
         what = scan_in_words(recording, answer)
         model_commands.require_speed(
             recording,
@@ -25,6 +26,8 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
             what=f"{what}, with {model_file(recording.scenario)}",
             help=_advice(recording, answer, help),
         )
+    if is_predicted(recording):
+        model_commands.require_said(recording, found, SPEED_TOLERANCE)
 
 
 def loud_lines(recording: Recording) -> list[LogLine]:

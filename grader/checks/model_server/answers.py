@@ -234,18 +234,21 @@ def require_detection(recording: Recording, ask: Ask) -> None:
 def require_label(recording: Recording, ask: Ask) -> None:
     """Fail unless the label is what the model predicted from the newest scan."""
     label = read_detection(recording, ask)["label"]
-    asked = asked_about(recording, ask, "predict")
-    said = [word for i in asked for word in i.labels or [f"{number:g}" for number in i.said]]
+    said = words_of_model(recording, ask)
     if isinstance(label, str) and any(_is_same(label, word) for word in said):
         return
     _fail_message(
         recording,
         ask,
-        f"label = {said[-1]!r}, what predict returned"
-        if said
-        else "the label that predict returns",
+        f"label = {said[-1]!r}, what predict returned" if said else "the label that predict gives",
         f"label = {_spell(label)}" + ("" if said else ", and nobody asked the model"),
     )
+
+
+def words_of_model(recording: Recording, ask: Ask) -> list[str]:
+    """Return what predict returned between the newest scan and the answer to this request."""
+    asked = asked_about(recording, ask, "predict")
+    return [word for i in asked for word in i.labels or [f"{number:g}" for number in i.said]]
 
 
 def asked_about(recording: Recording, ask: Ask, method: str) -> list[Inference]:

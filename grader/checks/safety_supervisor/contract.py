@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -21,6 +21,8 @@ STOP_DISTANCE = 0.5  # [m]
 MAX_SPEED = 0.5  # [m/s]
 MAX_TURN_RATE = 1.9  # [rad/s]
 MAX_RISE = 0.045  # [m/s] of linear.x in a tick
+SILENCE = 0.3  # [s] without a command, after which the last one is judged again at each tick
+PERIOD = 0.05  # [s]
 SETTLED = 0.6  # [s] in which a speed is reached, up or down, with 0.9 m/s²
 TOLERANCE = 1e-3  # [m/s, rad/s] of a command that should not be zero
 
@@ -150,14 +152,18 @@ def is_right_or_never_reverses(tick: Tick) -> bool:
     return never or tick.is_right_but_for_the_rise
 
 
-def ticks(recording: Recording) -> list[Tick]:
-    """Return every command that the node published, with what was right."""
+def ticks(recording: Recording, *, silences: bool = False) -> list[Tick]:
+    """Return every command that the node published, with what was right.
+
+    With `silences` also each tick at which it should have published one, and had been silent for
+    long: its last command is still in force. Otherwise a node that drives off and falls silent
+    would do nothing wrong any more.
+    """
     arrivals = _Arrivals(recording)
     begins = np.array([0.0, *(stream.begin for stream in recording.scenario.raw)])
-    twists = recording.twists()
     found = []
     last = 0.0  # [m/s] linear.x of the command before
-    for t, row in zip(twists.t.tolist(), twists.values.tolist(), strict=True):
+    for t, row in _in_force(recording, silences):
         now = arrivals.at(t)
         just_before = arrivals.at(t - ARRIVAL_HAIR - recording.slack, age_at=t)
         right = [*_decisions(now, last), *_decisions(just_before, last)]
@@ -165,6 +171,17 @@ def ticks(recording: Recording) -> list[Tick]:
         found.append(Tick(t, tuple(row), now, tuple(dict.fromkeys(right)), same_for))
         last = row[0] if math.isfinite(row[0]) else 0.0
     return found
+
+
+def _in_force(recording: Recording, silences: bool) -> Iterator[tuple[float, list[float]]]:
+    """Yield the times [s] and fields of commands, and those in force during silences."""
+    twists = recording.twists()
+    times = [*twists.t.tolist(), recording.duration_s]
+    for (t, end), row in zip(pairwise(times), twists.values.tolist(), strict=True):
+        yield t, row
+        if silences:
+            for tick in np.arange(t + SILENCE + recording.slack, end, PERIOD).tolist():
+                yield tick, row
 
 
 class _Arrivals:

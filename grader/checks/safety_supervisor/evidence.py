@@ -11,7 +11,7 @@ import numpy as np
 
 from grader.checks.commands import FIELDS, ZERO, garbage, require_zero, spell
 from grader.checks.reading import published
-from grader.checks.safety_supervisor.contract import LEVELS, Tick, ticks
+from grader.checks.safety_supervisor.contract import LEVELS, PERIOD, Tick, ticks
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
@@ -19,7 +19,6 @@ from grader.recording import Recording
 TOPIC = "/diagnostics"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 SETTLING = 0.6  # [s] after the start, in which reasons are not judged
-PERIOD = 0.05  # [s]
 PERIOD_TOLERANCE = 0.0025  # [s] of the mean
 LONGEST_GAP = 0.075  # [s] between two commands
 START = 0.25  # [s] in which the first command comes
@@ -79,9 +78,10 @@ def require_commands(
     """Fail unless the node ran to the end, with speed and turn rate right at the ticks judged.
 
     By default a speed that rises too fast is as good as a right one: it has a check of its own.
+    What it commanded before it fell silent stays in force, and is judged on.
     """
     require_alive(recording)
-    found = [tick for tick in ticks(recording) if judged(tick)]
+    found = [tick for tick in ticks(recording, silences=True) if judged(tick)]
     if not found:
         fail(
             "no command came that could be judged",

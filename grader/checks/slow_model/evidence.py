@@ -22,6 +22,7 @@ from grader.recording import Floats, Recording
 
 START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
 ARRIVAL_HAIR = 0.02  # [s] a scan that came this shortly before an inference may be too late for it
+LEAST_MOVING = 0.05  # of the commands, for a node that drives; one alone is no driving
 STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; no scan's prediction
 
 
@@ -274,16 +275,18 @@ def require_held(recording: Recording, tag: str, help: str) -> None:
 
 
 def require_moves(recording: Recording) -> None:
-    """Fail if the node never commands what its model said: then its zeros show nothing."""
+    """Fail if the node hardly ever commands what its model said: then its zeros show nothing."""
     require_commands(recording)
     twists = recording.twists()
     moving = np.flatnonzero(np.abs(twists.linear_x) > ZERO)
-    if not len(moving):
+    if len(moving) < LEAST_MOVING * len(twists.t):
         due = [said.scan.t + LATEST_STOP for said in predictions(recording) if said.least > ZERO]
         fail(
-            "the node always publishes 0.0, so this proves nothing",
+            f"the node {'nearly ' * bool(len(moving))}always publishes 0.0, so this proves nothing",
             expected="commands that follow the model where it works",
-            actual="0.0 at every tick",
+            actual=f"0.0 at {len(twists.t) - len(moving)} of {len(twists.t)} ticks"
+            if len(moving)
+            else "0.0 at every tick",
             at=min(due[0], recording.duration_s) if due else None,
             recording=recording,
             help="Get inference_rate right first.",

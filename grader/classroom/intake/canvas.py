@@ -15,11 +15,18 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from grader.classroom.intake.entries import Entry, Read, Who
+from grader.classroom.intake.entries import Entry, Read, SetAside, Who
 
-# From the left: what the student called the file can't reach the ids in front of it.
+# From the left: what the student called the file can't reach the ids in front of it. But a name may
+# hold what looks like ids, and in some places students choose their own: UNCLEAR says when the file
+# might be another's. It has to be a look at Canvas then, for both would lose by a guess.
 _WHO = r"(?:(?P<name>\w*?)_)??(?:(?P<late>LATE)_)?(?P<id>\d+|anon_[A-Za-z0-9]+)"
 UPLOAD = re.compile(rf"{_WHO}_(?P<attachment>\d+)_(?P<file>.+)", re.DOTALL)
+UNCLEAR = re.compile(r"(?:LATE_)?\d{3,}_.+", re.DOTALL)  # what seems to be the file's own name
+WHOSE = (
+    "its name begins with a number, or its student's name ends with one: whose it is can't be "
+    "told; look into Canvas, and rename the file"
+)
 TYPED = re.compile(rf"{_WHO}_(?P<kind>text|link)\.html")
 TYPED_IN = {"text": "text typed into Canvas.html", "link": "web address.html"}
 
@@ -31,6 +38,8 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
         upload, typed = UPLOAD.fullmatch(path.name), TYPED.fullmatch(path.name)
         if path.is_symlink() or not path.is_file():
             found.left.append(path)
+        elif upload is not None and UNCLEAR.fullmatch(upload["file"]):
+            found.set_aside.append(SetAside(path.name, WHOSE))
         elif upload is not None:
             found.entries.append(
                 Entry(

@@ -15,6 +15,7 @@ from typing import IO, Any
 
 from grader.classroom.intake.names import may_enter
 from grader.course.submission import open_regular_file
+from grader.errors import is_disk_full
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 # Recognised and not unpacked. A 7z's header chooses how much memory its decoder takes, up to 4 GiB,
@@ -72,7 +73,10 @@ def unpack(archive: Path, room: Path) -> list[Odd]:
 
 
 def unpack_class(archive: Path, room: Path) -> list[Odd]:
-    """Unpack a platform's download of a whole class; files that are too long are cut off.
+    """Unpack a platform's download of a whole class.
+
+    Files that are too long are cut off, and those with impossible names left out: nobody's can keep
+    out the others.
 
     Raises
     ------
@@ -100,12 +104,19 @@ def _write(
 ) -> list[Odd]:
     odd = []
     for name, source in members:
-        target = _inside(room, name, depth)
-        if target is None:
-            continue
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if target.exists():
-            odd.append((name, "twice in the archive; the first counts"))
+        try:
+            target = _inside(room, name, depth)
+            if target is None:
+                continue
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if target.exists():
+                odd.append((name, "twice in the archive; the first counts"))
+                continue
+            target.touch()
+        except (Refused, OSError) as error:
+            if cut is None or is_disk_full(error):
+                raise
+            odd.append((name, _unwritten(error)))  # one can't keep out the others
             continue
         size = 0
         with source, target.open("wb") as file:
@@ -117,6 +128,13 @@ def _write(
                 left.take(len(chunk))
                 file.write(chunk)
     return odd
+
+
+def _unwritten(error: Refused | OSError) -> str:
+    """Return why a member of a class's download is left out."""
+    if isinstance(error, OSError):  # too long a name, or another member is a folder called so
+        return f"can't be written ({error.strerror}); ask for another name"
+    return str(error)
 
 
 class _Allowance:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..frames import MAX_ROWS, Question, Told
+from ..frames import MAX_COLUMNS, MAX_ROWS, Question, Told
 
 Array = NDArray[Any]
 Ask = Callable[[Question], Told]
@@ -32,13 +32,13 @@ desk = _Desk()
 
 
 class Kept:
-    """Has `predict(X)` for X of shape (n, 5), as any model; nothing else of it is here."""
+    """Has `predict(X)` for features of shape (n, 5), as any model; nothing else of it is here."""
 
     def __init__(self, file: str, load: int = 0) -> None:
         self._file, self._load = file, load
 
     def predict(self, features: Any) -> Array:
-        """Return what the model says of (n, 5) features; ValueError if they are no such thing."""
+        """Return what the model says of its features; ValueError if they are no such thing."""
         return self._ask("predict", features)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -52,7 +52,8 @@ class Kept:
 
     def _ask(self, method: str, features: Any) -> Array:
         rows = np.array(features, dtype=float)  # as they are now
-        if rows.ndim != 2 or rows.shape[1] != 5 or not 1 <= len(rows) <= MAX_ROWS:
+        known = rows.ndim == 2 and 1 <= len(rows) <= MAX_ROWS and 1 <= rows.shape[1] <= MAX_COLUMNS
+        if not known:  # the model itself says if it wants five
             raise ValueError(f"expected features of shape (n, 5), got {rows.shape}")
         told = desk.ask(Question(0, method, self._file, self._load, len(rows), rows.tobytes()))
         if told.problem:

@@ -167,6 +167,17 @@ def test_two_assignments_of_moodle_are_one_class(tmp_path: Path) -> None:
     assert find_files(ann, ["goal_seeking_agent.py"]).files
 
 
+@pytest.mark.parametrize("chosen", ["leecarla_12345_99999999", "leecarla_12345"])
+def test_nobody_hands_in_for_another_by_a_name_with_ids(download: Path, chosen: str) -> None:
+    put(download, f"leecarla_12345_678901_{AGENT}")
+    with zipfile.ZipFile(download / f"{chosen}_777_888_mine.zip", "w") as archive:
+        archive.writestr(AGENT, "# evil\n")
+    intake = taken(download)
+    assert len(intake.students) == 1
+    assert "evil" not in graded(intake)["leecarla_12345"]
+    assert ["can't be told" in reason for reason in faults(intake).values()] == [True]
+
+
 # --- nbgrader, GitHub Classroom, Gradescope ------------------------------------------------------
 
 
@@ -322,6 +333,30 @@ def test_one_cannot_keep_out_the_others(tmp_path: Path, monkeypatch: pytest.Monk
     assert graded(intake)["ann_1"] == "fine"
     assert "broken archive" in intake.students[1].problem
     assert sum("cut off" in reason for reason in faults(intake).values()) == 2
+
+
+@pytest.mark.parametrize(
+    ("names", "why"),
+    [
+        (("\U0001f980" * 90,), "File name too long"),
+        (("notes", "notes/mine.py"), "can't be written"),
+        (("notes\\..\\..\\..\\x.py",), "points outside"),
+    ],
+    ids=["too long", "file and folder", "outside"],
+)
+def test_an_impossible_name_cannot_keep_out_the_others(
+    tmp_path: Path, names: tuple[str, ...], why: str
+) -> None:
+    room = "Eve Bad_102_assignsubmission_file"
+    with zipfile.ZipFile(tmp_path / "class.zip", "w") as archive:
+        archive.writestr(f"Ann Lee_101_assignsubmission_file/{AGENT}", "# fine\n")
+        for name in names:
+            archive.writestr(f"{room}/{name}", "evil")
+        archive.writestr(f"Zoe Ok_103_assignsubmission_file/{AGENT}", "# fine\n")
+    intake = taken(tmp_path / "class.zip")
+    assert {"Ann Lee", "Zoe Ok"} <= graded(intake).keys()
+    assert any(why in reason for reason in faults(intake).values())
+    assert not list(tmp_path.rglob("x.py"))
 
 
 def test_links_in_a_download_are_not_followed(download: Path, tmp_path: Path) -> None:

@@ -8,9 +8,9 @@ import pytest
 
 from grader.host.frames import MAX_ROWS, Question, Told
 from grader.host.supplied import kept
-from grader.models.files import write_models
+from grader.models.files import is_kept, probe, write_models
 from grader.models.service import IN_START_UP, MOST, MOST_ROWS, ModelService, TooManyQuestions
-from sim.scenario import Scenario, load_scenario
+from sim.scenario import Model, Scenario, load_scenario
 
 MS = 1_000_000
 LEADER = load_scenario("slow_leader")
@@ -183,3 +183,43 @@ def test_a_copy_of_a_loaded_model_is_no_load(monkeypatch: pytest.MonkeyPatch) ->
 def test_outside_a_trial_nobody_answers() -> None:
     with pytest.raises(RuntimeError, match="in a trial"):
         kept.Kept(FILE, 1).predict(ROW)
+
+
+@pytest.mark.parametrize("scenario", ["detect_numbers", "detect_answers"])
+def test_a_classifier_says_what_it_would_say_in_the_node(
+    scenario: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    models = service(load_scenario(scenario))
+    ((file, spec),) = models.scenario.node.models.items()
+    monkeypatch.setattr(kept.desk, "ask", desk(models))
+    model, there = kept.load(kept.KeptClassifier, file), probe(spec)
+    for method in ("predict", "predict_proba"):
+        here, right = getattr(model, method)(ROW), getattr(there, method)(ROW)
+        assert here.dtype == right.dtype
+        assert here.tolist() == right.tolist()
+    _, label, sure = models.inferences
+    assert [str(x) for x in (*label.labels, *map(int, label.said))] == [str(model.predict(ROW)[0])]
+    assert sure.said == pytest.approx([model.predict_proba(ROW).max()])
+
+
+def test_a_model_that_wants_three_features_gets_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    models = service(load_scenario("ml_clip"))
+    monkeypatch.setattr(kept.desk, "ask", desk(models))
+    assert kept.load(kept.Kept, FILE).predict(ROW[:, :3]) == pytest.approx([9.9])
+
+
+@pytest.mark.parametrize(
+    ("name", "model", "is_ours"),
+    [
+        ("velocity_model.pkl", Model("echo", {"feature": 0}), True),
+        ("Model.Pkl", Model("weighted", {"weights": (1.0,)}), True),
+        ("policy.onnx", Model("raises_near", {"distance": 1.0}), False),
+        ("velocity_model.pkl", Model("linear", {"weights": (1.0,)}), False),
+        ("velocity_model.pkl", Model("garbage", {}), False),
+        ("velocity_model.pkl", Model("trained", {}), False),
+    ],
+)
+def test_every_probe_in_a_pickle_stays_with_the_judge(
+    name: str, model: Model, is_ours: bool
+) -> None:
+    assert is_kept(name, model) == is_ours
