@@ -25,6 +25,10 @@ _ENDS = {
     "flooded": "Does something publish in a loop without waiting?",
 }
 
+NO_NODE = (
+    'It never made a node: does the file end with `if __name__ == "__main__": main()`, and does '
+    "main() make the node and spin it?"
+)
 SURVIVES = "The node survives every message that it gets."
 OURS = "/course_"  # prefix of the nodes that the grader runs beside the student's
 KINDS = {
@@ -71,6 +75,8 @@ def require_alive(recording: Recording) -> None:
         ends = f"Does the loop of {death.loop} ever end? {ends}"
     if death and death.advice:
         ends = advice_on(death)
+    if outcome.kind == "returned" and not recording.endpoints:
+        ends = NO_NODE
     fail(
         text,
         expected="a node that runs until the end of the scenario",

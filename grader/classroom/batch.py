@@ -30,7 +30,7 @@ from grader.link.scratch import sweep
 
 NO_SPACE = (
     "the disk is full, so the batch has stopped. Free some space where {out} is, and in "
-    "{temporary}, and run the same command again: it goes on where it was"
+    "{temporary}, and run the same command again: it resumes where it left off"
 )
 UNPACKED = ".unpacked"  # archives, during a run
 # Results are written while a batch runs, which takes up to ten seconds for 500 students.

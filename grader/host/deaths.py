@@ -42,15 +42,26 @@ MAX_VALUE = 60  # [characters]
 MAX_SOURCE = 160  # [characters] of a line
 MAX_ITEMS = 4  # of a list
 MAX_NAME = 100  # [characters]
+MAX_CHAIN = 8  # exceptions that followed one another
 MAX_SAID = 400  # [characters] of an exception's text
 RCLPY = ("rclpy", "executors.py")
 NAMES = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
+ADDRESS = re.compile(r" at 0x[0-9a-f]+")
+BUILT_IN = re.compile(r"<built-in method (\w+) of [^<>]*>")
 SILENT = (ModuleType, FunctionType, MethodType, type, CodeType)
 MISSING = object()
 NO_RESPONSE = "a service's callback has to end with `return response`, on every path"
+WRONG_FIELD = (
+    "a field of the response has another type than it should: a bool, a number or a str; a dict "
+    "becomes a text with json.dumps(…)"
+)
+FIT = (
+    "fit(features, speeds): first the table with one row of five for each example, then the column "
+    "of what they should give, as many numbers as the table has rows"
+)
 NO_RESULT = (
-    "result() is None until the answer has come: use it in a function given to "
-    "future.add_done_callback(…), or ask future.done() first"
+    "result() is None until the answer has come: use it in a function that is given, by its name "
+    "and without brackets, to future.add_done_callback(…); or ask future.done() first"
 )
 
 Line = tuple[FrameType, int]
@@ -74,6 +85,42 @@ def account(error: BaseException, folder: Path) -> str:
     return "\n".join(lines)
 
 
+def first_of(error: BaseException) -> BaseException:
+    """Return the exception that came first, where `finally:` raised another one on the way out.
+
+    `finally: node.stop()` meets the very mistake that ended a callback, and would hide where.
+    """
+    for _ in range(MAX_CHAIN):
+        before = error.__context__
+        if not isinstance(before, Exception) or error.__suppress_context__:
+            break
+        if not _is_on_the_way_out(error, before):
+            break
+        error = before
+    return error
+
+
+def _is_on_the_way_out(error: BaseException, before: BaseException) -> bool:
+    """Tell whether an exception was raised in the `finally:` through which another one went."""
+    left = {id(frame) for frame, _ in _frames(before.__traceback__)}
+    shared = [(frame, line) for frame, line in _frames(error.__traceback__) if id(frame) in left]
+    return bool(shared) and _block(*shared[-1]).startswith("finally")
+
+
+def _block(frame: FrameType, line: int) -> str:
+    """Return the head of the block in which a line stands."""
+    source = [linecache.getline(frame.f_code.co_filename, n) for n in range(1, line + 1)]
+    if not source:
+        return ""
+    depth = _indent(source[-1])
+    above = (text for text in reversed(source[:-1]) if text.strip() and _indent(text) < depth)
+    return next(above, "").strip()
+
+
+def _indent(text: str) -> int:
+    return len(text) - len(text.lstrip())
+
+
 def account_of_syntax(error: SyntaxError) -> str:
     """Tell of a line that Python can't read."""
     lines = ["in the start-up"]
@@ -89,10 +136,21 @@ def account_of_syntax(error: SyntaxError) -> str:
 
 def _advice(error: BaseException, place: str, own: list[Line]) -> str:
     if not own and isinstance(error, TypeError) and place.startswith("the service"):
-        return NO_RESPONSE
+        return _advice_on_service(str(error))
+    if own and isinstance(error, ValueError) and ".fit(" in _lines_before(*own[-1], count=0):
+        return FIT
     if own and "NoneType" in str(error) and ".result()" in _lines_before(*own[-1]):
         return NO_RESULT
     return _surroundings(error) or plain_words(error)
+
+
+def _advice_on_service(said: str) -> str:
+    """Say what is wrong with a callback that can't be called, or a response that can't be sent."""
+    if "positional argument" in said:
+        return (
+            "a service's callback takes two arguments: def detect_callback(self, request, response)"
+        )
+    return WRONG_FIELD if said.strip() else NO_RESPONSE  # None makes pybind11 raise without words
 
 
 def _surroundings(error: BaseException) -> str:
@@ -274,4 +332,9 @@ def _said(error: BaseException) -> str:
         text = "".join(traceback.format_exception_only(error))
     except Exception:
         text = type(error).__name__
-    return " ".join(text.split())[:MAX_SAID]
+    return readable(" ".join(text.split()))[:MAX_SAID]
+
+
+def readable(text: str) -> str:
+    """Leave out what tells a student nothing, and differs from run to run."""
+    return ADDRESS.sub("", BUILT_IN.sub(r"\1()", text))

@@ -9,9 +9,11 @@ import difflib
 import dis
 import re
 from collections.abc import Callable, Sequence
-from types import FunctionType
+from types import BuiltinMethodType, FunctionType, MethodType
 from typing import Any
 
+FUNCTIONS = (FunctionType, MethodType, BuiltinMethodType)
+AXES = ("x", "y", "z")
 NO_VALUE = (
     "something is None: does every path of the function that made it `return` a value, also at "
     "the limits, and has the first message come?"
@@ -31,7 +33,54 @@ THERE = (
 
 # (exception, what its text matches, what to try); the first that fits is told.
 COMMON: tuple[tuple[str, str, str], ...] = (
+    (
+        "TypeError",
+        r"Node\.__init__\(\) missing .*'node_name'",
+        "a node needs a name: super().__init__('my_node'), in a method that is spelt __init__, "
+        "with two underscores on either side",
+    ),
+    (
+        "RuntimeError",
+        r"callback should be either be callable with one argument",
+        "a subscription's callback takes the message and nothing else: "
+        "def scan_callback(self, scan), handed over as self.scan_callback",
+    ),
     ("TypeError", r"missing \d+ required positional argument", CALLED),
+    (
+        "TypeError",
+        r"__init__\(\) takes 1 positional argument but",
+        "a message takes its fields by name, such as Float64(data=1.0); in a class of your own, is "
+        "self the first parameter of __init__?",
+    ),
+    (
+        "TypeError",
+        r"^Expected <class '[\w.]*msg[\w.]*'>, got <class",
+        "publish() takes a message of the publisher's own type, not what belongs in one: first "
+        "make that message, and fill it in",
+    ),
+    (
+        "TypeError",
+        r"not JSON serializable",
+        "JSON knows Python's own numbers and texts, not NumPy's: write float(x), int(x) or str(x)",
+    ),
+    (
+        "TypeError",
+        r"bad argument type for built-in operation|^\w+ is not a sequence|must be real number",
+        "a field of the message holds another type than it should: str(…) for a text, float(…) "
+        "or int(…) for a number, a list where there are several",
+    ),
+    (
+        "SystemError",
+        r"publish\b.*exception set",
+        "a field of the message holds another type than it should: an integer field takes an int, "
+        "not a float",
+    ),
+    (
+        "TypeError",
+        r"'Duration'|'Time'",
+        "a Time and a Duration count nanoseconds and are no numbers: duration.nanoseconds / 1e9 "
+        "are its seconds",
+    ),
     (
         "TypeError",
         r"takes \d+ positional arguments? but \d+ (was|were) given",
@@ -40,6 +89,12 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     ("TypeError", r"for \^", "`^` is not a power in Python: write x**2"),
     ("TypeError", r"'Parameter'", PARAMETER),
     ("TypeError", r"Parameter\b.*\bfloat|float.*\bParameter\b", PARAMETER),
+    (
+        "TypeError",
+        r"^'NoneType' object is not callable",
+        "a callback is handed over by its name, without brackets: create_timer(0.1, self.tick), "
+        "not self.tick(), which calls it there and then and hands over None",
+    ),
     ("TypeError", r"NoneType", NO_VALUE),
     ("AttributeError", r"^'NoneType' object", NO_VALUE),
     (
@@ -90,7 +145,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "IndexError",
         r"list index out of range|array index|out of bounds|index out of range",
-        "count from the length of the list, and try the smallest lists: an empty scan has none",
+        "a list of n items has the indices 0 to n - 1; and an empty scan has none",
     ),
     ("KeyError", r"", "the dict has no such key: is it misspelt, or not filled yet?"),
     (
@@ -110,7 +165,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     ),
     (
         "ValueError",
-        r"Expected 2D array|expecting \d+ features|Reshape your data",
+        r"Expected 2D array|expecting \d+ features|features of shape|Reshape your data",
         "the model wants a row for each sample, (1, 5) here: features.reshape(1, -1)",
     ),
     (
@@ -128,6 +183,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         r"cannot convert float NaN|could not convert|invalid literal",
         "this is no number: a scan may hold NaN, a text may hold anything",
     ),
+    ("UnicodeDecodeError", r"", "a pickle is bytes and no text: open(path, 'rb')"),
     ("ValueError", r"unpack", "there are not as many values as names on the left"),
     (
         "OverflowError",
@@ -207,21 +263,46 @@ def _attribute(error: Any) -> str:
         return ""
     fields = getattr(type(owner), "_fields_and_field_types", None)
     if isinstance(fields, dict):
-        return f"a {type(owner).__name__} has no {name}; it has {', '.join(map(str, fields))}"
+        return f"{_a(type(owner).__name__)} has no {name}; it has {', '.join(map(str, fields))}"
+    if isinstance(owner, FUNCTIONS):
+        method = getattr(owner, "__name__", "it")
+        return f"brackets are missing: {method} is a function, so write {method}().{name}"
+    if isinstance(owner, int | float) and name in AXES:
+        return f"a number stands where a vector belongs: write linear.{name} = …, not linear = …"
     if hasattr(type(owner), name.strip()) or isinstance(owner, type):
         return ""
-    if _is_given_somewhere(type(owner), name):
+    return _own_attribute(owner, name, by_itself=_self_in(error) is owner)
+
+
+def _own_attribute(owner: Any, name: str, *, by_itself: bool) -> str:
+    """Say what became of an attribute of an object; `by_itself`: a method of its own asked."""
+    cls = type(owner)
+    if name.startswith("_") and any(base.__module__.startswith("rclpy.") for base in cls.__mro__):
+        return "does __init__ begin with super().__init__('my_node')? That makes it a node"
+    if _is_given_somewhere(cls, name):
         return f"self.{name} is used before it is given a value: do that first, in __init__"
-    known = [*getattr(owner, "__dict__", {}), *vars(type(owner))]
+    if name in _locals(cls):
+        return (
+            f"without self. in front, {name} = … is a variable of its method, and gone when that "
+            f"returns: write self.{name} = …"
+        )
+    known = [*getattr(owner, "__dict__", {}), *vars(cls)]
+    known = [each for each in known if each.startswith("_") == name.startswith("_")]
     near = difflib.get_close_matches(name, known, n=1)
     if near:
         return f"is it {near[0]}, not {name}?"
-    if hasattr(owner, "__dict__"):
+    if by_itself:
         return (
             f"nothing has given self.{name} a value yet: do so in __init__, before it is used "
             "and before anything can call back"
         )
-    return f"a {type(owner).__name__} has no {name}"
+    return f"{_a(cls.__name__)} has no {name}"
+
+
+def _locals(cls: type) -> set[str]:
+    """Return the names of the variables of a class's __init__."""
+    start = vars(cls).get("__init__")
+    return set(start.__code__.co_varnames) if isinstance(start, FunctionType) else set()
 
 
 def _is_given_somewhere(cls: type, name: str) -> bool:
@@ -234,12 +315,21 @@ def _is_given_somewhere(cls: type, name: str) -> bool:
     )
 
 
-def _name(error: Any) -> str:
-    """Say that `self.` is missing, where the object has an attribute of that name."""
-    name, trace = getattr(error, "name", None), error.__traceback__
+def _a(noun: str) -> str:
+    return f"{'an' if noun[:1].lower() in 'aeio' else 'a'} {noun}"
+
+
+def _self_in(error: Any) -> Any:
+    """Return the object whose method raised; None if it was no method."""
+    trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
-    owner = trace.tb_frame.f_locals.get("self") if trace else None
+    return trace.tb_frame.f_locals.get("self") if trace else None
+
+
+def _name(error: Any) -> str:
+    """Say that `self.` is missing, where the object has an attribute of that name."""
+    name, owner = getattr(error, "name", None), _self_in(error)
     if isinstance(name, str) and owner is not None and name in {*vars(owner), *dir(type(owner))}:
         return f"is it self.{name}?"
     return ""

@@ -67,7 +67,8 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
         return "exited", f"sys.exit({'' if error.code is None else repr(error.code)})", ""
     except BaseException as error:  # students may raise anything
         atexit._run_exitfuncs()
-        return "exception", _exception_text(error, program.file), _detail(error, program.file)
+        first = _first(error)
+        return "exception", _exception_text(first, program.file), _detail(first, program.file)
     return "returned", "the program ran to its end", ""
 
 
@@ -118,6 +119,13 @@ def _exception_text(error: BaseException, file: str) -> str:
     return f"{said}; {advice}" if (advice := _advice(error)) else said
 
 
+def _first(error: BaseException) -> BaseException:
+    try:
+        return deaths.first_of(error)
+    except Exception:  # the exception is the student's, and may be anything
+        return error
+
+
 def _advice(error: BaseException) -> str:
     try:
         return hints.hint(error)
@@ -127,7 +135,7 @@ def _advice(error: BaseException) -> str:
 
 def _first_line(error: BaseException) -> str:
     try:
-        return (str(error).splitlines() or [""])[0]
+        return deaths.readable((str(error).splitlines() or [""])[0])
     except Exception:
         return "(its text could not be read)"
 

@@ -48,6 +48,9 @@ class Dialogue(Protocol):
     def log(self) -> tuple[LogLine, ...]:
         """Return what the node said so far, in order of time."""
 
+    def stacks(self) -> str:
+        """Return where the host's threads are; "" where that can't be told."""
+
 
 class Host(Protocol):
     """One host."""

@@ -321,6 +321,10 @@ class PracticeLink:
         """Give an order to a host that runs scripts."""
         return self._exchange(frame, 0, limit, decode_from_script)
 
+    def stacks(self) -> str:
+        """Return nothing: without signals nobody can ask."""
+        return ""
+
     def log(self) -> tuple[LogLine, ...]:
         """Return what the node said so far, in order of time."""
         self._take_output()

@@ -8,7 +8,7 @@ from typing import Any
 
 from grader.nbgrader.cells import Wanted
 from grader.nbgrader.judge import Verdict
-from grader.report.terminal import UNJUDGED
+from grader.report.terminal import UNJUDGED, cause_of
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,7 @@ class Mark:
     by_hand: bool  # a person has to look
     checks: tuple[dict[str, Any], ...] = ()
     said: str = ""  # in place of checks
+    cause: tuple[tuple[str, str], ...] = ()  # of what failed here, as lines (name, text)
 
 
 def mark_of(asked: Wanted, verdict: Verdict, max_points: float) -> Mark:
@@ -40,7 +41,9 @@ def mark_of(asked: Wanted, verdict: Verdict, max_points: float) -> Mark:
             None, True, tuple(checks), "" if checks else "none of its checks exist any more"
         )
     points = float(won) if possible == max_points else max_points * won / possible
-    return Mark(points, by_hand, tuple(checks))
+    failed = any(check["outcome"] == "fail" for check in checks)
+    cause = tuple(cause_of(verdict.grading)) if failed else ()
+    return Mark(points, by_hand, tuple(checks), cause=cause)
 
 
 def _chosen(asked: Wanted, checks: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -13,6 +13,7 @@ from grader.report.terminal import OUTCOMES, facts_of, plain, points_of, with_de
 
 COLOURS = {"pass": "#1a7f37", "fail": "#b42318", "error": "#8250df"}
 GREY = "#57606a"
+CAUSE = "border-left:4px solid #b42318;padding:3px 12px"
 CELL = "padding:3px 12px 3px 0;text-align:left;vertical-align:top;border:0"
 
 
@@ -35,7 +36,11 @@ def output_of(mark: Mark, max_points: float, remarks: Sequence[str] = ()) -> Not
     won = "-" if mark.points is None else f"{mark.points:g}"
     head = f"{won} / {max_points:g} points"
     rows = _rows(mark)
-    data = {"text/html": _html(head, rows, said), "text/plain": _text(head, rows, said)}
+    cause = [(name.capitalize(), plain(text)) for name, text in mark.cause]
+    data = {
+        "text/html": _html(head, rows, said, cause),
+        "text/plain": _text(head, rows, [*said, *(f"{name}: {text}" for name, text in cause)]),
+    }
     return v4.new_output("display_data", data)
 
 
@@ -52,9 +57,14 @@ def _rows(mark: Mark) -> list[Row]:
     return rows
 
 
-def _html(head: str, rows: Sequence[Row], said: Sequence[str]) -> str:
+def _html(
+    head: str, rows: Sequence[Row], said: Sequence[str], cause: Sequence[tuple[str, str]]
+) -> str:
     lines = [f"<p><strong>{html.escape(head)}</strong></p>"]
     lines += [f"<p>{html.escape(text)}</p>" for text in said]
+    if cause:
+        told = (f"<strong>{name}</strong> {html.escape(text)}" for name, text in cause)
+        lines.append(f'<p style="{CAUSE}">{"<br>".join(told)}</p>')
     if rows:
         table = '<table style="border:0;margin:0 0 1em">'
         lines += [table, *(_html_row(row) for row in rows), "</table>"]

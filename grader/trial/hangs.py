@@ -1,4 +1,4 @@
-"""Where a node hangs: the student's line and loop, from the stacks that its process wrote.
+"""Where a node hangs, or waits without spinning: the student's line and loop, from its stacks.
 
 The lines are quoted from what was handed in; the process could have changed its copy.
 """
@@ -19,6 +19,10 @@ FUNCTION = re.compile(r"(async\s+def|def|class)\b")
 CALLED = re.compile(r"\btarget\s*=\s*[\w.]+\(")  # Thread(target=self.work())
 EXECUTORS = "rclpy/executors.py"
 KERNEL = "grader/host/virtual"  # a thread in there waits for its turn
+HALTS = {
+    "hung": "the node did not come back from",
+    "never_spun": "the node never spins: its program waits in",
+}
 MAX_FRAMES = 4
 MAX_SOURCE = 160  # [characters] of a line
 
@@ -40,11 +44,11 @@ class _Entry(NamedTuple):
 def located(recording: Recording, submission: Submission) -> Recording:
     """Return the recording; if its node hung, the outcome tells the student's lines first."""
     outcome = recording.outcome
-    if outcome.kind != "hung" or not (told := _account(outcome.detail, _sources(submission))):
+    if outcome.kind not in HALTS or not (told := _account(outcome.detail, _sources(submission))):
         return recording
     place, inner = told.splitlines()[:2]
     line = inner.partition(", ")[2]
-    text = f"the node did not come back from {place.removeprefix('in ')} ({line})"
+    text = f"{HALTS[outcome.kind]} {place.removeprefix('in ')} ({line})"
     outcome = replace(outcome, text=text, detail=f"{told}\n\n{outcome.detail}")
     return replace(recording, outcome=outcome)
 

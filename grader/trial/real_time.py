@@ -146,8 +146,7 @@ class _LiveTrial:
                 outcome = self._end_outcome()
             except NotReady as error:
                 kind = "hung" if str(error) == HUNG_AT_START else "never_spun"
-                stacks = hosts.programs[0].link.stacks() if kind == "hung" else ""
-                outcome = self._outcome(kind, str(error), stacks)
+                outcome = self._outcome(kind, str(error), hosts.programs[0].link.stacks())
             except (HostForged, Flood, Excess, TooManyQuestions) as error:
                 outcome = self._outcome(*misbehaviour(error))
             except TimeoutError as error:
@@ -235,7 +234,7 @@ class _LiveTrial:
     def _final_outcome(self) -> Outcome:
         programs = self.hosts.programs
         if not any(program.pulse.spinning for program in programs):
-            return self._outcome("never_spun", NEVER_SPUN)
+            return self._outcome("never_spun", NEVER_SPUN, programs[0].link.stacks())
         for program in programs:
             if program.start.stop is not None:
                 continue

@@ -167,7 +167,7 @@ class _Trial:
         if isinstance(answer, Ended):
             return self._outcome(answer.kind, answer.text, answer.detail)
         if not self._spun:
-            return self._outcome("never_spun", NEVER_SPUN)
+            return self._outcome("never_spun", NEVER_SPUN, self._link.stacks())
         if self._stuck is not None:
             return Outcome("stuck", STUCK, self._stuck)
         return self._outcome(COMPLETED, "")

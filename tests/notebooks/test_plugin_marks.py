@@ -115,3 +115,17 @@ def test_a_late_penalty_is_for_each_day_begun(late: float, points: float | None)
 
 def test_late_work_costs_nothing_unless_the_instructor_says_so() -> None:
     assert LatePenalty().late_submission_penalty("ann", 80.0, 1000 * HOUR) is None
+
+
+def test_the_cause_stands_above_the_checks_of_a_cell_in_which_one_failed() -> None:
+    cause = {"text": "The node <b>stands</b>.", "where": "line 3 of agent.py"}
+    said = Verdict({"checks": [check("a"), check("b", "fail"), check("c")], "cause": cause})
+
+    failed = output_of(mark_of(ASKED, said, 10.0), 10.0).data
+    passed = output_of(mark_of(Wanted("obstacle_avoidance", ("a",)), said, 5.0), 5.0).data
+
+    assert failed["text/plain"].split("\n")[1:3] == [
+        "Cause: The node <b>stands</b>.", "Line: line 3 of agent.py",
+    ]  # fmt: skip
+    assert "<strong>Cause</strong> The node &lt;b&gt;stands" in failed["text/html"]
+    assert "Cause" not in passed["text/plain"] + passed["text/html"]

@@ -23,6 +23,8 @@ from grader.recording import Floats, Recording
 
 RATE_TOLERANCE = 0.005  # [s] around the period
 AT_ONCE = 0.3  # [s] in which the node warns of what it ignores
+FACING = 0.3  # [rad] from the goal
+STILL = 20  # samples of the robot's pose
 REACHED = "goal reached"  # in the log, in any case
 REACTION = 2.5 * PERIOD  # [s] long enough for a tick of the control loop, even at 5 Hz
 
@@ -110,6 +112,7 @@ def require_reached(recording: Recording, quest: Quest, within: float = math.inf
     if not len(near):
         last = np.flatnonzero(during)[-1]
         off = quest.heading_error(Pose(*(float(a[last]) for a in (t, truth.x, truth.y, truth.yaw))))
+        facing, still = abs(off) < FACING, float(np.ptp(distance[-STILL:])) < 1e-3
         fail(
             f"the robot did not reach {quest.what}",
             expected=f"within {TOLERANCE} m after at most {end - quest.begin:.0f} s",
@@ -117,7 +120,10 @@ def require_reached(recording: Recording, quest: Quest, within: float = math.inf
             f"it looks {abs(off):.1f} rad away from the goal",
             at=float(t[during][int(np.argmin(distance))]),
             recording=recording,
-            help="It turns until it faces the goal, and keeps driving: the heading error is the "
+            help="It looks at the goal and stands: is the distance math.hypot(dx, dy), and does it "
+            "arrive only within 0.5 m?"
+            if facing and still
+            else "It turns until it faces the goal, and keeps driving: the heading error is the "
             "bearing to the goal minus the robot's yaw. Watch the replay.",
         )
     return float(t[during][near[0]])

@@ -32,6 +32,8 @@ from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Inference, Recording
 
+HALF = 0.5  # [ms] what rounding may change
+CROWD = 2  # reports a second: more timers than one
 MOST_CALLS = 2  # of predict for each scan, on average
 LATEST_CALL = 0.5  # [s] from a scan to its call of predict
 LATE_IN_REAL_TIME = 0.1  # of the scans, whose calls may come later on a busy machine
@@ -186,7 +188,9 @@ def require_form(recording: Recording) -> None:
                 actual=names,
                 at=at,
                 recording=recording,
-                help="DiagnosticArray has a list of statuses; here it has one element.",
+                help="The name has to be the same, letter by letter, blanks too."
+                if len(statuses) == 1
+                else "DiagnosticArray has a list of statuses; here it has one element.",
             )
         keys = [value.key for value in statuses[0].values]
         for key in KEYS:
@@ -232,7 +236,9 @@ def require_period(recording: Recording) -> None:
             actual=f"{gaps[i]:.2f} s between two of them ({len(times) - 1} in all)",
             at=times[i] + float(gaps[i]),
             recording=recording,
-            help="One timer of 1.0 s publishes, whether or not there was a prediction.",
+            help="Is a new timer made with every scan? Make one, in the constructor."
+            if len(times) > CROWD * recording.duration_s
+            else "One timer of 1.0 s publishes, whether or not there was a prediction.",
         )
 
 
@@ -269,10 +275,22 @@ def require_numbers(
                 actual=f"“{report.texts[key]}”" if key in report.texts else f"no value {key}",
                 at=report.t,
                 recording=recording,
-                help=help,
+                help=_slip(key, number, wanted) or help,
             )
     if not judged:
         fail("no report could be judged", recording=recording)
+
+
+def _slip(key: str, number: float, wanted: float) -> str:
+    """Say so if a latency is only in another unit, or rounded."""
+    if not key.endswith("_ms") or not wanted or not number or not math.isfinite(number):
+        return ""
+    for factor, unit in ((1e3, "microseconds"), (1e-3, "seconds")):
+        if math.isclose(number, factor * wanted, rel_tol=1e-2):
+            return f"These are {unit}; milliseconds are asked for: 1000 times the seconds."
+    if number == round(number) and abs(number - wanted) <= HALF:
+        return "Rounded to whole milliseconds it says too little: write f'{number:.3f}'."
+    return ""
 
 
 def require_level(recording: Recording, report: Report, choices: tuple[Statistics, ...]) -> None:

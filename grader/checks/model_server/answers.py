@@ -156,7 +156,10 @@ def require_success(recording: Recording, ask: Ask) -> None:
             actual=f"success = false, “{ask.message}”",
             at=ask.at,
             recording=recording,
-            help="Set response.success, and refuse only for the reasons on the task's list.",
+            help="The message is a detection, and success is not: it takes the bool True; a text "
+            "or a NumPy bool is garbage."
+            if ask.message.lstrip().startswith("{")
+            else "Set response.success, and refuse only for the reasons on the task's list.",
         )
 
 

@@ -17,6 +17,7 @@ from grader.checks.wiring import require_alive
 from grader.recording import Recording
 
 CAUTION = 0.05  # [m/s] slower before an obstacle than where the way is free, on average
+SPEEDS = (0.0, 0.15, 0.5)  # [m/s] of the zones
 SPEED_TOLERANCE = 1e-3  # [m/s]
 REACTIONS = 0.15  # other speeds than the usual one, for each scan for which that is wrong
 CLEARANCE = 0.2  # [m] between the robot's edge and anything else
@@ -50,7 +51,8 @@ def require_reaction(recording: Recording) -> None:
         actual="nothing on /cmd_vel" if usual is None else f"{exactly} {usual:.2f} m/s",
         at=next((answer.scan.t for answer in found if not _is_right(answer)), None),
         recording=recording,
-        help="Does the decision use this scan's distance, and do you publish its result?",
+        help="Log the distance. Is it the same for every scan? Then look at the perception. If "
+        "not: does the decision use it, and do you publish the result?",
     )
 
 
@@ -74,8 +76,18 @@ def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
             actual=f"linear.x = {spell(answer.speed)} m/s",
             at=answer.scan.t,
             recording=recording,
-            help=garbage(answer.speed) or help,
+            help=garbage(answer.speed) or _odd(answer.speed) or help,
         )
+
+
+def _odd(speed: float) -> str:
+    """Say so if the contract has no such speed at all: then no limit of a zone is to blame."""
+    if any(abs(speed - right) <= SPEED_TOLERANCE for right in SPEEDS):
+        return ""
+    return (
+        f"No zone has a speed of {spell(speed)} m/s: they are 0.0, 0.15 and 0.5 m/s, forwards. "
+        "Look at what is assigned to linear.x."
+    )
 
 
 def require_distance(recording: Recording) -> None:

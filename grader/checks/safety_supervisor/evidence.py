@@ -120,8 +120,17 @@ def _fail_command(recording: Recording, tick: Tick, help: str) -> None:
         actual=f"{_long(speed)} m/s, {spell(turn_rate)} rad/s",
         at=tick.t,
         recording=recording,
-        help=garbage(speed) or garbage(turn_rate) or help,
+        help=garbage(speed) or garbage(turn_rate) or _own_reason(recording, tick) or help,
     )
+
+
+def _own_reason(recording: Recording, tick: Tick) -> str:
+    """Say which rule the node itself names, if another one is right."""
+    said = [report.reason for report in reports(recording) if report.t <= tick.t + ZERO]
+    if not said or not said[-1] or said[-1] in tick.reasons:
+        return ""
+    right = " or ".join(sorted(tick.reasons))
+    return f"Your node says {said[-1]} here, where {right} is right. Why does that rule match?"
 
 
 def require_other_fields(recording: Recording) -> None:

@@ -203,7 +203,10 @@ def require_ages(recording: Recording, limit: float) -> None:
         actual=(f"{p95:.2f} s (p95)" if p95 < math.inf else "too many zeros") + told,
         at=float(twists.t[i]),
         recording=recording,
-        help="Do scans wait in a queue? Does inference idle with a scan at hand? Take the newest.",
+        help="Do scans wait in a queue? Does inference idle with a scan at hand? Take the newest."
+        if p95 < math.inf
+        else "A prediction counts at every tick until its scan is 0.6 s old, not only once. "
+        "If it is kept: do scans wait in a queue, so that it is too old when it comes?",
     )
 
 

@@ -3,10 +3,12 @@
 From the surest to the least sure; the first that fits is told, and none rather than a wrong one:
 
 1. `ends`: the node died, hung, never spun, or is not wired. That explains itself.
-2. `perception`: which beams the node reacts to, from its answers to the scans it was sent.
-3. `habits`: bursts of commands, ages in the wrong unit, a memory that never fills.
-4. `own_words`: an error of Python's that the node logs again and again.
-5. `known`: it fails exactly as a mistake that is known does, with the same figures.
+2. `commands`: there are none, or they are garbage, backwards, in a wrong field, too seldom.
+3. `perception`: which beams the node reacts to, from its answers to the scans it was sent.
+4. `habits`: bursts of commands, late ones, ages in the wrong unit, a memory that never fills.
+5. `own_words`: an error of Python's that the node logs again and again.
+6. `commands` again: the node only ever stands, and there is evidence why.
+7. `known`: it fails exactly as a mistake that is known does, with the same figures.
 
 It explains; it never decides anything. Where two known mistakes fit, it says so.
 """
@@ -17,6 +19,7 @@ from collections.abc import Sequence
 
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import Cause, Failed
+from grader.grading.causes.commands import cause_of_commands, cause_of_standing
 from grader.grading.causes.ends import cause_of_end
 from grader.grading.causes.habits import cause_of_habit
 from grader.grading.causes.known import known_cause
@@ -26,7 +29,15 @@ from grader.recording import Recording
 
 __all__ = ["Cause", "Failed", "find_cause"]
 
-LOOKS = (cause_of_end, cause_of_perception, cause_of_habit, logged_error, known_cause)
+LOOKS = (
+    cause_of_end,
+    cause_of_commands,
+    cause_of_perception,
+    cause_of_habit,
+    logged_error,
+    cause_of_standing,
+    known_cause,
+)
 
 
 def find_cause(

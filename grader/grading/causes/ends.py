@@ -29,7 +29,7 @@ def _ended(check: Failed, trials: ByName) -> bool:
 
 
 def _told(check: Failed) -> str:
-    return f"{check.message}. {check.help}".strip()
+    return f"{check.message.rstrip('.')}. {check.help}".strip()
 
 
 def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
@@ -40,5 +40,7 @@ def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
     if death.said:
         text = f"{who} dies in {death.place}: {death.said}"
     else:
-        text = f"{who} hangs in {death.place}"
-    return Cause(f"{text}. {check.help}".strip(), check.kind, where)
+        told = not death.loop or death.loop in check.help
+        loop = "" if told else f", in the loop of {death.loop}"
+        text = f"{who} hangs in {death.place}{loop}"
+    return Cause(f"{text.rstrip('.')}. {check.help}".strip(), check.kind, where)

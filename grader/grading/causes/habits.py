@@ -25,6 +25,7 @@ STALE = "stale_"  # begins the reasons of exercise 7 for what is too old
 SETTLED = 0.6  # [s] after the start
 FULL = 12  # readings; a memory of ten is full
 ZERO = 1e-6  # [m/s]
+LOST = 5.0  # [s] without a command, of 30
 HAIR = 0.005  # [s]
 LONG = 100_000_000  # [ns] of a model: two periods of the control loop
 
@@ -81,7 +82,18 @@ def _not_once(recording: Recording) -> str:
     """Twice for each scan, or by a timer of its own."""
     times = np.round(recording.times(CMD_VEL_TOPIC), 6)
     scans = np.round([scan.t for scan in recording.scans()], 6)
-    if recording.live is not None or len(scans) < FULL or len(times) < FULL:
+    if recording.live is not None or len(scans) < FULL or not len(times):
+        return ""
+    late = float(times[0] - scans[0])
+    if late > HAIR and not recording.inferences and len(times) <= len(scans):
+        more = int((scans <= times[0]).sum()) - 1
+        return (
+            f"the first command comes {late:.2f} s after the first scan, when {more} more "
+            f"{'has' if more == 1 else 'have'} come. Does the callback sleep, wait or spin, does "
+            "it return before its publish(), or does a timer or a thread publish instead? Publish "
+            "once in the callback of /scan, and let it return at once."
+        )
+    if len(times) < FULL:
         return ""
     if not np.isin(times, scans).any():
         step = float(np.median(np.diff(times)))
@@ -132,7 +144,22 @@ def _never_ten(trials: ByName) -> str:
 
 
 def _waits_or_never_uses(trials: ByName) -> str:
-    return _waits_for_the_model(trials) or _never_a_prediction(trials)
+    return _stops(trials) or _waits_for_the_model(trials) or _never_a_prediction(trials)
+
+
+def _stops(trials: ByName) -> str:
+    """The control loop ends in the middle of the run."""
+    recording = trials.get("slow_leader")
+    if recording is None:
+        return ""
+    times = recording.times(CMD_VEL_TOPIC)
+    if not len(times) or recording.duration_s - times[-1] < LOST:
+        return ""
+    return (
+        f"the control loop stops: its last command comes at {times[-1]:.2f} s, and then none for "
+        f"{recording.duration_s - times[-1]:.0f} s. Its callback waits for something that never "
+        "comes: a lock that nobody gives back (`with self.lock:` does), an empty queue, a join()."
+    )
 
 
 def _waits_for_the_model(trials: ByName) -> str:
@@ -146,12 +173,17 @@ def _waits_for_the_model(trials: ByName) -> str:
         for each in recording.inferences
         if not each.is_load and each.took > LONG and each.answered / 1e9 < recording.duration_s
     ]
-    if len(spans) < FULL or any(((times > a) & (times < b)).any() for a, b in spans):
+    if (
+        len(spans) < FULL
+        or not len(times)
+        or any(((times > a) & (times < b)).any() for a, b in spans)
+    ):
         return ""
     return (
-        "not one command comes while the model computes: control waits for inference. They need "
-        "two threads: callback groups of their own and a MultiThreadedExecutor, both of them, or a "
-        "worker thread for the model."
+        "not one command comes while the model computes: control waits for inference. Do both run "
+        "in one thread? Then they need two: callback groups of their own and a "
+        "MultiThreadedExecutor, both of them, or a worker thread for the model. Or do they share a "
+        "lock? Then predict first, and hold it for the assignment only."
     )
 
 

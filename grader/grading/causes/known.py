@@ -20,6 +20,7 @@ import msgspec
 from grader.checks.commands import answers
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed
+from grader.grading.causes.commands import never_moves
 from sim.toml_input import convert, parse_toml, read_toml
 
 KNOWN = Path(__file__).parent / "known"
@@ -35,9 +36,12 @@ class _Catalogue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def known_cause(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
-    """Return the known mistake that fails exactly so; both if two do."""
+    """Return the known mistake that fails exactly so; both if two do.
+
+    A node that only ever stands fails alike for many reasons: that is no mistake's own pattern.
+    """
     found = catalogue(exercise.slug).get(fingerprint(failed, trials), [])
-    if not found or len(found) > MOST:
+    if not found or len(found) > MOST or never_moves(trials):
         return None
     text = ", or ".join(told_as(text) for text in found)
     sure = len(found) == 1 and (len(failed) > 1 or _has_bench(failed[0], trials))

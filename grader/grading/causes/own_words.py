@@ -1,4 +1,4 @@
-"""A cause that the node itself names: the error of Python's that it catches and logs."""
+"""A cause that the node itself names: an error of Python's that it logs, or a thread dies of."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed
 from grader.host.plain_words import words_for
+from grader.link.log import LogLine
 
 OFTEN = 3  # times in a trial: once may be a model of ours that raises
 MAX_LINE = 240  # [characters]
@@ -17,6 +18,10 @@ SLIPS = re.compile(
     r"\b(TypeError|AttributeError|NameError|UnboundLocalError|IndexError|KeyError"
     r"|ZeroDivisionError|InvalidArgument|ValueError)\b(?!\('(no model|the model says))"
 )
+DEAD_THREAD = "Exception in thread "  # Python's own words
+FRAME = re.compile(r'File "(?P<file>[^/"\n]{1,100})", line (?P<line>\d{1,6}), in (?P<function>\S+)')
+ENDS_WITH = re.compile(r"[A-Z]\w*(Error|Exception|Iteration|Interrupt)\b.*")
+NAMED = re.compile(r"\b([A-Z]\w*(?:Error|Exception|Argument))\b")
 SHAPE = re.compile(r"shape|rank|dimension|2D array|1D array|features|reshape|not defined|attribute")
 
 
@@ -26,6 +31,8 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
     recording = trials.get(check.scenario or "")
     if recording is None:
         return None
+    if cause := _dead_thread(failed, recording.log):
+        return cause
     said = Counter(
         line.text
         for line in recording.log
@@ -39,7 +46,30 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
     return None
 
 
+def _dead_thread(failed: Sequence[Failed], log: Sequence[LogLine]) -> Cause | None:
+    """Return the exception that a thread of the node died of, with its innermost line."""
+    where = ""
+    begun = False
+    for line in log:
+        text = line.text.strip()
+        if line.level != "stderr":
+            continue
+        begun = begun or text.startswith(DEAD_THREAD)
+        if begun and (frame := FRAME.match(text)):
+            where = f"line {frame['line']} of {frame['file']}, in {frame['function']}"
+        elif begun and (said := ENDS_WITH.match(text)):
+            told = f"A thread of the node died, and nothing does its work any more: {said[0]}"
+            told = f"{told[:MAX_LINE].rstrip('.')}{_advice(text)}"
+            return Cause(told, failed[0].kind, where, explains=tuple(c.id for c in failed))
+    return None
+
+
 def _advice(text: str) -> str:
-    match = SLIPS.search(text)
-    words = words_for([match[1]], text) if match else ""
+    words = plain_words_on(text)
     return f". Perhaps: {words}." if words else ""
+
+
+def plain_words_on(line: str) -> str:
+    """Return what to try about the exception that a line of the log names; "" if unknown."""
+    match = NAMED.search(line)
+    return words_for([match[1]], line) if match else ""

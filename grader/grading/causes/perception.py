@@ -97,6 +97,12 @@ MISTAKES = (
         (lambda degrees: degrees >= -90,),
     ),
 )
+STOP, SLOW = 0.5, 1.0  # [m] the limits of the zones
+STOPS = ("stop_zone", "sees_sides", "minus_infinity", "invalid_readings", "no_contact")
+NEVER_STOPS = (
+    "the node sees what is ahead, and never stops: nearer than 0.5 m it drives on as from 0.5 to "
+    "1.0 m. Is `distance < 1.0` asked first? It is true of 0.3, too: ask `distance < 0.5` before."
+)
 CONES = (2.0, 10.0, 15.0, 22.5, 30.0, 45.0, 60.0)  # [°] half of a sector that is too narrow
 NARROW = (
     "the node reacts to almost nothing but the beam straight ahead. Does it look at one beam only, "
@@ -112,8 +118,10 @@ def cause_of_perception(
     if exercise.slug != EXERCISE or bench is None or not bench.outcome.completed:
         return None
     told = [answer for answer in answers(bench) if answer.speed is not None]
-    if len(told) < LEAST or follows(told, _right):
+    if len(told) < LEAST:
         return None
+    if follows(told, _right):
+        return _never_stops(exercise, failed, told)
     texts = [
         mistake.text for mistake in MISTAKES if any(follows(told, sees) for sees in mistake.sees)
     ]
@@ -130,6 +138,19 @@ def cause_of_perception(
     seen = [check for check in failed if check.id in SEEN]
     hint = hint_at(exercise, HINT)
     return Cause.of(exercise, texts[0], seen, hint=hint, all_of_it=True) if seen else None
+
+
+def _never_stops(
+    exercise: Exercise, failed: Sequence[Failed], told: Sequence[Answer]
+) -> Cause | None:
+    """Return the order of the comparisons, if the slow speed is the slowest of all."""
+    near = {round(answer.speed or 0, 3) for answer in told if _nearest(answer, _right) < STOP}
+    slow = {round(each.speed or 0, 3) for each in told if STOP <= _nearest(each, _right) < SLOW}
+    stop = [check for check in failed if check.id in STOPS]
+    if not stop or len(near) != 1 or near != slow or near == {0.0}:
+        return None
+    hint = hint_at(exercise, Place(3, 2))
+    return Cause.of(exercise, NEVER_STOPS, stop, hint=hint, all_of_it=True)
 
 
 def follows(told: Sequence[Answer], sees: Sector) -> bool:

@@ -76,3 +76,9 @@ def test_the_line_of_the_student_is_named(run_node: RunNode) -> None:
     assert "in on_scan" in caught.value.where
     assert "raise KeyError('x')" in caught.value.where
     assert caught.value.at == recording.scans()[0].t
+
+
+def test_a_program_that_never_makes_a_node_is_asked_for_its_main(run_node: RunNode) -> None:
+    with pytest.raises(CheckFailed) as failed:
+        require_alive(run_node("def main():\n    rclpy.init()\n", short(0.5)))
+    assert "It never made a node" in str(failed.value.help)

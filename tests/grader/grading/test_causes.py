@@ -2,7 +2,9 @@
 
 import re
 from dataclasses import dataclass
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from node_runs import RunNode
 
@@ -10,6 +12,7 @@ from grader.authoring.causes import known_toml, misled, stale
 from grader.course.exercises import all_exercises, find_exercise
 from grader.grading.causes import find_cause
 from grader.grading.causes.cause import hint_for
+from grader.grading.causes.habits import _waits_or_never_uses
 from grader.grading.causes.known import (
     KNOWN,
     MOST,
@@ -18,7 +21,8 @@ from grader.grading.causes.known import (
     known_cause,
     told_as,
 )
-from grader.recording import Recording
+from grader.recording import Outcome, Recording
+from grader.recording.inferences import Inference
 from sim.scenario import load_scenario
 
 EXERCISE = find_exercise("obstacle_avoidance")
@@ -199,3 +203,83 @@ def test_a_mutant_that_is_told_anothers_mistake_is_noticed() -> None:
 
 def test_no_failure_has_no_cause() -> None:
     assert find_cause(EXERCISE, [], []) is None
+
+
+def test_who_never_stops_is_told_of_the_order_of_the_comparisons(run_node: RunNode) -> None:
+    order = f"twist.linear.x = twist.linear.x or 0.15; {PUBLISH}"
+    recording = run(run_node, "beams[90:271]", publish=order)
+    failed = [Check("stop_zone", scenario="avoid_zones"), Check("only_linear_x")]
+
+    cause = find_cause(EXERCISE, failed, [recording])
+
+    assert cause is not None
+    assert "ask `distance < 0.5` before" in cause.text
+    assert cause.explains == ("stop_zone",)
+
+
+DIES = """
+import threading
+class Agent(Node):
+    def __init__(self):
+        super().__init__('agent')
+        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
+        self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
+        threading.Thread(target=self.work, daemon=True).start()
+    def work(self):
+        self.wrok()
+    def on_scan(self, scan):
+        self.publisher.publish(Twist())
+rclpy.init()
+rclpy.spin(Agent())
+"""
+
+
+def test_a_thread_that_died_is_named_with_its_line(run_node: RunNode) -> None:
+    recording = run_node(DIES, load_scenario("avoid_zones"))
+    cause = find_cause(EXERCISE, [Check("clear_zone", scenario="avoid_zones")], [recording])
+    assert cause is not None
+    assert "A thread of the node died" in cause.text
+    assert "has no attribute 'wrok'" in cause.text
+    assert cause.where.endswith("in work")
+
+
+def test_a_late_answer_is_named(run_node: RunNode) -> None:
+    recording = run(run_node, "beams[90:271]", publish=f"import time; time.sleep(0.3); {PUBLISH}")
+    failed = [Check("one_command_per_scan", scenario="avoid_zones")]
+    cause = find_cause(EXERCISE, failed, [recording])
+    assert cause is not None
+    assert "comes 0.30 s after the first scan, when 3 more have come" in cause.text
+
+
+@pytest.mark.parametrize(
+    ("step", "until", "said"),
+    [(0.05, 30.0, "the model answers"), (0.05, 0.1, "the control loop stops"), (0.2, 30.0, "lock")],
+)
+def test_how_control_and_inference_get_into_each_others_way(
+    step: float, until: float, said: str
+) -> None:
+    ends = np.arange(1, 140) * 10**9 // 5
+    asked = [Inference("predict", "m.pkl", int(t), int(t) + 10**9 // 5, 10**9 // 5) for t in ends]
+    times = np.arange(0.2, 0.2 + until, step)[: int(until / step)]
+    trial = SimpleNamespace(
+        outcome=Outcome("completed"), inferences=asked, duration_s=30.0, live=None, delivered=(),
+        times=lambda _: times[times < 30], log=(),
+        twists=lambda: SimpleNamespace(linear_x=np.zeros(len(times)), values=np.zeros((1, 6))),
+    )  # fmt: skip
+    recordings = {"slow_leader": trial}
+
+    text = _waits_or_never_uses(recordings)  # type: ignore[arg-type]
+
+    assert said in text
+
+
+@pytest.mark.parametrize("help_", ["It has to end.", "Does the loop of line 5, `while True:` end?"])
+def test_a_hang_names_its_loop_once(help_: str) -> None:
+    detail = "in the constructor\nagent.py, line 6, in work\n    pass\nloop: line 5, `while True:`"
+    trial = SimpleNamespace(name="x", outcome=Outcome("hung", "hung", 0.0, detail))
+    failed = [Check("wiring", scenario="x", where="line 6", help=help_)]
+
+    cause = find_cause(EXERCISE, failed, [trial])  # type: ignore[list-item]
+
+    assert cause is not None
+    assert cause.text.count("line 5, `while True:`") == 1

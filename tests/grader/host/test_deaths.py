@@ -5,7 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from grader.host.deaths import MAX_VALUE, account, value_words
+from grader.host.deaths import (
+    MAX_VALUE,
+    _advice_on_service,
+    account,
+    first_of,
+    readable,
+    value_words,
+)
 from grader.recording import death_of
 
 PROGRAM = """
@@ -74,3 +81,57 @@ def test_lines_that_look_like_ours_stay_text(tmp_path: Path) -> None:
     assert death is not None
     assert [frame.file for frame in death.frames] == ["agent.py"]
     assert death.place == "the start-up"
+
+
+CLEANS_UP = """
+def drive():
+    return missing
+def work():
+    raise ValueError("the first one")
+def main():
+    try:
+        work()
+    {handler}
+        drive()
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("handler", "kind"), [("finally:", ValueError), ("except ValueError:", NameError)]
+)
+def test_what_a_finally_raises_does_not_hide_the_first_exception(
+    tmp_path: Path, handler: str, kind: type
+) -> None:
+    file, source = tmp_path / "agent.py", CLEANS_UP.format(handler=handler)
+    file.write_text(source)
+    linecache.checkcache(str(file))
+
+    with pytest.raises(NameError) as caught:
+        exec(compile(source, str(file), "exec"), {"__name__": "__main__"})
+
+    assert type(first_of(caught.value)) is kind
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ("", "return response"),
+        ("bad argument type for built-in operation", "another type"),
+        ("A.on_ask() takes 2 positional arguments but 3 were given", "(self, request, response)"),
+    ],
+)
+def test_what_is_wrong_with_a_service_follows_from_pythons_words(said: str, words: str) -> None:
+    assert words in _advice_on_service(said)
+
+
+def test_what_differs_from_run_to_run_is_left_out() -> None:
+    said = "<built-in method publish of pybind11_x.y_z object at 0x7fe62f8d8150> returned"
+    assert readable(said) == "publish() returned"
+    assert readable("<Agent object at 0x7fe6>") == "<Agent object>"
+
+
+def test_a_ring_of_exceptions_ends() -> None:
+    one, other = ValueError(), ValueError()
+    one.__context__, other.__context__ = other, one
+    assert first_of(one) is one

@@ -23,6 +23,45 @@ class Agent:
         self.subscription = None
     def before(self):
         return self.subscription
+    def get_logger(self):
+        return self
+    def logs(self):
+        self.get_logger.info("hello")
+
+class Forgets(Agent):
+    def __init__(self):
+        publisher = self.speed_publisher = 1
+    def drive(self):
+        return self.publisher
+
+class Driver:
+    def __init__(self):
+        self._publishers = []
+    def drive(self):
+        return self.publisher
+
+class RclpyNode:
+    __module__ = "rclpy.node"
+    def __init__(self, node_name):
+        self._handle = node_name
+    def wire(self):
+        return self._handle
+RclpyNode.__qualname__ = RclpyNode.__name__ = "Node"
+RclpyNode.__init__.__qualname__ = "Node.__init__"
+
+class NoSuper(RclpyNode):
+    def __init__(self):
+        self.wire()
+
+class Misspelt(RclpyNode):
+    def __int__(self):
+        super().__init__("agent")
+class Twist:
+    def __init__(self, *, linear=None):
+        pass
+
+class Duration:
+    pass
 agent = Agent()
 """
 MEANT = {
@@ -32,14 +71,33 @@ MEANT = {
     "agent.misspells()": "is it speed, not sped?",
     "agent.too_early()": "do so in __init__",
     "agent.before()": "used before it is given a value",
+    "agent.logs()": "brackets are missing: get_logger is a function, so write get_logger().info",
+    "Forgets().drive()": "write self.publisher = …",
+    "Driver().drive()": "nothing has given self.publisher a value",  # no private name is offered
+    "NoSuper()": "super().__init__('my_node')",
+    "Misspelt()": "spelt __init__, with two underscores on either side",
+    "(0.5).x": "write linear.x = …, not linear = …",
     "2.0 ^ 2.0": "x**2",
+    "Twist(1.0)": "by name, such as Float64(data=1.0)",
+    "raise TypeError(\"Expected <class 'std_msgs.msg._float64.Float64'>, got <class 'float'>\")": (
+        "not what belongs in one"
+    ),
+    "import json; json.dumps(np.float32(1))": "not NumPy's",
+    "raise TypeError('bad argument type for built-in operation')": "str(…) for a text",
+    "raise SystemError('<method publish> returned a result with an exception set')": "takes an int",
+    "Duration() > 0.5": "duration.nanoseconds / 1e9",
+    "b'\\x80'.decode()": "open(path, 'rb')",
+    "None()": "handed over by its name, without brackets",
+    "raise RuntimeError('callback should be either be callable with one argument(to get')": (
+        "the message and nothing else"
+    ),
     "None < 1.0": "something is None",
     "f'{None:.2f}'": "something is None",
     "None.x": "something is None",
     "speed": "misspelt",
     "import pandass": "there is no pandass here",
     "import nunpy": "is it numpy?",
-    "[][0]": "an empty scan has none",
+    "[][0]": "indices 0 to n - 1",
     "{}['a']": "no such key",
     "1 / 0": "nothing to divide by",
     "min([])": "no usable reading",

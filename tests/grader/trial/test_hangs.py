@@ -48,11 +48,18 @@ CONSTRUCTOR = """\
 """
 
 
-def hung(folder: Path, stacks: str) -> Recording:
+WAITS = """\
+  File "/opt/lib/python3.11/threading.py", line 320 in wait
+  File "agent.py", line 18 in work
+  File "agent.py", line 14 in __init__
+"""
+
+
+def hung(folder: Path, stacks: str, kind: str = "hung") -> Recording:
     path = folder / "agent.py"
     path.write_text(AGENT)
     simulation = Simulation(load_scenario("demo_wall"))
-    return located(not_run(simulation, Outcome("hung", "no answer", 0.0, stacks)), Submission(path))
+    return located(not_run(simulation, Outcome(kind, "no answer", 0.0, stacks)), Submission(path))
 
 
 def test_the_line_and_the_loop_are_named(tmp_path: Path) -> None:
@@ -74,6 +81,15 @@ def test_a_thread_that_is_called_instead_of_started_is_named(tmp_path: Path) -> 
     assert death is not None
     assert (death.place, death.loop) == ("the constructor", "line 17, `while True:`")
     assert "target" in death.advice
+
+
+def test_a_constructor_that_waits_is_not_told_to_spin(tmp_path: Path) -> None:
+    outcome = hung(tmp_path, WAITS, "never_spun").outcome
+    death = death_of(outcome.detail)
+
+    assert death is not None
+    assert (death.place, death.loop) == ("the constructor", "line 17, `while True:`")
+    assert outcome.text.startswith("the node never spins: its program waits in the constructor")
 
 
 @pytest.mark.parametrize("stacks", ["", "nonsense", '  File "/x/rclpy/executors.py", line 1 in f'])

@@ -1,0 +1,166 @@
+"""Causes that the commands themselves show: none at all, garbage, a wrong sign, field or period.
+
+Each is a fact about what was published. Only what a fact can't tell is asked.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from grader.checks.commands import ZERO
+from grader.course.exercises import Exercise
+from grader.grading.causes.cause import ByName, Cause, Failed, Hint, hint_for
+from grader.grading.causes.own_words import plain_words_on
+from grader.recording import Floats, Recording
+from sim.messages import CMD_VEL_TOPIC
+
+PERIODS = {"goal_seeking": 0.1, "slow_model": 0.05, "safety_supervisor": 0.05}  # [s] of the timer
+ACTS = ("one_command_per_scan", "only_linear_x", "control_rate", "control_period", "limits")
+REVERSES = ("safety_supervisor",)  # may command a negative speed
+DENORMAL = 1e-300  # [m/s] an int's or a np.float32's memory, read as a double
+STEADY = 0.01  # of a period
+FEW = 3  # commands, to see a period
+LEAST = 6  # predictions, to see that they differ
+APART = 0.1  # [m/s]
+ROBOTS_OWN = (0, 5)  # linear.x and angular.z
+FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
+
+NO_FEATURES = (
+    "It has loaded its model and never asks it. If there seem to be no features: are the limits of "
+    "the sectors in radians, as the beams' angles are?"
+)
+GARBAGE = (
+    "the node puts an int, an array or an np.float32 into a float field, and what goes out is "
+    "garbage. Write float(…) around what you assign to linear.x and angular.z."
+)
+
+
+def cause_of_commands(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return what is wrong with the commands, whatever the node perceives and decides."""
+    topics = {topic.name for topic in exercise.topics if topic.direction == "publish"}
+    ran = [each for each in trials.values() if each.outcome.completed and each.delivered]
+    if CMD_VEL_TOPIC not in topics or not ran:
+        return None
+    for look in (_mute, _garbage, _other_field, _backwards, _slow_timer):
+        if text := look(exercise, ran):
+            hint = hint_for(exercise, failed[:1]) if failed[0].id in ACTS else None
+            return _cause(text, failed, hint)
+    return None
+
+
+def never_moves(trials: ByName) -> bool:
+    """Tell whether no command of any trial moves the robot: many mistakes look like that."""
+    values = [np.abs(each.twists().values) for each in trials.values()]
+    return bool(values) and all(
+        np.nan_to_num(each, nan=1).max(initial=0) <= ZERO for each in values
+    )
+
+
+def cause_of_standing(_: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return why a node only ever commands zeros, or always the same, if there is evidence."""
+    recording = trials.get(failed[0].scenario or "")
+    if recording is None or not len(recording.twists().t):
+        return None
+    text = _why_it_stands(recording) if never_moves(trials) else _unmoved(recording)
+    return _cause(text, failed) if text else None
+
+
+def _cause(text: str, failed: Sequence[Failed], hint: Hint | None = None) -> Cause:
+    """Return a cause of all that failed, whose hints are about something else."""
+    said = f"{text[0].upper()}{text[1:]}"
+    return Cause(said, failed[0].kind, hint=hint, explains=tuple(check.id for check in failed))
+
+
+def _why_it_stands(recording: Recording) -> str:
+    said = Counter(line.text for line in recording.log if line.level in ("warn", "error", "fatal"))
+    asks = any(not each.is_load for each in recording.inferences)
+    for line, _ in said.most_common(1):
+        quoted, words = " ".join(line.split()), plain_words_on(line)
+        told = f"every command is zero, and the node's log says why: “{quoted}”."
+        if words:
+            return f"{told} Perhaps: {words}."
+        return told if asks or not recording.inferences else f"{told} {NO_FEATURES}"
+    if asks or not recording.inferences:
+        return ""
+    return (
+        "every command is zero, and the node never asks its model, though it has loaded it. Is the "
+        "model kept in an attribute (self.model = …), is a thread that should ask it started "
+        "(start()), and does the callback get as far as predict?"
+    )
+
+
+def _unmoved(recording: Recording) -> str:
+    """One speed for all predictions: what the model says gets lost."""
+    speeds = recording.twists().linear_x
+    said = [each.said[0] for each in recording.inferences if not each.is_load and each.said]
+    if len(said) < LEAST or np.ptp(speeds) > ZERO or not np.ptp(said) > APART:
+        return ""
+    return (
+        f"every command is {speeds[0]:.2f} m/s, whatever the model predicts. Is its answer used, "
+        "and is it clipped to both sides: min(max(speed, 0.0), self.max_speed)?"
+    )
+
+
+def _mute(exercise: Exercise, ran: Sequence[Recording]) -> str:
+    if any(recording.of(CMD_VEL_TOPIC) for recording in ran):
+        return ""
+    if exercise.slug in PERIODS:
+        return (
+            "not one command comes on /cmd_vel, though the node has a publisher. Does its timer "
+            f"fire (its period is in seconds: {PERIODS[exercise.slug]}), does the callback return "
+            "before its publish(), and is what it waits for kept in attributes (self.… = …)?"
+        )
+    return (
+        "not one command comes on /cmd_vel, though the node has a publisher: the callback of /scan "
+        "never gets to publish(). Is it there, and does nothing return before it?"
+    )
+
+
+def _garbage(_: Exercise, ran: Sequence[Recording]) -> str:
+    values = np.abs(_values(ran))
+    return GARBAGE if bool(((values > 0) & (values < DENORMAL)).any()) else ""
+
+
+def _other_field(_: Exercise, ran: Sequence[Recording]) -> str:
+    """What belongs in one field stands in another one, of the same vector."""
+    used = np.abs(np.nan_to_num(_values(ran))).max(axis=0, initial=0) > ZERO
+    for own in ROBOTS_OWN:
+        vector = range(own - own % 3, own - own % 3 + 3)
+        others = [i for i in vector if i != own and used[i]]
+        if not used[own] and len(others) == 1:
+            return (
+                f"the node sets {FIELDS[others[0]]}, and {FIELDS[own]} stays 0. This robot only "
+                "drives along x and turns about z: linear.x and angular.z."
+            )
+    return ""
+
+
+def _backwards(exercise: Exercise, ran: Sequence[Recording]) -> str:
+    speeds = _values(ran)[:, 0]
+    if exercise.slug in REVERSES or not (speeds < -ZERO).any() or (speeds > ZERO).any():
+        return ""
+    return "the node only ever drives backwards: its linear.x is negative. Forwards is positive."
+
+
+def _slow_timer(exercise: Exercise, ran: Sequence[Recording]) -> str:
+    """A timer of ten, a hundred, … times its period is a slip of units."""
+    right = PERIODS.get(exercise.slug)
+    gaps = [np.diff(each.twists().t) for each in ran if len(each.twists().t) >= FEW]
+    if right is None or not gaps:
+        return ""
+    step = float(np.median(np.concatenate(gaps)))
+    power = np.log10(step / right) if step > 0 else 0.0
+    steady = all(np.all(np.abs(each - step) <= STEADY * step) for each in gaps)
+    if not steady or round(power) < 1 or abs(power - round(power)) > STEADY:
+        return ""
+    return (
+        f"a command comes every {step:g} s instead of every {right:g} s. The timer's period is in "
+        f"seconds: create_timer({right:g}, …)."
+    )
+
+
+def _values(ran: Sequence[Recording]) -> Floats:
+    return np.concatenate([recording.twists().values for recording in ran])

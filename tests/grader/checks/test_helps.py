@@ -1,0 +1,82 @@
+"""What to look at next follows from what came: another unit, sign or reason is named."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from grader.checks.goal_seeking.contract import Quest
+from grader.checks.goal_seeking.evidence import require_reached
+from grader.checks.latency_monitor.evidence import _slip
+from grader.checks.obstacle_avoidance.evidence import _odd
+from grader.checks.safety_supervisor import evidence as safety
+from grader.checks.trend_memory.evidence import _sign
+from grader.checks.verdict import CheckFailed
+
+
+@pytest.mark.parametrize(
+    ("speed", "said"), [(-0.5, "-0.50"), (100.0, "100.00"), (0.15, ""), (0.0, "")]
+)
+def test_a_speed_of_no_zone_is_not_blamed_on_a_zones_limit(speed: float, said: str) -> None:
+    assert (f"No zone has a speed of {said} m/s" in _odd(speed)) is bool(said)
+
+
+@pytest.mark.parametrize(
+    ("value", "wrong_sign"), [(-1.121, True), (1.0, False), (-1.0, False), (0.0, False)]
+)
+def test_a_closing_speed_with_the_wrong_sign_is_told_so(value: float, wrong_sign: bool) -> None:
+    assert bool(_sign(value, 1.1205, 1.1215)) is wrong_sign
+
+
+@pytest.mark.parametrize(
+    ("key", "number", "wanted", "said"),
+    [
+        ("mean_ms", 9000.0, 9.0, "microseconds"),
+        ("mean_ms", 0.009, 9.0, "These are seconds"),
+        ("p95_ms", 10.0, 10.45, "Rounded"),
+        ("mean_ms", 497.0, 9.0, ""),
+        ("mean_ms", 0.0, 9.0, ""),
+        ("mean_ms", float("nan"), 9.0, ""),
+        ("count", 20.0, 20.5, ""),
+    ],
+)
+def test_a_latency_in_another_unit_is_told_so(
+    key: str, number: float, wanted: float, said: str
+) -> None:
+    told = _slip(key, number, wanted)
+    assert said in told
+    assert bool(told) is bool(said)
+
+
+@pytest.mark.parametrize(
+    ("says", "right", "asked"),
+    [("e_stop", {"limited"}, True), ("limited", {"limited", "ok"}, False), ("", {"ok"}, False)],
+)
+def test_the_supervisor_is_asked_about_the_reason_that_it_names_itself(
+    monkeypatch: pytest.MonkeyPatch, says: str, right: set[str], asked: bool
+) -> None:
+    found = [SimpleNamespace(t=1.0, reason="ok"), SimpleNamespace(t=2.0, reason=says)]
+    later = SimpleNamespace(t=9.0, reason="bad_command")
+    monkeypatch.setattr(safety, "reports", lambda _: [*found, later])
+    tick: Any = SimpleNamespace(t=2.0, reasons=right)
+    recording: Any = None
+
+    assert (f"Your node says {says} here" in safety._own_reason(recording, tick)) is asked
+
+
+@pytest.mark.parametrize(
+    ("yaw", "speed", "said"),
+    [(0.0, 0.0, "It looks at the goal and stands"), (0.0, 0.3, "bearing"), (1.5, 0.0, "bearing")],
+)
+def test_who_stands_in_front_of_its_goal_is_not_told_about_turning(
+    yaw: float, speed: float, said: str
+) -> None:
+    t = np.arange(100) * 0.05
+    truth = SimpleNamespace(t=t * 1e9, x=speed * t, y=0 * t, yaw=0 * t + yaw)
+    recording: Any = SimpleNamespace(truth=truth, name="goal", outcome=None)
+
+    with pytest.raises(CheckFailed) as failed:
+        require_reached(recording, Quest(0.0, 5.0, 5.0, 0.0))
+
+    assert said in failed.value.help
