@@ -19,7 +19,9 @@ from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress, listing
 from grader.classroom.regrade_run import RegradeRun
+from grader.classroom.remembered import as_before, keep_settings
 from grader.classroom.results import Missing, ResultOptions, Written, column_titles
+from grader.classroom.results.gradebook import missing_columns
 from grader.classroom.results.kept import OPTIONS, kept_text
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.store import Store
@@ -95,7 +97,15 @@ def _autograde(
         sweep()
         active(store.log.entries())  # one that was changed by hand is refused before the work
         store.requeue_running()
+        options, known = as_before(options, store)
+        if known:
+            progress.say(known)
+        for wrong in missing_columns(column_titles(options.columns), options.roster):
+            progress.say(wrong)
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
+        keep_settings(options, store)
+        if taken_in.gone:
+            progress.say(taken_in.gone)
         only = _students(options.only if regrade else options.again, store, taken_in)
         if options.retry_held and not regrade:
             store.retry_held()
@@ -171,7 +181,7 @@ class _Writer:
 
     def _wanted(self, notes: Sequence[str]) -> ResultOptions:
         return ResultOptions(
-            hide=self._options.hide,
+            hide=self._options.hide or "nothing",
             notes=[*self._store.notes(), *notes, *_version_notes(self._store.results())],
             workers=self._options.workers,
             account=self._taken_in.account,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.classroom.account import (
@@ -17,13 +17,15 @@ from grader.classroom.account import (
 from grader.classroom.conditions import HASHED, fingerprint, submission_hash
 from grader.classroom.intake import Found, Intake, Student, find_files, left_over, take_in
 from grader.classroom.options import Options
-from grader.classroom.row import Handed, StudentRow
+from grader.classroom.results.clean import one_line
+from grader.classroom.row import ABSENT, Handed, StudentRow
 from grader.classroom.store import Key, Store
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 
+MOST_NAMED = 5  # students in a sentence
 OTHER_CLASS = (
     "nobody in it handed in anything here: is it this class's roster, and exported in English?"
 )
@@ -71,7 +73,7 @@ class Candidate:
     def input_hash(self, files: Mapping[str, bytes], options: Options) -> str:
         """Return a hash of all that the grading of these files depends on."""
         submitted = submission_hash(
-            self.exercise, files, seed=self.seed, field=options.field, tier=options.tier
+            self.exercise, files, seed=self.seed, field=bool(options.field), tier=options.tier
         )
         return f"{submitted}{self.conditions}"
 
@@ -83,6 +85,7 @@ class Class:
     candidates: dict[Key, Candidate]
     account: Account
     students: tuple[StudentRow, ...] = ()
+    gone: str = ""  # whose earlier results were dropped
 
 
 def enter_candidates(
@@ -98,6 +101,16 @@ def enter_candidates(
         Nobody handed in a file of any exercise, or `submissions` can't be read.
     """
     found = find_class(submissions, scratch, options)
+    slugs = {slug for _, slug in found.candidates}
+    stored = [r for r in store.results() if not r.canary and r.exercise in slugs]
+    before = {r.student for r in stored if r.state != ABSENT}
+    here = {student for (student, _), each in found.candidates.items() if not each.absent}
+    if before and not before & here:
+        raise InputError(
+            f"expected the class that was graded here: of its {len(before)} students "
+            f"({_some(before)}) nobody is in {', '.join(map(str, submissions))} "
+            f"({_some(here)}); give another --out for another class"
+        )
     for key, candidate in found.candidates.items():
         input_hash = candidate.input_hash(candidate.read_if_possible(), options)
         store.enter(
@@ -109,11 +122,22 @@ def enter_candidates(
         )
         if candidate.found.remark:
             store.note(f"{candidate.found.remark}.")
-    gone = store.keep_only(found.candidates, {key[1] for key in found.candidates})
-    if gone:
-        store.note(f"{gone} earlier results were dropped: their students are no longer there.")
+    said = ""
+    gone = {r.student for r in stored} - {student for student, _ in found.candidates}
+    if store.keep_only(found.candidates, slugs):
+        said = (
+            "Earlier results were dropped, because their students are no longer there: "
+            f"{_some(gone)}. A run with all downloads of the class grades them again."
+        )
+        store.note(said)
     store.know(found.students)
-    return found
+    return replace(found, gone=said)
+
+
+def _some(students: Collection[str]) -> str:
+    names = [one_line(student, 60) for student in sorted(students)]
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return ", ".join(names[:MOST_NAMED]) + more
 
 
 def find_class(submissions: Sequence[Path], scratch: Path, options: Options) -> Class:

@@ -138,8 +138,9 @@ class GradingRun:
         self._running.add(key)
         self._store.claim(key, candidate.input_hash(files, self._options), files)
         return Unit(
-            *key, files, seed=candidate.seed, field=self._options.field, tier=self._options.tier,
-            bags=self._options.bags, bag_folder=bag_folder, trust=self._options.trust, alone=alone,
+            *key, files, seed=candidate.seed, field=bool(self._options.field),
+            tier=self._options.tier, bags=self._options.bags, bag_folder=bag_folder,
+            trust=self._options.trust, alone=alone,
         )  # fmt: skip
 
     def _done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:

@@ -19,10 +19,11 @@ from grader.classroom.amendments import (
     Whom,
     active,
     amended,
+    broken,
     undone_by,
 )
 from grader.classroom.amendments.apply import version_of
-from grader.classroom.amendments.people import nearest, the_student
+from grader.classroom.amendments.people import find_student, nearest, the_student
 from grader.classroom.codes import codes_of
 from grader.classroom.folder import locked, opened, require_class, write_class
 from grader.classroom.results import Missing, ResultOptions
@@ -36,6 +37,7 @@ NO_SPACE = (
     "the disk is full: what is in the log of marks stays there (`course report {out}` prints it), "
     "but not all results were written. Free some space, and run `course marks write {out}`"
 )
+TWICE = "Entry {0} says the same as entry {1}, which counts already; to take it back, undo both"
 
 
 @dataclass(frozen=True)
@@ -227,12 +229,16 @@ class Marking:
         entries = log.entries()
         if isinstance(change, Undo):
             _check_undo(change, entries)
-            before = None if any(e.problem for e in entries) else self._counting(entries)
+            readable = not broken(entries)
         else:
-            before = self._counting(entries)
+            readable = True
+        before, known = self._amended(entries) if readable else (None, [])
+        twice = [e.number for e in active(entries) if e.change == change] if readable else []
         entry = log.append(change, who, why)
         after, missing = self._written()
-        remarks = self._amended(log.entries())[1]
+        remarks = [each for each in self._amended(log.entries())[1] if each not in known]
+        if twice:
+            remarks.insert(0, TWICE.format(entry.number, twice[-1]))
         return Marked(entry, self._shifts(before, after), remarks, missing)
 
     def write(self) -> Marked:
@@ -289,4 +295,5 @@ def is_about(entry: Entry, student: str, rows: Mapping[str, StudentRow]) -> bool
     change = entry.change
     if change is None or isinstance(change, Undo):
         return True
-    return change.whom.includes(student, rows)
+    named = (find_student(word, [student], rows) for word in change.whom.students)
+    return change.whom.includes(student, rows) or any(named)

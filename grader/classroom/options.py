@@ -18,12 +18,12 @@ class Options:
     workers: int = 1
     dask: str = ""  # a scheduler's address or file, instead of local workers
     secret: bytes | None = None  # with it every student gets different worlds
-    field: bool = False
+    field: bool | None = None  # None: as before, at first not
     tier: int = 1
     bags: bool = True
     trust: bool = False
     canaries: int = CANARY_INTERVAL  # 0: none
-    hide: str = "nothing"
+    hide: str = ""  # of what students see; "": nothing, or what was hidden before
     retry_held: bool = False
     again: tuple[str, ...] = ()  # students whose nodes run once more
     only: tuple[str, ...] = ()  # students whose recordings are judged again; (): all

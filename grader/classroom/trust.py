@@ -52,7 +52,7 @@ class Trust:
 
     def _new(self, exercise: Exercise) -> CanaryRounds:
         sample = Unit(
-            "", exercise.slug, {}, field=self._options.field, tier=self._options.tier,
+            "", exercise.slug, {}, field=bool(self._options.field), tier=self._options.tier,
             trust=self._options.trust,
         )  # fmt: skip
         canaries = canaries_of(exercise, sample)

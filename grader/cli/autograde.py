@@ -53,7 +53,8 @@ EVERYBODY = "\0everybody"  # no student is called so
     type=click.Path(path_type=Path),
     help="File with the course's secret: each student gets different worlds.",
 )
-@click.option("--field", is_flag=True, help="Run the field checks too (badge, no points).")
+@click.option("--field/--no-field", default=None,
+              help="Run the field checks too (badge, no points).")  # fmt: skip
 @click.option(
     "--regrade",
     is_flag=False,
@@ -68,7 +69,7 @@ EVERYBODY = "\0everybody"  # no student is called so
 @click.option("--trust", is_flag=True, help="Run submissions even where isolation is too weak.")
 @click.option("--canaries", type=click.IntRange(0, 10_000), default=25, metavar="N",
               help="Grade known solutions every N submissions; 0: never.")  # fmt: skip
-@click.option("--hide", default="nothing", help="From students: nothing, field, worlds, details.")
+@click.option("--hide", default="", help="From students: nothing, field, worlds, details.")
 def autograde(
     submissions: tuple[Path, ...],
     out: Path | None,
@@ -87,6 +88,9 @@ def autograde(
     Safe to run again after anything: it continues, and grades only what is new or changed. Exit
     code 0: all graded. 1: some are held, or not understood: a person should look. 2: wrong usage,
     or the grader's fault.
+
+    Later runs into the same folder know --roster, --column, --hide, --field and --nbgrader; say
+    them again only to change them.
     """
     from rich.console import Console  # noqa: PLC0415
 
@@ -97,6 +101,8 @@ def autograde(
         raise InputError(f"expected SUBMISSIONS, what the class has handed in{after}")
     if out is None and not only_list:
         raise InputError("expected --out FOLDER, where the results go (or --list)")
+    if regrade and options["again"]:
+        raise InputError("--regrade runs no nodes and --again does: expected one of them")
     no_class = "" if regrade or options["dask"] else why_no_class(trust=options["trust"])
     if no_class and not only_list:
         raise InputError(no_class)
@@ -108,7 +114,7 @@ def autograde(
     from grader.classroom.roster import read_roster  # noqa: PLC0415
     from grader.course.students import read_secret  # noqa: PLC0415
 
-    ResultOptions(hide=options["hide"])  # refuses unknown words before the work
+    ResultOptions(hide=options["hide"] or "nothing")  # refuses unknown words before the work
     column_titles(options["columns"])
     if options["nbgrader"] is not None:
         from grader.nbgrader.class_scores import check_available  # noqa: PLC0415

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -32,6 +33,28 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 folder = click.argument("folder", type=click.Path(path_type=Path))
 exercise = click.option("--exercise", default="", help="Its name or number; if there are several.")
+
+
+class _Number(click.ParamType[float]):
+    """A finite number, as it is typed on the command line."""
+
+    name = "number"
+
+    def __init__(self, most: float = math.inf) -> None:
+        self._most = most
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Return the number."""
+        try:
+            found = float(value)
+        except ValueError:
+            found = math.nan
+        if math.isfinite(found) and 0 <= found <= self._most:
+            return found
+        most = "at least 0" if self._most == math.inf else f"from 0 to {self._most:g}"
+        return self.fail(f"{value!r}: expected a number {most}, such as 8.5", param, ctx)
 
 
 def _whom(command: Command) -> Command:
@@ -68,7 +91,7 @@ def marks() -> None:
 @marks.command("set")
 @folder
 @click.argument("check")
-@click.argument("points", type=click.FloatRange(0))
+@click.argument("points", type=_Number())
 @exercise
 @_whom
 @_reason
@@ -112,7 +135,7 @@ def waive(
 
 @marks.command()
 @folder
-@click.argument("points", type=click.FloatRange(0))
+@click.argument("points", type=_Number())
 @exercise
 @_whom
 @_reason
@@ -137,12 +160,12 @@ def score(
 @marks.command()
 @folder
 @exercise
-@click.option("--per-day", type=click.FloatRange(0, 100), required=True, metavar="PERCENT",
+@click.option("--per-day", type=_Number(100), required=True, metavar="PERCENT",
               help="Of the exercise's points, for each begun day; 0: nothing.")  # fmt: skip
 @click.option("--deadline", default="", metavar="TIME", help="Such as 2026-05-04T23:59.")
 @click.option("--zone", default="UTC", help="Of times without an offset, such as Europe/Berlin.")
 @click.option("--grace", default="0", metavar="TIME", help="Costs nothing: 15min, 2h, 1d.")
-@click.option("--cap", type=click.FloatRange(0, 100), default=100, metavar="PERCENT",
+@click.option("--cap", type=_Number(100), default=100, metavar="PERCENT",
               help="At most so much.")  # fmt: skip
 @click.option("--times", type=click.Path(path_type=Path), metavar="FILE",
               help="CSV with id and time, or Moodle's grading worksheet.")  # fmt: skip

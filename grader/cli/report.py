@@ -34,12 +34,13 @@ def report(folder: Path, student: str, json_: str | None) -> int:
     """
     from rich.console import Console  # noqa: PLC0415
 
+    from grader.classroom.amendments import broken  # noqa: PLC0415
     from grader.classroom.marking import is_about, reading  # noqa: PLC0415
     from grader.classroom.progress import say  # noqa: PLC0415
 
     with reading(folder) as class_:
         entries = class_.entries
-        broken = any(entry.problem for entry in entries)
+        to_clear = broken(entries)
         who = class_.student(student) if student else ""
         if who:
             entries = [entry for entry in entries if is_about(entry, who, class_.rows)]
@@ -52,7 +53,7 @@ def report(folder: Path, student: str, json_: str | None) -> int:
         else:
             lines = _about(class_, who) if who else [class_.summary()]
             say(Console(), "\n".join([*lines, *_log(class_, entries)]))
-    return FAULT if broken else FULL
+    return FAULT if to_clear else FULL
 
 
 def _about(class_: Marking, student: str) -> list[str]:

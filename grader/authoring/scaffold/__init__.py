@@ -79,7 +79,9 @@ def scaffold(name: str, root: Path = ROOT) -> Made:
 def _check(name: str, root: Path) -> None:
     if not (root / "solutions").is_dir() or not (root / "pyproject.toml").is_file():
         raise InputError(f"{root}: expected a checkout of the course, with solutions/ in it")
-    if not NAME.fullmatch(name) or len(name) > LONGEST or keyword.iskeyword(name):
+    if keyword.iskeyword(name):
+        raise InputError(f"{name!r}: a word of Python's own; expected another name, {name}_1 say")
+    if not NAME.fullmatch(name) or len(name) > LONGEST:
         raise InputError(
             f"{name!r}: expected a name such as stop_line: small letters, digits and single "
             f"underscores, at most {LONGEST} characters"

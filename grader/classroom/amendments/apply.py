@@ -6,9 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Waive
+from msgspec.structs import replace as replace_struct
+
+from grader.classroom.amendments.change import (
+    Late,
+    Publish,
+    Score,
+    SetCheck,
+    Undo,
+    Waive,
+    Whom,
+)
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry
+from grader.classroom.amendments.people import find_student
 from grader.classroom.results.clean import one_line
 from grader.classroom.results.marks import Task, points_of, tasks_of
 from grader.classroom.row import (
@@ -42,6 +53,7 @@ def amended(
         What is known of the students.
     """
     remarks: Remarks = {}
+    entries = _of_this_class(entries, results, rows, remarks)
     tasks = {task.slug: task for task in tasks_of(results)}
     found = []
     for result in results:
@@ -58,10 +70,43 @@ def _listed(text: str, students: Sequence[str]) -> str:
     return f"{text}: {', '.join(names[:MOST_NAMED])}{more}"
 
 
+def _of_this_class(
+    entries: Sequence[Entry],
+    results: Sequence[StoredResult],
+    rows: Mapping[str, StudentRow],
+    remarks: Remarks,
+) -> list[Entry]:
+    """Return the entries about the students as they are called now.
+
+    Who handed in nothing is called by the roster's name, and later as the platform calls them.
+    """
+    students = sorted({result.student for result in results if not result.canary})
+    here = set(students)
+    found = []
+    for entry in entries:
+        change = entry.change
+        whom = Whom() if change is None or isinstance(change, Undo) else change.whom
+        if change is None or here.issuperset(whom.students):
+            found.append(entry)
+            continue
+        now = {old: old if old in here else find_student(old, students, rows)
+               for old in whom.students}  # fmt: skip
+        for old, new in now.items():
+            if new is None:
+                text = f"Entry {entry.number} of the log is about somebody who is not in the class"
+                remarks.setdefault(text, []).append(old)
+        named = tuple(new or old for old, new in now.items())
+        versions = {now[old] or old: hash_ for old, hash_ in whom.versions.items() if old in now}
+        whom = replace_struct(whom, students=named, versions=versions)
+        found.append(replace(entry, change=replace_struct(change, whom=whom)))
+    return found
+
+
 def published(
     entries: Sequence[Entry], results: Sequence[StoredResult], rows: Mapping[str, StudentRow]
 ) -> set[tuple[str, str]] | None:
     """Return whose feedback is published, by student and exercise; None if nothing ever was."""
+    entries = _of_this_class(entries, results, rows, {})
     wanted = [entry.change for entry in entries if isinstance(entry.change, Publish)]
     if not wanted:
         return None
@@ -105,7 +150,7 @@ def _amended(
                 continue
             changed = after
             numbers.append(entry.number)
-            _note_version(entry, entry.change.whom.versions, result, remarks)
+            _note_version(entry, entry.change.whom, result, remarks)
     if numbers:
         changed = _judged(changed, result)
     points, penalty = points_of(changed, task), 0.0
@@ -122,7 +167,7 @@ def _amended(
         steps[:] = [f"Set by hand: {points:g} of {task.points:g} points."]
         numbers = [scores[-1].number]
         changed = replace(changed, state=GRADED)
-        _note_version(scores[-1], given.whom.versions, result, remarks)
+        _note_version(scores[-1], given.whom, result, remarks)
     if not numbers:
         return result
     return replace(
@@ -130,15 +175,13 @@ def _amended(
     )
 
 
-def _note_version(
-    entry: Entry, versions: Mapping[str, str], result: StoredResult, remarks: Remarks
-) -> None:
+def _note_version(entry: Entry, whom: Whom, result: StoredResult, remarks: Remarks) -> None:
     """Remark that a mark was given for another submission than the one that is graded now."""
-    then = versions.get(result.student, "")
-    if then and then != version_of(result):
+    then = whom.versions.get(result.student, "")
+    if result.student in whom.students and then != version_of(result):
+        made = "for an earlier submission" if then else "when nothing was handed in"
         text = (
-            f"Entry {entry.number} of the log was made for an earlier submission, and still "
-            "counts; look at it again"
+            f"Entry {entry.number} of the log was made {made}, and still counts; look at it again"
         )
         remarks.setdefault(text, []).append(result.student)
 
@@ -237,6 +280,8 @@ def _penalty(
         return 0.0
     share = min(late.days * rule.per_day, rule.cap)
     penalty = round(min(points, task.points * share / 100), 2)
+    if not penalty:
+        return 0.0
     days = "1 day" if late.days == 1 else f"{late.days} days"
     steps.append(
         f"{days} late: {share:g} % of {task.points:g} points less, which leaves "

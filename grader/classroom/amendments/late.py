@@ -30,6 +30,7 @@ WRITTEN = (  # by Moodle in English, and by spreadsheets
 )  # fmt: skip
 EXPECTED = "expected a time such as 2026-05-04T23:59, with or without an offset (+02:00)"
 SPAN = re.compile(r"(\d+(?:\.\d+)?)\s*(s|min|m|h|d)?")
+DAY_ALONE = re.compile(r"\d{4}-?\d\d-?\d\d")
 UNITS = {"s": 1, "min": 60, "m": 60, "h": 3600, "d": DAY, None: 60}
 
 
@@ -90,6 +91,11 @@ def moment_of(text: str, zone: str) -> str:
     found = parsed(text, _zone(zone))
     if found is None:
         raise InputError(f"--deadline {text!r}: {EXPECTED}")
+    if DAY_ALONE.fullmatch(text.strip()):
+        raise InputError(
+            f"--deadline {text!r}: expected the time of day, too; {text.strip()}T23:59 is the end "
+            f"of that day, {text.strip()}T00:00 its beginning"
+        )
     return found.isoformat()
 
 

@@ -77,8 +77,10 @@ class Log:
             raise InputError(
                 f"--why: expected the reason, at most {MAX_WORDS} characters; it stays in the log"
             )
-        at = datetime.now(UTC).isoformat(timespec="seconds")
         text = _text(msgspec.json.encode(change).decode())
+        if _change(text) is None:  # such as a number that JSON has not
+            raise InputError(f"expected a change that can be read again, got {described(change)}")
+        at = datetime.now(UTC).isoformat(timespec="seconds")
         with self._transaction():
             last = self._db.execute(
                 "SELECT number, seal FROM amendments ORDER BY number DESC LIMIT 1"
@@ -152,6 +154,12 @@ def undone_by(entries: Sequence[Entry]) -> list[tuple[int, int]]:
         if entry.number not in found and isinstance(entry.change, Undo):
             found[entry.change.number] = entry.number
     return sorted(found.items())
+
+
+def broken(entries: Sequence[Entry]) -> list[Entry]:
+    """Return the entries that were changed or removed by hand and that nobody has undone."""
+    undone = {number for number, _ in undone_by(entries)}
+    return [entry for entry in entries if entry.problem and entry.number not in undone]
 
 
 def described(change: Change | None) -> str:

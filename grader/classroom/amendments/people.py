@@ -17,8 +17,9 @@ def find_student(word: str, students: Sequence[str], rows: Mapping[str, StudentR
     """Return the student whom a word means; None if nobody or more than one can be meant."""
     if word in students:
         return word
+    forms = _forms(word)
     for names in (_ids, _names):
-        found = [s for s in students if folded(word) in map(folded, names(s, rows.get(s)))]
+        found = [s for s in students if forms.intersection(map(folded, names(s, rows.get(s))))]
         if found:
             return found[0] if len(found) == 1 else None
     return None
@@ -35,14 +36,24 @@ def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRo
     found = find_student(word, students, rows)
     if found is not None:
         return found
-    same = [s for s in students if folded(word) in map(folded, _names(s, rows.get(s)))]
+    same = [s for s in students if _forms(word).intersection(map(folded, _names(s, rows.get(s))))]
     if len(same) > 1:
         raise InputError(
             f"{one_line(word)!r} may be {' or '.join(map(one_line, same[:NEAR]))}: give the id"
         )
-    known = {name: s for s in students for name in (*_names(s, rows.get(s)), *_ids(s, rows.get(s)))}
-    near = difflib.get_close_matches(word, list(known), n=NEAR, cutoff=0.5)
-    raise InputError(f"nobody in this class is {one_line(word)!r}{_hint(near, len(students))}")
+    called = [
+        (name, s) for s in students for name in (*_names(s, rows.get(s)), *_ids(s, rows.get(s)))
+    ]
+    parts = set(_parts(word))
+    like = {name for name, _ in called if parts.intersection(_parts(name))}
+    like = like or set(difflib.get_close_matches(word, [n for n, _ in called], NEAR, cutoff=0.5))
+    near = {student: _also(name, student) for name, student in called[::-1] if name in like}
+    hint = _hint(list(near.values())[::-1], len(students))
+    raise InputError(f"nobody in this class is {one_line(word)!r}{hint}")
+
+
+def _parts(name: str) -> list[str]:
+    return folded(name.replace(",", " ")).split()
 
 
 def nearest(word: str, known: Iterable[str], what: str) -> InputError:
@@ -54,9 +65,20 @@ def nearest(word: str, known: Iterable[str], what: str) -> InputError:
     return InputError(f"unknown {what} {one_line(word)!r}; {hint}")
 
 
+def _also(name: str, student: str) -> str:
+    """Return a name with the folder that it stands for."""
+    return name if folded(name) == folded(student) else f"{name} ({student})"
+
+
+def _forms(word: str) -> set[str]:
+    """Return the forms of a name for comparison; gradebooks sort them, as "Lee, Ann"."""
+    last, comma, first = word.partition(",")
+    return {folded(word), folded(f"{first} {last}")} if comma and first.strip() else {folded(word)}
+
+
 def _hint(near: Sequence[str], count: int) -> str:
     if near:
-        return f"; did you mean {' or '.join(one_line(each) for each in dict.fromkeys(near))}?"
+        return f"; did you mean {' or '.join(one_line(each) for each in near[:NEAR])}?"
     return f"; scores.csv lists all {count} under `student`"
 
 

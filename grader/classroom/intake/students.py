@@ -120,6 +120,8 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
     """Return the folder with the entries of a download; an archive is unpacked first."""
     if source.is_dir():
         return source
+    if not os.path.lexists(source):
+        raise InputError(f"{source}: expected what the class has handed in; nothing is there")
     if not source.is_file() or not is_archive(source.name):
         raise InputError(
             f"{source}: expected a folder with a folder or an archive per student, or the archive "
@@ -223,14 +225,22 @@ def _key(number: int, who: Who, ambiguous: bool, nth: int) -> Key:
     if who.system == "folder":
         return ("folder", who.name, nth)  # a folder and an archive of one name are two students
     if who.system == "moodle":  # whose ids are an assignment's
-        return ("moodle", number, who.id) if ambiguous else ("moodle", who.name)
+        apart = ambiguous or _is_blind(who)
+        return ("moodle", number, who.id) if apart else ("moodle", who.name)
     if who.system == "gradescope":
         return ("gradescope", who.email or who.id or who.name)
     return (who.system, who.id or who.name)
 
 
 def _label(who: Who) -> str:
+    if _is_blind(who):
+        return f"{who.name} {who.id}"
     return f"{who.name}_{who.id}" if who.system == "canvas" and who.id else who.name
+
+
+def _is_blind(who: Who) -> bool:
+    """Tell whether Moodle calls everybody so: its anonymous submissions have only numbers."""
+    return who.system == "moodle" and who.name.casefold() == "participant"
 
 
 def _named(

@@ -261,7 +261,12 @@ def _students(results: Results, tasks: Sequence[Task], options: ResultOptions) -
         rows.append(
             el(
                 "tr",
-                el("th", _link(name(student, 48), folder, "index.html"), scope="row"),
+                el(
+                    "th",
+                    _link(name(student, 48), folder, "index.html"),
+                    _called(student, options),
+                    scope="row",
+                ),
                 [_mark(result, task, folder) for task, result in mine],
                 el("td", f"{total:g}", class_="number") if len(tasks) > 1 else None,
             )
@@ -276,6 +281,14 @@ def _students(results: Results, tasks: Sequence[Task], options: ResultOptions) -
         "" if options.anonymous else "Each score links to the student's page.",
         table("Scores of all students", headings, rows),
     )
+
+
+def _called(student: str, options: ResultOptions) -> Element | None:
+    """Return the roster's name of a student, where it says more than the folder."""
+    row = options.students.get(student)
+    if options.anonymous or row is None or row.name in ("", student):
+        return None
+    return el("div", name(row.name, 60), class_="often")
 
 
 def _mark(result: StoredResult | None, task: Task, folder: str) -> Element:

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from pathlib import Path
 
 from grader.classroom.results.canvas import canvas_csv
-from grader.classroom.results.clean import cell
+from grader.classroom.results.clean import cell, folder_name
 from grader.classroom.results.files import replacing, write_text
 from grader.classroom.results.gradebook import Book
 from grader.classroom.results.gradebooks import nbgrader_csv, scores_csv, write_into_nbgrader
+from grader.classroom.results.gradescope import results_json
 from grader.classroom.results.gradescope_upload import by_submission, write_autograder
 from grader.classroom.results.junit import junit_xml
 from grader.classroom.results.marks import Task
 from grader.classroom.results.missing import Parts
 from grader.classroom.results.moodle import grades_csv, worksheet_csv, write_feedback_zip
 from grader.classroom.results.options import Linked, ResultOptions
+from grader.classroom.row import StoredResult
+from grader.report.page import json_text
 
 BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 WHAT = {
@@ -96,6 +100,30 @@ def write_feedback_zips(
                 write_feedback_zip(file, marks, task, out / "feedback")
             written.append(path)
     return written
+
+
+def write_for_gradescope(
+    book: Book,
+    student: str,
+    results: Sequence[StoredResult],
+    tasks: Sequence[Task],
+    out: Path,
+    options: ResultOptions,
+    parts: Parts,
+) -> list[Path]:
+    """Write one student's results.json where the class may be Gradescope's; an older one goes."""
+    path = out / "gradescope" / folder_name(student) / "results.json"
+    systems = book.systems()
+    if systems <= ANYWHERE or "gradescope" in systems:
+        with parts.part(f"the Gradescope results of {student}"):
+            final = results_json(results, tasks, options.hidden)
+            if final is not None:
+                return [write_text(path, json_text(final))]
+    path.unlink(missing_ok=True)
+    for folder in (path.parent, path.parent.parent):
+        with contextlib.suppress(OSError):  # it is missing, or holds other files
+            folder.rmdir()
+    return []
 
 
 def there(written: Sequence[Path], out: Path) -> list[Linked]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -137,6 +138,23 @@ def column_titles(columns: Sequence[str]) -> dict[str, str]:
             )
         titles[find_exercise(name.strip()).slug] = title.strip()
     return titles
+
+
+def missing_columns(titles: Mapping[str, str], roster: Roster) -> list[str]:
+    """Return a sentence for each title that was told and that no gradebook of the roster has."""
+    books = [sheet for sheet in roster.sheets if sheet.kind in ("canvas", "moodle")]
+    headings = [each for sheet in books for each in sheet.header]
+    return [
+        f"--column: no column {title!r} in {', '.join(sheet.file.name for sheet in books)}, so "
+        f"importing makes a new one{_nearest(title, headings)}"
+        for title in titles.values()
+        if books and not any(title in (each, bare(each)) for each in headings)
+    ]
+
+
+def _nearest(title: str, headings: Sequence[str]) -> str:
+    near = difflib.get_close_matches(title, headings, n=1)
+    return f"; did you mean {one_line(near[0])!r}?" if near else ""
 
 
 def _is(person: Person, row: StudentRow) -> bool:

@@ -8,6 +8,8 @@ Sources in moodle/moodle:
 - mod/assign/feedback/offline/importgradeslib.php and locallib.php: the worksheet needs
   `Identifier` ("Participant 4711"), `Grade` and `Last modified (grade)`. Rows are skipped whose
   grade is blank, above the maximum, or older than Moodle's. Columns of feedback replace feedback.
+- mod/assign/gradingtable.php, col_grademax: the maximum is minus a scale's number, zero without
+  grades.
 - mod/assign/feedback/file/importziplib.php: folders `NAME_ID_assignfeedback_file`, split at `_`.
 """
 
@@ -20,13 +22,14 @@ from pathlib import Path
 from typing import BinaryIO
 
 from grader.classroom.intake import student_id
-from grader.classroom.results.clean import folder_name
+from grader.classroom.results.clean import folder_name, one_line
 from grader.classroom.results.gradebook import Book, Mark, each_sheet, scaled
 from grader.classroom.results.marks import Task
 from grader.classroom.results.tables import Cell, Verbatim, csv_text
 from grader.classroom.roster import Sheet
 
 DOWNLOADED = "last downloaded from this course"
+CHANGEABLE = "grade can be changed"
 GRADED_AT = "last modified (grade)"
 WORKSHEET = ("Identifier", "Full name", "Grade", "Maximum grade", "Last modified (grade)")
 USER_FIELDS = {"username": "login", "ID number": "idnumber", "Email address": "email"}
@@ -36,7 +39,20 @@ EPOCH = (1980, 1, 1, 0, 0, 0)  # the same results make the same bytes
 def grades_csv(book: Book, task: Task) -> str | None:
     """Return one exercise's points for "Grades > Import"; None if nobody can be identified."""
     marks = book.marks(task)
+    most = _maximum(book, task)
+    if _is_scale(most):
+        _leave_out_scale(book, f"moodle/{task.folder}.csv", most)
+        return None
+    locked = [mark for mark in marks if _is_locked(book, mark, task)]
+    if locked:
+        book.remark(
+            f"moodle/{task.folder}.csv leaves out who has a grade that can't be changed",
+            [mark.student for mark in locked],
+        )
+        marks = [mark for mark in marks if mark not in locked]
     known = {mark.student: _user_ids(book, mark, task) for mark in marks}
+    if not marks:
+        return None
     heading, kind = max(
         USER_FIELDS.items(), key=lambda each: sum(bool(ids.get(each[1])) for ids in known.values())
     )
@@ -46,7 +62,6 @@ def grades_csv(book: Book, task: Task) -> str | None:
     rows: list[list[Cell]] = []
     lost, same = [], []
     count = Counter(ids.get(kind, "") for ids in known.values())
-    most = _maximum(book, task)
     for mark in marks:
         id_ = known[mark.student].get(kind, "")
         if id_ and count[id_] > 1:
@@ -83,6 +98,34 @@ def _maximum(book: Book, task: Task) -> str:
     return ""
 
 
+def _is_scale(most: str) -> bool:
+    """Tell whether an assignment has no points: minus a scale's number is there, or zero."""
+    try:
+        return bool(most) and not float(most.replace(",", ".")) > 0
+    except ValueError:
+        return True
+
+
+def _leave_out_scale(book: Book, name: str, most: str) -> None:
+    book.remark(
+        f"{name} is not written: the assignment's maximum grade is {one_line(most, 60)!r}, so "
+        "Moodle grades it on a scale or not at all; choose points in its settings"
+    )
+
+
+def _is_locked(book: Book, mark: Mark, task: Task) -> bool:
+    """Tell whether Moodle's worksheet says that a grade can't be changed."""
+    id_ = mark.handed(task.slug).id
+    for sheet, place in each_sheet(book.sheets("worksheet"), "identifier"):
+        small = [heading.casefold() for heading in sheet.header]
+        if id_ and CHANGEABLE in small:
+            free = small.index(CHANGEABLE)
+            mine = [row for row in sheet.rows if _participant(row[place]) == id_]
+            if any(row[free].casefold() == "no" for row in mine):
+                return True
+    return False
+
+
 def _user_ids(book: Book, mark: Mark, task: Task) -> Mapping[str, str]:
     """Return a student's ids; without a roster, folders may be called by the user name."""
     return mark.row.ids if book.roster.people else {"login": mark.login(task.slug)}
@@ -93,6 +136,9 @@ def worksheet_csv(book: Book, task: Task) -> str | None:
     theirs = [mark for mark in book.marks(task) if mark.handed(task.slug).system == "moodle"]
     by_id = {mark.handed(task.slug).id: mark for mark in theirs}
     if not theirs:
+        return None
+    if _is_scale(most := _maximum(book, task)):
+        _leave_out_scale(book, f"moodle/{task.folder}-worksheet.csv", most)
         return None
     for sheet, place in each_sheet(book.sheets("worksheet"), "identifier"):
         rows = {_participant(row[place]): row for row in sheet.rows}
@@ -117,7 +163,7 @@ def _filled_in(
     end = small.index(GRADED_AT) + 1 if GRADED_AT in small else len(small)
     grade = small.index("grade")
     full = small.index("maximum grade") if "maximum grade" in small else None
-    free = small.index("grade can be changed") if "grade can be changed" in small else None
+    free = small.index(CHANGEABLE) if CHANGEABLE in small else None
     text = [small.index(each) for each in ("full name",) if each in small]
     made: list[list[Cell]] = [list(map(Verbatim, sheet.header[:end]))]
     locked, lost = [], []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import multiprocessing
@@ -18,7 +17,13 @@ from grader.classroom.results.check_pages import write_check_pages
 from grader.classroom.results.class_page import bare_page, class_page
 from grader.classroom.results.clean import folder_name
 from grader.classroom.results.exercise_section import judged_ones
-from grader.classroom.results.exports import BOM, there, write_exports, write_feedback_zips
+from grader.classroom.results.exports import (
+    BOM,
+    there,
+    write_exports,
+    write_feedback_zips,
+    write_for_gradescope,
+)
 from grader.classroom.results.feedback import (
     exercise_page,
     index_page,
@@ -36,7 +41,7 @@ from grader.classroom.results.missing import Missing, Parts
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.published import write_published
 from grader.classroom.row import HELD, StoredResult, as_graded
-from grader.report.page import json_text, page_html
+from grader.report.page import page_html
 
 CLASS_PAGE = "class.html"
 PAGES = ".pages.json"  # hashes of what each feedback page was made from
@@ -80,7 +85,9 @@ def write_results(
     pages = _Pages(out / PAGES)
     due: list[_Page] = []
     for student, each in groupby(known, key=lambda result: result.student):
-        written += _write_student(student, list(each), tasks, out, options, pages, due, parts)
+        mine = list(each)
+        written += _write_student(student, mine, tasks, out, options, pages, due, parts)
+        written += write_for_gradescope(book, student, mine, tasks, out, options, parts)
     for page, lost in _make(due, options.workers):
         parts.missing += lost
         pages.forget(page)
@@ -322,15 +329,6 @@ def _write_student(
             keeps = pages.keeps_replays(wanted.path, *wanted.replays_made_of())
             if not pages.is_fresh(wanted.path, *wanted.made_of()):
                 due.append(replace(wanted, keeps_replays=keeps and wanted.bags is not None))
-    handed_in = out / "gradescope" / folder_name(student) / "results.json"
-    with parts.part(f"the Gradescope results of {student}"):
-        final = results_json(results, tasks, options.hidden)
-        if final is not None:
-            written.append(write_text(handed_in, json_text(final)))
-            return written
-    handed_in.unlink(missing_ok=True)
-    with contextlib.suppress(OSError):  # it is missing, or holds other files
-        handed_in.parent.rmdir()
     return written
 
 

@@ -97,7 +97,7 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
         if place in places or person.key in keys:
             raise InputError(
                 f"{file}: expected a row per person, but two are {person.name!r} "
-                f"({person.key}); remove one, or add a column id"
+                f"({person.key}); remove one{'' if person.ids else ', or add a column id'}"
             )
         keys.add(person.key)
         places.append(place)
@@ -217,12 +217,14 @@ def _canvas_person(header: Sequence[str], row: Sequence[str]) -> Person:
 def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
     cells = {heading.casefold(): cell.strip() for heading, cell in zip(header, row, strict=True)}
     participants: frozenset[str] = frozenset()
+    identifier = ""
     ids: dict[str, str] = {}
     for heading, id_kind in IDS.items():
         if cells.get(heading):
             ids.setdefault(id_kind, cells[heading])
     if kind == "worksheet":  # "Participant 4711", in the platform's language
-        number = re.search(r"(\d+)$", ids.pop(OWN, ""))
+        identifier = ids.pop(OWN, "")
+        number = re.search(r"(\d+)$", identifier)
         participants = frozenset({number[1]} if number else ())
     name = _first(cells, NAMES)
     if not name:
@@ -230,7 +232,8 @@ def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
         name = f"{first} {last}".strip()
     if kind == "github" and not name:
         name = ids.get(OWN, "")
-    return Person(name or next(iter(ids.values()), ""), _first(cells, SECTION), ids, participants)
+    name = name or next(iter(ids.values()), "") or identifier  # anonymous submissions
+    return Person(name, _first(cells, SECTION), ids, participants)
 
 
 def _first(cells: Mapping[str, str], headings: Sequence[str]) -> str:

@@ -67,7 +67,7 @@ def test_a_new_exercise_is_in_all_its_places(root: Path, monkeypatch: pytest.Mon
         ("Stop-Line", "expected a name such as stop_line"),
         ("../evil", "expected a name"),
         ("a" * 21, "at most 20 characters"),
-        ("class", "expected a name"),
+        ("class", "a word of Python's own"),
         ("goal_seeking", "too close to the exercise goal_seeking"),
         ("goal_seekings", "too close to the exercise goal_seeking"),
         ("random", "a module of Python's"),

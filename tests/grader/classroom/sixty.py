@@ -1,6 +1,6 @@
 """A class of 60 as each platform hands it over, made of the course's variants and mutants.
 
-`python tests/grader/classroom/sixty.py` prints the table of what became of every file.
+`python tests/grader/classroom/test_sixty.py` prints the table of what became of every file.
 """
 
 from __future__ import annotations

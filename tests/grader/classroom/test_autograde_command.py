@@ -47,6 +47,7 @@ def test_a_look_into_an_archive(tmp_path: Path) -> None:
         archive.writestr(f"leecarla_12345_678901_{AGENT}", "# mine\n")
     code, said = course(tmp_path / "week.zip", "--list")
     assert code == 0
+    assert "leecarla_12345: obstacle_avoidance\n" in said
     assert "held" not in said
 
 
@@ -55,3 +56,9 @@ def test_wrong_usage(tmp_path: Path) -> None:
     code, said = course(tmp_path, "--list", "--column", "1")
     assert code == 2
     assert "expected EXERCISE=TITLE" in said
+    code, said = course(tmp_path, "--out", tmp_path / "out", "--regrade", "--again", "ann")
+    assert code == 2
+    assert "expected one of them" in said
+    code, said = course(tmp_path / "nowhere.zip", "--list")
+    assert code == 2
+    assert "nowhere.zip: expected what the class has handed in; nothing is there" in said

@@ -222,6 +222,26 @@ def test_moodle_takes_its_worksheet_back(
     assert assignment.skipped == []
 
 
+@pytest.mark.parametrize("maximum", ["-2.00", "0.00", "-"])
+def test_moodle_gets_no_points_for_a_scale(
+    tmp_path: Path, assignment: MoodleAssignment, maximum: str
+) -> None:
+    book = moodle_book(tmp_path, GRADES, assignment.worksheet(NAMED).replace("50.00", maximum))
+    (task,) = tasks_of(book.results)
+    assert worksheet_csv(book, task) is None
+    assert grades_csv(book, task) is None
+    said = f"the assignment's maximum grade is '{maximum}', so Moodle grades it on a scale"
+    assert sum(said in remark for remark in book.remarks) == 2
+
+
+def test_a_locked_grade_is_in_no_import(tmp_path: Path, assignment: MoodleAssignment) -> None:
+    book = moodle_book(tmp_path, GRADES, assignment.worksheet(NAMED, locked=("cy",)))
+    moodle = Moodle({"4001": "ann", "4003": "bob"})
+    moodle.load(grades_csv(book, tasks_of(book.results)[0]) or "")
+    assert moodle.grades == {"ann": 30.0, "bob": 18.5}
+    assert any("has a grade that can't be changed: cy" in remark for remark in book.remarks)
+
+
 def test_moodle_takes_the_feedback_back(tmp_path: Path, assignment: MoodleAssignment) -> None:
     book = moodle_book(tmp_path, assignment.worksheet(NAMED))
     options = ResultOptions(students=book.students, roster=book.roster)
@@ -308,3 +328,15 @@ def test_gradescope_hands_out_what_was_graded_here(tmp_path: Path) -> None:
     assert not (root / "results").exists()
     assert run(101).returncode == 0
     assert json.loads((root / "results" / "results.json").read_text())["score"] == 60.0
+
+
+def test_results_for_gradescope_are_where_the_class_may_be_its(tmp_path: Path) -> None:
+    def written(system: str) -> bool:
+        students = {"ann": StudentRow("ann", handed={SLUG: Handed(system, "ann", "1")})}
+        write_results([graded("ann")], tmp_path, ResultOptions(students=students))
+        return (tmp_path / "gradescope").exists()
+
+    assert written("folder")
+    assert not written("canvas")  # one of an earlier run is gone, too
+    assert written("gradescope")
+    assert not written("moodle")

@@ -104,7 +104,7 @@ def test_same_names_stay_two_students(handed_in: Path) -> None:
 def test_no_class(handed_in: Path) -> None:
     with pytest.raises(InputError, match="expected a folder or an archive"):
         find_students(handed_in, handed_in)
-    with pytest.raises(InputError, match="expected a folder with"):
+    with pytest.raises(InputError, match="nothing is there"):
         find_students(handed_in / "nowhere", handed_in)
 
 

@@ -28,9 +28,10 @@ from grader.classroom.amendments import (
     amended,
 )
 from grader.classroom.amendments.late import moment_of, span_of, times_of
+from grader.classroom.amendments.people import the_student
 from grader.classroom.marking import marking, reading
 from grader.classroom.results.marks import points_of, tasks_of
-from grader.classroom.row import GRADED, HELD
+from grader.classroom.row import GRADED, HELD, StudentRow
 from grader.classroom.store import Store
 from grader.errors import InputError
 
@@ -152,6 +153,27 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
             class_.exercise("3")
         with pytest.raises(InputError, match="expected the reason"):
             class_.store.log.append(Undo(1), "prof", "  ")
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("Ray, Carla", ""),
+        ("ray, carla", ""),
+        ("carla ray", ""),
+        ("Lee", r"did you mean Ann Lee \(leeann_1\) or Ann Lee \(leeann_2\)\?"),
+        ("Ann Lee", "'Ann Lee' may be leeann_1 or leeann_2: give the id"),
+        ("Ray", r"did you mean Carla Ray \(raycarla_3\)\?"),
+    ],
+)
+def test_people_are_called_as_gradebooks_do(word: str, said: str) -> None:
+    names = {"leeann_1": "Ann Lee", "leeann_2": "Ann Lee", "raycarla_3": "Carla Ray"}
+    rows = {student: StudentRow(student, name) for student, name in names.items()}
+    if not said:
+        assert the_student(word, list(names), rows) == "raycarla_3"
+        return
+    with pytest.raises(InputError, match=said):
+        the_student(word, list(names), rows)
 
 
 def test_a_folder_that_is_no_class(tmp_path: Path) -> None:

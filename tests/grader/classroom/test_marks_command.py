@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import click
 import pytest
 from click.testing import CliRunner
 from fake_class import FILE, SLUG, fair, grading
@@ -76,6 +77,13 @@ def test_a_score_its_log_and_its_undo(course: Course, graded: Path) -> None:
         ("marks set no_check 5 --all", "unknown check of obstacle_avoidance"),
         ("marks late --per-day 10 --all --times nowhere.csv", "cannot read"),
         ("marks late --per-day 10 --all --deadline soon", "expected a time"),
+        ("marks late --per-day 10 --all --deadline 2026-05-04", "expected the time of day, too"),
+        ("marks late --per-day nan --all", "expected a number from 0 to 100, such as 8.5"),
+        ("marks late --per-day 10% --all", "expected a number from 0 to 100"),
+        ("marks late --per-day 10 --cap nan --all", "expected a number from 0 to 100"),
+        ("marks set slow_zone nan --all", "expected a number at least 0, such as 8.5"),
+        ("marks score 8,5 --student ann", "'8,5': expected a number at least 0, such as 8.5"),
+        ("marks score nan --student ann", "expected a number at least 0"),
         ("marks undo 7", "no entry 7"),
         ("report --student nobody_at_all", "nobody in this class"),
     ],
@@ -84,13 +92,13 @@ def test_wrong_usage_changes_nothing(course: Course, command: str, said: str) ->
     group, *rest = command.split()
     first = f"{group} {rest.pop(0)}" if group == "marks" else group
     why = ("--why", "x") if group == "marks" else ()
-    with pytest.raises(InputError, match=said):
+    with pytest.raises((InputError, click.BadParameter), match=said):
         course(first, *rest, *why)
     assert course("report")[1].endswith("Nobody has changed a mark.\n")
 
 
 def test_what_is_not_known_is_said(course: Course) -> None:
-    words = ("--per-day", 10, "--deadline", "2026-05-04", "--all", "--why", "x")
+    words = ("--per-day", 10, "--deadline", "2026-05-04T23:59", "--all", "--why", "x")
     code, said = course("marks late", *words)
     assert code == 0
     assert "Scores that change: 0" in said
@@ -140,6 +148,21 @@ def test_a_log_edited_by_hand_is_said(course: Course, graded: Path) -> None:
     assert "[this entry was changed after it was made]" in said
     with pytest.raises(InputError, match="course marks undo"):
         course("marks write")
+    course("marks undo", 1, "--why", "edited")
+    assert course("report")[0] == 0  # it is cleared up
+
+
+def test_the_same_mark_twice_is_said(course: Course) -> None:
+    words = ("score", 85, "--student", "ann", "--why", "x")
+    assert "says the same" not in course(f"marks {words[0]}", *words[1:])[1]
+    said = course(f"marks {words[0]}", *words[1:])[1]
+    assert "Note: Entry 2 says the same as entry 1, which counts already" in said
+
+
+def test_a_note_is_said_once(course: Course) -> None:
+    late = ("--per-day", 10, "--deadline", "2026-05-04T23:59", "--all", "--why", "x")
+    assert "no time is known" in course("marks late", *late)[1]
+    assert "no time is known" not in course("marks score", 85, "--student", "ann", "--why", "x")[1]
 
 
 # --- one student once more -------------------------------------------------------------------

@@ -32,6 +32,14 @@ def test_the_log_only_grows(mark: Callable[..., Any], graded: Path) -> None:
     db.close()
 
 
+def test_what_could_not_be_read_again_does_not_get_in(graded: Path) -> None:
+    """JSON has no NaN: an entry that nobody can read would block all others."""
+    with marking(graded) as class_, pytest.raises(InputError, match="expected a change"):
+        class_.add(Score(SLUG, float("nan"), ANN), "prof", WHY)
+    with reading(graded) as class_:
+        assert class_.entries == []
+
+
 @pytest.fixture
 def edit(graded: Path) -> Callable[[str], None]:
     def edit(statement: str) -> None:
