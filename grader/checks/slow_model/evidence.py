@@ -22,7 +22,7 @@ from grader.recording import Floats, Recording
 
 START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
 ARRIVAL_HAIR = 0.02  # [s] a scan that came this shortly before an inference may be too late for it
-LEAST_MOVING = 0.05  # of the commands, for a node that drives; one alone is no driving
+LEAST_MOVING = 3  # commands of a node that drives; one alone is no driving
 STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; no scan's prediction
 
 
@@ -282,7 +282,7 @@ def require_moves(recording: Recording) -> None:
     require_commands(recording)
     twists = recording.twists()
     moving = np.flatnonzero(np.abs(twists.linear_x) > ZERO)
-    if len(moving) < LEAST_MOVING * len(twists.t):
+    if len(moving) < LEAST_MOVING:
         due = [said.scan.t + LATEST_STOP for said in predictions(recording) if said.least > ZERO]
         fail(
             f"the node {'nearly ' * bool(len(moving))}always publishes 0.0, so this proves nothing",
