@@ -1,6 +1,8 @@
 """The catalogues of mutants: what they render to, and what is wrong with a wrong one."""
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -202,3 +204,12 @@ def test_the_command_says_what_is_wrong(
         main(arguments)
     assert stopped.value.code == 2
     assert message in capsys.readouterr().err
+
+
+def test_no_mutant_dies_of_a_name_that_its_edit_removed(tmp_path: Path) -> None:
+    for exercise in all_exercises():
+        for mutant in mutants(exercise):
+            (tmp_path / f"{exercise.slug}_{mutant.name}.py").write_text(mutant.text, "utf-8")
+    ruff = [sys.executable, "-m", "ruff", "check", "--isolated", "--select", "F821", str(tmp_path)]
+    done = subprocess.run(ruff, check=False, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
