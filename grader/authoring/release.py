@@ -35,7 +35,8 @@ KEPT = {
 SINGLE = (
     "LICENSE", "LICENSE-lessons.md", "constraints.txt",
     "Dockerfile", ".dockerignore", ".devcontainer/devcontainer.json",
-    "docs/students.md", "docs/testing-your-node.md", "docs/live-robot.md", "docs/portable.md",
+    "docs/students.md", "docs/testing-your-node.md", "docs/search.md", "docs/live-robot.md",
+    "docs/portable.md",
     "docs/images/notebook-dark.png", "docs/images/notebook-light.png",
     "docs/images/notebook-wrong.png",
 )  # fmt: skip

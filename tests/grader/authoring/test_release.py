@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -50,9 +51,12 @@ def test_students_get_what_they_need(released: Path) -> None:
 
 @pytest.mark.long
 def test_what_students_get_can_be_installed_and_runs(released: Path, tmp_path: Path) -> None:
+    source = shutil.copytree(released, tmp_path / "source")  # pip builds in it
+    tmp_path /= "target"
+    tmp_path.mkdir()
     pip = ("-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--no-build-isolation")
     for command in (
-        [*pip, "--target", str(tmp_path), str(released)],
+        [*pip, "--target", str(tmp_path), str(source)],
         ["-P", "-m", "grader.cli", "list"],
     ):
         done = subprocess.run(
@@ -66,7 +70,7 @@ def test_what_students_get_can_be_installed_and_runs(released: Path, tmp_path: P
 
 def test_students_get_their_documents_and_no_other(released: Path) -> None:
     there = {path for path in files(released) if path.startswith("docs/") and path.endswith(".md")}
-    names = ("students", "testing-your-node", "live-robot", "portable")
+    names = ("students", "testing-your-node", "search", "live-robot", "portable")
     assert there == {f"docs/{name}.md" for name in names}
 
 
@@ -94,6 +98,7 @@ def test_links_of_students_documents_stay_inside(exercises: tuple[str, ...]) -> 
         "README.md",
         "docs/students.md",
         "docs/testing-your-node.md",
+        "docs/search.md",
         "docs/live-robot.md",
         "docs/portable.md",
     ):
