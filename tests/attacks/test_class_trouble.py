@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from arena import EXERCISE, HOSTILE, ROOT, children
+from arena import EXERCISE, FULL, HOSTILE, ROOT, children
 from test_class import FILE, HONEST, LIMIT, assert_complete, stored, verdicts
 from whole_class import COURSE, hand_in, hand_in_hostile
 
@@ -28,6 +28,7 @@ def workers_of(pid: int) -> list[int]:
 
 
 @pytest.mark.long
+@pytest.mark.skipif(not FULL, reason="workers killed, Ctrl-C, resumed: make attacks")
 def test_workers_killed_ctrl_c_and_resumed(tmp_path: Path) -> None:
     """Among hostile ones, one of which kills what it can; honest ones get what they deserve."""
     for name in HONEST_ONES:

@@ -17,6 +17,7 @@ pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `no
 
 from lab_server import Server, picture, serving, tab
 from nbgrader_kit import (
+    FULL,
     cell_named,
     fill,
     grades,
@@ -31,7 +32,10 @@ from nbgrader_kit import (
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
 
-pytestmark = pytest.mark.long
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(not FULL, reason="formgrader in a browser: make notebooks"),
+]
 NAME = "01_loop"
 QUIZ = "07_quiz"
 SLUG = "obstacle_avoidance"

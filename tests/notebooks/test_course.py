@@ -274,6 +274,7 @@ def test_with_the_skeletons_it_runs_and_fails_kindly(
 
 
 @pytest.mark.long
+@pytest.mark.skipif(not FULL, reason="nbgrader's own validation: make notebooks")
 @pytest.mark.parametrize("name", RUN)
 def test_nbgraders_validation_agrees(course: Path, tmp_path: Path, name: str) -> None:
     (tmp_path / "nbgrader_config.py").write_text("c = get_config()\nc.Execute.timeout = 300\n")

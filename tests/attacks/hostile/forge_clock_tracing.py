@@ -3,6 +3,7 @@
 gains: nothing
 score: 20
 outcome: any
+full: yes
 """
 
 import sys
