@@ -25,12 +25,12 @@ class Answered:
         ]
         self._asked, self._answered, self._said = np.array(rows, dtype=float).reshape(-1, 3).T
 
-    def newest_question(self, t: float, speed: float, tolerance: float = TOLERANCE) -> float:
+    def newest_question(self, t: float, speed: float) -> float:
         """Return when the newest prediction of this speed [m/s] was asked for, of those had by t.
 
         -inf if there is none [s].
         """
-        had = (self._answered <= t) & (np.abs(self._said - speed) <= tolerance)
+        had = (self._answered <= t) & (np.abs(self._said - speed) <= TOLERANCE)
         return float(self._asked[had].max(initial=-math.inf))
 
     def unasked(self, t: float) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from grader.checks.commands import ZERO
+from grader.checks.commands import FIELDS, ZERO
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed, Hint, hint_for
 from grader.grading.causes.own_words import plain_words_on
@@ -26,7 +26,6 @@ FEW = 3  # commands, to see a period
 LEAST = 6  # predictions, to see that they differ
 APART = 0.1  # [m/s]
 ROBOTS_OWN = (0, 5)  # linear.x and angular.z
-FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
 
 NO_FEATURES = (
     "It has loaded its model and never asks it. If there seem to be no features: are the limits of "
