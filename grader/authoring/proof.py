@@ -6,7 +6,8 @@ checks are only judged when all of the core passed, so a mutant names either kin
 claims the badge says so in its docstring: `field: all`.
 
 `python -m grader.authoring.proof [EXERCISE …]` prints which mutant is killed by which check;
-`--only NAME` proves one, `--workers N` says how many processes grade.
+`--only NAME` proves one, `--workers N` says how many processes grade. At the end stands what a
+mistake costs, and how many are told theirs; `--keep FILE` writes that for each claim.
 
 Of an exercise with several files, a variant is a folder with some of them, or one file that says
 which it stands for (`file: detection_client.py`; the first by default). Those that it lacks are the
@@ -27,6 +28,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from grader.authoring.causes import misled
+from grader.authoring.costs import Row, keep, print_costs
 from grader.authoring.gradings import gradings
 from grader.authoring.mutants import mutants, stands_for, submission_of
 from grader.course.exercises import Exercise, all_exercises, find_exercise
@@ -188,6 +190,7 @@ class Tally:
     unneeded: list[str] = field(default_factory=list)  # checks that no mutant fails
     other: list[str] = field(default_factory=list)  # objections to right solutions and skeletons
     stalled: list[Claim] = field(default_factory=list)  # the machine stalled while it was judged
+    rows: dict[str, Row] = field(default_factory=dict)  # by the claim's name
 
     @property
     def objections(self) -> list[str]:
@@ -202,6 +205,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--only", metavar="NAME", help="prove one solution or mutant")
     cpus = len(os.sched_getaffinity(0))
     parser.add_argument("--workers", type=int, default=cpus, help=f"processes; {cpus} by default")
+    parser.add_argument("--keep", type=Path, metavar="FILE", help="write each claim's result there")
     options = parser.parse_args(arguments)
     try:
         exercises = [find_exercise(name) for name in options.exercises] or all_exercises()
@@ -223,6 +227,10 @@ def main(arguments: list[str]) -> int:
         print(f"  {tally.slug:24} {tally.killed:6} {tally.mutants:3}{rest}")
     killed, mutants = sum(t.killed for t in tallies), sum(t.mutants for t in tallies)
     print(f"  {'together':24} {killed:6} {mutants:3}")
+    rows = [row for tally in tallies for row in tally.rows.values()]
+    print_costs(rows)
+    if options.keep:
+        keep(options.keep, rows)
     _print_list("Mutants that do not fail as they say", [x for t in tallies for x in t.uncaught])
     _print_list("Checks that no mutant needs", [x for t in tallies for x in t.unneeded])
     bad = [line for tally in tallies for line in tally.objections]
@@ -267,6 +275,7 @@ def _prove(exercise: Exercise, claimed: list[Claim], graded: Iterator[Grading]) 
             continue
         grading = next(graded)
         against = _against(claim, grading)
+        tally.rows[claim.name] = Row.of(claim.kind, claim.stem, claim.about, grading)
         absent = unavailable(grading)
         if any(check.outcome == INCONCLUSIVE for check in grading.checks):
             tally.stalled.append(claim)
@@ -299,6 +308,7 @@ def _prove_stalled(tally: Tally) -> None:
     for claim in tally.stalled:
         (grading,) = gradings([claim], workers=1)
         against = _against(claim, grading)
+        tally.rows[claim.name] = Row.of(claim.kind, claim.stem, claim.about, grading)
         print(f"{'!' if against else ' '} {claim.name:64} {grading.score:3}  judged again, alone")
         lines = tally.uncaught if claim.kind == "mutant" else tally.other
         lines[:] = [x for x in lines if not x.startswith(f"{claim.name}: ")] + against
