@@ -1,7 +1,7 @@
 """Drive at one speed, and say at each scan that nothing comes closer: no memory, no trend.
 
 exercise: trend_memory
-score: 15
+score: 20
 """
 
 import contextlib
