@@ -12,9 +12,11 @@ from statistics import median
 
 import msgspec
 
-from grader.grading.causes.known import told_as
+from grader.grading.causes.known import catalogue, told_as
 from grader.grading.grading import Grading
 from grader.grading.plugin import FAIL
+
+TOLD = 0.7  # of an exercise's mutants, at least, are told what is wrong
 
 
 class Row(msgspec.Struct, frozen=True):
@@ -79,3 +81,21 @@ def print_costs(rows: Iterable[Row]) -> None:
             f"  {slug:24} {middle:>6} {worst:5} {named:9} "
             f"{len(theirs) - named - silent:10} {silent:11}   {name}"
         )
+
+
+def silences(rows: Iterable[Row]) -> list[str]:
+    """Return the exercises whose known mistakes no longer fit: their mutants are told nothing.
+
+    A check that says other figures changes the fingerprints by which mistakes are known.
+    """
+    wrong = [row for row in rows if row.kind == "mutant" and row.fails]
+    found = []
+    for slug in dict.fromkeys(row.exercise for row in wrong if catalogue(row.exercise)):
+        theirs = [row for row in wrong if row.exercise == slug]
+        told = sum(bool(row.cause) for row in theirs)
+        if told < TOLD * len(theirs):
+            found.append(
+                f"{slug}: {told} of {len(theirs)} mutants are told a cause, fewer than {TOLD:.0%}: "
+                f"run `python -m grader.authoring.causes {slug}`"
+            )
+    return found

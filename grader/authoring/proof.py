@@ -28,7 +28,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from grader.authoring.causes import misled
-from grader.authoring.costs import Row, keep, print_costs
+from grader.authoring.costs import Row, keep, print_costs, silences
 from grader.authoring.gradings import gradings
 from grader.authoring.mutants import mutants, stands_for, submission_of
 from grader.course.exercises import Exercise, all_exercises, find_exercise
@@ -233,7 +233,7 @@ def main(arguments: list[str]) -> int:
         keep(options.keep, rows)
     _print_list("Mutants that do not fail as they say", [x for t in tallies for x in t.uncaught])
     _print_list("Checks that no mutant needs", [x for t in tallies for x in t.unneeded])
-    bad = [line for tally in tallies for line in tally.objections]
+    bad = [line for tally in tallies for line in tally.objections] + silences(rows)
     print(f"\n{len(bad)} objections" + "".join(f"\n  {line}" for line in bad))
     return 1 if bad else 0
 

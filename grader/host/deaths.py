@@ -138,7 +138,7 @@ def _advice(error: BaseException, place: str, own: list[Line]) -> str:
     if not own and isinstance(error, TypeError) and place.startswith("the service"):
         return _advice_on_service(str(error))
     if own and isinstance(error, ValueError) and ".fit(" in _lines_before(*own[-1], count=0):
-        return FIT
+        return FIT if " contains " not in str(error) else plain_words(error)
     if own and "NoneType" in str(error) and ".result()" in _lines_before(*own[-1]):
         return NO_RESULT
     return _surroundings(error) or plain_words(error)

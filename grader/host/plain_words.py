@@ -24,8 +24,13 @@ CALLED = (
 )
 PARAMETER = "get_parameter('…') gives a Parameter; its value is get_parameter('…').value"
 
+ONNX_NAMES = (
+    "each model names its input and output itself: ask session.get_inputs()[0].name and "
+    "session.get_outputs()[0].name"
+)
 LIBRARIES = ("rclpy", "numpy", "sklearn", "onnxruntime", "onnx", "skl2onnx", "joblib", "scipy",
              "math", "time", "random", "threading", "collections", "statistics")  # fmt: skip
+SOMETIMES = ("sklearn", "onnxruntime", "torch", "keras")
 THERE = (
     "Python's own modules, rclpy and ROS messages, numpy, scikit-learn and onnxruntime; a training "
     "script also onnx, skl2onnx and joblib"
@@ -191,6 +196,14 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         "a scan may hold infinity, which has no int: ask math.isfinite first",
     ),
     (
+        "ValueError",
+        r"contains (infinity|NaN)",
+        "a model takes neither NaN nor infinity: leave such readings out of the features, or put a "
+        "number in their place",
+    ),
+    ("InvalidArgument", r"Invalid (output|input|Feed Input) ?[Nn]ame", ONNX_NAMES),
+    ("ValueError", r"missing from input feed", ONNX_NAMES),
+    (
         "InvalidArgument",
         r"Got invalid input|Invalid rank|INVALID_ARGUMENT",
         "ONNX wants float32 of the shape of its input, (1, 5) here: "
@@ -253,6 +266,11 @@ def _module(error: Any) -> str:
     near = difflib.get_close_matches(name, LIBRARIES, n=1, cutoff=0.75)
     if near and near[0] != name:
         return f"is it {near[0]}?"
+    if name in SOMETIMES:
+        return (
+            f"{name} is not installed on every machine: import it only where a model needs it, "
+            "inside try … except"
+        )
     return f"there is no {name} here: a program may import {THERE}"
 
 

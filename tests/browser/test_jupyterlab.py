@@ -19,7 +19,7 @@ pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `no
 pytest.importorskip("matplotlib", reason="matplotlib is not installed (the extra `notebooks`)")
 
 from lab_server import Server, Tab, picture, serving, tab, wait_until
-from nbgrader_kit import cell_named, fill, make_course, released, solution, source_of
+from nbgrader_kit import FULL, cell_named, fill, make_course, released, solution, source_of
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
@@ -118,6 +118,8 @@ def opened(browser: Any, server: Server, which: str) -> Iterator[Opened]:
 @pytest.fixture(scope="module")
 def right(browser: Any, server: Server) -> Iterator[Opened]:
     """The solved notebook after Run All."""
+    if not FULL:
+        pytest.skip("the solved notebook in JupyterLab: make notebooks")
     yield from opened(browser, server, "right")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from grader.authoring.costs import Row, keep, print_costs
+from grader.authoring.costs import Row, keep, print_costs, silences
 
 
 def a_row(name: str, lost: int, cause: str = "", kind: str = "mutant") -> Row:
@@ -43,3 +43,16 @@ def test_rows_are_kept_one_a_line(tmp_path: Path) -> None:
     keep(file, ROWS)
     lines = file.read_bytes().splitlines()
     assert [msgspec.json.decode(line, type=Row) for line in lines] == ROWS
+
+
+def test_stale_catalogue_is_an_objection() -> None:
+    told, silent = a_row("told", 10, "It turns right."), a_row("silent", 10)
+    (objection,) = silences([told, silent, silent])
+    assert objection.startswith("goal_seeking: 1 of 3 mutants are told a cause, fewer than 70%")
+    assert "grader.authoring.causes goal_seeking" in objection
+    assert silences([told, told, told, silent]) == []
+
+
+def test_exercise_without_a_catalogue_owes_no_causes() -> None:
+    row = Row("a_new_one", "mutant", "silent", "Is wrong.", 90, 100, ("wiring",), "")
+    assert silences([row]) == []

@@ -84,6 +84,8 @@ def test_a_score_its_log_and_its_undo(course: Course, graded: Path) -> None:
         ("marks set slow_zone nan --all", "expected a number at least 0, such as 8.5"),
         ("marks score 8,5 --student ann", "'8,5': expected a number at least 0, such as 8.5"),
         ("marks score nan --student ann", "expected a number at least 0"),
+        ("marks set slow_zone -5 --all", "'-5': expected a number at least 0"),
+        ("marks score -0.5 --student ann", "'-0.5': expected a number at least 0"),
         ("marks undo 7", "no entry 7"),
         ("report --student nobody_at_all", "nobody in this class"),
     ],
