@@ -22,6 +22,7 @@ APPROACH, CHANGES, STAMPS = "trend_approach", "trend_changes", "trend_stamps"
 PLAIN = (APPROACH, CHANGES, STAMPS)  # scenarios that show a node's habits
 _LAWS = ("slope", "first and last", "time over distance", "whole seconds")
 MANY = 10  # tolerances, by which numbers differ
+_MOST = 500  # numbers: a node that says more has no rule worth a search
 _LONGEST = 25  # readings: more than any bench shows at once
 
 
@@ -65,7 +66,7 @@ def _said(shown: Shown) -> list[tuple[Step, float]]:
 
 def _laws(said: list[tuple[Step, float]]) -> Iterator[Law]:
     """Return the laws that may be behind what was said, likely ones first."""
-    if len(said) < 2:  # the first one tells the scale, and nothing more
+    if not 2 <= len(said) <= _MOST:  # the first one tells the scale, and nothing more
         return
     step, value = said[0]
     kept = [(n, False) for n in range(2, _LONGEST)]

@@ -90,3 +90,14 @@ def test_a_node_that_speaks_too_early_is_known() -> None:
 
 def test_a_node_that_skips_readings_is_known() -> None:
     assert not habits_of(shown(by(RIGHT), least=11)).regular
+
+
+def test_no_rule_is_looked_for_in_a_flood() -> None:
+    """The search would take the judge minutes."""
+    doubled = by(Law("slope", 2.0))
+    flood = {
+        name: tuple((step, values * 300) for step, values in trial)
+        for name, trial in shown(doubled).items()
+    }
+    assert habits_of(shown(doubled)).law == Law("slope", 2.0)
+    assert habits_of(flood).law is None
