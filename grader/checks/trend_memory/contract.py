@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from grader.checks.ahead import HAIR, HALF_ANGLES, front_distance
 from grader.recording import Scan
@@ -16,6 +17,26 @@ LEAST_TIME = 2.0  # [s] less than this to a collision: stop
 SPEED = 0.3  # [m/s]
 CLOSING_TOLERANCE = 1e-3  # [m/s]
 _NEAR_THE_LIMIT = 0.005  # [m] |distance - 2 s · closing speed| for which both speeds are right
+
+Readings = Sequence[tuple[float, float]]  # (stamp [s], distance [m])
+
+
+class Law(NamedTuple):
+    """How a node makes a closing speed of the readings that it remembers."""
+
+    name: str  # slope, or a mistake in it: see `closing_speed`
+    scale: float = 1.0  # -1: the sign is forgotten; another one: another unit
+    keeps: int | None = MEMORY_SIZE  # readings, the last ones; None: all that came
+    first: bool = False  # it keeps the first ten instead
+    counts: bool = False  # 0.1 s for each reading, whatever the stamps say
+
+    @property
+    def tolerance(self) -> float:
+        """How far a closing speed may be off, in the unit that the node has."""
+        return CLOSING_TOLERANCE * abs(self.scale)
+
+
+RIGHT = Law("slope")
 
 
 @dataclass(frozen=True)
@@ -30,6 +51,7 @@ class Step:
     known: int  # readings in the memory after this scan
     emptied: bool  # the stamp emptied the memory
     closings: tuple[float | None, ...]  # [m/s] for each half-angle; None: publish nothing
+    readings: tuple[tuple[float, float], ...]  # (stamp [s], distance [m]) since it was emptied
     speeds: frozenset[float]  # [m/s]
 
     @property
@@ -59,52 +81,94 @@ class _Memory:
     """The agent's memory, if its front sector ends at this half-angle."""
 
     half_angle: float  # [°]
+    law: Law
+    early: bool
     last_stamp: float | None = None  # [s]
 
     def __post_init__(self) -> None:
-        self.readings: deque[tuple[float, float]] = deque(maxlen=MEMORY_SIZE)
+        self.readings: list[tuple[float, float]] = []  # since it was emptied
         self.emptied = False
         self.distance: float | None = None
 
     def take(self, scan: Scan) -> float | None:
-        """Take a scan in; return the closing speed [m/s], if one has to be published."""
+        """Take a scan in; return the closing speed [m/s] to decide by, if there is one."""
+        stamp = math.floor(scan.stamp) if self.law.name == "whole seconds" else scan.stamp
         self.emptied = self.last_stamp is not None and not (
-            0.0 <= scan.stamp - self.last_stamp <= LONGEST_GAP
+            0.0 <= stamp - self.last_stamp <= LONGEST_GAP
         )
         if self.emptied:
             self.readings.clear()
-        self.last_stamp = scan.stamp
+        self.last_stamp = stamp
         self.distance = front_distance(scan, self.half_angle)
         if self.distance is None or self.distance == math.inf:
             return None
         self.readings.append((scan.stamp, self.distance))
-        return closing_speed(self.readings) if len(self.readings) == MEMORY_SIZE else None
+        if len(self.readings) < (2 if self.early else MEMORY_SIZE):
+            return None
+        return closing_speed(self.readings, self.law)
 
 
-def steps(scans: tuple[Scan, ...]) -> list[Step]:
-    """Return what each scan of a run asks for."""
-    memories = [_Memory(angle) for angle in HALF_ANGLES]
+def steps(scans: tuple[Scan, ...], law: Law = RIGHT, *, early: bool = False) -> list[Step]:
+    """Return what each scan of a run asks for.
+
+    Or what it asks of a node that has another law, or speaks `early`: from the second reading on.
+    """
+    memories = [_Memory(angle, law, early) for angle in HALF_ANGLES]
     found = []
     for scan in scans:
-        closings = tuple(memory.take(scan) for memory in memories)
+        decided_by = [memory.take(scan) for memory in memories]
         speeds: set[float] = set()
-        for memory, closing in zip(memories, closings, strict=True):
+        for memory, closing in zip(memories, decided_by, strict=True):
             speeds |= right_speeds(memory.distance, closing)
+        closings = tuple(
+            closing if len(memory.readings) >= MEMORY_SIZE else None
+            for memory, closing in zip(memories, decided_by, strict=True)
+        )
         here = memories[0]
         found.append(
-            Step(scan, here.distance, len(here.readings), here.emptied, closings, frozenset(speeds))
+            Step(
+                scan,
+                here.distance,
+                min(len(here.readings), MEMORY_SIZE),
+                here.emptied,
+                closings,
+                tuple(here.readings),
+                frozenset(speeds),
+            )
         )
     return found
 
 
-def closing_speed(readings: deque[tuple[float, float]]) -> float:
-    """Return minus the least-squares slope [m/s] of (stamp [s], distance [m]) pairs."""
-    n = len(readings)
-    mean_stamp = math.fsum(stamp for stamp, _ in readings) / n
-    mean_distance = math.fsum(distance for _, distance in readings) / n
-    spread = math.fsum((stamp - mean_stamp) ** 2 for stamp, _ in readings)
-    shared = math.fsum((t - mean_stamp) * (d - mean_distance) for t, d in readings)
-    return -shared / spread
+def closing_speed(readings: Readings, law: Law = RIGHT) -> float:
+    """Return minus the least-squares slope [m/s] of (stamp [s], distance [m]) pairs.
+
+    Or what a node publishes that makes a mistake with them: `law` says which.
+    """
+    if law.first:
+        readings = readings[:MEMORY_SIZE]
+    elif law.keeps is not None:
+        readings = readings[-law.keeps :]
+    stamps = [stamp for stamp, _ in readings]
+    distances = [distance for _, distance in readings]
+    if law.counts:
+        stamps = [0.1 * i for i in range(len(stamps))]
+    if law.name == "first and last":
+        return -law.scale * _ratio(distances[-1] - distances[0], stamps[-1] - stamps[0])
+    if law.name == "time over distance":
+        return -law.scale * _slope(distances, stamps)
+    if law.name == "whole seconds":
+        stamps = [math.floor(stamp) for stamp in stamps]
+    return -law.scale * _slope(stamps, distances)
+
+
+def _slope(x: Sequence[float], y: Sequence[float]) -> float:
+    mean_x, mean_y = math.fsum(x) / len(x), math.fsum(y) / len(y)
+    spread = math.fsum((value - mean_x) ** 2 for value in x)
+    return _ratio(math.fsum((a - mean_x) * (b - mean_y) for a, b in zip(x, y, strict=True)), spread)
+
+
+def _ratio(above: float, below: float) -> float:
+    return above / below if below else 0.0
 
 
 def right_speeds(distance: float | None, closing: float | None) -> set[float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,9 +15,12 @@ from grader.checks.reading import published
 from grader.checks.trend_memory.contract import (
     CLOSING_TOLERANCE,
     MEMORY_SIZE,
+    RIGHT,
     Step,
+    closing_speed,
     steps,
 )
+from grader.checks.trend_memory.habits import PLAIN, Habits, habits_of
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
@@ -38,6 +41,8 @@ class Case:
     answer: Answer
     number: int  # of the scan, from 1
     said: tuple[float, ...]  # closing speeds [m/s]
+    theirs: Step  # what the scan asks of a node with these habits
+    tolerance: float = CLOSING_TOLERANCE
 
     @property
     def what(self) -> str:
@@ -45,14 +50,25 @@ class Case:
         return f"scan {self.number} ({self.answer.what})"
 
 
-def cases(recording: Recording) -> list[Case]:
+def cases(recording: Recording, habits: Habits | None = None) -> list[Case]:
     """Return each scan that was sent, in order, with what followed it."""
     found = answers(recording)
     times, values = closing_speeds(recording)
     ends = np.append(np.searchsorted(times, [answer.scan.t for answer in found]), len(times))
     wanted = steps(tuple(answer.scan for answer in found))
+    theirs, law = wanted, RIGHT
+    if habits is not None and habits != Habits():
+        law = habits.law or RIGHT
+        theirs = steps(tuple(answer.scan for answer in found), law, early=habits.early)
     return [
-        Case(wanted[i], answer, i + 1, tuple(values[int(ends[i]) : int(ends[i + 1])]))
+        Case(
+            wanted[i],
+            answer,
+            i + 1,
+            tuple(values[int(ends[i]) : int(ends[i + 1])]),
+            theirs[i],
+            law.tolerance,
+        )
         for i, answer in enumerate(found)
     ]
 
@@ -77,6 +93,76 @@ def require_closing_speeds(recording: Recording, help: str = "") -> None:
         require_silence(recording, case, help)
         require_one(recording, case, help)
         require_value(recording, case, help)
+
+
+def asked(recordings: Iterable[Recording]) -> tuple[Recording, ...]:
+    """Return the recordings of what a check asks, without those that show the node's habits."""
+    return tuple(recording for recording in recordings if recording.name not in PLAIN)
+
+
+def shown_habits(recordings: Iterable[Recording]) -> Habits:
+    """Return what the node makes of plain readings, by those of the recordings that show it."""
+    plain = [recording for recording in recordings if recording.name in PLAIN]
+    return habits_of(
+        {
+            recording.name: tuple((case.step, case.said) for case in cases(recording))
+            for recording in plain
+        }
+    )
+
+
+def require_memory(recording: Recording, habits: Habits, help: str) -> None:
+    """Fail unless the closing speeds are those of the right readings, the node's habits given.
+
+    A node whose numbers follow no rule shows by when it speaks whether its memory is full, unless
+    it always speaks.
+    """
+    require_scans(recording)
+    if habits.early:
+        require_rule(recording, habits)
+    stretches: list[list[Case]] = [[]]  # of readings that belong together
+    for found in cases(recording, habits):
+        case = replace(found, step=found.theirs)
+        if case.step.emptied:
+            stretches.append([])
+        if case.step.spoken:
+            stretches[-1].append(case)
+        if not _is_early(case, habits):
+            require_silence(recording, case, help)
+        if habits.regular:
+            require_one(recording, case, help)
+        if habits.law:
+            require_value(recording, case, help)
+    for due in stretches:
+        if due and not any(case.said for case in due):
+            require_one(recording, due[0], help)
+
+
+def require_plain(recording: Recording, habits: Habits, help: str, after: int = 0) -> None:
+    """Fail unless the closing speeds follow the node's law, and one came late enough to tell."""
+    require_scans(recording)
+    require_rule(recording, habits)
+    due = [case for case in cases(recording, habits) if case.step.spoken]
+    for case in due:
+        require_value(recording, case, help)
+    telling = [case for case in due if case.number > after]
+    if not any(case.said for case in telling):
+        require_one(recording, telling[0], help)
+
+
+def require_rule(recording: Recording, habits: Habits) -> None:
+    """Fail if the closing speeds follow no rule: they don't tell what is asked then."""
+    if habits.law is not None:
+        return
+    due = next((case for case in cases(recording) if case.step.spoken), None)
+    fail(
+        "what the closing speeds are made of can't be seen",
+        expected="numbers that depend on the readings, at least by a rule with one mistake",
+        actual="the numbers that closing_speed and forgets_old tell about",
+        at=due.step.scan.t if due else None,
+        recording=recording,
+        help="Get closing_speed right first.",
+    )
 
 
 def require_silence(recording: Recording, case: Case, help: str = "") -> None:
@@ -113,21 +199,37 @@ def require_one(recording: Recording, case: Case, help: str = "") -> None:
 
 
 def require_value(recording: Recording, case: Case, help: str = "") -> None:
-    """Fail if a closing speed is not minus the least-squares slope."""
+    """Fail if a closing speed is not minus the least-squares slope, or what the node makes it."""
     if not case.step.spoken:
         return
-    least, most = case.step.bounds
+    least, most = case.theirs.bounds
     for value in case.said:
-        if least - CLOSING_TOLERANCE <= value <= most + CLOSING_TOLERANCE:
+        if least - case.tolerance <= value <= most + case.tolerance:
             continue
         fail(
             f"wrong closing speed after {case.what}",
-            expected=f"{(least + most) / 2:.3f} m/s, minus the slope over the last ten readings",
+            expected=f"{(least + most) / 2:.3f} m/s, {_made_of(case)}",
             actual=f"{value:.3f} m/s" if abs(value) < 1e6 else f"{value:.3g} m/s",
             at=case.step.scan.t,
             recording=recording,
             help=garbage(value) or _sign(value, least, most) or help,
         )
+
+
+def _made_of(case: Case) -> str:
+    right = closing_speed(case.step.readings)
+    if abs(right - sum(case.theirs.bounds) / 2) <= CLOSING_TOLERANCE:
+        return "minus the slope over the last ten readings"
+    return f"if made as in other scenarios (by the contract {right:.3f} m/s)"
+
+
+def _is_early(case: Case, habits: Habits) -> bool:
+    """Tell whether a node that never waits for ten readings does what it always does."""
+    if not habits.early or not case.step.remembered:
+        return False
+    readings, law = case.step.readings, habits.law or RIGHT
+    guess = closing_speed(readings, law) if len(readings) > 1 else 0.0
+    return all(value == 0.0 or abs(value - guess) <= law.tolerance for value in case.said)
 
 
 def _sign(value: float, least: float, most: float) -> str:
@@ -139,15 +241,21 @@ def _sign(value: float, least: float, most: float) -> str:
     return "Only the sign is wrong: it is *minus* the slope, positive for what comes closer."
 
 
-def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None:
-    """Fail unless the node commanded the right speed after every scan with this tag."""
+def require_speeds(
+    recordings: Iterable[Recording], tag: str, help: str, habits: Habits | None = None
+) -> None:
+    """Fail unless the node commanded the right speed after every scan with this tag.
+
+    If its habits are given, what they make of the readings is as good as the contract's closing
+    speed, as long as the command depends on it.
+    """
     said: list[tuple[float | None, frozenset[float]]] = []  # and what would have been right
     missed: tuple[Recording, float] | None = None  # the first scan that asked for something else
     judged = 0
     for recording in recordings:
         require_scans(recording)
-        for case in cases(recording):
-            if missed is None and not _is_right(case):
+        for case in cases(recording, habits):
+            if missed is None and not _allows(case.step.speeds, case.answer.speed):
                 missed = recording, case.step.scan.t
             speed = None if case.answer.speed is None else round(case.answer.speed, 3)
             said.append((speed, frozenset(case.step.speeds)))
@@ -173,13 +281,13 @@ def require_speeds(recordings: Iterable[Recording], tag: str, help: str) -> None
         )
 
 
-def require_forgotten(recording: Recording) -> None:
+def require_forgotten(recording: Recording, habits: Habits) -> None:
     """Fail if the node decides by a trend that it should have forgotten.
 
     The scans judged are those that came when the memory had been emptied and was not full again.
     """
     emptied = False
-    for case in cases(recording):
+    for case in cases(recording, habits):
         emptied = emptied or case.step.emptied
         if emptied and case.answer.count and case.step.known < MEMORY_SIZE:
             help = "With the memory goes the closing speed: it is not known until there are ten."
@@ -233,7 +341,7 @@ def require_way(recording: Recording) -> None:
 
 def _is_right(case: Case) -> bool:
     """Tell whether the command in force after a scan has a right linear.x."""
-    return _allows(case.step.speeds, case.answer.speed)
+    return _allows(case.step.speeds | case.theirs.speeds, case.answer.speed)
 
 
 def _allows(speeds: Iterable[float], said: float | None) -> bool:
