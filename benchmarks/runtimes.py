@@ -8,8 +8,8 @@ the portable launcher, with a process for each trial. Runs take turns, because a
 
 from __future__ import annotations
 
+import argparse
 import statistics
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -21,6 +21,7 @@ from lockstep import ECHO, SPIN
 from grader.authoring.proof import claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
 from grader.course.submission import Submission
+from grader.errors import InputError
 from grader.link.hosts import ForkServer
 from grader.link.launcher import Launcher
 from grader.link.practice import PracticeServer
@@ -66,8 +67,14 @@ def table(name: str, seconds: list[float]) -> None:
     print(f"{name:24}{columns}", flush=True)
 
 
-def main(names: list[str]) -> None:
+def main() -> None:
     """Print the table."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="name or number; or all")
+    try:
+        exercises = [find_exercise(name) for name in parser.parse_args().exercises]
+    except InputError as error:
+        parser.error(str(error))
     print(f"{'':24}" + "".join(f"{kind:>17}" for kind in KINDS))
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "echo.py")
@@ -75,11 +82,11 @@ def main(names: list[str]) -> None:
         scenario = msgspec.structs.replace(load_scenario("demo_wall"), duration=SECONDS)
         table(f"lock step, {SECONDS:.0f} s", side_by_side(
             (), lambda server: run_trial(Submission(file), scenario, server)))  # fmt: skip
-    for exercise in [find_exercise(name) for name in names] or all_exercises():
+    for exercise in exercises or all_exercises():
         reference = next(iter(claims(exercise)))
         table(exercise.slug, side_by_side(
             exercise.libraries, lambda server, claim=reference: grade_claim(claim, server)))  # type: ignore[misc,arg-type]  # fmt: skip
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()
