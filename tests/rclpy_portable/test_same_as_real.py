@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from grader.errors import InputError
 from grader.link.ros_environment import find_ros, portable_ros
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
@@ -37,7 +38,10 @@ def said(script: Path, paths: list[Path], variables: dict[str, str], domain: int
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 def test_the_same_is_printed(script: Path, worker_id: str = "") -> None:
-    real, portable = find_ros(), portable_ros()
+    try:
+        real, portable = find_ros(), portable_ros()
+    except InputError as error:
+        pytest.skip(f"nothing to compare with: {error}")
     domain = 60 + os.getpid() % 40
     expected = said(script, list(real.python_path), real.variables(), domain)
     found = said(script, [*portable.python_path, ROOT], portable.variables(), domain)
