@@ -99,6 +99,7 @@ def ros_modules() -> dict[str, Path]:
 def impoverish() -> None:
     """Take away what other systems don't have; `subprocess` keeps its own means."""
     subprocess.signal = SimpleNamespace(**vars(signal))  # type: ignore[attr-defined]
+    subprocess._USE_POSIX_SPAWN = False  # it asks os for it, from Python 3.13 on
     sys.meta_path.insert(0, _Missing())
     for name in MODULES:
         sys.modules.pop(name, None)
