@@ -41,12 +41,16 @@ def known_cause(exercise: Exercise, failed: Sequence[Failed], trials: ByName) ->
     A node that only ever stands fails alike for many reasons: that is no mistake's own pattern.
     """
     found = catalogue(exercise.slug).get(fingerprint(failed, trials), [])
-    if not found or len(found) > MOST or never_moves(trials):
+    if not found or len(found) > MOST or (_drives(exercise) and never_moves(trials)):
         return None
     text = ", or ".join(told_as(text) for text in found)
     sure = len(found) == 1 and (len(failed) > 1 or _has_bench(failed[0], trials))
     how = "most probably" if sure else "perhaps" if len(found) == 1 else "one of two, perhaps"
     return Cause.of(exercise, f"{how}: {text}.", failed, all_of_it=len(failed) > 1)
+
+
+def _drives(exercise: Exercise) -> bool:
+    return any(topic.name == "/cmd_vel" for topic in exercise.topics)
 
 
 def told_as(text: str) -> str:

@@ -138,3 +138,14 @@ def test_a_node_that_only_stands_is_no_known_mistake(
     assert (cause is not None) is known
     assert never_moves({"trial": trial}) is not known
     assert not never_moves({"trial": Trial([(float("nan"), *ZERO[1:])])})  # type: ignore[dict-item]
+
+
+def test_where_no_robot_is_driven_standing_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exercise 6 has no /cmd_vel: all its programs would stand."""
+    trial: Any = Trial([])
+    trial.scenario = SimpleNamespace(bench_scans=())
+    prints = {fingerprint(FAILED, {"trial": trial}): ["Forgets `success`."]}
+    monkeypatch.setattr("grader.grading.causes.known.catalogue", lambda _: prints)
+
+    assert known_cause(find_exercise("model_server"), FAILED, {"trial": trial}) is not None
+    assert known_cause(find_exercise("ml_velocity"), FAILED, {"trial": trial}) is None
