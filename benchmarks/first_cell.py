@@ -73,11 +73,11 @@ def main() -> int:
         for number, layout in enumerate(DEBIAN):
             if options.only in layout.name:
                 row(layout.name, debian(folder / str(number), layout, built.resolve()))
-        for python in options.python:
+        for number, python in enumerate(options.python):
             for nonet in (True, False):
                 about = f"a venv of {python}{', no network' if nonet else ''}"
                 if options.only in about:
-                    row(about, venv(folder / f"{len(about)}-{nonet}", python, nonet, built))
+                    row(about, venv(folder / f"venv-{number}-{nonet}", python, nonet, built))
     return 0
 
 
