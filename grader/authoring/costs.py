@@ -67,11 +67,9 @@ def print_costs(rows: Iterable[Row]) -> None:
 
     Those that only fail field checks lose nothing, and are not in the median.
     """
-    wrong = [row for row in rows if row.kind == "mutant" and row.fails]
     print(f"\n  {'':24} points lost       their mistake is told")
     print(f"  {'exercise':24} median worst   by name  otherwise  not at all   the worst")
-    for slug in dict.fromkeys(row.exercise for row in wrong):
-        theirs = [row for row in wrong if row.exercise == slug]
+    for slug, theirs in _mutants(rows).items():
         costly = sorted((row for row in theirs if row.lost), key=lambda row: row.lost)
         named = sum(row.named for row in theirs)
         silent = sum(not row.cause for row in theirs)
@@ -88,14 +86,21 @@ def silences(rows: Iterable[Row]) -> list[str]:
 
     A check that says other figures changes the fingerprints by which mistakes are known.
     """
-    wrong = [row for row in rows if row.kind == "mutant" and row.fails]
     found = []
-    for slug in dict.fromkeys(row.exercise for row in wrong if catalogue(row.exercise)):
-        theirs = [row for row in wrong if row.exercise == slug]
+    for slug, theirs in _mutants(rows).items():
         told = sum(bool(row.cause) for row in theirs)
-        if told < TOLD * len(theirs):
+        if catalogue(slug) and told < TOLD * len(theirs):
             found.append(
                 f"{slug}: {told} of {len(theirs)} mutants are told a cause, fewer than {TOLD:.0%}: "
                 f"run `python -m grader.authoring.causes {slug}`"
             )
+    return found
+
+
+def _mutants(rows: Iterable[Row]) -> dict[str, list[Row]]:
+    """Return the mutants that failed something, by exercise."""
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        if row.kind == "mutant" and row.fails:
+            found.setdefault(row.exercise, []).append(row)
     return found

@@ -178,15 +178,11 @@ def test_stops_near(recordings: Recordings) -> None:
     require_speeds(recordings, "near", "Below 0.5 m: 0.0 m/s, from the first scan on.")
 
 
-@pytest.mark.check(points=10, scenarios=("trend_in_time", *PLAIN), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=("trend_in_time",), needs=("wiring",))
 def test_stops_in_time(recordings: Recordings) -> None:
     """The robot stands when less than 2 s are left: distance / closing speed < 2.0 s."""
-    require_speeds(
-        asked(recordings),
-        "in_time",
-        "Something comes: does the newest closing speed count?",
-        shown_habits(recordings),
-    )
+    # By the true closing speed, not by the node's own: who is wrong about it stops too late
+    require_speeds(recordings, "in_time", "Something comes: does the newest closing speed count?")
 
 
 @pytest.mark.check(
