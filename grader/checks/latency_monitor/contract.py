@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -15,15 +16,18 @@ TOPIC = "/diagnostics"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 STATUS_NAME = "profiled_controller: inference"
 KEYS = ("count", "mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "deadline_ms", "missed")
+LATENCIES = ("mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms")
 OK, WARN, ERROR, STALE = range(4)
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
 WINDOW = 100  # calls
 EVERYTHING = 10**9  # calls
+DEADLINE = 100.0  # [ms] without the parameter
 PERIOD = 1.0  # [s] of the reports
 PERIOD_TOLERANCE = 0.15  # [s]
 MOST_CHOICES = 20  # calls that end within a hair of a report and may count or not
 HAIR = 0.001  # [s] a call that ends this near to a report may count or not
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
+THREE_DIGITS = 0.0006  # what rounding to three digits may change, in any unit
 OVERHEAD = 4.0  # [ms] that a call takes longer in real time: the link, waking up, Python's own
 
 
@@ -67,10 +71,13 @@ class Statistics:
         least, most = self.level, self._latest.level
         return frozenset({least, most} if least == STALE else range(least, most + 1))
 
-    def allows(self, key: str, number: float) -> bool:
-        """Tell whether this is the value of a key."""
+    def allows(self, key: str, number: float, scale: float = 1.0) -> bool:
+        """Tell whether this is the value of a key; `scale`: of a latency in another unit."""
         least, most = self.numbers[key], self._latest.numbers[key]
-        return least - TOLERANCE <= number <= most + TOLERANCE
+        if scale == 1.0 or key not in LATENCIES:
+            return least - TOLERANCE <= number <= most + TOLERANCE
+        tolerance = max(scale * TOLERANCE, THREE_DIGITS)
+        return scale * least - tolerance <= number <= scale * most + tolerance
 
     @cached_property
     def _latest(self) -> Statistics:
@@ -80,24 +87,32 @@ class Statistics:
 
 
 def right_statistics(
-    recording: Recording, time: float, window: int = WINDOW
+    recording: Recording, time: float, window: int = WINDOW, since: float = -math.inf
 ) -> tuple[Statistics, ...]:
     """Return what a report may say at a time [s]: a call that ends just then may count or not.
 
-    In real time each call may take longer.
+    In real time each call may take longer. Calls that ended before `since` [s] do not count.
     """
     overhead = 0.0 if recording.live is None else OVERHEAD
     soonest, latest = _calls(recording), _calls(recording, overhead / 1000.0)
     latencies = [call.latency for call in soonest]
-    deadline = float(recording.scenario.node.parameters.get("deadline_ms", 100.0))
+    deadline = deadline_of(recording)
     near = HAIR + recording.slack
     least = bisect_right([call.end for call in latest], time - near)
     most = bisect_right([call.end for call in soonest], time + near)
+    first = bisect_right([call.end for call in latest], since - near)
+    last = bisect_right([call.end for call in soonest], since + near)
     late = 1000.0 * recording.slack + overhead
     return tuple(
-        _statistics(tuple(latencies[max(0, n - window) : n]), deadline, late)
+        _statistics(tuple(latencies[max(begin, n - window) : n]), deadline, late)
         for n in range(max(least, most - MOST_CHOICES), most + 1)
+        for begin in range(max(first, last - MOST_CHOICES), last + 1)
     )
+
+
+def deadline_of(recording: Recording) -> float:
+    """Return the parameter deadline_ms that the node was given [ms]."""
+    return float(recording.scenario.node.parameters.get("deadline_ms", DEADLINE))
 
 
 def calls_by(recording: Recording, time: float) -> int:

@@ -5,28 +5,22 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from grader.checks.commands import ZERO
 from grader.checks.inferences import questions
 from grader.checks.latency_monitor.contract import (
-    DIAGNOSTICS,
-    KEYS,
     LEVELS,
     PERIOD,
     PERIOD_TOLERANCE,
-    STATUS_NAME,
     TOPIC,
-    WINDOW,
     Statistics,
-    calls_by,
-    right_statistics,
 )
+from grader.checks.latency_monitor.habits import RIGHT, Habits, judged, wrong_numbers
+from grader.checks.latency_monitor.reports import Report
 from grader.checks.model_commands import require_asked
 from grader.checks.predictions import TOLERANCE, Prediction, max_speed, predictions
-from grader.checks.reading import published
 from grader.checks.turns import turns
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
@@ -37,23 +31,6 @@ CROWD = 2  # reports a second: more timers than one
 MOST_CALLS = 2  # of predict for each scan, on average
 LATEST_CALL = 0.5  # [s] from a scan to its call of predict
 LATE_IN_REAL_TIME = 0.1  # of the scans, whose calls may come later on a busy machine
-MOST_REPORTS = 1_000  # in one trial, of which the longest takes 6 s
-
-
-@dataclass(frozen=True)
-class Report:
-    """One DiagnosticStatus with the exercise's name."""
-
-    t: float  # [s]
-    level: int
-    texts: dict[str, str]
-
-    def number(self, key: str) -> float:
-        """Return a value as a number; NaN if it is missing or no number."""
-        try:
-            return float(self.texts.get(key, ""))
-        except ValueError:
-            return math.nan
 
 
 def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
@@ -142,79 +119,6 @@ def _is_about(recording: Recording, call: Inference, right: Prediction) -> bool:
     return len(call.said) == 1 and right.allows(max(0.0, min(limit, call.said[0])))
 
 
-def require_reports(recording: Recording) -> list[Report]:
-    """Return the reports; fail if there is none."""
-    require_alive(recording)
-    found = [
-        Report(time, int(status.level), {v.key: v.value for v in status.values})
-        for time, value in published(recording, TOPIC, DIAGNOSTICS)
-        for status in value.status
-        if status.name == STATUS_NAME
-    ]
-    if not found:
-        fail(
-            f"no status named “{STATUS_NAME}” came on {TOPIC}",
-            expected="one every second",
-            actual=f"{len(recording.of(TOPIC))} messages on {TOPIC}, none with this name",
-            at=min(PERIOD, recording.duration_s),
-            recording=recording,
-            help="Does the timer's callback run, and is the name right, letter by letter?",
-        )
-    if len(found) > MOST_REPORTS:
-        fail(
-            f"{len(found):,} statuses named “{STATUS_NAME}” came on {TOPIC}",
-            expected="one every second",
-            actual=f"more than {MOST_REPORTS} in {recording.duration_s:.0f} s",
-            at=found[MOST_REPORTS].t,
-            recording=recording,
-            help="One timer of 1.0 s publishes; not each scan, not each call.",
-        )
-    return found
-
-
-def require_form(recording: Recording) -> None:
-    """Fail unless each message has one status with its eight decimal strings."""
-    require_alive(recording)
-    messages = published(recording, TOPIC, DIAGNOSTICS)
-    if not messages:
-        require_reports(recording)
-    for at, array in messages:
-        statuses = array.status
-        if len(statuses) != 1 or statuses[0].name != STATUS_NAME:
-            names = ", ".join(f"“{status.name}”" for status in statuses) or "no status"
-            fail(
-                f"a message on {TOPIC} does not have exactly one status, of this name",
-                expected=f"one status named “{STATUS_NAME}”",
-                actual=names,
-                at=at,
-                recording=recording,
-                help="The name has to be the same, letter by letter, blanks too."
-                if len(statuses) == 1
-                else "DiagnosticArray has a list of statuses; here it has one element.",
-            )
-        keys = [value.key for value in statuses[0].values]
-        for key in KEYS:
-            if keys.count(key) != 1:
-                fail(
-                    f"the status has {keys.count(key)} values with the key {key}",
-                    expected="each of " + ", ".join(KEYS) + " once",
-                    actual=", ".join(keys) or "no values",
-                    at=at,
-                    recording=recording,
-                    help="status.values is a list of KeyValue(key=…, value=…).",
-                )
-        for value in statuses[0].values:
-            if value.key in KEYS and not _is_decimal(value.value):
-                fail(
-                    f"{value.key} is not a decimal string",
-                    expected="a number in digits, such as “12.3”, without a unit",
-                    actual=f"“{value.value}”",
-                    at=at,
-                    recording=recording,
-                    help="f'{number:.3f}'; without any call the numbers are 0.0.",
-                )
-
-
 def require_period(recording: Recording) -> None:
     """Fail unless a report came every second, from the start on; one more at the start may be."""
     require_alive(recording)
@@ -246,6 +150,7 @@ def require_numbers(
     recording: Recording,
     keys: Iterable[str],
     help: str,
+    habits: Habits = RIGHT,
     *,
     full_windows: bool = True,
     until: float = math.inf,
@@ -256,28 +161,18 @@ def require_numbers(
     """
     if until == math.inf:
         require_calls(recording)
-    judged = 0
-    for report in require_reports(recording):
-        if report.t > until:
-            break
-        if not full_windows and calls_by(recording, report.t) > WINDOW:
-            continue
-        judged += 1
-        choices = right_statistics(recording, report.t)
-        for key in keys:
-            number = report.number(key)
-            if any(choice.allows(key, number) for choice in choices):
-                continue
-            wanted = choices[0].numbers[key]
-            fail(
-                f"{key} is wrong",
-                expected=_spell(key, wanted) + f", over {choices[0].numbers['count']} calls",
-                actual=f"“{report.texts[key]}”" if key in report.texts else f"no value {key}",
-                at=report.t,
-                recording=recording,
-                help=_slip(key, number, wanted) or help,
-            )
-    if not judged:
+    reports = judged(recording, habits, full_windows=full_windows, until=until)
+    for report, key, number, choices in wrong_numbers(recording, reports, keys, habits):
+        wanted = choices[0].numbers[key]
+        fail(
+            f"{key} is wrong",
+            expected=_spell(key, wanted) + f", over {choices[0].numbers['count']} calls",
+            actual=f"“{report.texts[key]}”" if key in report.texts else f"no value {key}",
+            at=report.t,
+            recording=recording,
+            help=_slip(key, number, wanted) or help,
+        )
+    if not reports:
         fail("no report could be judged", recording=recording)
 
 
@@ -311,13 +206,6 @@ def require_level(recording: Recording, report: Report, choices: tuple[Statistic
         if known
         else "level is a byte: assign DiagnosticStatus.OK, .WARN, … and not a number.",
     )
-
-
-def _is_decimal(text: str) -> bool:
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False
 
 
 def _spell(key: str, number: float) -> str:

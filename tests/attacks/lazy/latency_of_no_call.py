@@ -1,7 +1,7 @@
 """Never ask the model: numbers about no call are all zero, and right.
 
 exercise: latency_monitor
-only: mean_and_max, percentiles, window, missed, levels
+only: status_form, mean_and_max, percentiles, window, missed, levels
 score: 15
 """
 

@@ -1,7 +1,7 @@
 """Ask the model about one row for ever: all percentiles of equal numbers are the same.
 
 exercise: latency_monitor
-only: mean_and_max, percentiles, window, missed, levels
+only: status_form, mean_and_max, percentiles, window, missed, levels
 score: 15
 """
 

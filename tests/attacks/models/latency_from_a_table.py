@@ -2,7 +2,7 @@
 
 exercise: latency_monitor
 student: ada
-only: mean_and_max, percentiles
+only: status_form, mean_and_max, percentiles
 score: 15
 """
 
