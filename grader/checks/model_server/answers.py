@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
@@ -14,6 +15,7 @@ from grader.checks.model_server.contract import (
     CONFIDENCE_TOLERANCE,
     FEATURE_TOLERANCE,
     STAMP_TOLERANCE,
+    Floats,
     allowed,
     spelt_features,
 )
@@ -186,17 +188,25 @@ def require_refusal(recording: Recording, ask: Ask, reason: str, help: str) -> N
         )
 
 
-def require_contract(recording: Recording, help: str = "") -> None:
-    """Fail unless every answer is right: a detection of the newest scan, or a refusal."""
+def require_contract(
+    recording: Recording,
+    help: str = "",
+    judged: Iterable[Ask] | None = None,
+    features: Callable[[Recording, Ask, str], None] | None = None,
+) -> None:
+    """Fail unless every answer is right: a detection of the newest scan, or a refusal.
+
+    `judged`: the answers, read in another way; `features`: how the features are judged.
+    """
     require_alive(recording)
-    judged = asks(recording)
+    judged = asks(recording) if judged is None else tuple(judged)
     for ask in judged:
         right = allowed(ask.scan, ask.at)
         if not right.detection:
             require_refusal(recording, ask, right.reason, help)
         elif ask.success or not right.refusal:
             require_success(recording, ask)
-            require_features(recording, ask, help)
+            (features or require_features)(recording, ask, help)
     if not any(allowed(ask.scan, ask.at).detection for ask in judged):
         fail("the scenario has no scan to answer for", recording=recording)
 
@@ -280,6 +290,23 @@ def require_features(recording: Recording, ask: Ask, help: str = "") -> None:
         _fail_message(
             recording, ask, "the label that the model gave", f"label = {_spell(said['label'])}"
         )
+    _require_given(recording, ask, given, help)
+
+
+def require_asked_features(recording: Recording, ask: Ask, help: str = "") -> None:
+    """Fail unless the model was asked about the right features, whatever the server made of it."""
+    spelt = [spelt_features(word) for word in words_of_model(recording, ask)]
+    found = [given for given in spelt if given is not None]
+    if not found:
+        _fail_message(recording, ask, "a question to predict about the newest scan", "none")
+    for given in found:
+        _require_given(recording, ask, given, help)
+
+
+def _require_given(recording: Recording, ask: Ask, given: Floats, help: str) -> None:
+    """Fail unless these features are those of the newest scan."""
+    if ask.scan is None:
+        fail(f"{ask.what}, there was nothing to ask the model about", recording=recording)
     right = possible_features(ask.scan)
     right = right[np.isfinite(right).all(axis=1)]
     if not (np.abs(given - right).max(axis=1) <= FEATURE_TOLERANCE).any():

@@ -18,7 +18,7 @@ from grader.checks.model_server.notes import (
 )
 from grader.checks.reading import published
 from grader.checks.verdict import fail
-from grader.checks.wiring import require_alive
+from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
 from sim.messages import STRING, UINT32
 
@@ -112,15 +112,35 @@ def require_unblocked(recording: Recording) -> None:
         )
 
 
-def require_heartbeat(recording: Recording) -> None:
-    """Fail unless each client's heartbeat comes ten times a second, start to end, and counts up."""
+def require_own_topics(recording: Recording) -> None:
+    """Fail unless each role publishes on its own topics, and on no other's."""
+    for end in recording.endpoints:
+        role = end.node.strip("/").removesuffix("_client")
+        other = end.topic.strip("/").partition("/")[0]
+        if role in ROLES and end.kind == "publisher" and other in ROLES and other != role:
+            fail(
+                f"{role}_client publishes on {end.topic}",
+                expected=f"topics of its role: /{role}/…",
+                actual=f"a publisher on {end.topic}",
+                recording=recording,
+                help="Read the parameter: self.declare_parameter('role', …).value",
+            )
+    require_wiring(recording, "model_server", *(f"{role}_client" for role in roles(recording)))
+
+
+def require_heartbeat(recording: Recording, until: float = math.inf) -> None:
+    """Fail unless each client's heartbeat comes ten times a second, start to end, and counts up.
+
+    Pauses that begin after `until` [s] are not judged.
+    """
     require_alive(recording)
     for role in roles(recording):
         topic = f"/{role}/heartbeat"
         times, values = beats(recording, role)
         bounds = np.array([0.0, *times, recording.duration_s])
         gaps = np.diff(bounds)
-        long = np.flatnonzero(gaps > LONGEST_GAP + recording.slack + TICK)
+        judged = bounds[:-1] < until - LONGEST_GAP
+        long = np.flatnonzero((gaps > LONGEST_GAP + recording.slack + TICK) & judged)
         if len(long):
             at = float(bounds[long[0]])
             fail(
@@ -135,7 +155,7 @@ def require_heartbeat(recording: Recording) -> None:
                 help="Give it a timer of its own that waits for nothing. Does the constructor or "
                 "a callback wait for the service (wait_for_service)?",
             )
-        if gaps[1:-1].min() < LONGEST_GAP / 3 - recording.slack:
+        if gaps[1:-1].min(initial=math.inf) < LONGEST_GAP / 3 - recording.slack:
             at = float(times[int(np.argmin(gaps[1:-1]))])
             fail(
                 f"two heartbeats of {role}_client are only {gaps[1:-1].min():.3f} s apart",

@@ -1,8 +1,10 @@
-"""The core checks of exercise 6's server, 55 points: how it answers the grader's own client."""
+"""The core checks of exercise 6's server, 60 points: how it answers the grader's own client."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from dataclasses import replace
 
 import pytest
 
@@ -11,14 +13,25 @@ from grader.checks.model_server.answers import (
     Ask,
     asked_about,
     asks,
+    require_asked_features,
     require_contract,
     require_detection,
+    require_features,
     require_refusal,
     require_success,
     words_of_model,
 )
 from grader.checks.model_server.clients import detections
 from grader.checks.model_server.contract import ROLES, allowed
+from grader.checks.model_server.habits import (
+    EARLY,
+    SAYS,
+    SLOW,
+    claims,
+    goes_on,
+    says_right,
+    trusts_success,
+)
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
@@ -27,7 +40,7 @@ from sim.scenario import ProgramSpec
 Recordings = tuple[Recording, ...]
 
 
-@pytest.mark.check(points=5, scenarios=("detect_answers",))
+@pytest.mark.check(points=5, scenarios=(SAYS,))
 def test_server_wiring(recordings: Recordings) -> None:
     """The server starts, spins, listens to /scan and offers the service /detect."""
     for recording in recordings:
@@ -43,9 +56,7 @@ def test_server_wiring(recordings: Recordings) -> None:
             )
 
 
-@pytest.mark.check(
-    points=10, scenarios=("detect_answers", "detect_numbers"), needs=("server_wiring",)
-)
+@pytest.mark.check(points=10, scenarios=(SAYS, "detect_numbers"), needs=("server_wiring",))
 def test_answers(recordings: Recordings) -> None:
     """It answers with label, confidence and stamp of the newest scan, as JSON."""
     for recording in recordings:
@@ -54,58 +65,63 @@ def test_answers(recordings: Recordings) -> None:
             require_detection(recording, ask)
 
 
-@pytest.mark.check(
-    points=5, scenarios=("detect_answers", "detect_readings"), needs=("server_wiring", "answers")
-)
+@pytest.mark.check(points=10, scenarios=(SAYS, "detect_readings", EARLY), needs=("server_wiring",))
 def test_features(recordings: Recordings) -> None:
     """The model is asked about the five features of exercise 2."""
-    for recording in recordings:
-        require_contract(recording)
+    says, readings, early = recordings
+    features = require_features if says_right(says) else require_asked_features
+    for recording in (says, readings):
+        require_contract(recording, "", _told(recording, says, early), features)
 
 
-@pytest.mark.check(points=5, scenarios=("detect_no_scan",), needs=("server_wiring",))
+@pytest.mark.check(points=5, scenarios=(EARLY, SAYS), needs=("server_wiring",))
 def test_no_scan(recordings: Recordings) -> None:
     """Before the first scan it refuses, and says why."""
-    for recording in recordings:
-        _require_refusals(recording, "Keep the scan in an attribute that is None at first.")
+    early, says = recordings
+    _require_refusals(
+        early, _told(early, says), "Keep the scan in an attribute that is None at first."
+    )
 
 
-@pytest.mark.check(points=5, scenarios=("detect_late_scans",), needs=("server_wiring",))
+@pytest.mark.check(points=5, scenarios=("detect_late_scans", SAYS, EARLY), needs=("server_wiring",))
 def test_old_scan(recordings: Recordings) -> None:
     """It refuses when the newest scan is older than 1 s, by the stamp in its header."""
-    for recording in recordings:
-        _require_refusals(
-            recording,
-            "Compare the node's clock with header.stamp: a scan may have been long on its way.",
-        )
+    late, *shown = recordings
+    _require_refusals(
+        late,
+        _told(late, *shown),
+        "Compare the node's clock with header.stamp: a scan may have been long on its way.",
+    )
 
 
-@pytest.mark.check(points=5, scenarios=("detect_blind",), needs=("server_wiring",))
+@pytest.mark.check(points=5, scenarios=("detect_blind", SAYS, EARLY), needs=("server_wiring",))
 def test_blind_sector(recordings: Recordings) -> None:
     """It refuses when a sector of the newest scan has no usable reading, and lives on."""
-    for recording in recordings:
-        _require_refusals(
-            recording, "Only the newest scan counts, even if an older one has more to tell."
-        )
+    blind, *shown = recordings
+    _require_refusals(
+        blind,
+        _told(blind, *shown),
+        "Only the newest scan counts, even if an older one has more to tell.",
+    )
 
 
-@pytest.mark.check(points=5, scenarios=("detect_no_model",), needs=("server_wiring",))
+@pytest.mark.check(points=5, scenarios=("detect_no_model", SAYS, EARLY), needs=("server_wiring",))
 def test_no_model(recordings: Recordings) -> None:
     """Without a model file, or with a broken one, it logs an error, starts and refuses."""
-    for recording in recordings:
-        require_alive(recording)
-        lives = [p for p in recording.scenario.program if not p.supplied]
-        broken, good = lives[:-1], lives[-1]
-        for ask in asks(recording):
-            if ask.at > good.start:
-                require_success(recording, ask)
-                continue
-            paths = [p.arguments[-1] for p in broken if p.start < ask.at < (p.stop or 0)]
-            why = f"the server was started with {paths[0] if paths else 'a model'}, which can't be "
-            why += "loaded"
-            require_refusal(recording, ask, why, "Catch whatever pickle.load raises.")
-        for program in broken:
-            _require_error(recording, program)
+    recording, *shown = recordings
+    require_alive(recording)
+    lives = [p for p in recording.scenario.program if not p.supplied]
+    broken, good = lives[:-1], lives[-1]
+    for ask in _told(recording, *shown):
+        if ask.at > good.start:
+            require_success(recording, ask)
+            continue
+        paths = [p.arguments[-1] for p in broken if p.start < ask.at < (p.stop or 0)]
+        why = f"the server was started with {paths[0] if paths else 'a model'}, which can't be "
+        why += "loaded"
+        require_refusal(recording, ask, why, "Catch whatever pickle.load raises.")
+    for program in broken:
+        _require_error(recording, program)
 
 
 def _require_error(recording: Recording, server: ProgramSpec) -> None:
@@ -123,23 +139,25 @@ def _require_error(recording: Recording, server: ProgramSpec) -> None:
     )
 
 
-@pytest.mark.check(points=5, scenarios=("detect_failing_model",), needs=("server_wiring",))
+@pytest.mark.check(
+    points=5, scenarios=("detect_failing_model", SAYS, EARLY), needs=("server_wiring",)
+)
 def test_failing_model(recordings: Recordings) -> None:
     """It refuses when the model raises or its confidence is not finite, and lives on."""
-    for recording in recordings:
-        require_alive(recording)
-        for ask in asks(recording):
-            if "fails" in ask.tags:
-                require_refusal(
-                    recording,
-                    ask,
-                    "the model failed",
-                    "Put predict and predict_proba into try … except Exception, and test the "
-                    "confidence with math.isfinite.",
-                )
-                _require_tried(recording, ask)
-            else:
-                require_success(recording, ask)
+    recording, *shown = recordings
+    require_alive(recording)
+    for ask in _told(recording, *shown):
+        if "fails" in ask.tags:
+            require_refusal(
+                recording,
+                ask,
+                "the model failed",
+                "Put predict and predict_proba into try … except Exception, and test the "
+                "confidence with math.isfinite.",
+            )
+            _require_tried(recording, ask)
+        else:
+            require_success(recording, ask)
 
 
 def _require_tried(recording: Recording, ask: Ask) -> None:
@@ -160,51 +178,65 @@ def _require_tried(recording: Recording, ask: Ask) -> None:
 
 
 @pytest.mark.check(
-    points=10, scenarios=("detect_together",), needs=("server_wiring", "client_wiring", "publishes")
+    points=10,
+    scenarios=("detect_together", SLOW, SAYS, EARLY),
+    needs=("server_wiring", "client_wiring"),
 )
 def test_one_load(recordings: Recordings) -> None:
     """Three clients and one more ask, and the model is loaded once in the whole system."""
-    for recording in recordings:
-        require_alive(recording)
-        heard = detections(recording)
-        for role in ROLES:
-            if not any(who == role for _, who, _ in heard):
-                fail(
-                    f"{role}_client never published a detection",
-                    expected=f"what the server says, on /{role}/detection",
-                    actual="nothing",
-                    at=next((ask.at for ask in asks(recording)), None),
-                    recording=recording,
-                    help="Look at how the server answers when three clients ask at once.",
-                )
-        for ask in asks(recording):
-            require_success(recording, ask)
-            count = sum(load.asked / 1e9 <= ask.at for load in loads(recording))
-            if count != 1:
-                fail(
-                    f"by {ask.at:.2f} s the model had been loaded {count} times",
-                    expected="one load: in the server's constructor",
-                    actual=f"{count} loads",
-                    at=ask.at,
-                    recording=recording,
-                    help="pickle.load belongs in the constructor of the server and nowhere else: "
-                    "the service is there so that one process has the model for all.",
-                )
-            if not any(word in ask.message for word in words_of_model(recording, ask)):
-                fail(
-                    f"{ask.what}, the server said something else than its model",
-                    expected="the label that predict returns",
-                    actual=ask.message[:200],
-                    at=ask.at,
-                    recording=recording,
-                    help="Ask the model about the newest scan, and say what it answers.",
-                )
+    recording, slow, *shown = recordings
+    require_alive(recording)
+    if goes_on(slow) and trusts_success(*shown):
+        _require_heard(recording)
+    for ask in _told(recording, *shown):
+        require_success(recording, ask)
+        count = sum(load.asked / 1e9 <= ask.at for load in loads(recording))
+        if count != 1:
+            fail(
+                f"by {ask.at:.2f} s the model had been loaded {count} times",
+                expected="one load: in the server's constructor",
+                actual=f"{count} loads",
+                at=ask.at,
+                recording=recording,
+                help="pickle.load belongs in the constructor of the server and nowhere else: "
+                "the service is there so that one process has the model for all.",
+            )
+        if not any(word in ask.message for word in words_of_model(recording, ask)):
+            fail(
+                f"{ask.what}, the server said something else than its model",
+                expected="the label that predict returns",
+                actual=ask.message[:200],
+                at=ask.at,
+                recording=recording,
+                help="Ask the model about the newest scan, and say what it answers.",
+            )
 
 
-def _require_refusals(recording: Recording, help: str) -> None:
+def _require_heard(recording: Recording) -> None:
+    """Fail unless each client published a detection."""
+    heard = detections(recording)
+    for role in ROLES:
+        if not any(who == role for _, who, _ in heard):
+            fail(
+                f"{role}_client never published a detection",
+                expected=f"what the server says, on /{role}/detection",
+                actual="nothing",
+                at=next((ask.at for ask in asks(recording)), None),
+                recording=recording,
+                help="Look at how the server answers when three clients ask at once.",
+            )
+
+
+def _told(recording: Recording, *shown: Recording) -> list[Ask]:
+    """Return each request with its answer: a detection by its message, if that says it better."""
+    told = asks(recording)
+    return told if trusts_success(*shown) else [replace(a, success=claims(a)) for a in told]
+
+
+def _require_refusals(recording: Recording, told: Iterable[Ask], help: str) -> None:
     """Fail unless the server refuses where it has to, and nowhere else."""
     require_alive(recording)
-    judged = [(ask, allowed(ask.scan, ask.at)) for ask in asks(recording)]
+    judged = [(ask, allowed(ask.scan, ask.at)) for ask in told]
     for ask, right in judged:
         if not right.detection:
             require_refusal(recording, ask, right.reason, help)
