@@ -1,7 +1,7 @@
 """No attack: what the naive node is worth.
 
 exercise: slow_model
-score: 35
+score: 75
 """
 
 from naive import drive

@@ -1,7 +1,7 @@
 """Make time.sleep do nothing, so that the model takes no time.
 
 exercise: slow_model
-score: 35
+score: 75
 """
 
 import time

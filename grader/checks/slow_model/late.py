@@ -1,0 +1,92 @@
+"""Nodes whose predictions come late: `inference_rate` and `scan_age` fail, and that is enough.
+
+The checks of what the model sees and says would fail for the same reason. So where a node is late
+with the leader's scans, they ask only whether its predictions are right ones, of whatever scan.
+The checks that tell a robot to stop stay as strict as the contract.
+"""
+
+from __future__ import annotations
+
+from grader.checks.predictions import TOLERANCE, max_speed, predictions
+from grader.checks.slow_model.contract import AGE_P95, LATEST_STOP, LEAST_RATE
+from grader.checks.slow_model.evidence import (
+    behind,
+    require_ages,
+    require_moves,
+    require_newest,
+    require_no_strays,
+    require_rate,
+    spell,
+)
+from grader.checks.verdict import CheckFailed, fail
+from grader.recording import Inference, Recording
+
+FEATURES = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
+LEAST_ANSWERS = 3  # from the model, of a node that uses it
+
+
+def is_late(leader: Recording) -> bool:
+    """Tell whether a node is late in the leader's scenario: then `scan_age` is not passed."""
+    try:
+        require_rate(leader, LEAST_RATE)
+        require_ages(leader, AGE_P95)
+        require_newest(leader)
+    except CheckFailed:
+        return True
+    return False
+
+
+def require_right_though_late(recording: Recording) -> None:
+    """Fail unless the commands are predictions of scans, however old, and not all are 0.0."""
+    require_moves(recording)
+    require_no_strays(recording, behind(recording))
+
+
+def require_answers(recording: Recording, least: float) -> None:
+    """Fail unless the model was asked about different scans at this rate [Hz], however late."""
+    require_moves(recording)
+    answers = {call.said[0] for call in _calls(recording)}
+    first = recording.scans()[0].t
+    rate = len(answers) / (recording.duration_s - first)
+    if rate < least:
+        fail(
+            "inference does not keep going",
+            expected=f"at least {least} new predictions per second",
+            actual=f"{rate:.1f} per second, over {recording.duration_s - first:.0f} s",
+            at=first,
+            recording=recording,
+            help="When one inference has ended, the next may start with the newest scan.",
+        )
+
+
+def require_right_answers(recording: Recording) -> None:
+    """Fail unless the model was asked about scans that had come, and about nothing else."""
+    said, calls = predictions(recording), _calls(recording)
+    if len(calls) < LEAST_ANSWERS:
+        fail(
+            f"the model was asked {len(calls)} times, so this proves nothing",
+            expected="a call of predict for a newest scan whenever the last one has ended",
+            actual=f"{len(calls)} calls in {recording.duration_s:.1f} s",
+            at=min(LATEST_STOP, recording.duration_s),
+            recording=recording,
+            help="Get inference_rate right first.",
+        )
+    for call in calls:
+        asked = call.asked / 1e9
+        there = [prediction for prediction in said if prediction.scan.t <= asked]
+        speed = min(max(call.said[0], 0.0), max_speed(recording.scenario))
+        if not any(p.least - TOLERANCE <= speed <= p.most + TOLERANCE for p in there):
+            newest = there[-1].text if there else "nothing yet"
+            fail(
+                "the model's answer is that to no scan",
+                expected=f"a scan's features; for the newest scan the model says {newest}",
+                actual=spell(speed),
+                at=asked,
+                recording=recording,
+                help=FEATURES,
+            )
+
+
+def _calls(recording: Recording) -> list[Inference]:
+    """Return the calls of predict that were answered with a number."""
+    return [i for i in recording.inferences if i.method == "predict" and i.asked >= 0 and i.said]
