@@ -25,6 +25,7 @@ DEADLINE = 100.0  # [ms] without the parameter
 PERIOD = 1.0  # [s] of the reports
 PERIOD_TOLERANCE = 0.15  # [s]
 MOST_CHOICES = 20  # calls that end within a hair of a report and may count or not
+FEW_CHOICES = 3  # the same at the report before, if that empties the window
 HAIR = 0.001  # [s] a call that ends this near to a report may count or not
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
 THREE_DIGITS = 0.0006  # what rounding to three digits may change, in any unit
@@ -106,7 +107,7 @@ def right_statistics(
     return tuple(
         _statistics(tuple(latencies[max(begin, n - window) : n]), deadline, late)
         for n in range(max(least, most - MOST_CHOICES), most + 1)
-        for begin in range(max(first, last - MOST_CHOICES), last + 1)
+        for begin in range(max(first, last - FEW_CHOICES), last + 1)
     )
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from grader.checks.model_server.contract import LONGEST_GAP, ROLES, Floats
+from grader.checks.model_server.contract import LONGEST_GAP, NEXT_REQUEST, ROLES, Floats
 from grader.checks.model_server.notes import (
     SERVED,
     Answered,
@@ -87,7 +87,7 @@ def beats(recording: Recording, role: str) -> tuple[Floats, list[int]]:
 
 
 def require_unblocked(recording: Recording) -> None:
-    """Fail if a client's heartbeat paused: then one of its callbacks blocks."""
+    """Fail if a client's heartbeat paused: then one of its callbacks blocks. Or if nobody asked."""
     require_alive(recording)
     for role in roles(recording):
         times, _ = beats(recording, role)
@@ -109,6 +109,15 @@ def require_unblocked(recording: Recording) -> None:
             at=at,
             recording=recording,
             help=BLOCKED,
+        )
+    if not requests(recording):
+        fail(
+            "no client ever asks, so there is no answer to wait for",
+            expected="a request every 0.5 s, and heartbeats meanwhile",
+            actual="no request",
+            at=NEXT_REQUEST,
+            recording=recording,
+            help="Does a timer ask, and is its callback called? Is the service looked for anew?",
         )
 
 

@@ -54,7 +54,7 @@ def test_client_wiring(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=10, scenarios=(SLOW, "detect_silent_server"), needs=("client_wiring",))
 def test_never_blocks(recordings: Recordings) -> None:
-    """Whether or not an answer comes, a client goes on: no callback ever blocks."""
+    """A client asks, and goes on whether or not an answer comes: no callback ever blocks."""
     for recording in recordings:
         require_unblocked(recording)
 

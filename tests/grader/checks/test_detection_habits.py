@@ -119,6 +119,19 @@ def test_before_it_stands_still_a_heart_beats(
         clients.require_heartbeat(recording, until=0.5)
 
 
+@pytest.mark.parametrize("asked", [[], [clients.Request(0, 0.5, 0.8)]])
+def test_who_never_asks_can_wait_for_nothing(
+    monkeypatch: pytest.MonkeyPatch, asked: list[clients.Request]
+) -> None:
+    monkeypatch.setattr(clients, "requests", lambda _: asked)
+    recording = heart(monkeypatch, [0.1 * i for i in range(1, 40)], list(range(39)))
+    if asked:
+        clients.require_unblocked(recording)
+        return
+    with pytest.raises(CheckFailed, match="no client ever asks"):
+        clients.require_unblocked(recording)
+
+
 def test_the_answers_of_a_contract_may_be_read_in_another_way(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
