@@ -121,8 +121,8 @@ def _judges(exercise: Exercise, known: dict[str, str] = {}) -> str:  # noqa: B00
     return known[exercise.slug]
 
 
-def summarise(exercise: Exercise, verdicts: Iterable[Verdict]) -> list[str]:
-    """Print an exercise's line of the table; return its gaps, and patterns nobody needs."""
+def summarise(exercise: Exercise, verdicts: Iterable[Verdict], *, whole: bool) -> list[str]:
+    """Print an exercise's line of the table; return its gaps and, of a whole run, idle patterns."""
     judged = list(verdicts)
     list_ = reviewed(exercise)
     survivors = [verdict for verdict in judged if not verdict.killed_by]
@@ -134,7 +134,7 @@ def summarise(exercise: Exercise, verdicts: Iterable[Verdict]) -> list[str]:
         f"{len(gaps):4} {seconds:7.0f} s",
         flush=True,
     )
-    unused = list_.unused([verdict.name for verdict in survivors])
+    unused = list_.unused([verdict.name for verdict in survivors]) if whole else []
     unsure = [verdict.name for verdict in survivors if verdict.unsure]
     return [
         *(f"{exercise.slug}: {verdict.name}: survives" for verdict in gaps),
@@ -178,8 +178,10 @@ def main(arguments: list[str]) -> int:
         return 0
     print(f"  {'exercise':20} generated killed equivalent gaps      time")
     bad: list[str] = []
+    whole = not options.only and options.variants >= VARIANTS
     for exercise, every_one in made.items():
-        bad += summarise(exercise, judge(every_one, options.keep, options.workers))
+        judged = judge(every_one, options.keep, options.workers)
+        bad += summarise(exercise, judged, whole=whole)
     print(f"\n{len(bad)} to look at" + "".join(f"\n  {line}" for line in bad))
     return 1 if bad else 0
 

@@ -31,7 +31,7 @@ from grader.checks.verdict import fail
 from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
-AWAY = "trend_recede"
+AWAY, REST, LATE = "trend_recede", "trend_rest", "trend_late_near"
 DRIVES = ("trend_wall", "trend_cart")
 CLEAR = "Compare each stamp with the one before; clear, then remember the new one."
 
@@ -45,7 +45,7 @@ def test_wiring(recordings: Recordings) -> None:
         require_wiring(recording, "trend_memory")
 
 
-@pytest.mark.check(points=5, scenarios=(APPROACH, *DRIVES), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(APPROACH, LATE, *DRIVES), needs=("wiring",))
 def test_one_command_per_scan(recordings: Recordings) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     for recording in recordings:
@@ -79,16 +79,16 @@ def test_silent_until_ten(recordings: Recordings) -> None:
             require_silence(recording, case)
 
 
-@pytest.mark.check(points=5, scenarios=(APPROACH, AWAY), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(APPROACH, AWAY, REST), needs=("wiring",))
 def test_one_speed_per_reading(recordings: Recordings) -> None:
     """From the tenth reading on, one closing speed follows each."""
-    for recording in recordings:
+    for recording in _survived(recordings):
         require_scans(recording)
         for case in cases(recording):
             require_one(recording, case)
 
 
-@pytest.mark.check(points=10, scenarios=(APPROACH, AWAY, "trend_rest"), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=(APPROACH, AWAY, REST), needs=("wiring",))
 def test_closing_speed(recordings: Recordings) -> None:
     """It is minus the least-squares slope of distance over stamp: closer, away, at rest."""
     silent_away = False  # which is for one_speed_per_reading to say
@@ -119,16 +119,17 @@ def test_looks_ahead(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=5, scenarios=(CHANGES, APPROACH), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(CHANGES, REST, APPROACH), needs=("wiring",))
 def test_forgets_old(recordings: Recordings) -> None:
     """Only the last ten readings count: what was before is forgotten, one reading at a time."""
     habits = shown_habits(recordings)
-    require_plain(
-        recordings[0],
-        replace(habits, law=habits.law and habits.law._replace(keeps=MEMORY_SIZE, first=False)),
-        "With each new reading the oldest one goes: deque(maxlen=10).",
-        after=14,
-    )
+    for recording in _survived(recordings[:2]):
+        require_plain(
+            recording,
+            replace(habits, law=habits.law and habits.law._replace(keeps=MEMORY_SIZE, first=False)),
+            "With each new reading the oldest one goes: deque(maxlen=10).",
+            after=14,
+        )
 
 
 @pytest.mark.check(points=5, scenarios=(STAMPS, CHANGES, APPROACH), needs=("wiring",))
@@ -172,7 +173,7 @@ def test_clears_jump(recordings: Recordings) -> None:
         require_forgotten(recording, habits)
 
 
-@pytest.mark.check(points=5, scenarios=("trend_near",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("trend_near", LATE), needs=("wiring",))
 def test_stops_near(recordings: Recordings) -> None:
     """Below 0.5 m the robot stands, whether or not a closing speed is known."""
     require_speeds(recordings, "near", "Below 0.5 m: 0.0 m/s, from the first scan on.")
@@ -187,7 +188,7 @@ def test_stops_in_time(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=5,
-    scenarios=("trend_near", "trend_in_time", AWAY, "trend_rest", "trend_unusable", *PLAIN),
+    scenarios=("trend_near", "trend_in_time", AWAY, REST, "trend_unusable", *PLAIN),
     needs=("wiring",),
 )
 def test_drives_free(recordings: Recordings) -> None:
@@ -216,3 +217,8 @@ def test_no_contact(recordings: Recordings) -> None:
         require_distance(recording)
     for recording in recordings:
         require_way(recording)
+
+
+def _survived(recordings: Recordings) -> Recordings:
+    """Return the recordings but that of rest, if the node died of it: that is for `drives_free`."""
+    return tuple(r for r in recordings if r.name != REST or r.outcome.completed)

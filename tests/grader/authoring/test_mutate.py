@@ -142,7 +142,7 @@ def test_survivors_are_equivalent_or_gaps(
     monkeypatch.setattr(mutate, "reviewed", lambda exercise: list_)
     names = ("killed 1", "lives 1 [x]", "lives 2")
     three = [mutant(name, name) for name in names]
-    bad = mutate.summarise(SUPERVISOR, mutate.judge(three, tmp_path / "kept", 1))
+    bad = mutate.summarise(SUPERVISOR, mutate.judge(three, tmp_path / "kept", 1), whole=True)
     assert bad == [
         "safety_supervisor: lives 2: survives",
         "safety_supervisor: equivalents.toml: 'killed*' matches no survivor",
