@@ -61,8 +61,9 @@ def holds(recording: Recording) -> list[tuple[Pose, Quest, float]]:
     found = []
     for pose, end in zip(told, ends, strict=False):
         newest = [quest for quest in goals if quest.begin <= pose.t]
-        if newest and end - pose.t > REACTION:
-            found.append((pose, newest[-1], end))
+        until = min([end, *(quest.begin for quest in goals if quest.begin > pose.t)])
+        if newest and until - pose.t > REACTION:
+            found.append((pose, newest[-1], until))
     return found
 
 
