@@ -33,7 +33,14 @@ def test_wiring(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=3,
-    scenarios=("ml_front_min", "ml_blind", "ml_not_finite", "ml_raises", "ml_drive_wall"),
+    scenarios=(
+        "ml_front_min",
+        "ml_hundred",
+        "ml_blind",
+        "ml_not_finite",
+        "ml_raises",
+        "ml_drive_wall",
+    ),
     needs=("wiring",),
     requires=FOREST,
 )
@@ -54,7 +61,7 @@ def test_only_linear_x(recordings: Recordings) -> None:
         require_only_linear_x(recording, "The model only chooses how fast to drive straight ahead.")
 
 
-@pytest.mark.check(points=4, scenarios=("ml_front_min",), needs=("wiring",))
+@pytest.mark.check(points=4, scenarios=("ml_front_min", "ml_hundred"), needs=("wiring",))
 def test_front_min(recordings: Recordings) -> None:
     """Feature 0 is the smallest distance of the front sector (|θ| ≤ 60°)."""
     for recording in recordings:

@@ -13,7 +13,7 @@ from grader.checks.model_formats.evidence import require_speeds
 from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
-GENERAL = ("format_readings", "format_blind", "format_says_pickle")
+GENERAL = ("format_readings", "format_hundred", "format_blind", "format_says_pickle")
 
 Recordings = tuple[Recording, ...]
 
@@ -41,7 +41,7 @@ def test_only_linear_x(recordings: Recordings) -> None:
         require_only_linear_x(recording, "The model only chooses how fast to drive straight ahead.")
 
 
-@pytest.mark.check(points=4, scenarios=("format_readings",), needs=("wiring",))
+@pytest.mark.check(points=4, scenarios=("format_readings", "format_hundred"), needs=("wiring",))
 def test_readings(recordings: Recordings) -> None:
     """The features are those of exercise 2: infinities replaced, unusable readings dropped."""
     for recording in recordings:

@@ -16,14 +16,14 @@ FEATURES = (
 Recordings = tuple[Recording, ...]
 
 
-@pytest.mark.check(points=7, scenarios=("format_pickle",), needs=("readings",), requires=SKLEARN)
+@pytest.mark.check(points=7, scenarios=("format_pickle",), needs=("wiring",), requires=SKLEARN)
 def test_pickle(recordings: Recordings) -> None:
     """Drives at the speed that a scikit-learn model predicts (.pkl)."""
     for recording in recordings:
         require_speeds(recording, "features", FEATURES)
 
 
-@pytest.mark.check(points=8, scenarios=("format_onnx",), needs=("readings",), requires=ONNX)
+@pytest.mark.check(points=8, scenarios=("format_onnx",), needs=("wiring",), requires=ONNX)
 def test_onnx(recordings: Recordings) -> None:
     """Drives at the speed that an ONNX model predicts (.onnx, output (n, 1))."""
     for recording in recordings:
@@ -42,7 +42,7 @@ def test_onnx_names(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=7, scenarios=("format_torch",), needs=("readings",), requires=TORCH)
+@pytest.mark.check(points=7, scenarios=("format_torch",), needs=("wiring",), requires=TORCH)
 def test_torch_export(recordings: Recordings) -> None:
     """Drives at the speed that a PyTorch program predicts (.pt2)."""
     for recording in recordings:
@@ -53,7 +53,7 @@ def test_torch_export(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=7, scenarios=("format_keras",), needs=("readings",), requires=KERAS)
+@pytest.mark.check(points=7, scenarios=("format_keras",), needs=("wiring",), requires=KERAS)
 def test_keras(recordings: Recordings) -> None:
     """Drives at the speed that a Keras model predicts (.keras)."""
     for recording in recordings:
