@@ -56,7 +56,9 @@ def test_server_wiring(recordings: Recordings) -> None:
             )
 
 
-@pytest.mark.check(points=10, scenarios=(SAYS, "detect_numbers"), needs=("server_wiring",))
+@pytest.mark.check(
+    points=10, scenarios=(SAYS, "detect_hundred", "detect_numbers"), needs=("server_wiring",)
+)
 def test_answers(recordings: Recordings) -> None:
     """It answers with label, confidence and stamp of the newest scan, as JSON."""
     for recording in recordings:
