@@ -38,6 +38,7 @@ from grader.recording import Recording
 
 MEASURED = ("count", *LATENCIES)
 COUNTED = ("deadline_ms", "missed")
+_FEWEST = 5  # calls in a window
 MANY = 10  # tolerances, by which numbers differ
 _POWER = 0.03  # share by which rounding may change a unit
 _UNITS = 1e-9, 1e9  # least and greatest
@@ -192,12 +193,16 @@ def _choices(recording: Recording, report: Report, habits: Habits) -> tuple[Stat
 
 
 def _windows(reports: list[Report]) -> Iterator[Window]:
-    """Return the windows that may be behind the counts."""
+    """Return the windows that may be behind the counts.
+
+    Of very few calls all statistics are the same: who reports on them shows none.
+    """
     yield Window()
-    yield Window(cleared=True)
     most = max((report.number("count") for report in reports), default=0.0)
-    if 0 < most < WINDOW:
-        yield Window(int(most))
+    if most >= _FEWEST:
+        yield Window(cleared=True)
+        if most < WINDOW:
+            yield Window(int(most))
 
 
 def _scales(recording: Recording, habits: Habits) -> Iterator[float]:

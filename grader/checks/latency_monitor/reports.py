@@ -10,6 +10,7 @@ import math
 import re
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from grader.checks.latency_monitor.contract import DIAGNOSTICS, KEYS, PERIOD, STATUS_NAME, TOPIC
@@ -61,7 +62,7 @@ def require_reports(recording: Recording, form: Form = RIGHT_FORM) -> list[Repor
     require_alive(recording)
     found: list[Report] = []
     since = 0.0
-    for time, array in published(recording, TOPIC, DIAGNOSTICS):
+    for time, array in _messages(recording):
         found += _reports_of(array, form, time, since)
         since = time
     if not found:
@@ -88,7 +89,7 @@ def require_reports(recording: Recording, form: Form = RIGHT_FORM) -> list[Repor
 def require_form(recording: Recording) -> None:
     """Fail unless each message has one status with its eight decimal strings."""
     require_alive(recording)
-    messages = published(recording, TOPIC, DIAGNOSTICS)
+    messages = _messages(recording)
     if not messages:
         require_reports(recording)
     for at, array in messages:
@@ -133,13 +134,18 @@ def form_of(recording: Recording) -> Form:
     try:
         require_form(recording)
     except CheckFailed:
-        arrays = [array for _, array in published(recording, TOPIC, DIAGNOSTICS)]
+        arrays = [array for _, array in _messages(recording)]
         statuses = [status for array in arrays[:MOST_REPORTS] for status in array.status]
         named = any(status.name == STATUS_NAME for status in statuses)
         form = Form(named=named, exact=False)
         written = [[v.key for v in _values(array.status, form)] for array in arrays[:1]]
         return form._replace(keys=_pairs(written[0])) if written else form
     return RIGHT_FORM
+
+
+@lru_cache(maxsize=4)  # many checks read the same, and a node may report very often
+def _messages(recording: Recording) -> list[tuple[float, Any]]:
+    return published(recording, TOPIC, DIAGNOSTICS)
 
 
 def _reports_of(array: Any, form: Form, time: float, since: float) -> list[Report]:

@@ -34,6 +34,7 @@ from grader.models.features import possible_features, scan_features, spell_featu
 from grader.recording import Inference, Recording, Scan
 from sim.messages import UINT32
 
+LONGEST = 10_000  # characters of a message; a detection has about a hundred
 UNDER_WAY = 0.06  # [s] a scan may take to reach the server, in real time
 
 
@@ -129,7 +130,7 @@ def _fits(recording: Recording, number: int, at: float, said: Answered) -> bool:
     if not said.success:
         return allowed(scan, at).refusal
     try:
-        stamp = float(json.loads(said.message)["stamp"])
+        stamp = float(parsed(said.message)["stamp"])
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
         return False
     return scan is not None and abs(stamp - recording.epoch / 1e9 - scan.stamp) <= STAMP_TOLERANCE
@@ -321,10 +322,17 @@ def _require_given(recording: Recording, ask: Ask, given: Floats, help: str) -> 
         )
 
 
+def parsed(message: str) -> Any:
+    """Return what a message says as JSON; a ValueError or a RecursionError if it is none."""
+    if len(message) > LONGEST:  # many checks read it, and millions of brackets take long
+        raise ValueError(f"{len(message):,} characters, more than {LONGEST:,}")
+    return json.loads(message)
+
+
 def read_detection(recording: Recording, ask: Ask) -> dict[str, Any]:
     """Return the JSON object in an answer; fail if it is none, or lacks a key."""
     try:
-        said = json.loads(ask.message)
+        said = parsed(ask.message)
     except (ValueError, RecursionError) as error:  # thousands of nested brackets, for example
         _fail_message(recording, ask, "a JSON object in message", f"no JSON: {error}")
     keys = ("label", "confidence", "stamp")

@@ -6,10 +6,9 @@ do. Other checks take as given what they found, and only where one of them has f
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 
-from grader.checks.model_server.answers import Ask, asks, require_detection
+from grader.checks.model_server.answers import Ask, asks, parsed, require_detection
 from grader.checks.model_server.clients import require_own_topics, require_unblocked
 from grader.checks.model_server.contract import allowed
 from grader.checks.verdict import CheckFailed
@@ -38,7 +37,7 @@ def trusts_success(says: Recording, early: Recording | None = None) -> bool:
 def claims(ask: Ask) -> bool:
     """Tell whether an answer's message is an object, as a detection is."""
     try:
-        return isinstance(json.loads(ask.message), dict)
+        return isinstance(parsed(ask.message), dict)
     except (ValueError, RecursionError):
         return False
 

@@ -246,7 +246,7 @@ def require_held(recording: Recording, tag: str, help: str) -> None:
     require_commands(recording)
     judged = 0
     twists = recording.twists()
-    for label, tags, begin, end, number in _holds(recording):
+    for label, tags, begin, end, number in holds(recording):
         if tag not in tags:
             continue
         judged += 1
@@ -312,7 +312,7 @@ def require_moves(recording: Recording) -> None:
         )
 
 
-def _holds(recording: Recording) -> list[tuple[str, tuple[str, ...], float, float, int]]:
+def holds(recording: Recording) -> list[tuple[str, tuple[str, ...], float, float, int]]:
     """Return label, tags, begin and end [s] and the first scan's number of each held scan."""
     scans, bench = recording.scans(), recording.scenario.bench_scans
     found: list[tuple[str, tuple[str, ...], float, float, int]] = []

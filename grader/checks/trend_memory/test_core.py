@@ -59,7 +59,7 @@ def test_only_linear_x(recordings: Recordings) -> None:
         require_only_linear_x(recording, "This agent only drives straight ahead.")
 
 
-@pytest.mark.check(points=5, scenarios=(APPROACH,), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(APPROACH, CHANGES), needs=("wiring",))
 def test_silent_until_ten(recordings: Recordings) -> None:
     """Nothing on /closing_speed before the tenth reading; then closing speeds come."""
     for recording in recordings:
@@ -79,7 +79,7 @@ def test_silent_until_ten(recordings: Recordings) -> None:
             require_silence(recording, case)
 
 
-@pytest.mark.check(points=5, scenarios=(APPROACH, AWAY, REST), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(APPROACH, AWAY, REST, CHANGES), needs=("wiring",))
 def test_one_speed_per_reading(recordings: Recordings) -> None:
     """From the tenth reading on, one closing speed follows each."""
     for recording in _survived(recordings):

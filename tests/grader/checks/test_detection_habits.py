@@ -60,7 +60,9 @@ def test_success_is_trusted_unless_it_is_always_wrong(
     assert trusts_success(*told(monkeypatch, says, early)) is trusts
 
 
-@pytest.mark.parametrize("message", ["", "[1]", "3", "null", "{'label': 1}", "[" * 100_000])
+@pytest.mark.parametrize(
+    "message", ["", "[1]", "3", "null", "{'label': 1}", "[" * 100_000, OBJECT + " " * 10_000]
+)
 def test_only_an_object_claims_a_detection(message: str) -> None:
     assert not claims(ask(True, message))
     assert claims(ask(False, OBJECT))

@@ -94,6 +94,18 @@ def test_the_window_is_found(report: Say, window: Window, calls: int, since: flo
     assert habits_of(recorded()) == Habits(window=window, right=False)
 
 
+@pytest.mark.parametrize(("calls", "since"), [(1, 0.0), (4, 0.0)])
+def test_a_window_of_very_few_calls_is_none(report: Say, calls: int, since: float) -> None:
+    report(reports(measured(calls, since)))
+    assert habits_of(recorded()) == Habits(right=False)
+
+
+def test_nearly_no_call_is_no_window(report: Say) -> None:
+    zeros = dict.fromkeys(KEYS, "0.0") | {"count": "0.05"}
+    report([Report(time, OK, zeros) for time, _ in measured()])
+    assert habits_of(recorded()) == Habits(right=False)
+
+
 @pytest.mark.parametrize("scale", [1e-3, 1e3, 1e6, 2.0])
 def test_the_unit_is_found(report: Say, scale: float) -> None:
     report(reports(measured(), scale))
