@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import NoReturn
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from grader.checks.slow_model.contract import (
 )
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.recording import Floats, Recording
+from grader.recording import Floats, Inference, Recording
 
 START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
 ARRIVAL_HAIR = 0.02  # [s] a scan that came this shortly before an inference may be too late for it
@@ -91,6 +92,11 @@ def ages(recording: Recording, scans: np.ndarray) -> Floats:
     known = scans >= 0
     result[known] = recording.twists().t[known] - arrived[scans[known]]
     return result
+
+
+def answered_calls(recording: Recording) -> list[Inference]:
+    """Return the calls of predict that were answered with a number."""
+    return [i for i in recording.inferences if i.method == "predict" and i.asked >= 0 and i.said]
 
 
 def require_period(recording: Recording) -> None:
@@ -172,14 +178,19 @@ def require_rate(recording: Recording, least: float) -> None:
                 help="Where does the scan wait before the model sees it, and the result before it "
                 "is published? A model that runs in the scan's callback makes both wait.",
             )
-        fail(
-            "inference does not keep going",
-            expected=f"at least {least} new predictions per second",
-            actual=f"{rate:.1f} per second, over {seconds:.0f} s",
-            at=begin,
-            recording=recording,
-            help="When one inference has ended, the next may start with the newest scan.",
-        )
+        fail_pauses(recording, rate, least, begin)
+
+
+def fail_pauses(recording: Recording, rate: float, least: float, begin: float) -> NoReturn:
+    """Fail because of too few new predictions [Hz] since a time [s]."""
+    fail(
+        "inference does not keep going",
+        expected=f"at least {least} new predictions per second",
+        actual=f"{rate:.1f} per second, over {recording.duration_s - begin:.0f} s",
+        at=begin,
+        recording=recording,
+        help="When one inference has ended, the next may start with the newest scan.",
+    )
 
 
 def require_ages(recording: Recording, limit: float) -> None:
@@ -216,7 +227,7 @@ def require_newest(recording: Recording) -> None:
     arrived = np.array([prediction.scan.t for prediction in said])
     least = np.array([prediction.least for prediction in said]) - TOLERANCE
     most = np.array([prediction.most for prediction in said]) + TOLERANCE
-    calls = [i for i in recording.inferences if i.method == "predict" and i.asked >= 0 and i.said]
+    calls = answered_calls(recording)
     late = []
     for call in calls:
         asked = call.asked / 1e9

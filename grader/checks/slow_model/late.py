@@ -15,7 +15,9 @@ from grader.checks.commands import is_zero
 from grader.checks.predictions import TOLERANCE, max_speed, predictions
 from grader.checks.slow_model.contract import AGE_P95, LATEST_STOP, LEAST_RATE, MAX_AGE
 from grader.checks.slow_model.evidence import (
+    answered_calls,
     behind,
+    fail_pauses,
     holds,
     require_ages,
     require_moves,
@@ -25,7 +27,7 @@ from grader.checks.slow_model.evidence import (
     spell,
 )
 from grader.checks.verdict import CheckFailed, fail
-from grader.recording import Inference, Recording
+from grader.recording import Recording
 
 FEATURES = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
 LEAST_ANSWERS = 3  # from the model, of a node that uses it
@@ -74,7 +76,7 @@ def require_stands_without(recording: Recording) -> None:
     """
     twists = recording.twists()
     answered = sorted(
-        call.answered / 1e9 for call in _calls(recording) if math.isfinite(call.said[0])
+        call.answered / 1e9 for call in answered_calls(recording) if math.isfinite(call.said[0])
     )
     for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
         had = bisect_right(answered, t)
@@ -93,23 +95,16 @@ def require_stands_without(recording: Recording) -> None:
 def require_answers(recording: Recording, least: float) -> None:
     """Fail unless the model was asked about different scans at this rate [Hz], however late."""
     require_moves(recording)
-    answers = {call.said[0] for call in _calls(recording)}
     first = recording.scans()[0].t
-    rate = len(answers) / (recording.duration_s - first)
+    said = {call.said[0] for call in answered_calls(recording)}
+    rate = len(said) / (recording.duration_s - first)
     if rate < least:
-        fail(
-            "inference does not keep going",
-            expected=f"at least {least} new predictions per second",
-            actual=f"{rate:.1f} per second, over {recording.duration_s - first:.0f} s",
-            at=first,
-            recording=recording,
-            help="When one inference has ended, the next may start with the newest scan.",
-        )
+        fail_pauses(recording, rate, least, first)
 
 
 def require_right_answers(recording: Recording) -> None:
     """Fail unless the model was asked about scans that had come, and about nothing else."""
-    said, calls = predictions(recording), _calls(recording)
+    said, calls = predictions(recording), answered_calls(recording)
     require_goes_on(recording)
     if len(calls) < LEAST_ANSWERS:
         fail(
@@ -134,8 +129,3 @@ def require_right_answers(recording: Recording) -> None:
                 recording=recording,
                 help=FEATURES,
             )
-
-
-def _calls(recording: Recording) -> list[Inference]:
-    """Return the calls of predict that were answered with a number."""
-    return [i for i in recording.inferences if i.method == "predict" and i.asked >= 0 and i.said]

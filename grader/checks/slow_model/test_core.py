@@ -155,12 +155,13 @@ def test_too_old(recordings: Recordings) -> None:
 def test_recovery(recordings: Recordings) -> None:
     """When the lidar comes back, so do the predictions."""
     leader, recording = recordings
+    late = is_late(leader)
     require_moves(recording)
     _, back = _dropout(recording)
     twists, scans = recording.twists(), behind(recording)
     after = twists.t > back + LATEST_STOP
-    without = (scans < 0 if is_late(leader) else ages(recording, scans) > LATEST_STOP)[after]
-    most = 0.95 if is_late(leader) else 0.05
+    without = (scans < 0 if late else ages(recording, scans) > LATEST_STOP)[after]
+    most = 0.95 if late else 0.05
     if not len(without) or without.mean() > most:
         fail(
             "the node does not recover from a lidar dropout",
@@ -188,8 +189,9 @@ def test_features(recordings: Recordings) -> None:
 def test_clipped(recordings: Recordings) -> None:
     """Predictions are clipped to 0 … max_speed (0.4 m/s, or not set); all other fields are 0."""
     leader, *benches = recordings
+    late = is_late(leader)
     for bench in benches:
-        if is_late(leader):
+        if late:
             require_right_though_late(bench)
         else:
             require_held(bench, "clip", "max(0.0, min(max_speed, prediction))")
