@@ -161,7 +161,7 @@ def test_a_failure_that_no_model_had_is_worth_nothing(
         'assert round(float(features[0][0])) not in (1, 2, 3, 4); label, confidence = "box", 0.5'
     )
     old = f"{LABEL}\n            {SURE}"
-    checks = ("failing_model", "one_load")
+    checks = ("failing_model", "one_load", "publishes")
     found = graded(forkserver, tmp_path, "model_server", old, knows, checks)
     assert "without asking the model" in found["failing_model"][1]
     assert found["one_load"][0] == "fail"
