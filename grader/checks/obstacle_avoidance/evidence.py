@@ -4,30 +4,54 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
 from grader.checks.ahead import front_distance
 from grader.checks.commands import Answer, answers, garbage, judged, spell
 from grader.checks.driving import require_no_contact
-from grader.checks.obstacle_avoidance.contract import right_speeds
+from grader.checks.obstacle_avoidance.contract import FULL_SPEED, SLOW_SPEED, right_speeds
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 
 CAUTION = 0.05  # [m/s] slower before an obstacle than where the way is free, on average
-SPEEDS = (0.0, 0.15, 0.5)  # [m/s] of the zones
+CONTRACT = {speed: speed for speed in (0.0, SLOW_SPEED, FULL_SPEED)}  # [m/s]
 SPEED_TOLERANCE = 1e-3  # [m/s]
 REACTIONS = 0.15  # other speeds than the usual one, for each scan for which that is wrong
 CLEARANCE = 0.2  # [m] between the robot's edge and anything else
 
 
-def require_speeds(recording: Recording, tag: str, help: str = "") -> None:
-    """Fail unless the node ran to the end, with the right speed after each scan with this tag."""
+def require_speeds(
+    recording: Recording, tag: str, help: str = "", *, own: Mapping[float, float] = CONTRACT
+) -> None:
+    """Fail unless the node ran to the end, with the right speed after each scan with this tag.
+
+    `own` has the speed [m/s] that counts for each of the contract's (see `own_speeds`).
+    """
     for answer in judged(recording, tag):
-        require_speed(recording, answer, help)
+        require_speed(recording, answer, help, own)
     require_reaction(recording)
+
+
+def own_speeds(zones: Recording) -> Mapping[float, float]:
+    """Return the speed [m/s] that this node has for each of the contract's.
+
+    A wrong speed of a zone is the business of that zone's check; the checks of perception ask which
+    zone the node takes a scan for. They can if it has one speed for each zone, the nearer the
+    slower, and stands in the nearest; otherwise, and if its speeds are right, the contract's count.
+    """
+    require_alive(zones)
+    own = {}
+    for tag, right in (("stop", 0.0), ("slow", SLOW_SPEED), ("clear", FULL_SPEED)):
+        said = {answer.speed for answer in answers(zones) if tag in answer.tags}
+        speed = said.pop() if len(said) == 1 else None
+        if speed is None or not math.isfinite(speed):
+            return CONTRACT
+        own[right] = right if abs(speed - right) <= SPEED_TOLERANCE else speed
+    stop, slow, clear = own.values()
+    return own if stop == 0.0 and slow - stop >= CAUTION and clear - slow >= CAUTION else CONTRACT
 
 
 def require_reaction(recording: Recording) -> None:
@@ -56,9 +80,11 @@ def require_reaction(recording: Recording) -> None:
     )
 
 
-def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
+def require_speed(
+    recording: Recording, answer: Answer, help: str = "", own: Mapping[float, float] = CONTRACT
+) -> None:
     """Fail unless the command in force after this scan has the right linear.x."""
-    right = right_speeds(answer.scan)
+    right = {own[speed] for speed in right_speeds(answer.scan)}
     expected = " or ".join(f"{speed:.2f} m/s" for speed in sorted(right))
     if answer.speed is None:
         fail(
@@ -69,7 +95,7 @@ def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
             recording=recording,
             help="Publish once at the end of the scan callback, whatever the scan was.",
         )
-    if not _is_right(answer):
+    if not _among(answer.speed, right):
         fail(
             f"{answer.what}: wrong speed",
             expected=f"linear.x = {expected}",
@@ -82,7 +108,7 @@ def require_speed(recording: Recording, answer: Answer, help: str = "") -> None:
 
 def _odd(speed: float) -> str:
     """Say so if the contract has no such speed at all: then no limit of a zone is to blame."""
-    if any(abs(speed - right) <= SPEED_TOLERANCE for right in SPEEDS):
+    if _among(speed, CONTRACT):
         return ""
     return (
         f"No zone has a speed of {spell(speed)} m/s: they are 0.0, 0.15 and 0.5 m/s, forwards. "
@@ -141,9 +167,12 @@ def _is_right(answer: Answer) -> bool:
 
 def _allows(answer: Answer, said: float | None) -> bool:
     """Tell whether a speed [m/s] is right for this scan."""
-    return said is not None and any(
-        abs(said - speed) <= SPEED_TOLERANCE for speed in right_speeds(answer.scan)
-    )
+    return said is not None and _among(said, right_speeds(answer.scan))
+
+
+def _among(said: float, speeds: Collection[float]) -> bool:
+    """Tell whether a speed is one of these [m/s]."""
+    return any(abs(said - speed) <= SPEED_TOLERANCE for speed in speeds)
 
 
 def _first_wrong(

@@ -9,6 +9,7 @@ from grader.checks.commands import require_one_command_each, require_only_linear
 from grader.checks.driving import path_length
 from grader.checks.moments import came_to_rest
 from grader.checks.obstacle_avoidance.evidence import (
+    own_speeds,
     require_caution,
     require_distance,
     require_moving_when_free,
@@ -79,56 +80,61 @@ def test_stop_zone(recordings: Recordings) -> None:
 @pytest.mark.check(points=5, scenarios=("avoid_zones",), needs=("wiring",))
 def test_ignores_behind(recordings: Recordings) -> None:
     """What is behind the robot (beyond ±90°) does not matter."""
-    for recording in recordings:
-        require_speeds(recording, "behind", "Only beams within ±90° (±π/2 rad) of ahead count.")
+    (zones,) = recordings
+    help = "Only beams within ±90° (±π/2 rad) of ahead count."
+    require_speeds(zones, "behind", help, own=own_speeds(zones))
 
 
-@pytest.mark.check(points=5, scenarios=("avoid_zones",), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=("avoid_zones",), needs=("wiring",))
 def test_sees_sides(recordings: Recordings) -> None:
-    """What is ahead but far to one side (up to ±90°) counts."""
-    for recording in recordings:
+    """Whatever is ahead counts, be it small or far to one side (up to ±90°)."""
+    (zones,) = recordings
+    for tag in ("side", "ahead"):
         require_speeds(
-            recording,
-            "side",
+            zones,
+            tag,
             "All beams within ±90° count, to the left and to the right: compare each beam's "
             "angle, angle_min + i · angle_increment, with ±π/2.",
+            own=own_speeds(zones),
         )
 
 
-@pytest.mark.check(points=5, scenarios=("avoid_infinity",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("avoid_zones", "avoid_infinity"), needs=("wiring",))
 def test_infinite_readings(recordings: Recordings) -> None:
     """+inf means that nothing is within range: the way is free."""
-    for recording in recordings:
-        require_speeds(
-            recording, "infinite", "Do not throw +inf away: it is a distance, a big one."
-        )
+    zones, infinity = recordings
+    help = "Do not throw +inf away: it is a distance, a big one."
+    require_speeds(infinity, "infinite", help, own=own_speeds(zones))
 
 
-@pytest.mark.check(points=10, scenarios=("avoid_invalid",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("avoid_zones", "avoid_invalid"), needs=("wiring",))
 def test_invalid_readings(recordings: Recordings) -> None:
     """NaN, and finite readings outside range_min … range_max, are ignored; the others count."""
-    for recording in recordings:
-        require_speeds(
-            recording,
-            "invalid",
-            "Drop NaN (every comparison with it is false) and what is outside the limits; "
-            "then decide on the rest.",
-        )
+    zones, invalid = recordings
+    require_speeds(
+        invalid,
+        "invalid",
+        "Drop NaN (every comparison with it is false) and what is outside the limits; "
+        "then decide on the rest.",
+        own=own_speeds(zones),
+    )
 
 
-@pytest.mark.check(points=5, scenarios=("avoid_too_close",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("avoid_zones", "avoid_too_close"), needs=("wiring",))
 def test_minus_infinity(recordings: Recordings) -> None:
     """-inf means closer than the sensor can measure: distance 0."""
-    for recording in recordings:
-        require_speeds(recording, "minus_infinity", "-inf is not free: it is as near as can be.")
+    zones, too_close = recordings
+    help = "-inf is not free: it is as near as can be."
+    require_speeds(too_close, "minus_infinity", help, own=own_speeds(zones))
 
 
-@pytest.mark.check(points=5, scenarios=("avoid_blind",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("avoid_zones", "avoid_blind"), needs=("wiring",))
 def test_blind(recordings: Recordings) -> None:
     """Without any usable reading ahead the robot stands, and it drives on when it sees again."""
-    for recording in recordings:
-        require_speeds(recording, "blind", "No usable reading: the robot cannot know, so 0.0.")
-        require_speeds(recording, "lives_on", "After blindness a good scan counts again.")
+    zones, blind = recordings
+    own = own_speeds(zones)
+    require_speeds(blind, "blind", "No usable reading: the robot cannot know, so 0.0.", own=own)
+    require_speeds(blind, "lives_on", "After blindness a good scan counts again.", own=own)
 
 
 @pytest.mark.check(points=10, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"))
