@@ -95,12 +95,9 @@ LISTINGS = (
             "reaches_any_goal": "The same fault from other starts; one correction mends both.",
             "turns_short_way": "Here stand the right sign, the heading error and what was sent. "
             "Compute the error of this moment by hand: the yaw is what is missing.",
-            "stops_once": "The robot never came to where it has to stop, and the message says "
-            "so: it is not the stop that is wrong. Leave it until the goals are reached.",
-            "new_goal": "Again a goal that is not reached; nothing about new goals is wrong.",
             "bad_input": "It has passed the goal and turns, where it should only go on.",
         },
-        "Heading error = bearing - yaw, wrapped to [-π, π]. Six messages, one line of code: the "
+        "Heading error = bearing - yaw, wrapped to [-π, π]. Four messages, one line of code: the "
         "one that shows the wrong sign is the one to start with.",
     ),
     Listing(

@@ -155,9 +155,11 @@ def grade(
     """
     import pytest  # noqa: PLC0415  (0.1 s)
 
-    plugin = CheckPlugin(trials, field=field, only=only, on_progress=on_progress)
+    plugin = CheckPlugin(
+        trials, field=field, only=only, on_progress=on_progress, first_failure=first_failure
+    )
     with _undisturbed():
-        code = pytest.main(_arguments(exercise, first_failure), plugins=[plugin])
+        code = pytest.main(_arguments(exercise), plugins=[plugin])
     if plugin.interrupted:
         raise KeyboardInterrupt
     if first_failure:
@@ -276,10 +278,9 @@ def _passed(checks: list[CheckResult]) -> bool:
     return all(check.outcome == PASS for check in judged) and (bool(judged) or not checks)
 
 
-def _arguments(exercise: Exercise, first_failure: bool) -> list[str]:
+def _arguments(exercise: Exercise) -> list[str]:
     return [
         str(exercise.checks),
-        *(["--maxfail=1"] if first_failure else []),
         "--import-mode=importlib",
         "--assert=plain",  # checks speak through fail(); rewriting would cost half a second
         "--capture=sys",

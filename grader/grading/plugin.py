@@ -86,8 +86,10 @@ class CheckPlugin:
         field: bool,
         only: Iterable[str] = (),
         on_progress: OnProgress = ignore,
+        first_failure: bool = False,
     ) -> None:
         self._trials = trials
+        self._first_failure = first_failure  # ends it
         self._field = field
         self._only = tuple(only)
         self._on_progress = on_progress
@@ -176,6 +178,8 @@ class CheckPlugin:
         else:
             return
         outcome = self.results[check.id].outcome
+        if self._first_failure and outcome == FAIL:  # --maxfail=1 counts what can't be judged, too
+            item.session.shouldfail = f"{check.id} failed"
         done = len(self.results)
         self._on_progress(Step(CHECK, done, len(self._checks), check.id, outcome))
 

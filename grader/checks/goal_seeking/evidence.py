@@ -99,18 +99,37 @@ def require_silence(recording: Recording, begin: float, end: float, why: str) ->
         )
 
 
-def require_reached(recording: Recording, quest: Quest, within: float = math.inf) -> float:
-    """Fail unless the real robot came within the tolerance of a goal; return when [s]."""
+def carried_at(recording: Recording, quest: Quest) -> float:
+    """Return when somebody carries the robot while a goal counts [s]; its end if nobody does."""
+    times = [event.at for event in recording.scenario.script if event.teleport is not None]
+    return min((time for time in times if quest.begin < time < quest.end), default=quest.end)
+
+
+def reached(recording: Recording, quest: Quest, within: float = math.inf) -> float | None:
+    """Return when the real robot drove to within the tolerance of a goal [s], if it did."""
     truth = recording.truth
     t = truth.t / 1e9
-    end = min(quest.end, quest.begin + within)
+    during = (t >= quest.begin) & (t <= _patience(recording, quest, within))
+    distance = np.hypot(truth.x - quest.x, truth.y - quest.y)[during]
+    # The robot stops a little late: its pose is up to an odometry message and a tick old.
+    near = np.flatnonzero(distance <= TOLERANCE + 0.01)
+    return float(t[during][near[0]]) if len(near) else None
+
+
+def _patience(recording: Recording, quest: Quest, within: float) -> float:
+    return min(carried_at(recording, quest), quest.begin + within)
+
+
+def require_reached(recording: Recording, quest: Quest, within: float = math.inf) -> None:
+    """Fail unless the real robot drove to within the tolerance of a goal."""
+    truth = recording.truth
+    t = truth.t / 1e9
+    end = _patience(recording, quest, within)
     during = (t >= quest.begin) & (t <= end)
     if not during.any():
         fail(f"the scenario ended before {quest.what}", recording=recording)
     distance = np.hypot(truth.x - quest.x, truth.y - quest.y)[during]
-    # The robot stops a little late: its pose is up to an odometry message and a tick old.
-    near = np.flatnonzero(distance <= TOLERANCE + 0.01)
-    if not len(near):
+    if reached(recording, quest, within) is None:
         last = np.flatnonzero(during)[-1]
         off = quest.heading_error(Pose(*(float(a[last]) for a in (t, truth.x, truth.y, truth.yaw))))
         facing, still = abs(off) < FACING, float(np.ptp(distance[-STILL:])) < 1e-3
@@ -127,7 +146,35 @@ def require_reached(recording: Recording, quest: Quest, within: float = math.inf
             else "It turns until it faces the goal, and keeps driving: the heading error is the "
             "bearing to the goal minus the robot's yaw. Watch the replay.",
         )
-    return float(t[during][near[0]])
+
+
+def require_heard(recording: Recording, quest: Quest) -> None:
+    """Fail unless the robot sets out for a goal at once, and stops there when it is carried there.
+
+    That a goal is heard shows, too, in a node that finds the way to none.
+    """
+    twists, zero = recording.twists(), zero_commands(recording)
+    moving = twists.t[~zero & (twists.t >= quest.begin) & (twists.t < quest.end)]
+    if not len(moving) or moving[0] > quest.begin + REACTION:
+        fail(
+            f"the robot does not set out for {quest.what}",
+            expected=f"a command that moves it by {quest.begin + REACTION:.2f} s",
+            actual=f"the first one at {moving[0]:.2f} s" if len(moving) else "none",
+            at=quest.begin,
+            recording=recording,
+            help="A new goal replaces the old one, whether that is reached or not.",
+        )
+    there = arrival(recording, quest)
+    stops = stop_times(recording, quest)
+    if there is None or not len(stops) or stops[0] > there + REACTION:
+        fail(
+            f"the robot was at {quest.what}, and did not stop",
+            expected="a zero Twist at the next tick",
+            actual=f"one at {stops[0]:.2f} s" if len(stops) else "none",
+            at=carried_at(recording, quest) if there is None else there,
+            recording=recording,
+            help="A new goal replaces the old one: compare your pose with the newest.",
+        )
 
 
 def require_turns_toward(recording: Recording, quest: Quest) -> None:

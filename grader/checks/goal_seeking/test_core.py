@@ -26,7 +26,9 @@ from grader.checks.goal_seeking.evidence import (
     holds,
     last_command,
     quest_at,
+    reached,
     require_announcement,
+    require_heard,
     require_one_stop,
     require_rate,
     require_reached,
@@ -88,7 +90,7 @@ def test_control_rate(recordings: Recordings) -> None:
                 require_rate(recording, quest)
 
 
-@pytest.mark.check(points=10, scenarios=(FIRST,), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(FIRST,), needs=("wiring",))
 def test_reaches_goal(recordings: Recordings) -> None:
     """From the origin the robot reaches (5, 3) within 30 s."""
     for recording in recordings:
@@ -97,7 +99,7 @@ def test_reaches_goal(recordings: Recordings) -> None:
             require_reached(recording, quest, PATIENCE)
 
 
-@pytest.mark.check(points=10, scenarios=AROUND, needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=AROUND, needs=("wiring",))
 def test_reaches_any_goal(recordings: Recordings) -> None:
     """The robot reaches goals behind it, beside it and across the ±π seam."""
     for recording in recordings:
@@ -186,17 +188,22 @@ def test_stops_once(recordings: Recordings) -> None:
             require_announcement(recording, quest)
 
 
-@pytest.mark.check(points=10, scenarios=("goal_changes", "goal_clicks"), needs=("wiring",))
+@pytest.mark.check(
+    points=10, scenarios=("goal_changes", "goal_clicks", FIRST, *AROUND), needs=("wiring",)
+)
 def test_new_goal(recordings: Recordings) -> None:
     """A new goal starts over: on the way to another, after arrival, a hundred in a row."""
-    for recording in recordings:
+    changes, clicks, *drives = recordings
+    # Who finds no way to a single goal has lost the points for that.
+    finds_them = all(reached(r, q) is not None for r in drives for q in quests(r))
+    for recording in (changes, clicks):
         require_alive(recording)
         for quest in quests(recording)[1:]:
             if quest.end - quest.begin > CLICK:
-                require_reached(recording, quest)
+                (require_reached if finds_them else require_heard)(recording, quest)
 
 
-@pytest.mark.check(points=5, scenarios=("goal_near",), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=("goal_near",), needs=("wiring",))
 def test_near_goal(recordings: Recordings) -> None:
     """A goal already within 0.5 m is reached at the next tick; sent again, it counts again."""
     for recording in recordings:
@@ -227,7 +234,7 @@ def test_near_goal(recordings: Recordings) -> None:
                 )
 
 
-@pytest.mark.check(points=5, scenarios=("goal_bad_input",), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=("goal_bad_input",), needs=("wiring",))
 def test_bad_input(recordings: Recordings) -> None:
     """Goals and poses that are not finite are ignored, with a warning, and the node goes on."""
     for recording in recordings:

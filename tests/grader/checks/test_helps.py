@@ -74,7 +74,8 @@ def test_who_stands_in_front_of_its_goal_is_not_told_about_turning(
 ) -> None:
     t = np.arange(100) * 0.05
     truth = SimpleNamespace(t=t * 1e9, x=speed * t, y=0 * t, yaw=0 * t + yaw)
-    recording: Any = SimpleNamespace(truth=truth, name="goal", outcome=None)
+    scenario = SimpleNamespace(script=())
+    recording: Any = SimpleNamespace(truth=truth, scenario=scenario, name="goal", outcome=None)
 
     with pytest.raises(CheckFailed) as failed:
         require_reached(recording, Quest(0.0, 5.0, 5.0, 0.0))

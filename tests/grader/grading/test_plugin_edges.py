@@ -165,3 +165,18 @@ def test_everything_is_judged_if_nothing_fails(run: Run) -> None:
 
     assert set(outcomes(grading).values()) == {"pass"}
     assert len(grading.checks) == 4
+
+
+def test_what_can_not_be_judged_is_no_failure(run: Run) -> None:
+    source = """
+    @check(points=50, scenarios=("t",), requires=("torch",))
+    def test_deep(recordings):
+        '''Needs a library.'''
+    @check(points=50, scenarios=("a",))
+    def test_plain(recordings):
+        '''Needs nothing.'''
+        fail("no")
+    """
+    grading = run(source, first_failure=True)
+
+    assert outcomes(grading) == {"deep": "unavailable", "plain": "fail"}
