@@ -1,8 +1,8 @@
 """A class of hostile submissions ends with all its results, and costs honest ones nothing.
 
-`make test` grades a few that aim at the reporting, `make test-long` all of these. `make attacks`
-(`COURSE_ATTACKS=full`) sends every hostile file through `course autograde`, with honest submissions
-among them, for one worker and for two.
+`make test-long` grades a few that aim at the reporting. `make attacks` (`COURSE_ATTACKS=full`)
+grades all of these, and sends every hostile file through `course autograde`, with honest
+submissions among them, for one worker and for two.
 """
 
 import csv
@@ -83,6 +83,7 @@ def assert_survives_the_reporting(folder: Path, out: Path) -> None:
     assert max(grading["score"] for grading in gradings.values()) <= 20
 
 
+@pytest.mark.long
 def test_some_that_aim_at_the_reporting(tmp_path: Path) -> None:
     files = reporting.submissions()
     for name in SOME:

@@ -87,6 +87,7 @@ def mounted(*steps: list[str], place: Path, size: str) -> subprocess.CompletedPr
     )  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_full_disk_ends_the_batch_and_the_next_run_goes_on(tmp_path: Path) -> None:
     place, taken = tmp_path / "disk", tmp_path / "taken"
     place.mkdir()

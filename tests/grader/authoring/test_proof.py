@@ -53,9 +53,16 @@ def quick(slug: str, every: list[Claim]) -> list[Claim]:
 
 
 QUICK = [claim for slug, every in CLAIMS.items() for claim in quick(slug, every)]
+SLOW = "callback_time"  # who fails it computes for long, on any machine
 
 
-@pytest.mark.parametrize("claim", QUICK, ids=[claim.name for claim in QUICK])
+@pytest.mark.parametrize(
+    "claim",
+    [
+        pytest.param(claim, id=claim.name, marks=pytest.mark.long if SLOW in claim.fails else ())
+        for claim in QUICK
+    ],
+)
 def test_claims_hold(claim: Claim, forkservers: ForkServerPool) -> None:
     grading = grade_claim(claim, forkservers.of(claim.exercise.libraries))
     assert objections(claim, grading) == []

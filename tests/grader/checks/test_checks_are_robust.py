@@ -35,7 +35,7 @@ from sim.messages import STRING, TWIST, Message, decode, encode, typestore
 Spoil = Callable[[Recording, random.Random], Recording]
 EXAMPLES = int(os.environ.get("COURSE_HOSTILE_EXAMPLES", "20"))  # for each exercise
 EXERCISES = [exercise.slug for exercise in all_exercises()]
-QUICK = ("obstacle_avoidance", "goal_seeking")  # in `make test`
+QUICK = ("obstacle_avoidance",)  # in `make test`
 
 FLOATS = (float("nan"), float("inf"), float("-inf"), 1e308, -1e308, 5e-324, -0.0, 2.0**63)
 INTS = (0, 1, -1, 127, 255, 2**31 - 1, 2**32 - 1, -(2**31))

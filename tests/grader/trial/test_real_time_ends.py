@@ -71,6 +71,7 @@ executor.spin()
 """
 
 
+@pytest.mark.long
 def test_it_is_graded_in_real_time_and_the_report_says_so(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
