@@ -10,6 +10,7 @@ with 1 if something was found in a right node.
 from __future__ import annotations
 
 import argparse
+import hashlib
 import sys
 import time
 from collections import Counter
@@ -32,6 +33,7 @@ class Looked(msgspec.Struct, frozen=True):
     """A node that was searched."""
 
     solution: str
+    program: str  # a digest of its files: another program is another claim
     seed: int
     most: int  # tries at most
     tries: int
@@ -47,6 +49,7 @@ def main() -> int:
     parser.add_argument("exercises", nargs="*", help="all that drive by default")
     parser.add_argument("--right", type=int, default=2000, help="tries for each right node")
     parser.add_argument("--wrong", type=int, default=200, help="tries for each mutant")
+    parser.add_argument("--variants", type=int, default=1000, help="of each exercise, at most")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, help="read and add what was found (JSON lines)")
     parser.add_argument("--worlds", action="store_true", help="print each world that was found")
@@ -56,11 +59,15 @@ def main() -> int:
     for name in options.exercises or SEARCHED:
         exercise = find_exercise(name)
         rows = []
-        for claim in claims(exercise):
+        every = list(claims(exercise))
+        variants = [claim for claim in every if claim.kind == "variant"]
+        for claim in every:
+            if claim in variants[options.variants :]:
+                continue
             most = options.right if claim.kind in RIGHT else options.wrong
             if claim.kind == "skeleton" or claim.lacks or not most:
                 continue
-            row = known.get((claim.name, options.seed, most))
+            row = known.get((claim.name, program_of(claim), options.seed, most))
             if row is None:
                 row = look(claim, options.seed, most)
                 if options.keep is not None:
@@ -92,16 +99,29 @@ def look(claim: Claim, seed: int, most: int) -> Looked:
                 kind, sentence = result.found.mishap.kind, result.found.sentence
                 toml = result.found.toml
     return Looked(
-        claim.name, seed, most, tries, round(time.perf_counter() - began, 1), kind, sentence, toml
+        solution=claim.name,
+        program=program_of(claim),
+        seed=seed,
+        most=most,
+        tries=tries,
+        seconds=round(time.perf_counter() - began, 1),
+        kind=kind,
+        sentence=sentence,
+        toml=toml,
     )
 
 
-def read(keep: Path | None) -> dict[tuple[str, int, int], Looked]:
+def program_of(claim: Claim) -> str:
+    """Return a digest of a claim's files."""
+    return hashlib.sha256(repr(sorted(claim.files.items())).encode()).hexdigest()[:16]
+
+
+def read(keep: Path | None) -> dict[tuple[str, str, int, int], Looked]:
     """Return what was done already."""
     if keep is None or not keep.exists():
         return {}
     rows = [msgspec.json.decode(line, type=Looked) for line in keep.read_bytes().splitlines()]
-    return {(row.solution, row.seed, row.most): row for row in rows}
+    return {(row.solution, row.program, row.seed, row.most): row for row in rows}
 
 
 def lines(exercise: Exercise, rows: list[tuple[Claim, Looked]], *, worlds: bool) -> Iterator[str]:
