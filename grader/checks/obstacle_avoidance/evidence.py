@@ -84,8 +84,12 @@ def require_speed(
     recording: Recording, answer: Answer, help: str = "", own: Mapping[float, float] = CONTRACT
 ) -> None:
     """Fail unless the command in force after this scan has the right linear.x."""
-    right = {own[speed] for speed in right_speeds(answer.scan)}
-    expected = " or ".join(f"{speed:.2f} m/s" for speed in sorted(right))
+    contract = right_speeds(answer.scan)
+    right = {own[speed] for speed in contract}
+    expected = " or ".join(f"{speed:.2f} m/s" for speed in sorted(contract))
+    if right != contract:
+        taken = " or ".join(f"{speed:.2f}" for speed in sorted(right))
+        expected += f" ({taken} would do here, as your node says so in this zone)"
     if answer.speed is None:
         fail(
             f"there was still no command after {answer.what}",
