@@ -26,7 +26,7 @@ from grader.models.files import probe
 from grader.recording import Scan
 from sim.scenario import Scenario
 
-WIDEST = 91.5  # [°] beams near ±90° may count or not
+SECTORS = (88.5, 91.5)  # [°] to either side: beams near ±90° may count or not
 MOVING = 0.1  # [m/s] what asks for less may stand
 
 
@@ -68,8 +68,8 @@ def exercise_for(name: str | None, file: str) -> Exercise:
 
 def _ahead(least: float) -> Free:
     def free(scenario: Scenario, scan: Scan) -> bool:
-        distance = front_distance(scan, WIDEST)
-        return distance is not None and distance >= least
+        seen = [front_distance(scan, half_angle) for half_angle in SECTORS]
+        return all(distance is not None and distance >= least for distance in seen)
 
     return free
 
