@@ -21,7 +21,9 @@ from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
 BENCH = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
-DRIVES = ("avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store")
+DRIVES = (
+    "avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store", "avoid_post",
+)  # fmt: skip
 CALLBACK_LIMIT = 0.1  # [s], p99
 OFTEN = 90  # [%] stalls of a machine don't hit one callback in ten, unless threads queue for it
 LEAST_WAY = 0.5  # [m] driven in at least one of the worlds
@@ -139,7 +141,7 @@ def test_blind(recordings: Recordings) -> None:
 
 @pytest.mark.check(points=10, scenarios=DRIVES, needs=("wiring", "one_command_per_scan"))
 def test_no_contact(recordings: Recordings) -> None:
-    """In five worlds the robot touches nothing and keeps a clearance of 0.2 m."""
+    """In six worlds the robot touches nothing and keeps a clearance of 0.2 m."""
     for recording in recordings:
         require_distance(recording)
     if max(map(path_length, recordings)) < LEAST_WAY:
