@@ -3,6 +3,8 @@
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import msgspec
 import pytest
@@ -14,6 +16,7 @@ from hypothesis import strategies as st
 from grader.authoring.mutants import find_mutant
 from grader.cli import cli
 from grader.course.exercises import find_exercise
+from grader.drive import node
 from grader.drive.contracts import exercise_for
 from grader.drive.search import arena_of, search
 from grader.drive.search.fair import is_fair
@@ -264,3 +267,22 @@ def test_in_a_right_node_nothing_is_found(number):
     done, text = run(exercise.solutions / exercise.files[0], "--tries", 15)
     assert done.return_value == 0, done.output
     assert text.startswith(f"Nothing found in 15 worlds (exercise {number}, seed 0).")
+
+
+# --- a busy machine ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("second", ["completed", "hung"])
+def test_who_seems_to_hang_gets_a_second_look(monkeypatch: pytest.MonkeyPatch, second: str) -> None:
+    ends, limits_given = ["hung", second], []
+
+    def drive_node(submission: Any, scenario: Any, forkserver: Any, *, limits: Any) -> Any:
+        limits_given.append(limits)
+        return SimpleNamespace(outcome=Outcome(ends[len(limits_given) - 1], ""))
+
+    monkeypatch.setattr(node, "drive_node", drive_node)
+    nothing: Any = None
+    recording = node.drive_in(nothing, load_scenario("demo_wall"), nothing)
+
+    assert recording.outcome.kind == second
+    assert [limits.total for limits in limits_given] == [20.0, 60.0]
