@@ -24,7 +24,7 @@ SUBMISSIONS = {  # the reference, or the name of a mutant
     ("ada", "obstacle_avoidance"): "obstacle_avoidance_agent.py",
     ("ben", "obstacle_avoidance"): "drives_blind",
     ("chen", "obstacle_avoidance"): "wrong_topic",
-    ("dan", "obstacle_avoidance"): "full_speed_is_one",
+    ("dan", "obstacle_avoidance"): "keeps_the_last_speed_when_blind",
     ("ada", "goal_seeking"): "goal_seeking_agent.py",
     ("ben", "goal_seeking"): "constant_speed",
 }
