@@ -50,6 +50,7 @@ def main() -> int:
     parser.add_argument("--right", type=int, default=2000, help="tries for each right node")
     parser.add_argument("--wrong", type=int, default=200, help="tries for each mutant")
     parser.add_argument("--variants", type=int, default=1000, help="of each exercise, at most")
+    parser.add_argument("--mutants", type=int, default=1000, help="of each exercise, at most")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, help="read and add what was found (JSON lines)")
     parser.add_argument("--worlds", action="store_true", help="print each world that was found")
@@ -60,9 +61,11 @@ def main() -> int:
         exercise = find_exercise(name)
         rows = []
         every = list(claims(exercise))
-        variants = [claim for claim in every if claim.kind == "variant"]
+        chosen = set(
+            few(every, "variant", options.variants) + few(every, "mutant", options.mutants)
+        )
         for claim in every:
-            if claim in variants[options.variants :]:
+            if claim.kind in ("variant", "mutant") and claim.name not in chosen:
                 continue
             most = options.right if claim.kind in RIGHT else options.wrong
             if claim.kind == "skeleton" or claim.lacks or not most:
@@ -78,6 +81,12 @@ def main() -> int:
             print(line, flush=True)
         bad += sum(claim.kind in RIGHT and bool(row.kind) for claim, row in rows)
     return 1 if bad else 0
+
+
+def few(every: list[Claim], kind: str, most: int) -> list[str]:
+    """Return the names of at most so many claims of a kind, from all over the list."""
+    names = [claim.name for claim in every if claim.kind == kind and not claim.lacks]
+    return [names[i * len(names) // most] for i in range(most)] if len(names) > most else names
 
 
 def look(claim: Claim, seed: int, most: int) -> Looked:

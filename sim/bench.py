@@ -16,7 +16,7 @@ from sim.lidar import LidarProfile
 
 Angle = Annotated[float, Meta(ge=-180, le=180)]
 Turn = Annotated[int, Meta(ge=-180, le=180)]
-Offset = Annotated[float, Meta(ge=-3600, le=3600)]  # [s]
+Offset = Annotated[float, Meta(ge=-1.7e9, le=3600)]  # [s] back to the clock's zero at most
 EXACT = (0.5, 1.0)  # [m] thresholds of exercises: sent as they are ...
 NEAR = 0.008  # [m] ... and what else is to be seen, this much to either side
 BEYOND = 0.15  # share by which the other beams of a fill may reach beyond it ...

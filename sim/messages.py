@@ -127,7 +127,8 @@ def empty() -> bytes:
 def with_epoch(message: Message, epoch: int) -> Message:
     """Return the message of a scenario that starts at `epoch` [ns since 1970], not at EPOCH_NS.
 
-    Only the stamp of a header at the beginning of the message is changed, or of its one transform.
+    Only the stamp of a header at the beginning of the message is changed, or of its one transform;
+    a stamp of 0 is none, and stays.
     """
     fields = typestore().fielddefs[message.type][1]
     at = _STAMP_AT
@@ -137,6 +138,8 @@ def with_epoch(message: Message, epoch: int) -> Message:
         return message
     data = bytearray(message.data)
     seconds, nanoseconds = _STAMP.unpack_from(data, at)
+    if not (seconds or nanoseconds):  # nobody stamped it
+        return message
     stamp = seconds * 10**9 + nanoseconds - EPOCH_NS + epoch
     _STAMP.pack_into(data, at, *divmod(stamp, 10**9))
     return Message(message.topic, message.type, message.time, bytes(data))
@@ -189,6 +192,7 @@ def odometry(
     yaw: float,
     v: float = 0.0,
     w: float = 0.0,
+    qw: float | None = None,
     stamp: int | None = None,
     topic: str = ODOM_TOPIC,
 ) -> Message:
@@ -200,13 +204,15 @@ def odometry(
         Delivery and measurement since the scenario's start [ns]; `stamp` is `time` by default.
     x, y, yaw
         Pose [m, m, rad]; values that are not finite are sent as they are.
+        `qw`, if given, is sent in place of the quaternion's w.
     v, w
         Forward and turning speed in base_link [m/s, rad/s].
     """
     data = bytearray(_odometry_template())
     _write_stamp(data, time if stamp is None else stamp)
-    z, qw = half_angle(yaw)
-    _SEVEN.pack_into(data, len(data) - _POSE_FROM_END, x, y, 0.0, 0.0, 0.0, z, qw)
+    z, own = half_angle(yaw)
+    pose = x, y, 0.0, 0.0, 0.0, z, own if qw is None else qw
+    _SEVEN.pack_into(data, len(data) - _POSE_FROM_END, *pose)
     _SIX.pack_into(data, len(data) - _TWIST_FROM_END, v, 0.0, 0.0, 0.0, 0.0, w)
     return Message(topic, ODOMETRY, time, bytes(data))
 
@@ -217,15 +223,21 @@ def pose_stamped(
     x: float,
     y: float,
     yaw: float = 0.0,
+    w: float | None = None,
     frame_id: str = ODOM_FRAME,
     topic: str = GOAL_TOPIC,
+    stamped: bool = True,
 ) -> Message:
-    """Return a geometry_msgs/PoseStamped at that pose [m, m, rad], stamped with `time` [ns]."""
+    """Return a geometry_msgs/PoseStamped at that pose [m, m, rad], its quaternion's w if given.
+
+    It is stamped with `time` [ns], or with 0 if it is not `stamped`.
+    """
     types = typestore().types
     pose = types["geometry_msgs/msg/Pose"](
-        position=types["geometry_msgs/msg/Point"](x=x, y=y, z=0.0), orientation=_quaternion(yaw)
+        position=types["geometry_msgs/msg/Point"](x=x, y=y, z=0.0), orientation=_quaternion(yaw, w)
     )
-    value = types[POSE_STAMPED](header=_header(time, frame_id), pose=pose)
+    header = _header(time if stamped else -EPOCH_NS, frame_id)
+    value = types[POSE_STAMPED](header=header, pose=pose)
     return Message(topic, POSE_STAMPED, time, encode(value, POSE_STAMPED))
 
 
@@ -344,8 +356,9 @@ def _header(time: int, frame_id: str) -> Any:
     return types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame_id)
 
 
-def _quaternion(yaw: float) -> Any:
-    z, w = half_angle(yaw)
+def _quaternion(yaw: float, w: float | None = None) -> Any:
+    z, own = half_angle(yaw)
+    w = own if w is None else w
     return typestore().types["geometry_msgs/msg/Quaternion"](x=0.0, y=0.0, z=z, w=w)
 
 

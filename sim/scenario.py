@@ -32,8 +32,8 @@ LIST = "course list --scenarios"
 _NOT_INHERITED = ("title", "description")
 MAX_BENCH_SCANS = 20_000
 _MAY_BE_INFINITE = (
-    "script.goal", "script.odom", "raw.linear_x", "raw.angular_z", "raw.others", "node.models",
-    "bench.fill", "bench.patches.range",
+    "script.goal", "script.odom", "script.w", "raw.linear_x", "raw.angular_z", "raw.others",
+    "node.models", "bench.fill", "bench.patches.range",
 )  # fmt: skip
 
 Probability = Annotated[float, Meta(ge=0, le=1)]
@@ -121,6 +121,7 @@ class Faults(_Table, frozen=True):
     scan_loss: Probability = 0.0  # that a scan never arrives
     odom_loss: Probability = 0.0  # that an odometry message never arrives
     odom_latency: Delay = 0.0  # [s]
+    raw_waver: Probability = 0.0  # share by which every second raw command is smaller
     command_latency: Delay = 0.0  # from the node's command to the wheels [s]
     freeze: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # readings repeat [s]
     blackout: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # no scans [s]
@@ -145,7 +146,9 @@ class ScriptEvent(_Table, frozen=True):
 
     at: Time  # [s]
     goal: PoseDeg | None = None  # sent as a PoseStamped; may be nan or inf
+    unstamped: bool = False  # the goal's stamp is 0, as `ros2 topic pub` and many programs leave it
     odom: PoseDeg | None = None  # sent as one extra Odometry; may be nan or inf
+    w: float | None = None  # of the goal's or odom's quaternion, in place of the yaw's; may be nan
     teleport: tuple[Metres, Metres, Degrees] | None = None  # moves the real robot and stops it
     e_stop: bool | None = None  # sent as a Bool on /e_stop
 
@@ -154,6 +157,8 @@ class ScriptEvent(_Table, frozen=True):
         choices = (self.goal, self.odom, self.teleport, self.e_stop)
         if sum(x is not None for x in choices) != 1:
             raise ValueError("expected at and exactly one of goal, odom, teleport and e_stop")
+        if self.unstamped and self.goal is None:
+            raise ValueError("unstamped is said of goals")
 
 
 class RawCommands(_Table, frozen=True, rename={"begin": "from", "end": "to"}):

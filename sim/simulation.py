@@ -254,12 +254,14 @@ class Simulation:
                 topic=TF_STATIC_TOPIC,
             )  # fmt: skip
         if event.kind is Kind.RAW:
-            stream = self.scenario.raw[event.index // RAW_STREAM]
+            index, i = divmod(event.index, RAW_STREAM)
+            stream = self.scenario.raw[index]
+            share = 1.0 - self.scenario.faults.raw_waver * (i % 2)
             return twist(
                 time=event.time,
-                linear_x=stream.linear_x,
+                linear_x=stream.linear_x * share,
                 others=stream.others,
-                angular_z=stream.angular_z,
+                angular_z=stream.angular_z * share,
                 topic=CMD_VEL_RAW_TOPIC,
             )
         entry = self._script(event)
@@ -267,8 +269,10 @@ class Simulation:
             return bool_(E_STOP_TOPIC, event.time, bool(entry.e_stop))
         x, y, yaw = self._scripted_pose(entry)
         if event.kind is Kind.GOAL:
-            return pose_stamped(time=event.time, x=x, y=y, yaw=yaw)
-        return odometry(time=event.time, x=x, y=y, yaw=yaw)
+            return pose_stamped(
+                time=event.time, x=x, y=y, yaw=yaw, w=entry.w, stamped=not entry.unstamped
+            )
+        return odometry(time=event.time, x=x, y=y, yaw=yaw, qw=entry.w)
 
     def _script(self, event: Event) -> ScriptEvent:
         return self.scenario.script[event.index]

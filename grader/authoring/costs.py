@@ -27,7 +27,7 @@ class Row(msgspec.Struct, frozen=True):
     name: str
     mistake: str
     points: int
-    most: int
+    most: int  # that could be won on this machine
     fails: tuple[str, ...]  # ids of checks
     cause: str  # the line above the table; "" if there is none
 
@@ -40,7 +40,7 @@ class Row(msgspec.Struct, frozen=True):
             name,
             mistake,
             grading.score,
-            grading.exercise.max_points,
+            grading.max_score,
             tuple(sorted(check.id for check in grading.checks if check.outcome == FAIL)),
             "" if grading.cause is None else grading.cause.text,
         )

@@ -9,7 +9,10 @@ import numpy as np
 
 from grader.checks.predictions import TOLERANCE, max_speed
 from grader.checks.verdict import fail
-from grader.recording import Inference, Recording
+from grader.recording import Floats, Inference, Recording
+
+HUNDREDTH = 0.01  # [m/s] to which some nodes round
+MOST = 100.0  # [m/s] that anybody rounds; anything faster is garbage
 
 
 class Answered:
@@ -25,13 +28,25 @@ class Answered:
         ]
         self._asked, self._answered, self._said = np.array(rows, dtype=float).reshape(-1, 3).T
 
-    def newest_question(self, t: float, speed: float) -> float:
+    def newest_question(self, t: float, speed: float, tolerance: float = TOLERANCE) -> float:
         """Return when the newest prediction of this speed [m/s] was asked for, of those had by t.
 
         -inf if there is none [s].
         """
-        had = (self._answered <= t) & (np.abs(self._said - speed) <= TOLERANCE)
+        had = (self._answered <= t) & (np.abs(self._said - speed) <= tolerance)
         return float(self._asked[had].max(initial=-math.inf))
+
+    def tolerance(self, speeds: Floats) -> float:
+        """Return how far these commands [m/s] may be from what the model said.
+
+        It is more than TOLERANCE for who rounds them all to two digits, and no prediction has two.
+        """
+        moving = np.unique(speeds[np.abs(speeds) > TOLERANCE])
+        exact = np.abs(self._said[:, None] - moving).min(axis=0, initial=math.inf) <= TOLERANCE
+        garbage = (np.abs(moving) > MOST).any()  # nothing that anybody rounded
+        if garbage or exact.all() or (np.abs(moving - moving.round(2)) > 1e-9).any():
+            return TOLERANCE
+        return HUNDREDTH / 2 + TOLERANCE
 
     def unasked(self, t: float) -> str:
         """Say so if the model had said nothing at all by t [s]; else an empty text."""
@@ -75,6 +90,20 @@ def require_one_load(recording: Recording, until: float) -> None:
         recording=recording,
         help="Unpickle in __init__, keep the model in an attribute, use it in the callback.",
     )
+
+
+def require_kept(recording: Recording) -> None:
+    """Fail if a model that failed was loaded again."""
+    found = [load.asked / 1e9 for load in loads(recording)]
+    if len(found) > 1:
+        fail(
+            f"at {found[1]:.2f} s, after the model had failed, it was loaded again",
+            expected="1 load, while the node is constructed",
+            actual=f"{len(found)} loads",
+            at=found[1],
+            recording=recording,
+            help="A model that raises is still the same model: ask it again, do not load it again.",
+        )
 
 
 def require_one_at_a_time(recording: Recording) -> None:

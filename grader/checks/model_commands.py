@@ -18,7 +18,8 @@ from grader.models.features import possible_features
 from grader.recording import Recording, Scan
 
 LEAST_WAY = 0.8  # [m]
-BRISK = 0.8  # of max_speed, reached where the way is free
+BRISK = 0.5  # of max_speed; worlds differ, and the models drive slowly where it is narrow
+HALF_A_CENTIMETRE = 0.005 + 1e-9  # [m/s] what rounding to two decimals changes at most
 PROMPT = 0.05  # [s] between a scan and its command: too short for loading the model
 
 
@@ -85,14 +86,19 @@ def require_asked(
     said = [min(max(s, 0.0), limit) for i in asked for s in i.said if math.isfinite(s)]
     if asked and (abs(speed) < ZERO or any(abs(s - speed) <= tolerance for s in said)):
         return
+    near = any(abs(s - speed) <= HALF_A_CENTIMETRE for s in said)
     fail(
-        f"{what}: the speed does not come from the model",
+        f"{what}: the speed is near what the model said, and not equal to it"
+        if near
+        else f"{what}: the speed does not come from the model",
         expected="a call of predict for each scan, and what it returned, clipped",
         actual=f"linear.x = {speed:.4f} m/s; "
         + (f"the model said {', '.join(f'{s:.4f}' for s in said)}" if said else "nobody asked it"),
         at=scan.t,
         recording=recording,
-        help="Ask the model about the features of each scan, and publish what it says.",
+        help="Is something rounded, filtered or averaged? Publish what predict returns, clipped."
+        if near
+        else "Ask the model about the features of each scan, and publish what it says.",
     )
 
 
@@ -128,8 +134,8 @@ def require_error_log(recording: Recording, problem: str) -> None:
     )
 
 
-def require_safe_drive(recording: Recording, whose: str) -> None:
-    """Fail if the robot touched something, or hardly moved, while the model drove it."""
+def require_safe_drive(recording: Recording, whose: str, least: float = LEAST_WAY) -> None:
+    """Fail if the robot touched something, or drove less than `least` [m] or slowly only."""
     require_alive(recording)
     require_no_contact(
         recording,
@@ -138,10 +144,10 @@ def require_safe_drive(recording: Recording, whose: str) -> None:
         expected="a stop in front of it",
     )
     driven, fastest = path_length(recording), recording.truth.v.max()
-    if driven < LEAST_WAY or fastest < BRISK * MAX_SPEED:
+    if driven < least or fastest < BRISK * MAX_SPEED:
         fail(
             f"with {whose} model the robot hardly moves",
-            expected=f"at least {LEAST_WAY} m driven, and over {BRISK * MAX_SPEED:.2f} m/s "
+            expected=f"at least {least} m driven, and over {BRISK * MAX_SPEED:.2f} m/s "
             "where the way is free",
             actual=f"{driven:.2f} m, {fastest:.2f} m/s at most",
             at=came_to_rest(recording),

@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 
 from grader.checks.commands import ZERO
-from grader.models.features import Floats, possible_features
+from grader.models.features import FRONT_EDGE, Floats, possible_features
 from grader.models.files import probe
 from grader.recording import Recording, Scan
 from sim.scenario import Model, Scenario
@@ -41,11 +41,16 @@ class SpeedInterval:
         return f"{(self.low + self.high) / 2:.4f}".rstrip("0").ljust(4, "0")
 
 
-def right_speeds(model: Any, scan: Scan, limit: float) -> SpeedInterval:
-    """Return what a node with this probe (None: no model) may command; limit is max_speed [m/s]."""
+def right_speeds(model: Any, scan: Scan, limit: float, front: float = FRONT_EDGE) -> SpeedInterval:
+    """Return what a node with this probe (None: no model) may command; limit is max_speed [m/s].
+
+    Its front sector ends at ±`front` [°].
+    """
     if model is None:
         return SpeedInterval(0.0, 0.0)
-    speeds = [_predict(model, features, limit) or 0.0 for features in possible_features(scan)]
+    speeds = [
+        _predict(model, features, limit) or 0.0 for features in possible_features(scan, front)
+    ]
     return SpeedInterval(min(speeds), max(speeds))
 
 
@@ -83,6 +88,17 @@ class Prediction:
         return f"{self.least:.4f} to {self.most:.4f} m/s" + " or 0.0" * self.missing
 
 
+def rounded(speed: float | None, right: Prediction) -> str:
+    """Say so if a command [m/s] is a prediction but for rounding; else an empty text."""
+    if speed is None or not right.exists:
+        return ""
+    for digits in (2, 1):
+        low, high = round(right.least, digits), round(right.most, digits)
+        if low - ZERO <= speed <= high + ZERO and abs(speed - round(speed, digits)) < ZERO:
+            return f"That is the prediction, rounded to {digits} digits: publish it as it is."
+    return ""
+
+
 def predictions(recording: Recording) -> tuple[Prediction, ...]:
     """Return what the scenario's model, without its delay, predicts from each scan sent."""
     models = recording.scenario.node.models
@@ -112,6 +128,6 @@ def _predict(model: Any, features: Floats, limit: float) -> float | None:
         return None
     try:
         speed = float(model.predict(features[None])[0])
-    except RuntimeError:  # a probe that raises does so on purpose
+    except Exception:  # a probe that raises does so on purpose
         return None
     return max(0.0, min(limit, speed)) if math.isfinite(speed) else None

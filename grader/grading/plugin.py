@@ -89,7 +89,7 @@ class CheckPlugin:
         first_failure: bool = False,
     ) -> None:
         self._trials = trials
-        self._first_failure = first_failure  # ends it
+        self._first_failure = first_failure  # of a check: it ends the run
         self._field = field
         self._only = tuple(only)
         self._on_progress = on_progress

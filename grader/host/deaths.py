@@ -59,6 +59,10 @@ FIT = (
     "fit(features, speeds): first the table with one row of five for each example, then the column "
     "of what they should give, as many numbers as the table has rows"
 )
+SETTING = (
+    "a setting of the model itself is wrong, not the data: name the settings where you make it, "
+    "as in hidden_layer_sizes=(64, 64)"
+)
 NO_RESULT = (
     "result() is None until the answer has come: use it in a function that is given, by its name "
     "and without brackets, to future.add_done_callback(…); or ask future.done() first"
@@ -138,6 +142,8 @@ def _advice(error: BaseException, place: str, own: list[Line]) -> str:
     if not own and isinstance(error, TypeError) and place.startswith("the service"):
         return _advice_on_service(str(error))
     if own and isinstance(error, ValueError) and ".fit(" in _lines_before(*own[-1], count=0):
+        if isinstance(error, TypeError):  # scikit-learn's InvalidParameterError is both
+            return SETTING
         return FIT if " contains " not in str(error) else plain_words(error)
     if own and "NoneType" in str(error) and ".result()" in _lines_before(*own[-1]):
         return NO_RESULT

@@ -87,7 +87,7 @@ class Told(msgspec.Struct, array_like=True, frozen=True):
 
     number: Nanoseconds
     problem: Text = ""  # what it raises; "" if it doesn't
-    is_value_error: bool = False
+    error: str = ""  # the type of that exception, by the name that it has in `raises`
     load: Nanoseconds = 0
     shape: tuple[int, ...] = ()
     numbers: bytes = b""  # float64

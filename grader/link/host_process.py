@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from grader.errors import GraderError
 from grader.host.frames import ENTERED, REFUSED
+from grader.link.run_queue import is_ready
 from grader.link.workplace import Watch
 
 if TYPE_CHECKING:
@@ -37,6 +38,10 @@ class HostProcess:
         """End the host; the fork server ends what it started (see `_bury` there)."""
         with contextlib.suppress(ProcessLookupError):
             signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
+
+    def is_ready(self) -> bool:
+        """Tell whether the host would go on if the machine let it."""
+        return is_ready(self.pid)
 
     def dump_stacks(self) -> None:
         """Ask the host to write the stacks of its threads to stderr."""

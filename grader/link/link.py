@@ -41,6 +41,7 @@ DRAINS = 16  # chunks read at the end, from a host that may still be writing
 DRAIN_EVERY = 16  # exchanges
 PATROL = 0.02  # [s] after which the judge reads output as it comes, and looks at the host again
 UNEXPLAINED = 0.02  # [s] of an exchange without CPU time: something was waited for
+STARVED = 4  # times its limit a host may take that the machine does not let run
 STACK_TIME = 0.3  # [s] a hung host gets for writing its stacks
 
 
@@ -194,7 +195,7 @@ class Link(Channel):
         self.stdout.limit = self.stderr.limit = until
         started, cpu = time.perf_counter(), self.cpu()
         self._write(frame, started + limit)
-        body = self._receive(started + limit)
+        body = self._receive(started, cpu, limit)
         wall, cpu = time.perf_counter() - started, self.cpu() - cpu
         queued = self._queued() if wall - cpu > UNEXPLAINED else 0.0
         return decoded(body, decode), Cost(wall, cpu, queued)
@@ -213,14 +214,20 @@ class Link(Channel):
                 return
         raise HostForged("an answer before the question") if early else HostDied
 
-    def _receive(self, deadline: float) -> bytes:
+    def _receive(self, started: float, cpu: float, limit: float) -> bytes:
+        """Wait for a frame, `limit` [s] from `started` on, when the host had used `cpu` [s].
+
+        On a busy machine longer: a host that is ready to run has the limit in CPU time.
+        """
+        deadline, overdue = started + limit, False
         # At first output alone does not wake the judge: that would double the cost of an exchange.
         source = self._answers
         while (body := self._take_frame()) is None:
-            remaining = deadline - time.perf_counter()
-            if remaining <= 0:
+            if overdue and not self._is_starved(started, cpu, limit):
                 raise HostHung(self.stacks())
-            ready = source.poll(min(remaining, PATROL) * 1e3)
+            remaining = deadline - time.perf_counter()
+            overdue = remaining <= 0  # yet what has come meanwhile is read
+            ready = source.poll((PATROL if overdue else min(remaining, PATROL)) * 1e3)
             self._patrol()
             if not ready:
                 source = self._all
@@ -235,3 +242,8 @@ class Link(Channel):
         if self._exchanges % DRAIN_EVERY == 0:
             self._drain_all()
         return body
+
+    def _is_starved(self, started: float, cpu: float, limit: float) -> bool:
+        """Tell whether it is the machine that keeps the host from answering."""
+        passed, used = time.perf_counter() - started, self.cpu() - cpu
+        return passed < STARVED * limit and not used >= limit and self._host.is_ready()

@@ -67,8 +67,7 @@ class RunQueue:
         before, self._ready = self._ready, {}
         for thread in self._known:
             with contextlib.suppress(OSError, IndexError, ValueError):
-                after_name = _read(f"{self._tasks}/{thread}/stat").rpartition(b")")[2]
-                if after_name.split()[0] == b"R":
+                if _state(f"{self._tasks}/{thread}/stat") == b"R":
                     self._ready[thread] = self._counted(thread).ran
         # whoever was ready at both looks and has not run in between has waited
         ran = {t: (self._ready[t] - before[t]) / 1e9 for t in self._ready if t in before}
@@ -109,6 +108,21 @@ class RunQueue:
     def _counted(self, thread: str) -> _Counted:
         ran, waited, _ = _read(f"{self._tasks}/{thread}/schedstat").split()
         return _Counted(int(ran), int(waited))
+
+
+def is_ready(pid: int) -> bool:
+    """Tell whether a thread of this process runs, or would if it got a CPU or its disk's data."""
+    with contextlib.suppress(OSError), os.scandir(f"/proc/{pid}/task") as tasks:
+        for thread in tasks:
+            with contextlib.suppress(OSError, IndexError):
+                if _state(f"{thread.path}/stat") in (b"R", b"D"):
+                    return True
+    return False
+
+
+def _state(stat: str) -> bytes:
+    """Return the state of a thread (proc_pid_stat(5)); its name, before it, may be anything."""
+    return _read(stat).rpartition(b")")[2].split()[0]
 
 
 def _read(path: str) -> bytes:

@@ -6,8 +6,10 @@ Observations (`ranges`)
     whole sector without readings.
 
 Labels (`speed`)
-    The speed [m/s] from which the robot, braking at 0.9 m/s², still stops 0.3 m short of the
-    nearest obstacle within ±60° of ahead; at most 0.5 m/s. The expert knows the exact distance.
+    The speed [m/s] of an expert who knows the exact distances, at most 0.5 m/s. What is ahead has
+    to be a second away, less 0.3 m. Where the way is narrow the expert drives slower, and where
+    things stand at many distances ahead. No rule of one or two features comes within the 0.03 m/s
+    that exercise 2 asks of a model; a forest or a small network of all five does.
 
 Poses
     Half of them anywhere in the world, half near an obstacle, where the speed changes.
@@ -24,7 +26,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.models.features import BACK_EDGE, FRONT_EDGE
+from grader.models.features import BACK_EDGE, FRONT_EDGE, features
 from sim.caster import Caster, static_faces
 from sim.clearance import is_inside
 from sim.faults import measured, speckle
@@ -40,8 +42,11 @@ PROFILE = PROFILES["default"]
 ROWS_PER_WORLD = 100
 ROBOT_RADIUS = 0.17  # [m]
 MAX_SPEED = 0.5  # [m/s]
-DECELERATION = 0.9  # [m/s²]
 STOP_SHORT = 0.3  # [m]
+HEADWAY = 1.0  # [s] to what is ahead
+WIDE = 3.0  # [m] of room at both sides together, from which on the way is not narrow
+EVEN, UNEVEN = 0.625, 2.5  # [m] standard deviation ahead: no clutter, and nothing but clutter
+NARROWEST, MOST_CLUTTERED = 0.15, 0.3  # parts of the speed that are left at least
 NEAR = (0.18, 0.7)  # [m] from a surface, for the poses near something
 FAULTS = Faults(range_noise=0.005, beam_dropout=0.01, nan_speckle=0.02)
 TOUCHING = 0.2  # [m] closer than this, half of the scans read -inf
@@ -70,35 +75,45 @@ class Dataset:
         )
 
 
-def expert_speed(distance: Floats) -> Floats:
-    """Return the expert's (n,) speeds [m/s] at (n,) distances to the nearest obstacle [m]."""
-    room = np.maximum(distance - STOP_SHORT, 0.0)
-    return np.minimum(np.sqrt(2.0 * DECELERATION * room), MAX_SPEED)
+def expert_speed(exact: Floats) -> Floats:
+    """Return the expert's (n,) speeds [m/s] where these are the (n, 5) exact features [m]."""
+    nearest, _, deviation, left, right = exact.T
+    free = np.clip((nearest - STOP_SHORT) / HEADWAY, 0.0, MAX_SPEED)
+    room = np.clip((left + right) / WIDE, NARROWEST, 1.0)
+    clear = np.clip(1.0 - (deviation - EVEN) / UNEVEN, MOST_CLUTTERED, 1.0)
+    speed: Floats = free * room * clear
+    return speed
 
 
 @lru_cache(maxsize=8)
-def make_dataset(rows: int, seed: int, *, blind: bool = True) -> Dataset:
+def make_dataset(rows: int, seed: int, *, blind: bool = True, plain: bool = False) -> Dataset:
     """Return `rows` labelled scans; the same seed gives the same data.
 
     Parameters
     ----------
     blind
         Some rows have a sector without any reading.
+    plain
+        Finite numbers only, as no lidar sends them: the exact distances, at most range_max.
     """
     ranges = np.empty((rows, PROFILE.beams), np.float32)
-    distance = np.empty(rows)
+    exact = np.empty((rows, PROFILE.beams))
     for world, begin in enumerate(range(0, rows, ROWS_PER_WORLD)):
         rng = np.random.default_rng((seed, world))
         part = slice(begin, min(begin + ROWS_PER_WORLD, rows))
-        for row, exact in zip(range(part.start, part.stop), _scans(rng), strict=False):
-            distance[row] = exact[_ahead()].min()
-            read = readings(measured(exact, FAULTS, rng), PROFILE)
+        for row, scan in zip(range(part.start, part.stop), _scans(rng), strict=False):
+            exact[row] = scan
+            if plain:
+                ranges[row] = np.minimum(scan, PROFILE.range_max)
+                continue
+            read = readings(measured(scan, FAULTS, rng), PROFILE)
             if rng.random() < 0.5:
-                read[exact < TOUCHING] = -np.inf
+                read[scan < TOUCHING] = -np.inf
             ranges[row] = speckle(read, FAULTS, rng)
             if blind and rng.random() < BLIND_PART:
                 ranges[row, _sector(*SECTORS[rng.integers(len(SECTORS))])] = np.nan
-    return Dataset(ranges, expert_speed(distance))
+    seen = features(exact, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
+    return Dataset(ranges, expert_speed(seen))
 
 
 def _scans(rng: np.random.Generator) -> Iterator[Floats]:
@@ -162,10 +177,6 @@ def _is_outside(layout: Layout, x: float, y: float) -> bool:
     low, high = corners.min(axis=0), corners.max(axis=0)
     inside = low[0] < x < high[0] and low[1] < y < high[1]
     return not inside or is_inside(layout, (x, y))
-
-
-def _ahead() -> NDArray[np.bool_]:
-    return np.abs(np.degrees(PROFILE.angles)) <= FRONT_EDGE
 
 
 def _sector(begin: float, end: float) -> NDArray[np.bool_]:

@@ -76,16 +76,20 @@ def scan_features(scan: Scan) -> Floats:
     return found
 
 
-@lru_cache(maxsize=2048)
-def possible_features(scan: Scan) -> Floats:
-    """Return all (k, 5) features that are accepted for a scan.
+def possible_features(scan: Scan, front: float = FRONT_EDGE) -> Floats:
+    """Return all (k, 5) features that are accepted for a scan whose front ends at ±`front` [°].
 
     A beam within 1° of a sector's edge may count on either side: for one on the edge, rounding
     decides, and some nodes count beams instead of angles. A row has NaN where a sector is blind.
     Several checks look at the same scan, so the result is cached.
     """
+    return _possible_features(scan, front)
+
+
+@lru_cache(maxsize=2048)
+def _possible_features(scan: Scan, front: float) -> Floats:
     rows = [
-        _of_scan(scan, (FRONT_EDGE + left, -FRONT_EDGE - right, BACK_EDGE + back))
+        _of_scan(scan, (front + left, -front - right, BACK_EDGE + back))
         for shift in (ROUNDING, TOLERANCE)
         for left, right in itertools.product((shift, -shift), repeat=2)
         for back in (ROUNDING, -ROUNDING, TOLERANCE, -TOLERANCE)

@@ -49,7 +49,7 @@ _PROBES: dict[str, Callable[..., Any]] = {
 
 
 def write_models(models: Mapping[str, Model], folder: Path) -> None:
-    """Write each model into `folder` under its file name.
+    """Write each model into `folder` under its name, which may be that of a file in a folder.
 
     Raises
     ------
@@ -59,11 +59,20 @@ def write_models(models: Mapping[str, Model], folder: Path) -> None:
     for name, model in models.items():
         if model.probe == OWN:  # comes from the student's training script, if it made one
             continue
-        path = folder / Path(name).name
+        path = _within(folder, name)
         if is_kept(name, model):
             path.write_bytes(_kept_bytes(name, model))
         else:
             path.write_bytes(model_bytes(model, path.suffix.lower()))
+
+
+def _within(folder: Path, name: str) -> Path:
+    """Return where the model of this name goes."""
+    path = folder / name
+    if ".." in path.parts or folder not in path.parents:
+        raise GraderError(f"a model named {name!r} would not lie in the node's working folder")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path
 
 
 def is_kept(name: str, model: Model) -> bool:
@@ -85,8 +94,12 @@ def model_bytes(model: Model, suffix: str = PICKLE) -> bytes:
     """Return the content of a model file, in the format of the (lower-case) suffix."""
     if model.probe == "garbage":
         return b"this is no model\n"
+    if model.probe == "empty":
+        return b""
     if model.probe == "foreign":
         return _FOREIGN
+    if model.probe == "pickled":  # a model, but not in the format of the file's suffix
+        return pickle.dumps(probes.Constant(0.3), PROTOCOL)
     if model.probe == "trained":
         return _trained(**model.settings)
     if suffix in EXPORTED or model.probe in LEARNED:

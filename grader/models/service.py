@@ -102,7 +102,7 @@ class ModelService:
         """Return the answer to a question of a start-up; it says how long the model takes."""
         told, took = self._answer(question, IN_START_UP)
         return Told(
-            told.number, told.problem, told.is_value_error, told.load, told.shape, told.numbers,
+            told.number, told.problem, told.error, told.load, told.shape, told.numbers,
             told.dtype, told.labels, took,
         )  # fmt: skip
 
@@ -128,11 +128,18 @@ class ModelService:
                 answered=IN_START_UP if now == IN_START_UP else now + took,
                 took=took,
                 said=tuple(map(float, numbers)),
-                labels=told.labels,
+                labels=told.labels or self._words(question, told),
                 failed=bool(told.problem),
             )
         )
         return told, took
+
+    def _words(self, question: Question, told: Told) -> tuple[str, ...]:
+        """Return which labels belong to these probabilities, if the model has words for any."""
+        if question.method != "predict_proba" or told.problem:
+            return ()
+        predicted, _ = self._said(replace(question, method="predict"))
+        return predicted.labels
 
     def _said(self, question: Question) -> tuple[Told, float]:
         number, model = question.number, self._models.get(question.file)
@@ -146,14 +153,14 @@ class ModelService:
             return Told(number, f"{question.file} was not loaded"), 0.0
         rows = np.frombuffer(question.features[: len(question.features) // 8 * 8])
         if not question.rows or not len(rows) or len(rows) % question.rows:
-            return Told(number, "expected features of shape (n, 5)", is_value_error=True), 0.0
+            return Told(number, "expected features of shape (n, 5)", error="ValueError"), 0.0
         rows = rows.reshape(question.rows, -1)
         seconds = self._seconds(model, rows) if question.method == "predict" else 0.0
         try:
             with np.errstate(all="ignore"):
                 answer = np.asarray(getattr(model, question.method)(rows))
         except Exception as error:  # a probe that raises does so on purpose
-            return Told(number, str(error), isinstance(error, ValueError)), seconds
+            return Told(number, str(error), type(error).__name__), seconds
         if answer.dtype.kind == "U":
             return Told(number, shape=answer.shape, labels=tuple(answer.tolist())), seconds
         numbers = answer.astype(float)

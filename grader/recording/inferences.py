@@ -15,7 +15,7 @@ class Inference(msgspec.Struct, frozen=True):
     took: int  # [ns] of the model's own time
     said: tuple[float, ...] = ()  # for each row of features: [m/s], or the greatest probability
     failed: bool = False  # it raised
-    labels: tuple[str, ...] = ()  # for each row, if the model predicts words
+    labels: tuple[str, ...] = ()  # for each row, if the model has words for it
 
     @property
     def is_load(self) -> bool:

@@ -45,7 +45,8 @@ class Training(msgspec.Struct, frozen=True):
 
     script: str
     problem: str = ""  # why it was not run at all
-    runs: tuple[ScriptRun, ...] = ()  # two on the same data
+    runs: tuple[ScriptRun, ...] = ()  # as the robot's lidar recorded it; again, other files' names
+    plain: ScriptRun | None = None  # on finite numbers, if the first run ended with an error
     pickle: ModelAnswers = ModelAnswers()
     again: ModelAnswers = ModelAnswers()  # the second run's
     onnx: ModelAnswers = ModelAnswers()
@@ -54,6 +55,11 @@ class Training(msgspec.Struct, frozen=True):
     labels: bytes = b""  # float64, the expert's speeds [m/s]
     single_wall: bytes = b""  # float64, of predictions for one scan each [s]
     single_cpu: bytes = b""
+
+    @property
+    def made(self) -> ScriptRun:
+        """The run that wrote the models, if any did."""
+        return self.plain if self.plain is not None and self.plain.succeeded else self.runs[0]
 
     @property
     def expert(self) -> Floats:

@@ -1,8 +1,10 @@
 """One training: run the student's script on made data, and ask its models about hidden scans.
 
 The judge makes the data and keeps the hidden labels. The script runs twice, each time in a fresh
-host; a third host loads what it wrote. The judge itself never unpickles anything: it only carries
-bytes from one host to the next, and reads numbers.
+host; a third host loads what it wrote. If the first run ends with an error, the script gets plain
+numbers instead of a lidar's: one row that it does not expect should not hide all else it can do.
+The judge itself never unpickles anything: it only carries bytes from one host to the next, and
+reads numbers.
 """
 
 from __future__ import annotations
@@ -51,6 +53,7 @@ LOAD_LIMIT = 30.0  # [s]
 PREDICT_LIMIT = 30.0  # [s]
 SINGLES = 200  # predictions of one scan each
 SLOW = 0.1  # [s] for one of them
+FAILED = ("exception", "exited")  # ends of a run that the data may have brought about
 ENOUGH_SLOW = 10  # slow ones decide, the rest need not be waited for
 
 
@@ -91,7 +94,11 @@ def _train(
     hidden = make_dataset(spec.hidden_rows, 2 * simulation.seed + 1, blind=False)
     run, files, log = _run_script(submission, spec, data, workshop, (PICKLE, ONNX))
     training = Training(spec.script, runs=(run,), labels=hidden.speed.tobytes())
-    if run.succeeded and files:
+    if run.kind in FAILED and not run.succeeded:
+        data = make_dataset(spec.rows, 2 * simulation.seed, plain=True)
+        plain, files, _ = _run_script(submission, spec, data, workshop, (PICKLE, ONNX))
+        training = msgspec.structs.replace(training, plain=plain)
+    if training.made.succeeded and files:
         second, more, _ = _run_script(submission, spec, data, workshop, (AGAIN_PICKLE, AGAIN_ONNX))
         training = msgspec.structs.replace(training, runs=(run, second))
         training = _question({**files, **more}, training, hidden, workshop)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import threading
 from collections.abc import Iterable, Iterator
@@ -33,14 +34,19 @@ class FakeHost(HostProcess):
             os.set_blocking(fd, False)
         super().__init__(os.getpid(), -1, link_out, link_in, stdout, stderr, status)
         self.killed = False
+        self.ready: Iterator[bool] = itertools.repeat(False)  # is_ready says so
         self._thread = threading.Thread(target=self._serve)
 
     def kill(self) -> None:
         self.killed = True
         os.write(self.their_status, b"+-9\n")
 
+    def is_ready(self) -> bool:
+        return next(self.ready)
+
     def dump_stacks(self) -> None:
-        os.write(self.their_stderr, b'  File "agent.py", line 7 in on_scan\n')
+        with contextlib.suppress(BlockingIOError):  # a full pipe loses it, as faulthandler does
+            os.write(self.their_stderr, b'  File "agent.py", line 7 in on_scan\n')
 
     def _serve(self) -> None:
         with contextlib.suppress(BrokenPipeError):

@@ -246,10 +246,10 @@ def test_one_bag_gives_its_verdicts(graded: tuple[Done, Path]) -> None:
     _, folder = graded
     result = json.loads((folder / "result.json").read_text("utf-8"))
     bags = {r["scenario"]: r["bag"] for r in result["recordings"]}
-    done = course("check-bag", bags["avoid_zones"], "1", "--only", "stop_zone", "--json", "-")
+    done = course("check-bag", bags["avoid_zones"], "1", "--only", "ignores_behind", "--json", "-")
 
     assert done.code == 0
-    assert verdicts(done.json)["stop_zone"] == "pass"
+    assert verdicts(done.json)["ignores_behind"] == "pass"
     assert set(verdicts(done.json)) < set(verdicts(result))
     assert set(verdicts(done.json).values()) == {"pass"}
 
@@ -259,7 +259,7 @@ def test_a_bag_alone_leaves_other_checks_open(graded: tuple[Done, Path]) -> None
     done = course("check-bag", folder / "bags" / "avoid_zones", "1", "--json", "-")
 
     assert done.code == 1
-    assert verdicts(done.json)["stop_zone"] == "pass"
+    assert verdicts(done.json)["ignores_behind"] == "pass"
     assert verdicts(done.json)["no_contact"] == "skip"
 
 

@@ -94,9 +94,12 @@ def evaluate(node: ast.expr) -> float:
 
 
 def in_toml(table: Any, key: str) -> Any:
-    """Return a value by its dotted key; the names of tables may have dots themselves."""
+    """Return a value by its dotted key, a number in lists; names of tables may have dots."""
     if not key:
         return table
+    if isinstance(table, list):
+        place, _, rest = key.partition(".")
+        return in_toml(table[int(place)], rest)
     for name in sorted(table, key=len, reverse=True):
         if key == name or key.startswith(name + "."):
             return in_toml(table[name], key[len(name) + 1 :])

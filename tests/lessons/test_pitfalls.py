@@ -36,8 +36,9 @@ QUICK = {  # checks that do to show it; all of them take long
     ),
     "ml_velocity": (
         *("front_min", "front_mean", "front_std", "left_min", "right_min", "infinite_readings"),
-        *("minus_infinity", "dropped_readings", "blind_sector", "training_runs", "model_loads"),
-        *("model_accuracy", "prediction_time", "onnx_form", "onnx_agrees", "repeatable"),
+        *("minus_infinity", "dropped_readings", "blind_sector", "training_runs", "training_data"),
+        *("file_names", "model_loads", "model_accuracy", "prediction_time", "onnx_form"),
+        *("onnx_agrees", "repeatable"),
     ),
     "goal_seeking": (
         *("silent_until_ready", "control_rate", "turns_short_way", "speed_law", "limits"),

@@ -124,8 +124,8 @@ MISTAKES = {
         "bench[0].patches[0].to_deg = 270: expected a number >= -180 and <= 180",
     ),
     "clock set too far": (
-        HEAD + "[[bench]]\nstamp_offset = -1e9",
-        "bench[0].stamp_offset = -1000000000.0: expected a number >= -3600 and <= 3600",
+        HEAD + "[[bench]]\nstamp_offset = -1e10",
+        "bench[0].stamp_offset = -10000000000.0: expected a number >= -1700000000.0 and <= 3600",
     ),
     "endless bench": (
         HEAD + "[[bench]]\nrepeat = 10000\n" * 3,

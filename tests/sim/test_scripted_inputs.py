@@ -30,6 +30,13 @@ def test_a_raw_stream_has_its_rate_and_its_ends() -> None:
     assert math.isnan(angular_z)
 
 
+def test_every_second_command_of_a_model_that_wavers_is_smaller() -> None:
+    stream = "raw = [{ from = 0.5, to = 0.7, linear_x = 0.5, angular_z = -1 }]"
+    sent = [twist_from_cdr(m.data) for m in messages(stream + "\n[faults]\nraw_waver = 0.1")]
+
+    assert [(row[0], row[5]) for row in sent] == [(0.5, -1.0), (0.45, -0.9)] * 2
+
+
 def test_a_raw_stream_fills_all_six_fields() -> None:
     (sent,) = messages(
         "raw = [{ from = 0.5, to = 0.55, linear_x = 1, others = [2, nan, 4, -inf], angular_z = 6 }]"

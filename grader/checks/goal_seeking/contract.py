@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 
@@ -35,11 +36,12 @@ class Quest:
     end: float  # [s] when the next goal came, or the scenario ended
     x: float  # [m]
     y: float  # [m]
+    note: str = ""  # what it says about itself, in words
 
     @property
     def what(self) -> str:
         """The goal in words, for a student."""
-        return f"the goal ({self.x:.2f}, {self.y:.2f})"
+        return f"the goal ({self.x:.2f}, {self.y:.2f}){self.note}"
 
     def distance(self, pose: Pose) -> float:
         """Return how far the goal is from a pose [m]."""
@@ -51,13 +53,33 @@ class Quest:
         return math.remainder(bearing - pose.yaw, math.tau)
 
 
-def quests(recording: Recording) -> list[Quest]:
-    """Return the finite goals in order; the others count for nothing."""
+class Frame(Enum):
+    """What a node takes a goal's two numbers for."""
+
+    ODOM = "x and y in the frame odom"  # as the contract has it
+    SWAPPED = "y and x"
+    ROBOT = "an offset from where the robot is when the goal comes"
+
+
+def quests(recording: Recording, frame: Frame = Frame.ODOM) -> list[Quest]:
+    """Return the finite goals in order, as taken in this frame; the others count for nothing."""
     goals = recording.goals()
     finite = np.isfinite(goals.x) & np.isfinite(goals.y)
     rows = np.column_stack((goals.t, goals.x, goals.y))[finite].tolist()
     ends = [row[0] for row in rows[1:]] + [recording.duration_s]
-    return [Quest(t, end, x, y) for (t, x, y), end in zip(rows, ends, strict=False)]
+    sent = [Quest(t, end, x, y) for (t, x, y), end in zip(rows, ends, strict=False)]
+    return sent if frame is Frame.ODOM else [_taken(recording, quest, frame) for quest in sent]
+
+
+def _taken(recording: Recording, quest: Quest, frame: Frame) -> Quest:
+    """Return what a goal is to a node that takes it for something else."""
+    x, y = quest.y, quest.x
+    if frame is Frame.ROBOT:
+        known = [pose for pose in poses(recording) if pose.t <= quest.begin][-1:]
+        x = quest.x + sum(pose.x for pose in known)
+        y = quest.y + sum(pose.y for pose in known)
+    note = f", which is what your node takes ({quest.x:.2f}, {quest.y:.2f}) for"
+    return replace(quest, x=x, y=y, note=note)
 
 
 def poses(recording: Recording) -> list[Pose]:

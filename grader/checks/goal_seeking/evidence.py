@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NoReturn
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from grader.checks.goal_seeking.contract import (
     HAIR,
     PERIOD,
     TOLERANCE,
+    Frame,
     Pose,
     Quest,
     arrival,
@@ -23,8 +25,6 @@ from grader.recording import Floats, Recording
 
 RATE_TOLERANCE = 0.005  # [s] around the period
 AT_ONCE = 0.3  # [s] in which the node warns of what it ignores
-FACING = 0.3  # [rad] from the goal
-STILL = 20  # samples of the robot's pose
 REACHED = "goal reached"  # in the log, in any case
 REACTION = 2.5 * PERIOD  # [s] long enough for a tick of the control loop, even at 5 Hz
 
@@ -54,22 +54,27 @@ def stop_times(recording: Recording, quest: Quest) -> Floats:
     return stops[stops >= moving[0]] if len(moving) else stops
 
 
-def holds(recording: Recording) -> list[tuple[Pose, Quest, float]]:
-    """Return each pose that held long enough for a command, its goal, and until when [s]."""
-    told, goals = poses(recording), quests(recording)
+def holds(recording: Recording, frame: Frame = Frame.ODOM) -> list[tuple[Pose, Quest, float]]:
+    """Return each pose on the way that held long enough for a command, its goal, and until when.
+
+    The way ends with the arrival: from then on nothing is to be said [s].
+    """
+    told, goals = poses(recording), quests(recording, frame)
+    arrived = {quest: arrival(recording, quest) for quest in goals}
     ends = [pose.t for pose in told[1:]] + [recording.duration_s]
     found = []
     for pose, end in zip(told, ends, strict=False):
         newest = [quest for quest in goals if quest.begin <= pose.t]
         until = min([end, *(quest.begin for quest in goals if quest.begin > pose.t)])
-        if newest and until - pose.t > REACTION:
+        there = arrived[newest[-1]] if newest else None
+        if newest and until - pose.t > REACTION and (there is None or pose.t < there):
             found.append((pose, newest[-1], until))
     return found
 
 
-def quest_at(recording: Recording, time: float) -> Quest | None:
+def quest_at(recording: Recording, time: float, frame: Frame = Frame.ODOM) -> Quest | None:
     """Return the newest goal at a time [s]."""
-    found = [quest for quest in quests(recording) if quest.begin <= time]
+    found = [quest for quest in quests(recording, frame) if quest.begin <= time]
     return found[-1] if found else None
 
 
@@ -97,126 +102,6 @@ def require_silence(recording: Recording, begin: float, end: float, why: str) ->
             recording=recording,
             help="Publish nothing, not even zeros, while there is nothing to do.",
         )
-
-
-def carried_at(recording: Recording, quest: Quest) -> float:
-    """Return when somebody carries the robot while a goal counts [s]; its end if nobody does."""
-    times = [event.at for event in recording.scenario.script if event.teleport is not None]
-    return min((time for time in times if quest.begin < time < quest.end), default=quest.end)
-
-
-def reached(recording: Recording, quest: Quest, within: float = math.inf) -> float | None:
-    """Return when the real robot drove to within the tolerance of a goal [s], if it did."""
-    truth = recording.truth
-    t = truth.t / 1e9
-    during = (t >= quest.begin) & (t <= _patience(recording, quest, within))
-    distance = np.hypot(truth.x - quest.x, truth.y - quest.y)[during]
-    # The robot stops a little late: its pose is up to an odometry message and a tick old.
-    near = np.flatnonzero(distance <= TOLERANCE + 0.01)
-    return float(t[during][near[0]]) if len(near) else None
-
-
-def _patience(recording: Recording, quest: Quest, within: float) -> float:
-    return min(carried_at(recording, quest), quest.begin + within)
-
-
-def require_reached(recording: Recording, quest: Quest, within: float = math.inf) -> None:
-    """Fail unless the real robot drove to within the tolerance of a goal."""
-    truth = recording.truth
-    t = truth.t / 1e9
-    end = _patience(recording, quest, within)
-    during = (t >= quest.begin) & (t <= end)
-    if not during.any():
-        fail(f"the scenario ended before {quest.what}", recording=recording)
-    distance = np.hypot(truth.x - quest.x, truth.y - quest.y)[during]
-    if reached(recording, quest, within) is None:
-        last = np.flatnonzero(during)[-1]
-        off = quest.heading_error(Pose(*(float(a[last]) for a in (t, truth.x, truth.y, truth.yaw))))
-        facing, still = abs(off) < FACING, float(np.ptp(distance[-STILL:])) < 1e-3
-        fail(
-            f"the robot did not reach {quest.what}",
-            expected=f"within {TOLERANCE} m after at most {end - quest.begin:.0f} s",
-            actual=f"{distance.min():.2f} m at the nearest, {distance[-1]:.2f} m at the end, where "
-            f"it looks {abs(off):.1f} rad away from the goal",
-            at=float(t[during][int(np.argmin(distance))]),
-            recording=recording,
-            help="It looks at the goal and stands: is the distance math.hypot(dx, dy), and does it "
-            "arrive only within 0.5 m?"
-            if facing and still
-            else "It turns until it faces the goal, and keeps driving: the heading error is the "
-            "bearing to the goal minus the robot's yaw. Watch the replay.",
-        )
-
-
-def require_heard(recording: Recording, quest: Quest) -> None:
-    """Fail unless the robot sets out for a goal at once, and stops there when it is carried there.
-
-    That a goal is heard shows, too, in a node that finds the way to none.
-    """
-    twists, zero = recording.twists(), zero_commands(recording)
-    moving = twists.t[~zero & (twists.t >= quest.begin) & (twists.t < quest.end)]
-    if not len(moving) or moving[0] > quest.begin + REACTION:
-        fail(
-            f"the robot does not set out for {quest.what}",
-            expected=f"a command that moves it by {quest.begin + REACTION:.2f} s",
-            actual=f"the first one at {moving[0]:.2f} s" if len(moving) else "none",
-            at=quest.begin,
-            recording=recording,
-            help="A new goal replaces the old one, whether that is reached or not.",
-        )
-    there = arrival(recording, quest)
-    stops = stop_times(recording, quest)
-    if there is None or not len(stops) or stops[0] > there + REACTION:
-        fail(
-            f"the robot was at {quest.what}, and did not stop",
-            expected="a zero Twist at the next tick",
-            actual=f"one at {stops[0]:.2f} s" if len(stops) else "none",
-            at=carried_at(recording, quest) if there is None else there,
-            recording=recording,
-            help="A new goal replaces the old one: compare your pose with the newest.",
-        )
-
-
-def require_turns_toward(recording: Recording, quest: Quest) -> None:
-    """Fail unless the first turn after a goal has the sign of the heading error."""
-    twists = recording.twists()
-    during = (twists.t >= quest.begin) & (twists.t < quest.end)
-    turning = during & (np.abs(twists.angular_z) > 1e-3)
-    if not turning.any():
-        fail(
-            f"the robot never turned on the way to {quest.what}",
-            expected="angular.z toward the goal",
-            actual="no command that turns",
-            at=quest.begin,
-            recording=recording,
-            help="angular.z = gain · heading error",
-        )
-    first = int(np.argmax(turning))
-    known = [pose for pose in poses(recording) if pose.t <= twists.t[first]]
-    if known:
-        require_sign(
-            recording, quest, known[-1], float(twists.t[first]), float(twists.angular_z[first])
-        )
-
-
-def require_sign(
-    recording: Recording, quest: Quest, pose: Pose, time: float, turn_rate: float
-) -> None:
-    """Fail if a turn rate [rad/s] leads the long way; near 0 and ±π either way is right."""
-    error = quest.heading_error(pose)
-    if not 0.2 < abs(error) < math.pi - 0.2:
-        return
-    if turn_rate * error > 0 and abs(turn_rate) > 1e-3:
-        return
-    side = "left (positive)" if error > 0 else "right (negative)"
-    fail(
-        f"the robot does not turn the short way to {quest.what}",
-        expected=f"angular.z to the {side}: the heading error is {error:+.2f} rad",
-        actual=f"angular.z = {turn_rate:+.2f} rad/s",
-        at=time,
-        recording=recording,
-        help="Wrap bearing minus yaw to [-π, π], for example with math.remainder(error, math.tau).",
-    )
 
 
 def require_one_stop(recording: Recording, quest: Quest) -> None:
@@ -267,12 +152,12 @@ def require_one_stop(recording: Recording, quest: Quest) -> None:
 
 def require_announcement(recording: Recording, quest: Quest) -> None:
     """Fail unless the log says that a goal is reached, while it is the newest one."""
-    said = [line for line in recording.log if REACHED in line.text.lower()]
-    if any(quest.begin <= line.t < quest.end + recording.slack for line in said):
+    if is_announced(recording, quest):
         return
+    said = any(REACHED in line.text.lower() for line in recording.log)
     fail(
         f"the log does not say that {quest.what} is reached",
-        expected="the line “Goal reached!”",
+        expected="the line “Goal reached!”, at each arrival",
         actual="none on arrival" if said else "none",
         at=arrival(recording, quest),
         recording=recording,
@@ -280,16 +165,30 @@ def require_announcement(recording: Recording, quest: Quest) -> None:
     )
 
 
-def require_warnings(recording: Recording) -> None:
-    """Fail unless the node warned of goals that are not finite, and of poses."""
+def is_announced(recording: Recording, quest: Quest) -> bool:
+    """Tell whether the log says that a goal is reached, while it is the newest one."""
+    return any(
+        quest.begin <= line.t < quest.end + recording.slack
+        for line in recording.log
+        if REACHED in line.text.lower()
+    )
+
+
+def bad_input(recording: Recording) -> dict[str, Floats]:
+    """Return when goals and poses came that are not finite [s], each (n,)."""
     goals, odom = recording.goals(), recording.odometry()
-    bad = {
+    return {
         "goal": goals.t[~(np.isfinite(goals.x) & np.isfinite(goals.y))],
         "pose": odom.t[~(np.isfinite(odom.x) & np.isfinite(odom.y) & np.isfinite(odom.yaw))],
     }
+
+
+def require_warnings(recording: Recording) -> None:
+    """Fail unless the node warned of goals that are not finite, and of poses."""
     loud = [line.t for line in recording.log if line.level in ("warn", "error", "fatal")]
-    for what, times in bad.items():
-        if not any(times[0] <= t <= times[-1] + AT_ONCE + recording.slack for t in loud):
+    for what, times in bad_input(recording).items():
+        waited = AT_ONCE + recording.slack
+        if not any(time <= t <= time + waited for time in times.tolist() for t in loud):
             fail(
                 f"the log has no warning of a {what} that is not finite",
                 expected="a warning when it is ignored",
@@ -325,13 +224,18 @@ def require_rate(recording: Recording, quest: Quest) -> None:
     times = way(recording, quest)
     gaps = np.diff(times)
     if len(times) < 3:
+        every = len(command_times(recording, quest.begin, quest.end))
         fail(
             f"only {len(times)} commands came on the way to {quest.what}",
             expected=f"one Twist every {PERIOD} s",
-            actual=f"{len(times)} in {quest.end - quest.begin:.1f} s",
+            actual=f"{len(times)} in {quest.end - quest.begin:.1f} s"
+            if every == len(times)
+            else f"{every} in {quest.end - quest.begin:.1f} s, but a zero Twist ends the way",
             at=quest.begin,
             recording=recording,
-            help="A timer of 0.1 s has to publish at each tick while there is a goal.",
+            help="A timer of 0.1 s has to publish at each tick while there is a goal."
+            if every == len(times)
+            else "On the way no Twist is zero: linear.x = min(0.3, 0.5 * distance).",
         )
     tolerance = RATE_TOLERANCE + recording.slack
     wrong = np.flatnonzero(np.abs(gaps - PERIOD) > tolerance + 1e-6)
@@ -355,3 +259,34 @@ def garbage(value: float) -> str:
             "Python float (write float(…) around it), or NaN came into the computation."
         )
     return ""
+
+
+def require_holds(
+    recording: Recording, frame: Frame = Frame.ODOM, until: float = math.inf
+) -> list[tuple[Pose, Quest, tuple[float, float, float]]]:
+    """Return pose and goal of each of the `holds`, and its last command (see `last_command`).
+
+    Fail if there is none (by `until` [s]), or if a command is missing.
+    """
+    found = [hold for hold in holds(recording, frame) if hold[0].t < until]
+    if not found:
+        fail("the scenario ended before the node was told a pose and a goal", recording=recording)
+    said = []
+    for pose, quest, end in found:
+        command = last_command(recording, pose.t, end)
+        if command is None:
+            fail_mute(recording, pose.t)
+        said.append((pose, quest, command))
+    return said
+
+
+def fail_mute(recording: Recording, time: float, help: str = "") -> NoReturn:
+    """Fail a node that says nothing where it should."""
+    fail(
+        "no command came while the node had a pose and a goal",
+        expected="one Twist every 0.1 s",
+        actual="silence on /cmd_vel",
+        at=time,
+        recording=recording,
+        help=help or "The timer has to publish at each tick, whether or not something new arrived.",
+    )

@@ -7,10 +7,10 @@ from grader.checks.goal_seeking.contract import quests, ready_at
 from grader.checks.goal_seeking.evidence import (
     require_one_stop,
     require_rate,
-    require_reached,
     require_silence,
-    require_turns_toward,
 )
+from grader.checks.goal_seeking.reaching import require_reached
+from grader.checks.goal_seeking.turning import require_turns_toward
 from grader.recording import Recording
 
 

@@ -144,4 +144,4 @@ def _calls(recording: Recording, overhead: float = 0.0) -> list[_Call]:
         for call in recording.inferences
         if call.method == "predict" and not call.failed and call.asked >= 0
     ]
-    return sorted(found)
+    return sorted(found, key=lambda call: call.end)  # of those that end together the first asked

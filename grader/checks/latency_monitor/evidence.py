@@ -11,16 +11,24 @@ import numpy as np
 from grader.checks.commands import ZERO
 from grader.checks.inferences import questions
 from grader.checks.latency_monitor.contract import (
+    KEYS,
     LEVELS,
     PERIOD,
     PERIOD_TOLERANCE,
     TOPIC,
     Statistics,
+    right_statistics,
 )
 from grader.checks.latency_monitor.habits import RIGHT, Habits, judged, wrong_numbers
 from grader.checks.latency_monitor.reports import Report
 from grader.checks.model_commands import require_asked
-from grader.checks.predictions import TOLERANCE, Prediction, max_speed, predictions
+from grader.checks.predictions import (
+    TOLERANCE,
+    Prediction,
+    max_speed,
+    predictions,
+    rounded,
+)
 from grader.checks.turns import turns
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
@@ -59,8 +67,47 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
             actual="no command" if speed is None else f"linear.x = {speed:.4g} m/s",
             at=right.scan.t,
             recording=recording,
-            help=help,
+            help=rounded(speed, right) or help,
         )
+
+
+def require_as_many_commands(recording: Recording) -> None:
+    """Fail unless as many commands came as scans, also of those that came during a long call."""
+    require_alive(recording)
+    scans, commands = len(recording.scans()), len(recording.twists().t)
+    if commands != scans:
+        longest = max((call.took for call in recording.inferences), default=0) / 1e9
+        fail(
+            f"{commands} commands followed {scans} scans",
+            expected=f"{scans}: exactly one Twist for each scan",
+            actual=f"{commands}; the longest call of predict took {longest:.1f} s",
+            at=recording.scans()[-1].t,
+            recording=recording,
+            help="Some of the scans came while predict still ran. A subscription keeps as many as "
+            "its depth says, 5 with qos_profile_sensor_data; each wants a Twist."
+            if commands < scans
+            else "Look for a timer or a second publish().",
+        )
+
+
+def require_empty(recording: Recording, habits: Habits) -> None:
+    """Fail unless a status that rightly counts no call is STALE, and has zeros elsewhere."""
+    if not recording.outcome.completed or not len(recording.of(TOPIC)):  # other checks say so
+        return
+    for report in judged(recording, habits):
+        choices = right_statistics(recording, report.t)
+        if report.number("count") or all(choice.latencies for choice in choices):
+            continue
+        require_level(recording, report, choices)
+        for _, key, _, wanted in wrong_numbers(recording, [report], KEYS, habits):
+            fail(
+                f"{key} is wrong while no call has returned yet",
+                expected=_spell(key, wanted[0].numbers[key]),
+                actual=f"“{report.texts[key]}”" if key in report.texts else f"no value {key}",
+                at=report.t,
+                recording=recording,
+                help="An empty window has a count of 0, and 0.0 elsewhere.",
+            )
 
 
 def require_calls(recording: Recording) -> None:
@@ -106,6 +153,23 @@ def require_calls(recording: Recording) -> None:
         help="Call predict for each scan, and measure that call: numbers about no calls, or about "
         "others, say nothing about the model that drives.",
     )
+
+
+def require_single_calls(recording: Recording) -> None:
+    """Fail if, from the first scan on, the model was asked more often than scans had come."""
+    scans = [scan.t for scan in recording.scans()]
+    calls = sorted(questions(recording, "predict", scans[0], math.inf), key=_asked)
+    for number, at in enumerate(map(_asked, calls), 1):
+        come = bisect_right(scans, at + recording.slack)
+        if number > come:
+            fail(
+                f"predict was called again for the scan at {scans[come - 1]:.2f} s",
+                expected="one call of predict for each scan that has features",
+                actual=f"call {number} at {at:.3f} s, though only {come} scans had come",
+                at=at,
+                recording=recording,
+                help="NaN or an exception is 0.0 for this scan: the next one is asked anew.",
+            )
 
 
 def _asked(call: Inference) -> float:
@@ -163,10 +227,12 @@ def require_numbers(
         require_calls(recording)
     reports = judged(recording, habits, full_windows=full_windows, until=until)
     for report, key, number, choices in wrong_numbers(recording, reports, keys, habits):
-        wanted = choices[0].numbers[key]
+        said = report.number("count")  # of several that are right the one that is meant
+        right = next((c for c in choices if c.numbers["count"] == said), choices[0]).numbers
+        wanted = right[key]
         fail(
             f"{key} is wrong",
-            expected=_spell(key, wanted) + f", over {choices[0].numbers['count']} calls",
+            expected=_spell(key, wanted) + f", over {right['count']:.0f} calls",
             actual=f"“{report.texts[key]}”" if key in report.texts else f"no value {key}",
             at=report.t,
             recording=recording,
@@ -197,7 +263,7 @@ def require_level(recording: Recording, report: Report, choices: tuple[Statistic
     fail(
         "the status has the wrong level",
         expected=f"{LEVELS[choices[0].level]}: {numbers['missed']:.0f} of {numbers['count']:.0f} "
-        f"calls missed {numbers['deadline_ms']:.0f} ms, p95 is {numbers['p95_ms']:.1f} ms",
+        f"calls missed {numbers['deadline_ms']:g} ms, p95 is {numbers['p95_ms']:.1f} ms",
         actual=LEVELS[report.level] if known else f"{report.level}, which is not a level",
         at=report.t,
         recording=recording,

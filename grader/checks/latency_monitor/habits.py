@@ -38,7 +38,9 @@ from grader.recording import Recording
 
 MEASURED = ("count", *LATENCIES)
 COUNTED = ("deadline_ms", "missed")
-_FEWEST = 5  # calls in a window
+# Calls in a window, to tell statistics apart: of fewer all are the same, and who reports on them
+# shows none.
+FEW = 5
 MANY = 10  # tolerances, by which numbers differ
 _POWER = 0.03  # share by which rounding may change a unit
 _UNITS = 1e-9, 1e9  # least and greatest
@@ -82,13 +84,13 @@ class Wrong(NamedTuple):
     choices: tuple[Statistics, ...]  # that would have been right
 
 
-def habits_of(recording: Recording) -> Habits:
-    """Return how a node reports, by a recording of plain calls."""
+def habits_of(recording: Recording, fewest: int = FEW) -> Habits:
+    """Return how a node reports, by a recording of plain calls; `fewest` are a window."""
     found = Habits(form_of(recording))
     if says_right(recording, MEASURED, found):
         return found
     found = replace(found, right=False)
-    for window in _windows(require_reports(recording, found.form)):
+    for window in _windows(require_reports(recording, found.form), fewest):
         if says_right(recording, ("count",), replace(found, window=window)):
             found = replace(found, window=window)
             break
@@ -103,6 +105,14 @@ def says_right(
     """Tell whether all these values are right, the node's habits given."""
     reports = judged(recording, habits, full_windows=full_windows)
     return next(wrong_numbers(recording, reports, keys, habits), None) is None
+
+
+def counts_right(recordings: Iterable[Recording], habits: Habits) -> bool:
+    """Tell whether the deadline and the missed calls are right, as long as no call is forgotten."""
+    return all(
+        says_right(recording, COUNTED, habits.strict, full_windows=False)
+        for recording in recordings
+    )
 
 
 def judged(
@@ -140,16 +150,20 @@ def misses_follow(recordings: Iterable[Recording], habits: Habits) -> bool:
 
 
 def levels_follow(recordings: Iterable[Recording], habits: Habits) -> bool:
-    """Tell whether the levels follow from the node's own numbers, which tell of something."""
+    """Tell whether the levels follow from the node's own numbers, which tell of something.
+
+    The deadline is the right one or, as `missed` judges it, the one that the node says.
+    """
     said = [
-        (report, _own_level(report, deadline_of(recording)))
+        (report, {_own_level(report, deadline_of(recording)),
+                  _own_level(report, report.number("deadline_ms"))})
         for recording in recordings
         for report in judged(recording, habits)
-    ]
+    ]  # fmt: skip
     reports = [report for report, _ in said]
     shown = {report.level for report in reports} - {STALE}
     return (
-        all(report.level == level for report, level in said)
+        all(report.level in levels for report, levels in said)
         and len(shown) > 1
         and _differ(reports, "p95_ms")
     )
@@ -192,14 +206,11 @@ def _choices(recording: Recording, report: Report, habits: Habits) -> tuple[Stat
     return right_statistics(recording, report.t, habits.window.calls, since)
 
 
-def _windows(reports: list[Report]) -> Iterator[Window]:
-    """Return the windows that may be behind the counts.
-
-    Of very few calls all statistics are the same: who reports on them shows none.
-    """
+def _windows(reports: list[Report], fewest: int) -> Iterator[Window]:
+    """Return the windows that may be behind the counts."""
     yield Window()
     most = max((report.number("count") for report in reports), default=0.0)
-    if most >= _FEWEST:
+    if most >= fewest:
         yield Window(cleared=True)
         if most < WINDOW:
             yield Window(int(most))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from grader.checks.predictions import MODEL, SpeedInterval, max_speed, right_speeds
+from grader.models.features import FRONT_EDGE
 from grader.models.files import is_kept, probe
 from grader.recording import Recording, Scan
 from sim.scenario import Scenario
@@ -13,11 +14,13 @@ from sim.scenario import Scenario
 FOREST = ("sklearn",)
 TRAINING = ("sklearn", "skl2onnx", "onnxruntime")
 
+LEAST_WAY = 0.6  # [m] driven in each world, however the seed turns the robot
 
-def right_speed(recording: Recording, scan: Scan) -> SpeedInterval:
-    """Return the speeds that the contract allows for this scan."""
+
+def right_speed(recording: Recording, scan: Scan, front: float = FRONT_EDGE) -> SpeedInterval:
+    """Return the speeds that the contract allows for this scan: its front ends at ±`front` [°]."""
     scenario = recording.scenario
-    return right_speeds(_model(scenario), scan, max_speed(scenario))
+    return right_speeds(_model(scenario), scan, max_speed(scenario), front)
 
 
 def is_predicted(recording: Recording) -> bool:
@@ -34,4 +37,4 @@ def _path(scenario: Scenario) -> str:
 def _model(scenario: Scenario) -> Any:
     """Return the probe that the node ought to have loaded; None if there is none to load."""
     model = scenario.node.models.get(_path(scenario))
-    return None if model is None or model.probe in ("garbage", "foreign") else probe(model)
+    return None if model is None or model.probe in ("garbage", "empty", "foreign") else probe(model)

@@ -3,33 +3,63 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
 from grader.checks import model_commands
-from grader.checks.commands import Answer, garbage, judged
+from grader.checks.commands import Answer, answers, garbage, judged
 from grader.checks.ml_velocity.contract import is_predicted, right_speed
+from grader.checks.ml_velocity.habits import (
+    CONTRACT,
+    Habit,
+    as_said,
+    candidates,
+    said_for,
+    shows,
+)
 from grader.checks.model_commands import LEAST_WAY, scan_in_words
-from grader.checks.verdict import fail
+from grader.checks.verdict import CheckFailed, fail
 from grader.recording import Recording
 
 SPEED_TOLERANCE = 2e-4  # [m/s]; at this the probes tell distances 2.5 mm apart
 
 
-def require_speeds(recording: Recording, help: str = "") -> None:
-    """Fail unless the node commanded the right speed after every scan, and the model said it."""
-    found = judged(recording)
+def require_speeds(recording: Recording, help: str = "", habit: Habit = CONTRACT) -> None:
+    """Fail unless the node commanded the right speed after every scan, and the model said it.
+
+    Or what would be right of a node with another habit.
+    """
+    found = as_said(recording, judged(recording), habit)
     for answer in found:
         model_commands.require_speed(
             recording,
             answer,
-            right_speed(recording, answer.scan),
+            right_speed(recording, answer.scan, habit.front),
             SPEED_TOLERANCE,
             what=scan_in_words(recording, answer),
             help=_advice(answer, help),
         )
     if is_predicted(recording):
         model_commands.require_said(recording, found, SPEED_TOLERANCE)
+
+
+def habit_of(recordings: Iterable[Recording]) -> Habit:
+    """Return the one wrong habit that explains all commands in SHOWS, or the contract's."""
+    recording = shows(recordings)
+    if _speaks(recording, CONTRACT):
+        return CONTRACT
+    found = answers(recording)
+    wrong = candidates(found, said_for(recording, found))
+    return next((habit for habit in wrong if _speaks(recording, habit)), CONTRACT)
+
+
+def _speaks(recording: Recording, habit: Habit) -> bool:
+    try:
+        require_speeds(recording, habit=habit)
+    except CheckFailed:
+        return False
+    return True
 
 
 def require_going_on(recording: Recording, after: float) -> None:

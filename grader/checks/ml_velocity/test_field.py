@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.commands import require_one_command_each
 from grader.checks.field import FieldSuite
-from grader.checks.ml_velocity.contract import FOREST
+from grader.checks.ml_velocity.contract import FOREST, LEAST_WAY
 from grader.checks.ml_velocity.evidence import require_speeds
 from grader.checks.model_commands import require_safe_drive
 from grader.recording import Recording
@@ -16,7 +16,7 @@ def _require_contract(recording: Recording, help: str) -> None:
     if recording.scenario.bench_scans:
         require_speeds(recording, help=help)
     else:
-        require_safe_drive(recording, "the grader's")
+        require_safe_drive(recording, "the grader's", LEAST_WAY)
 
 
 field = FieldSuite("ml_velocity", _require_contract)

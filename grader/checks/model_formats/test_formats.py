@@ -7,6 +7,7 @@ import pytest
 from grader.checks.model_commands import require_safe_drive
 from grader.checks.model_formats.contract import KERAS, ONNX, SKLEARN, TORCH, model_file
 from grader.checks.model_formats.evidence import require_speeds
+from grader.checks.model_formats.habits import HABITS, READINGS, habits_of
 from grader.recording import Recording
 
 FEATURES = (
@@ -16,48 +17,73 @@ FEATURES = (
 Recordings = tuple[Recording, ...]
 
 
-@pytest.mark.check(points=7, scenarios=("format_pickle",), needs=("wiring",), requires=SKLEARN)
+@pytest.mark.check(
+    points=7, scenarios=("format_pickle", READINGS), needs=("wiring",), requires=SKLEARN
+)
 def test_pickle(recordings: Recordings) -> None:
     """Drives at the speed that a scikit-learn model predicts (.pkl)."""
-    for recording in recordings:
-        require_speeds(recording, "features", FEATURES)
+    *judged, readings = recordings
+    for recording in judged:
+        require_speeds(recording, "features", FEATURES, habits_of(readings))
 
 
-@pytest.mark.check(points=8, scenarios=("format_onnx",), needs=("wiring",), requires=ONNX)
+@pytest.mark.check(points=8, scenarios=("format_onnx", READINGS), needs=("wiring",), requires=ONNX)
 def test_onnx(recordings: Recordings) -> None:
     """Drives at the speed that an ONNX model predicts (.onnx, output (n, 1))."""
-    for recording in recordings:
-        require_speeds(recording, "features", f"{FEATURES} The session wants float32.")
+    *judged, readings = recordings
+    for recording in judged:
+        require_speeds(
+            recording,
+            "features",
+            f"{FEATURES} The session wants float32.",
+            habits_of(readings),
+        )
 
 
-@pytest.mark.check(points=4, scenarios=("format_onnx_flat",), needs=("onnx",), requires=ONNX)
+@pytest.mark.check(
+    points=4, scenarios=("format_onnx_flat", *HABITS), needs=("onnx",), requires=ONNX
+)
 def test_onnx_names(recordings: Recordings) -> None:
     """Takes an ONNX model with other names, and an output of the shape (n,)."""
-    for recording in recordings:
+    *judged, readings, onnx = recordings
+    for recording in judged:
         require_speeds(
             recording,
             "features",
             "Ask the session: get_inputs()[0].name. run(None, …) returns all outputs. (n,) and "
             "(n, 1) both hold n numbers: np.ravel treats them alike.",
+            habits_of(readings, onnx),
         )
 
 
-@pytest.mark.check(points=7, scenarios=("format_torch",), needs=("wiring",), requires=TORCH)
+@pytest.mark.check(
+    points=7, scenarios=("format_torch", *HABITS), needs=("wiring",), requires=TORCH + ONNX
+)
 def test_torch_export(recordings: Recordings) -> None:
     """Drives at the speed that a PyTorch program predicts (.pt2)."""
-    for recording in recordings:
+    *judged, readings, onnx = recordings
+    for recording in judged:
         require_speeds(
             recording,
             "features",
             "torch.export.load(path).module() is what can be called, with a float32 tensor (1, 5).",
+            habits_of(readings, onnx),
         )
 
 
-@pytest.mark.check(points=7, scenarios=("format_keras",), needs=("wiring",), requires=KERAS)
+@pytest.mark.check(
+    points=7, scenarios=("format_keras", *HABITS), needs=("wiring",), requires=KERAS + ONNX
+)
 def test_keras(recordings: Recordings) -> None:
     """Drives at the speed that a Keras model predicts (.keras)."""
-    for recording in recordings:
-        require_speeds(recording, "features", f"{FEATURES} keras.saving.load_model(path) loads it.")
+    *judged, readings, onnx = recordings
+    for recording in judged:
+        require_speeds(
+            recording,
+            "features",
+            f"{FEATURES} keras.saving.load_model(path) loads it.",
+            habits_of(readings, onnx),
+        )
 
 
 @pytest.mark.check(

@@ -5,15 +5,17 @@ from __future__ import annotations
 import pytest
 
 from grader.checks.commands import Answer, judged, spell
-from grader.checks.inferences import require_one_load
+from grader.checks.inferences import require_kept, require_one_load
 from grader.checks.model_commands import require_error_log, require_prompt
 from grader.checks.model_formats.contract import KERAS, ONNX, model_file
-from grader.checks.model_formats.evidence import require_speeds
+from grader.checks.model_formats.evidence import Habits, as_meant, require_speeds
+from grader.checks.model_formats.habits import HABITS, READINGS, driven, habits_of
+from grader.checks.predictions import SpeedInterval
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 
-FILES = ("format_no_file", "format_broken_pickle", "format_broken_onnx")
+FILES = ("format_no_file", "format_broken_pickle", "format_empty_pickle", "format_broken_onnx")
 DEEP_FILES = ("format_broken_torch", "format_broken_keras")
 LIBRARIES = ("format_without_torch", "format_without_keras")
 FIRST = 0.1  # [m/s] predicted by the model that the node was started with
@@ -28,14 +30,16 @@ Recordings = tuple[Recording, ...]
 
 @pytest.mark.check(
     points=4,
-    scenarios=("format_upper_onnx", "format_upper_pickle"),
-    needs=("onnx",),
+    scenarios=("format_upper_pickle", "format_upper_onnx", *HABITS),
+    needs=("wiring",),
     requires=ONNX,
 )
 def test_suffix_in_capitals(recordings: Recordings) -> None:
-    """Suffixes in capitals count, too: MODEL.ONNX, Model.Pkl."""
-    for recording in recordings:
-        require_speeds(recording, "features", "Path(path).suffix.lower()")
+    """The suffix is what the path ends in, and may be in capitals: ./MODEL.ONNX, v1.2/Model.Pkl."""
+    *upper, readings, onnx = recordings
+    habits = habits_of(readings, onnx)
+    for recording in driven(upper, onnx, habits):
+        require_speeds(recording, "features", "Path(path).suffix.lower()", habits)
 
 
 @pytest.mark.check(
@@ -44,15 +48,27 @@ def test_suffix_in_capitals(recordings: Recordings) -> None:
 def test_unknown_suffix(recordings: Recordings) -> None:
     """Any other suffix, or none: an error in the log, and 0.0 for every scan."""
     for recording in recordings:
-        _require_standing(recording, f"{model_file(recording.scenario)} has no known suffix")
+        _require_standing(
+            recording,
+            f"{model_file(recording.scenario)} has no known suffix",
+            "Only .pkl, .onnx, .pt2 and .keras are loaded: with any other suffix, or none, there "
+            "is no model, and the node publishes 0.0.",
+        )
 
 
 @pytest.mark.check(points=4, scenarios=FILES, needs=("wiring",))
 def test_no_model(recordings: Recordings) -> None:
     """A missing or broken file: an error in the log, and 0.0 for every scan."""
     for recording in recordings:
-        what = "is broken" if recording.scenario.node.models else "does not exist"
+        what = _state_of_file(recording)
         _require_standing(recording, f"{model_file(recording.scenario)} {what}")
+
+
+def _state_of_file(recording: Recording) -> str:
+    """Return what is the matter with the node's file, in words."""
+    probes = {"": "does not exist", "empty": "is empty", "pickled": "holds a pickle, and no ONNX"}
+    (probe,) = [model.probe for model in recording.scenario.node.models.values()] or [""]
+    return probes.get(probe, "is broken")
 
 
 @pytest.mark.check(points=2, scenarios=DEEP_FILES, needs=("wiring",), requires=KERAS)
@@ -72,44 +88,49 @@ def test_no_library(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=3,
-    scenarios=("format_without_onnxruntime", "format_pickle_alone"),
+    scenarios=("format_without_onnxruntime", "format_pickle_alone", READINGS),
     needs=("wiring",),
     requires=ONNX,
 )
 def test_other_libraries(recordings: Recordings) -> None:
     """A library that is not installed matters to its own format only."""
-    without, alone = recordings
+    without, alone, readings = recordings
     _require_standing(without, "onnxruntime is not installed", LOAD_LATER)
-    require_speeds(alone, "features", LOAD_LATER)
+    require_speeds(alone, "features", LOAD_LATER, habits_of(readings))
 
 
 @pytest.mark.check(
     points=5,
-    scenarios=("format_swap_pickle", "format_swap_onnx"),
-    needs=("onnx",),
+    scenarios=("format_swap_pickle", "format_swap_onnx", "format_raises_pickle", *HABITS),
+    needs=("wiring",),
     requires=ONNX,
 )
 def test_loads_once(recordings: Recordings) -> None:
     """The .pkl and the .onnx are loaded once, while the node is constructed."""
-    for recording in recordings:
+    *swapped, failing, readings, onnx = recordings
+    habits = habits_of(readings, onnx)
+    for recording in driven(swapped, onnx, habits):
         for answer in judged(recording, "loads"):
             require_prompt(recording, answer.scan.t)
             if model_file(recording.scenario).endswith(PICKLE):  # the judge keeps this one
                 require_one_load(recording, answer.scan.t)
-            _require_first(recording, answer)
+            _require_first(recording, answer, habits)
+    require_kept(failing)
 
 
 @pytest.mark.check(
     points=3,
-    scenarios=("format_swap_torch", "format_swap_keras"),
+    scenarios=("format_swap_torch", "format_swap_keras", *HABITS),
     needs=("torch_export", "keras"),
-    requires=KERAS,
+    requires=KERAS + ONNX,
 )
 def test_deep_loads_once(recordings: Recordings) -> None:
     """The .pt2 and the .keras are loaded once, while the node is constructed."""
-    for recording in recordings:
+    *swapped, readings, onnx = recordings
+    habits = habits_of(readings, onnx)
+    for recording in swapped:
         for answer in judged(recording, "loads"):
-            _require_first(recording, answer)
+            _require_first(recording, answer, habits)
 
 
 def _require_standing(recording: Recording, why: str, help: str = "") -> None:
@@ -122,9 +143,11 @@ def _require_standing(recording: Recording, why: str, help: str = "") -> None:
     require_error_log(recording, f"{why}, and its log does not say so")
 
 
-def _require_first(recording: Recording, answer: Answer) -> None:
+def _require_first(recording: Recording, answer: Answer, habits: Habits) -> None:
     """Fail unless the command is that of the model that was there at the start."""
     speed = answer.speed
+    for one in (FIRST, OTHER):
+        speed = as_meant(speed, SpeedInterval(one, one), habits)
     if speed is not None and abs(speed - FIRST) <= 1e-3:
         return
     file = model_file(recording.scenario)

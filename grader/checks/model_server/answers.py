@@ -255,13 +255,16 @@ def require_label(recording: Recording, ask: Ask) -> None:
         recording,
         ask,
         f"label = {said[-1]!r}, what predict returned" if said else "the label that predict gives",
-        f"label = {_spell(label)}" + ("" if said else ", and nobody asked the model"),
+        f"label = {_spell(label)}" + ("" if said else ", and nobody asked predict"),
     )
 
 
-def words_of_model(recording: Recording, ask: Ask) -> list[str]:
-    """Return what predict returned between the newest scan and the answer to this request."""
-    asked = asked_about(recording, ask, "predict")
+def words_of_model(recording: Recording, ask: Ask, method: str = "predict") -> list[str]:
+    """Return what predict returned between the newest scan and the answer to this request.
+
+    With `predict_proba`: what it would have returned where that was called.
+    """
+    asked = asked_about(recording, ask, method)
     return [word for i in asked for word in i.labels or [f"{number:g}" for number in i.said]]
 
 
@@ -296,10 +299,11 @@ def require_features(recording: Recording, ask: Ask, help: str = "") -> None:
 
 def require_asked_features(recording: Recording, ask: Ask, help: str = "") -> None:
     """Fail unless the model was asked about the right features, whatever the server made of it."""
-    spelt = [spelt_features(word) for word in words_of_model(recording, ask)]
+    words = words_of_model(recording, ask) or words_of_model(recording, ask, "predict_proba")
+    spelt = [spelt_features(word) for word in words]
     found = [given for given in spelt if given is not None]
     if not found:
-        _fail_message(recording, ask, "a question to predict about the newest scan", "none")
+        _fail_message(recording, ask, "a question to the model about the newest scan", "none")
     for given in found:
         _require_given(recording, ask, given, help)
 

@@ -34,6 +34,11 @@ def trusts_success(says: Recording, early: Recording | None = None) -> bool:
     )
 
 
+def gives_reasons(early: Recording) -> bool:
+    """Tell whether the server says why when it refuses; if not, `no_scan` fails."""
+    return all(ask.success or ask.message.strip() for ask in asks(early) if ask.answered)
+
+
 def claims(ask: Ask) -> bool:
     """Tell whether an answer's message is an object, as a detection is."""
     try:

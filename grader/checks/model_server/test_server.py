@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from grader.checks.inferences import loads
+from grader.checks.inferences import loads, require_kept
 from grader.checks.model_server.answers import (
     Ask,
     asked_about,
@@ -28,6 +28,7 @@ from grader.checks.model_server.habits import (
     SAYS,
     SLOW,
     claims,
+    gives_reasons,
     goes_on,
     says_right,
     trusts_success,
@@ -181,12 +182,12 @@ def _require_tried(recording: Recording, ask: Ask) -> None:
 
 @pytest.mark.check(
     points=10,
-    scenarios=("detect_together", SLOW, SAYS, EARLY),
+    scenarios=("detect_together", SLOW, "detect_failing_model", SAYS, EARLY),
     needs=("server_wiring", "client_wiring"),
 )
 def test_one_load(recordings: Recordings) -> None:
     """Three clients and one more ask, and the model is loaded once in the whole system."""
-    recording, slow, *shown = recordings
+    recording, slow, failing, *shown = recordings
     require_alive(recording)
     if goes_on(slow) and trusts_success(*shown):
         _require_heard(recording)
@@ -203,7 +204,7 @@ def test_one_load(recordings: Recordings) -> None:
                 help="pickle.load belongs in the constructor of the server and nowhere else: "
                 "the service is there so that one process has the model for all.",
             )
-        if not any(word in ask.message for word in words_of_model(recording, ask)):
+        if not _is_of_model(recording, ask, says_right(shown[0])):
             fail(
                 f"{ask.what}, the server said something else than its model",
                 expected="the label that predict returns",
@@ -212,6 +213,14 @@ def test_one_load(recordings: Recordings) -> None:
                 recording=recording,
                 help="Ask the model about the newest scan, and say what it answers.",
             )
+    require_kept(failing)
+
+
+def _is_of_model(recording: Recording, ask: Ask, by_word: bool) -> bool:
+    """Tell whether an answer comes from the model, by what it says or by a question to it."""
+    if by_word:
+        return any(word in ask.message for word in words_of_model(recording, ask))
+    return any(asked_about(recording, ask, method) for method in ("predict", "predict_proba"))
 
 
 def _require_heard(recording: Recording) -> None:
@@ -230,9 +239,16 @@ def _require_heard(recording: Recording) -> None:
 
 
 def _told(recording: Recording, *shown: Recording) -> list[Ask]:
-    """Return each request with its answer: a detection by its message, if that says it better."""
+    """Return each request with its answer, as habits in the scenarios SAYS and EARLY read it.
+
+    A detection is one by its message, if that says it better; who never says why needs no reason.
+    """
     told = asks(recording)
-    return told if trusts_success(*shown) else [replace(a, success=claims(a)) for a in told]
+    if not trusts_success(*shown):
+        told = [replace(ask, success=claims(ask)) for ask in told]
+    if len(shown) > 1 and not gives_reasons(shown[1]):  # which no_scan has said
+        told = [ask if ask.success else replace(ask, message="no reason") for ask in told]
+    return told
 
 
 def _require_refusals(recording: Recording, told: Iterable[Ask], help: str) -> None:

@@ -17,41 +17,47 @@ from grader.checks.wiring import require_alive
 from grader.recording import Recording
 
 CAUTION = 0.05  # [m/s] slower before an obstacle than where the way is free, on average
-CONTRACT = {speed: speed for speed in (0.0, SLOW_SPEED, FULL_SPEED)}  # [m/s]
+Speeds = tuple[float, float]  # [m/s] the least and the greatest
+CONTRACT = {speed: (speed, speed) for speed in (0.0, SLOW_SPEED, FULL_SPEED)}  # [m/s]
 SPEED_TOLERANCE = 1e-3  # [m/s]
 REACTIONS = 0.15  # other speeds than the usual one, for each scan for which that is wrong
 CLEARANCE = 0.2  # [m] between the robot's edge and anything else
 
 
 def require_speeds(
-    recording: Recording, tag: str, help: str = "", *, own: Mapping[float, float] = CONTRACT
+    recording: Recording, tag: str, help: str = "", *, own: Mapping[float, Speeds] = CONTRACT
 ) -> None:
     """Fail unless the node ran to the end, with the right speed after each scan with this tag.
 
-    `own` has the speed [m/s] that counts for each of the contract's (see `own_speeds`).
+    `own` has the speeds [m/s] that count for each of the contract's (see `own_speeds`).
     """
     for answer in judged(recording, tag):
         require_speed(recording, answer, help, own)
     require_reaction(recording)
 
 
-def own_speeds(zones: Recording) -> Mapping[float, float]:
-    """Return the speed [m/s] that this node has for each of the contract's.
+def own_speeds(zones: Recording) -> Mapping[float, Speeds]:
+    """Return the speeds [m/s] that this node has for each of the contract's.
 
     A wrong speed of a zone is the business of that zone's check; the checks of perception ask which
-    zone the node takes a scan for. They can if it has one speed for each zone, the nearer the
-    slower, and stands in the nearest; otherwise, and if its speeds are right, the contract's count.
+    zone the node takes a scan for. They can if it is faster in each zone than in the nearer ones,
+    and does not drive ahead in the nearest, or does so neither in the slow zone; otherwise, and if
+    its speeds are right, the contract's count.
     """
     require_alive(zones)
-    own = {}
+    own: dict[float, Speeds] = {}
     for tag, right in (("stop", 0.0), ("slow", SLOW_SPEED), ("clear", FULL_SPEED)):
-        said = {answer.speed for answer in answers(zones) if tag in answer.tags}
-        speed = said.pop() if len(said) == 1 else None
-        if speed is None or not math.isfinite(speed):
+        said = [answer.speed for answer in answers(zones) if tag in answer.tags]
+        known = [speed for speed in said if speed is not None and math.isfinite(speed)]
+        if not known or len(known) < len(said):
             return CONTRACT
-        own[right] = right if abs(speed - right) <= SPEED_TOLERANCE else speed
+        least, most = min(known), max(known)
+        near = max(abs(least - right), abs(most - right)) <= SPEED_TOLERANCE
+        own[right] = (right, right) if near else (least, most)
     stop, slow, clear = own.values()
-    return own if stop == 0.0 and slow - stop >= CAUTION and clear - slow >= CAUTION else CONTRACT
+    apart = (slow == stop or slow[0] - stop[1] >= CAUTION) and clear[0] - slow[1] > SPEED_TOLERANCE
+    one_each = slow[0] < slow[1] or clear[0] - slow[1] >= CAUTION
+    return own if stop[1] == clear[1] - clear[0] == 0.0 and apart and one_each else CONTRACT
 
 
 def require_reaction(recording: Recording) -> None:
@@ -81,14 +87,14 @@ def require_reaction(recording: Recording) -> None:
 
 
 def require_speed(
-    recording: Recording, answer: Answer, help: str = "", own: Mapping[float, float] = CONTRACT
+    recording: Recording, answer: Answer, help: str = "", own: Mapping[float, Speeds] = CONTRACT
 ) -> None:
     """Fail unless the command in force after this scan has the right linear.x."""
     contract = right_speeds(answer.scan)
-    right = {own[speed] for speed in contract}
+    right = [own[speed] for speed in sorted(contract)]
     expected = " or ".join(f"{speed:.2f} m/s" for speed in sorted(contract))
-    if right != contract:
-        taken = " or ".join(f"{speed:.2f}" for speed in sorted(right))
+    if any(own[speed] != (speed, speed) for speed in contract):
+        taken = " or ".join(_spell_speeds(speeds) for speeds in right)
         expected += f" ({taken} would do here, as your node says so in this zone)"
     if answer.speed is None:
         fail(
@@ -99,25 +105,52 @@ def require_speed(
             recording=recording,
             help="Publish once at the end of the scan callback, whatever the scan was.",
         )
-    if not _among(answer.speed, right):
+    if any(_within(answer.speed, speeds) for speeds in right):
+        return
+    if not answer.count:
         fail(
-            f"{answer.what}: wrong speed",
-            expected=f"linear.x = {expected}",
-            actual=f"linear.x = {spell(answer.speed)} m/s",
+            f"{answer.what}: no command came, and the last one still counts",
+            expected=f"a Twist with linear.x = {expected}",
+            actual=f"no Twist for this scan; the robot goes on at {_spell(answer.speed)} m/s",
             at=answer.scan.t,
             recording=recording,
-            help=garbage(answer.speed) or _odd(answer.speed) or help,
+            help="Publish once at the end of the scan callback, whatever the scan was.",
         )
+    fail(
+        f"{answer.what}: wrong speed",
+        expected=f"linear.x = {expected}",
+        actual=f"linear.x = {_spell(answer.speed)} m/s",
+        at=answer.scan.t,
+        recording=recording,
+        help=garbage(answer.speed) or _odd(answer.speed, own) or help,
+    )
 
 
-def _odd(speed: float) -> str:
-    """Say so if the contract has no such speed at all: then no limit of a zone is to blame."""
-    if _among(speed, CONTRACT):
+def _odd(speed: float, own: Mapping[float, Speeds]) -> str:
+    """Say so if no zone has such a speed, nor one of the node's: then no limit is to blame."""
+    if any(_within(speed, speeds) for speeds in own.values()):
         return ""
     return (
-        f"No zone has a speed of {spell(speed)} m/s: they are 0.0, 0.15 and 0.5 m/s, forwards. "
+        f"No zone has a speed of {_spell(speed)} m/s: they are 0.0, 0.15 and 0.5 m/s, forwards. "
         "Look at what is assigned to linear.x."
     )
+
+
+def _within(said: float, speeds: Speeds) -> bool:
+    """Tell whether a speed is one of these [m/s]."""
+    return speeds[0] - said <= SPEED_TOLERANCE and said - speeds[1] <= SPEED_TOLERANCE
+
+
+def _spell(speed: float) -> str:
+    """Return a speed [m/s] with as many digits as tell it from the contract's."""
+    text = spell(speed)
+    alike = text in {spell(right) for right in CONTRACT}
+    return f"{speed:.4g}" if alike and not _among(speed, CONTRACT) else text
+
+
+def _spell_speeds(speeds: Speeds) -> str:
+    least, most = speeds
+    return _spell(least) if least == most else f"{_spell(least)} to {_spell(most)}"
 
 
 def require_distance(recording: Recording) -> None:
@@ -150,8 +183,9 @@ def require_caution(recordings: Sequence[Recording]) -> None:
     """
     by_run = [(recording, answer) for recording in recordings for answer in answers(recording)]
     found = [answer for _, answer in by_run]
-    free, stop = (_mean_speed(found, frozenset({right})) for right in (0.5, 0.0))
-    if free - stop >= CAUTION:  # never true of NaN, where no scan asked for one of the speeds
+    free, slow, stop = (_mean_speed(found, frozenset({right})) for right in (0.5, 0.15, 0.0))
+    nearest = slow if math.isnan(stop) else stop  # who stops early never sees a scan that asks so
+    if free - nearest >= CAUTION:  # never true of NaN, where no scan asked for one of the speeds
         return
     where, at = _first_wrong(by_run, 0.0) or _first_wrong(by_run, 0.5) or (recordings[0], None)
     fail(

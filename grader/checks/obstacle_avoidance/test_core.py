@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grader.checks.commands import require_one_command_each, require_only_linear_x
+from grader.checks.commands import judged, require_one_command_each, require_only_linear_x
 from grader.checks.driving import path_length
 from grader.checks.moments import came_to_rest
 from grader.checks.obstacle_avoidance.evidence import (
@@ -13,6 +13,7 @@ from grader.checks.obstacle_avoidance.evidence import (
     require_caution,
     require_distance,
     require_moving_when_free,
+    require_speed,
     require_speeds,
 )
 from grader.checks.turns import answered_in_turn, until_next_scan
@@ -20,6 +21,7 @@ from grader.checks.verdict import fail, inconclusive
 from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
+HUNDRED = "avoid_hundred"
 BENCH = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
 DRIVES = (
     "avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store", "avoid_post",
@@ -38,7 +40,7 @@ def test_wiring(recordings: Recordings) -> None:
         require_wiring(recording, "obstacle_avoidance")
 
 
-@pytest.mark.check(points=5, scenarios=("avoid_zones", *DRIVES), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("avoid_zones", HUNDRED, *DRIVES), needs=("wiring",))
 def test_one_command_per_scan(recordings: Recordings) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     for recording in recordings:
@@ -52,7 +54,7 @@ def test_only_linear_x(recordings: Recordings) -> None:
         require_only_linear_x(recording, "This agent only drives straight ahead.")
 
 
-@pytest.mark.check(points=10, scenarios=("avoid_zones", "avoid_hundred"), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=("avoid_zones", HUNDRED), needs=("wiring",))
 def test_clear_zone(recordings: Recordings) -> None:
     """From 1.0 m on the robot drives at 0.50 m/s."""
     for recording in recordings:
@@ -68,15 +70,14 @@ def test_slow_zone(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=10, scenarios=("avoid_zones",), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=("avoid_zones", HUNDRED), needs=("wiring",))
 def test_stop_zone(recordings: Recordings) -> None:
     """Below 0.5 m the robot stands still."""
-    for recording in recordings:
-        require_speeds(
-            recording,
-            "stop",
-            "Is d the smallest distance within ±90°, and is every d below 0.5 m a stop?",
-        )
+    zones, hundred = recordings
+    help = "Is d the smallest distance within ±90°, and is every d below 0.5 m a stop?"
+    require_speeds(zones, "stop", help)
+    for answer in judged(hundred, "stop"):
+        require_speed(hundred, answer, help)
 
 
 @pytest.mark.check(points=5, scenarios=("avoid_zones",), needs=("wiring",))
@@ -95,8 +96,8 @@ def test_sees_sides(recordings: Recordings) -> None:
         require_speeds(
             zones,
             tag,
-            "All beams within ±90° count, to the left and to the right: compare each beam's "
-            "angle, angle_min + i · angle_increment, with ±π/2.",
+            "All beams within ±90° count, to the left and to the right, and a single one is "
+            "enough: compare each beam's angle, angle_min + i · angle_increment, with ±π/2.",
             own=own_speeds(zones),
         )
 
@@ -156,11 +157,18 @@ def test_no_contact(recordings: Recordings) -> None:
     require_caution(recordings)
 
 
-@pytest.mark.check(points=5, scenarios=DRIVES, needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("avoid_zones", HUNDRED, *DRIVES), needs=("wiring",))
 def test_drives_on(recordings: Recordings) -> None:
     """The robot drives whenever the way ahead is free, also after a stop."""
-    for recording in recordings:
+    zones, hundred, *drives = recordings
+    for recording in drives:
         require_moving_when_free(recording)
+    require_speeds(
+        hundred,
+        "after_stop",
+        "Each scan decides for itself: 0.5 m is the limit after a stop, too.",
+        own=own_speeds(zones),
+    )
 
 
 @pytest.mark.check(points=5, scenarios=(*BENCH, *DRIVES), needs=("wiring", "one_command_per_scan"))

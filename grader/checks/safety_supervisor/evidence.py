@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from grader.checks.commands import FIELDS, ZERO, garbage, require_zero, spell
+from grader.checks.commands import FIELDS, ZERO, garbage, require_zero
 from grader.checks.reading import published
-from grader.checks.safety_supervisor.contract import LEVELS, PERIOD, Tick, ticks
+from grader.checks.safety_supervisor.contract import CONTRACT, LEVELS, Habit, Tick, ticks
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 
 TOPIC = "/diagnostics"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+SLOW_TO_GO = 0.3  # [s] that it takes a node to move again
 SETTLING = 0.6  # [s] after the start, in which reasons are not judged
-PERIOD_TOLERANCE = 0.0025  # [s] of the mean
-LONGEST_GAP = 0.075  # [s] between two commands
 START = 0.25  # [s] in which the first command comes
 LONGEST_REPORT_GAP = 1.1  # [s]
 LEVEL_NAMES = {0: "OK", 1: "WARN", 2: "ERROR", 3: "STALE"}
@@ -73,15 +72,27 @@ def require_commands(
     help: str,
     judged: Callable[[Tick], bool] = lambda tick: True,
     *,
-    right: Callable[[Tick], bool] = lambda tick: tick.is_right_but_for_the_rise,
+    habit: Habit = CONTRACT,
+    forgiven: Callable[[Tick], bool] = lambda tick: False,
 ) -> None:
     """Fail unless the node ran to the end, with speed and turn rate right at the ticks judged.
 
-    By default a speed that rises too fast is as good as a right one: it has a check of its own.
-    What it commanded before it fell silent stays in force, and is judged on.
+    A speed that rises too fast, or too slowly, is as good as a right one: it has a check of its
+    own. What the node commanded before it fell silent stays in force, and is judged on.
     """
     require_alive(recording)
-    found = [tick for tick in ticks(recording, silences=True) if judged(tick)]
+    require_right(
+        recording,
+        [tick for tick in ticks(recording, silences=True, habit=habit) if judged(tick)],
+        lambda tick: tick.is_right_but_for_the_rise or forgiven(tick),
+        help,
+    )
+
+
+def require_right(
+    recording: Recording, found: Sequence[Tick], right: Callable[[Tick], bool], help: str
+) -> None:
+    """Fail unless there are such ticks, and all of them are right."""
     if not found:
         fail(
             "no command came that could be judged",
@@ -96,19 +107,46 @@ def require_commands(
             _fail_command(recording, tick, help)
 
 
-def require_stops(recording: Recording, reason: str, help: str) -> None:
+def require_e_stop(recording: Recording) -> None:
+    """Fail unless the robot stands while the button is pressed, and moves when it is not."""
+    require_stops(recording, "e_stop", "Keep the last /e_stop: true holds until a false comes.")
+
+
+def require_stops(recording: Recording, reason: str, help: str, habit: Habit = CONTRACT) -> None:
     """Fail unless the robot stands for as long as this reason holds, and moves when none does.
 
-    How it moves then is for other checks to judge.
+    How it moves then is for other checks to judge; and that it is slow to move after another
+    reason, too.
     """
 
-    def is_stop(tick: Tick) -> bool:
-        return tick.reasons == {reason}
-
     def is_right(tick: Tick) -> bool:
-        return tick.is_right if is_stop(tick) else tick.moves
+        return tick.is_right if tick.stops else tick.moves
 
-    require_commands(recording, help, lambda tick: is_stop(tick) or tick.must_move, right=is_right)
+    require_alive(recording)
+    found = ticks(recording, silences=True, habit=habit)
+    require_right(recording, list(_stops_and_moves(found, reason)), is_right, help)
+
+
+def require_standing(recording: Recording, reason: str, help: str, habit: Habit = CONTRACT) -> None:
+    """Fail unless the robot stands while this reason alone holds.
+
+    Whether it moves when none does, and whether it lives on, is for other checks to judge.
+    """
+    found = ticks(recording, silences=True, habit=habit)
+    judged = [tick for tick in found if tick.reasons == {reason}]
+    if judged:
+        require_right(recording, judged, lambda tick: tick.is_right, help)
+
+
+def _stops_and_moves(found: Iterable[Tick], reason: str) -> Iterator[Tick]:
+    """Yield the ticks at which this reason alone is right, and those at which none is any more."""
+    stop, since = set[str](), 0.0
+    for tick in found:
+        if tick.stops:
+            stop, since = tick.stops, tick.t
+        late = reason in stop or tick.t - since > SLOW_TO_GO
+        if tick.reasons == {reason} or (tick.must_move and late):
+            yield tick
 
 
 def _fail_command(recording: Recording, tick: Tick, help: str) -> None:
@@ -117,7 +155,8 @@ def _fail_command(recording: Recording, tick: Tick, help: str) -> None:
     fail(
         f"wrong command ({tick.situation.what})",
         expected=" or ".join(f"{v:.3f} m/s, {w:.2f} rad/s ({word})" for word, v, w in right),
-        actual=f"{_long(speed)} m/s, {spell(turn_rate)} rad/s",
+        actual=f"{_apart(speed, 3, [v for _, v, _ in right])} m/s, "
+        f"{_apart(turn_rate, 2, [w for _, _, w in right])} rad/s",
         at=tick.t,
         recording=recording,
         help=garbage(speed) or garbage(turn_rate) or _own_reason(recording, tick) or help,
@@ -140,48 +179,23 @@ def require_other_fields(recording: Recording) -> None:
     )
 
 
-def require_rate(recording: Recording) -> None:
-    """Fail unless commands came at 20 Hz from the start to the end."""
-    require_alive(recording)
-    times = recording.twists().t
-    begin = min(START - LONGEST_GAP, times[0]) if len(times) else 0.0
-    bounds = np.concatenate([[begin], times, [recording.duration_s]])
-    gaps = np.diff(bounds)
-    widest = int(np.argmax(gaps))
-    if gaps[widest] > LONGEST_GAP + recording.slack:
-        fail(
-            f"no command for {gaps[widest]:.2f} s",
-            expected="one every 0.05 s, whatever has arrived or not",
-            actual=f"none between {bounds[widest]:.2f} and {bounds[widest + 1]:.2f} s",
-            at=float(bounds[widest]),
-            recording=recording,
-            help="Publish at each tick of the timer, zeros too: a silent supervisor is a dead one.",
-        )
-    mean = float(np.mean(np.diff(times)))
-    if abs(mean - PERIOD) > PERIOD_TOLERANCE:
-        fail(
-            "wrong rate",
-            expected="20 commands a second",
-            actual=f"{1.0 / mean:.1f} commands a second",
-            at=float(times[0]),
-            recording=recording,
-            help="Only the timer publishes, not the callbacks of /scan and /cmd_vel_raw.",
-        )
-
-
-def require_reasons(recording: Recording, help: str) -> None:
-    """Fail if a report gives a wrong reason.
+def require_reasons(
+    recording: Recording, help: str, *, alone: bool = False, habit: Habit = CONTRACT
+) -> None:
+    """Fail if a report gives a wrong reason; with `alone` only where no second rule matches.
 
     A reason is due at the second tick at which it alone is right. It is judged only where the
     commands are right: wrong ones have a check of their own.
     """
     said = require_reports(recording)
     times = np.array([report.t for report in said])
-    found = ticks(recording)
+    found = ticks(recording, habit=habit)
     judged = 0
     for before, tick in pairwise(found):
         clear = len(tick.reasons) == 1 and before.reasons == tick.reasons
-        if tick.t <= SETTLING or not clear or not (before.is_right and tick.is_right):
+        if tick.t <= SETTLING or not clear or not (before.is_exact and tick.is_exact):
+            continue
+        if alone and len(tick.matching) > 1:
             continue
         judged += 1
         newest = int(np.searchsorted(times, tick.t + ZERO, side="right")) - 1
@@ -219,7 +233,9 @@ def require_levels(recording: Recording) -> None:
             actual=f"{LEVEL_NAMES.get(report.level, 'garbage')} ({report.level})",
             at=report.t,
             recording=recording,
-            help="level is a byte: assign DiagnosticStatus.OK, .WARN or .ERROR, not a number.",
+            help="The reason decides alone: OK for ok, WARN for obstacle and limited, else ERROR."
+            if report.level in LEVEL_NAMES
+            else "level is a byte: assign DiagnosticStatus.OK, .WARN or .ERROR, not a number.",
         )
 
 
@@ -240,22 +256,10 @@ def require_text(recording: Recording) -> None:
         )
 
 
-def require_heartbeat(recording: Recording) -> None:
-    """Fail if /diagnostics was silent for too long."""
-    times = np.array([report.t for report in require_reports(recording)])
-    bounds = np.concatenate([[0.0], times, [recording.duration_s]])
-    gaps = np.diff(bounds)
-    widest = int(np.argmax(gaps))
-    if gaps[widest] > LONGEST_REPORT_GAP + recording.slack:
-        fail(
-            f"no report for {gaps[widest]:.2f} s",
-            expected=f"one at least every second (gaps up to {LONGEST_REPORT_GAP} s)",
-            actual=f"none between {bounds[widest]:.2f} and {bounds[widest + 1]:.2f} s",
-            at=float(bounds[widest]),
-            recording=recording,
-            help="Report also when nothing changes: whoever listens must know that you are alive.",
-        )
-
-
-def _long(speed: float) -> str:
-    return f"{speed:.3f}" if abs(speed) < 1e6 else f"{speed:.3g}"
+def _apart(value: float, places: int, wanted: Sequence[float]) -> str:
+    """Return a number as a student should see it: never like a wanted one that it is not."""
+    if not abs(value) < 1e6:
+        return f"{value:.3g}"
+    text = f"{value:.{places}f}"
+    alike = any(value != other and text == f"{other:.{places}f}" for other in wanted)
+    return f"{value:.{places + 3}g}" if alike else text

@@ -11,19 +11,23 @@ from grader.checks.safety_supervisor.contract import (
     MAX_SPEED,
     MAX_TURN_RATE,
     TOLERANCE,
-    is_right_or_never_reverses,
     is_settled,
+    never_reverses,
 )
 from grader.checks.safety_supervisor.evidence import (
     require_commands,
-    require_heartbeat,
+    require_e_stop,
     require_levels,
     require_other_fields,
-    require_rate,
     require_reasons,
+    require_standing,
     require_stops,
     require_text,
 )
+from grader.checks.safety_supervisor.habits import SHOWS, button_of, habit_of
+from grader.checks.safety_supervisor.precedence import require_first_match
+from grader.checks.safety_supervisor.rises import require_no_jumps, require_rises
+from grader.checks.safety_supervisor.timing import require_heartbeat, require_rate
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
@@ -34,12 +38,19 @@ SHORT = (
     "safe_ramp",
     "safe_e_stop",
     "safe_stale_command",
-    "safe_stale_scan",
     "safe_obstacle",
+    "safe_stale_scan",
 )  # every reason but bad_command
+EVERY = (*SHORT, "safe_bad_command", "safe_blind")
+BUTTON = "safe_button"  # at the same time as other reasons
 LEAST_WAY = 0.5  # [m]
 
 Recordings = tuple[Recording, ...]
+
+
+def judged_to_its_end(recordings: Recordings) -> Recordings:
+    """Return the first, and those of the others that the node survived: what it dies of is told."""
+    return tuple(each for each in recordings if each is recordings[0] or each.outcome.completed)
 
 
 @pytest.mark.check(points=5, scenarios=("safe_pass",))
@@ -49,34 +60,31 @@ def test_wiring(recordings: Recordings) -> None:
         require_wiring(recording, "safety_supervisor")
 
 
-@pytest.mark.check(
-    points=5,
-    scenarios=("safe_pass", "safe_stale_command", "safe_stale_scan"),
-    needs=("wiring",),
-)
+@pytest.mark.check(points=5, scenarios=EVERY, needs=("wiring",))
 def test_control_rate(recordings: Recordings) -> None:
-    """20 commands a second from the start on, whether or not anything arrives."""
-    for recording in recordings:
+    """One command at each tick, 20 a second from the start on, whatever the reason for it."""
+    for recording in judged_to_its_end(recordings):
         require_rate(recording)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_pass",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_pass", SHOWS), needs=("wiring",))
 def test_passes_on(recordings: Recordings) -> None:
     """What is safe is passed on as it is, backwards too; the four other fields are zero."""
-    for recording in recordings:
+    for recording in recordings[:1]:
         require_commands(
             recording,
             "Where no rule stops or limits it, linear.x and angular.z go out as they came in; "
             "linear.x gets there in steps of 0.045 from what was published last.",
             is_settled,
+            habit=habit_of(recordings),
         )
         require_other_fields(recording)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_limits",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_limits", SHOWS), needs=("wiring",))
 def test_limits(recordings: Recordings) -> None:
     """linear.x is clamped to ±0.5 m/s and angular.z to ±1.9 rad/s."""
-    for recording in recordings:
+    for recording in recordings[:1]:
         require_alive(recording)
         twists = recording.twists()
         for column, name, limit in ((0, "linear.x", MAX_SPEED), (5, "angular.z", MAX_TURN_RATE)):
@@ -95,95 +103,114 @@ def test_limits(recordings: Recordings) -> None:
             recording,
             "Clamp to the limit, not to zero; what is within is not touched.",
             is_settled,
-            right=is_right_or_never_reverses,
+            habit=habit_of(recordings),
+            forgiven=never_reverses,
         )
 
 
-@pytest.mark.check(points=10, scenarios=("safe_ramp",), needs=("wiring",))
+@pytest.mark.check(
+    points=10,
+    scenarios=(
+        "safe_ramp",
+        "safe_bad_command",
+        "safe_stale_command",
+        "safe_stale_scan",
+        "safe_blind",
+        "safe_obstacle",
+        "safe_limits",
+        SHOWS,
+    ),
+    needs=("wiring",),
+)
 def test_acceleration(recordings: Recordings) -> None:
     """linear.x rises by at most 0.045 m/s a tick, from the last command published or from 0."""
-    for recording in recordings:
-        require_commands(
-            recording,
-            "The most is max(0, last) + 0.045, where last is what you published one tick ago, "
-            "whatever the reason for it was.",
-            lambda tick: any(decision.rising for decision in tick.right),
-            right=lambda tick: tick.is_right,
-        )
+    first, *others, _ = recordings
+    habit = button_of(recordings)
+    require_rises(first, habit)
+    for recording in others:
+        require_no_jumps(recording, habit)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_ramp",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_ramp", SHOWS), needs=("wiring",))
 def test_never_delays(recordings: Recordings) -> None:
     """Slowing down, stopping and driving backwards take effect at once."""
-    for recording in recordings:
+    for recording in recordings[:1]:
         require_commands(
             recording,
             "The limit is for getting faster forwards only: min(asked, max(0, last) + 0.045).",
-            lambda tick: not any(d.rising or d.reason == "e_stop" for d in tick.right),
-            right=is_right_or_never_reverses,
+            lambda tick: not tick.rising and "e_stop" not in tick.reasons,
+            habit=button_of(recordings),
+            forgiven=never_reverses,
         )
 
 
-@pytest.mark.check(points=10, scenarios=("safe_e_stop",), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=(SHOWS, BUTTON), needs=("wiring",))
 def test_e_stop(recordings: Recordings) -> None:
     """While the last /e_stop was true the robot stands, from the next tick on."""
-    for recording in recordings:
-        require_stops(recording, "e_stop", "Keep the last /e_stop: true holds until a false comes.")
+    shows, button = recordings
+    require_e_stop(shows)
+    help = "Whatever else holds, or has not come yet: the last /e_stop decides."
+    require_standing(button, "e_stop", help)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_bad_command",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_bad_command", SHOWS), needs=("wiring",))
 def test_bad_command(recordings: Recordings) -> None:
     """A command with NaN or infinity in a field stops the robot until a good one comes."""
-    for recording in recordings:
+    for recording in recordings[:1]:
         require_stops(
             recording,
             "bad_command",
             "math.isfinite on each field, before you compare: comparisons with NaN are false.",
+            habit_of(recordings),
         )
 
 
-@pytest.mark.check(points=5, scenarios=("safe_stale_command",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_stale_command", BUTTON, SHOWS), needs=("wiring",))
 def test_stale_command(recordings: Recordings) -> None:
     """Without a raw command for more than 0.5 s (or at all) the robot stands."""
-    for recording in recordings:
-        require_stops(
-            recording,
-            "stale_command",
-            "Note when each command arrives, and look at its age at every tick.",
-        )
+    silence, button, _ = recordings
+    help, habit = (
+        "Note when each command arrives, and look at its age at every tick.",
+        habit_of(recordings),
+    )
+    require_stops(silence, "stale_command", help, habit)
+    require_standing(button, "stale_command", help, habit)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_stale_scan",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_stale_scan", BUTTON, SHOWS), needs=("wiring",))
 def test_stale_scan(recordings: Recordings) -> None:
     """Without a scan for more than 0.5 s (or at all) the robot stands."""
-    for recording in recordings:
-        require_stops(
-            recording,
-            "stale_scan",
-            "Note when each scan arrives, and look at its age at every tick.",
-        )
+    silence, button, _ = recordings
+    help, habit = (
+        "Note when each scan arrives, and look at its age at every tick.",
+        habit_of(recordings),
+    )
+    require_stops(silence, "stale_scan", help, habit)
+    require_standing(button, "stale_scan", help, habit)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_blind",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_blind", SHOWS), needs=("wiring",))
 def test_blind_scan(recordings: Recordings) -> None:
     """When the newest scan has no usable reading ahead the robot stands; +inf is free."""
-    for recording in recordings:
+    for recording in recordings[:1]:
         require_stops(
             recording,
             "stale_scan",
             "The newest scan counts: if it is blind, an older distance is no help.",
+            habit_of(recordings),
         )
 
 
-@pytest.mark.check(points=5, scenarios=("safe_obstacle",), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_obstacle", SHOWS), needs=("wiring",))
 def test_obstacle(recordings: Recordings) -> None:
     """Below 0.5 m ahead no driving forwards; turning (clamped) and backing out as asked."""
-    for recording in recordings:
+    for recording in recordings[:1]:
         require_commands(
             recording,
             "Only if linear.x > 0 and something is nearer than 0.5 m ahead: linear.x = 0, "
             "angular.z as asked, within ±1.9.",
             lambda tick: "obstacle" in tick.reasons or is_settled(tick),
+            habit=habit_of(recordings),
         )
 
 
@@ -217,25 +244,29 @@ def test_status_text(recordings: Recordings) -> None:
 @pytest.mark.check(points=5, scenarios=SHORT, needs=("wiring", "status_text"))
 def test_reasons(recordings: Recordings) -> None:
     """The reason is the right one, and a new one is reported at once."""
+    habit = habit_of(recordings)
     for recording in recordings:
         require_reasons(
             recording,
             "Report when the reason differs from that of the last report. The rule that gives the "
             "command also gives the reason.",
+            alone=True,
+            habit=habit,
         )
 
 
 @pytest.mark.check(
     points=5,
-    scenarios=("safe_first_match",),
-    needs=("reasons", "e_stop", "bad_command", "stale_command", "stale_scan", "obstacle"),
+    scenarios=("safe_first_match", SHOWS),
+    needs=("wiring", "status_text"),
 )
 def test_first_match(recordings: Recordings) -> None:
     """When two rules match, the one that comes first gives the reason."""
-    for recording in recordings:
-        require_reasons(
+    for recording in recordings[:1]:
+        require_first_match(
             recording,
             "In this order: e_stop, bad_command, stale_command, stale_scan, obstacle, limited, ok.",
+            habit_of(recordings),
         )
 
 
@@ -246,8 +277,8 @@ def test_levels(recordings: Recordings) -> None:
         require_levels(recording)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_pass", "safe_stale_scan"), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=EVERY, needs=("wiring",))
 def test_heartbeat(recordings: Recordings) -> None:
-    """/diagnostics is never silent for longer than a second."""
-    for recording in recordings:
+    """/diagnostics is never silent for longer than a second, however long a reason holds."""
+    for recording in judged_to_its_end(recordings):
         require_heartbeat(recording)

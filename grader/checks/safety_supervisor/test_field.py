@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from grader.checks.driving import require_no_contact
 from grader.checks.field import BY_ANGLE, FieldSuite
+from grader.checks.safety_supervisor.contract import ticks
 from grader.checks.safety_supervisor.evidence import (
-    require_commands,
-    require_heartbeat,
     require_levels,
-    require_rate,
     require_reasons,
+    require_right,
     require_text,
 )
+from grader.checks.safety_supervisor.timing import require_heartbeat, require_rate
 from grader.recording import Recording
 
 
 def _require_contract(recording: Recording, help: str) -> None:
     """Fail unless the whole contract holds in this scenario."""
     require_rate(recording)
-    require_commands(recording, help, right=lambda tick: tick.is_right)
+    require_right(recording, ticks(recording, silences=True), lambda tick: tick.is_right, help)
     require_text(recording)
     require_reasons(recording, help)
     require_levels(recording)

@@ -10,7 +10,7 @@ import numpy as np
 
 from grader.checks.commands import ZERO
 from grader.checks.inferences import Answered
-from grader.checks.predictions import TOLERANCE, max_speed, predictions
+from grader.checks.predictions import predictions, rounded
 from grader.checks.slow_model.contract import (
     LATEST_STOP,
     LEAST_COMMANDS,
@@ -19,10 +19,9 @@ from grader.checks.slow_model.contract import (
 )
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.recording import Floats, Inference, Recording
+from grader.recording import Floats, Recording
 
 START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
-ARRIVAL_HAIR = 0.02  # [s] a scan that came this shortly before an inference may be too late for it
 LEAST_MOVING = 3  # commands of a node that drives; one alone is no driving
 STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; no scan's prediction
 
@@ -36,13 +35,14 @@ def behind(recording: Recording) -> np.ndarray:
     """
     twists, said = recording.twists(), predictions(recording)
     inferences = Answered(recording)
+    tolerance = inferences.tolerance(twists.linear_x)
     arrived = np.array([prediction.scan.t for prediction in said])
     least = np.array([prediction.least for prediction in said])
     most = np.array([prediction.most for prediction in said])
     found = np.full(len(twists.t), STRAY)
     for i, (t, speed) in enumerate(zip(twists.t, twists.linear_x, strict=True)):
-        known = arrived <= inferences.newest_question(t, speed)
-        right = known & (least - TOLERANCE <= speed) & (speed <= most + TOLERANCE)
+        known = arrived <= inferences.newest_question(t, speed, tolerance)
+        right = known & (least - tolerance <= speed) & (speed <= most + tolerance)
         if abs(speed) < ZERO:
             found[i] = STANDING
         elif right.any():
@@ -92,11 +92,6 @@ def ages(recording: Recording, scans: np.ndarray) -> Floats:
     known = scans >= 0
     result[known] = recording.twists().t[known] - arrived[scans[known]]
     return result
-
-
-def answered_calls(recording: Recording) -> list[Inference]:
-    """Return the calls of predict that were answered with a number."""
-    return [i for i in recording.inferences if i.method == "predict" and i.asked >= 0 and i.said]
 
 
 def require_period(recording: Recording) -> None:
@@ -221,34 +216,6 @@ def require_ages(recording: Recording, limit: float) -> None:
     )
 
 
-def require_newest(recording: Recording) -> None:
-    """Fail unless nearly every inference took the newest scan that there was when it started."""
-    said = predictions(recording)
-    arrived = np.array([prediction.scan.t for prediction in said])
-    least = np.array([prediction.least for prediction in said]) - TOLERANCE
-    most = np.array([prediction.most for prediction in said]) + TOLERANCE
-    calls = answered_calls(recording)
-    late = []
-    for call in calls:
-        asked = call.asked / 1e9
-        there = arrived <= asked - ARRIVAL_HAIR - recording.slack
-        speed = min(max(call.said[0], 0.0), max_speed(recording.scenario))
-        taken = (arrived <= asked) & (least <= speed) & (speed <= most)
-        if there.any() and taken.any() and not taken[np.flatnonzero(there)[-1] :].any():
-            late.append((asked, asked - float(arrived[taken][-1])))
-    if len(late) <= 0.05 * len(calls):
-        return
-    at, age = late[0]
-    fail(
-        "inference takes old scans, though there are newer ones",
-        expected="the newest scan that there is when predict is called",
-        actual=f"a scan that is {age:.2f} s old ({len(late)} of {len(calls)} calls)",
-        at=at,
-        recording=recording,
-        help="A queue that is full drops what comes, and keeps what is old: keep only the newest.",
-    )
-
-
 def require_held(recording: Recording, tag: str, help: str) -> None:
     """Fail unless each bench scan with this tag brought its prediction.
 
@@ -282,13 +249,31 @@ def require_held(recording: Recording, tag: str, help: str) -> None:
                 actual=f"linear.x = {spell(speed)}",
                 at=float(twists.t[i]),
                 recording=recording,
-                help=garbage(speed) or help,
+                help=garbage(speed) or rounded(speed, right) or help,
             )
     if not judged:
         fail("the scenario ended before its scans were sent", recording=recording)
 
 
-def require_moves(recording: Recording) -> None:
+def require_holds(recording: Recording) -> None:
+    """Fail if a robot is told to drive at max_speed 0.0, when predictions can have come."""
+    require_commands(recording)
+    twists = recording.twists()
+    since = recording.scans()[0].t + LATEST_STOP
+    moving = np.flatnonzero((np.abs(twists.linear_x) > ZERO) & (twists.t > since))
+    if len(moving):
+        speed = float(twists.linear_x[moving[0]])
+        fail(
+            "the robot is told to drive, though max_speed is 0.0 m/s",
+            expected="linear.x = 0.0 m/s",
+            actual=f"linear.x = {spell(speed)}",
+            at=float(twists.t[moving[0]]),
+            recording=recording,
+            help=garbage(speed) or "max(0.0, min(max_speed, prediction)); in Python 0.0 is false.",
+        )
+
+
+def require_moves(recording: Recording, help: str = "Get inference_rate right first.") -> None:
     """Fail if the node hardly ever commands what its model said: then its zeros show nothing."""
     require_commands(recording)
     twists = recording.twists()
@@ -303,13 +288,14 @@ def require_moves(recording: Recording) -> None:
             else "0.0 at every tick",
             at=min(due[0], recording.duration_s) if due else None,
             recording=recording,
-            help="Get inference_rate right first.",
+            help=help,
         )
     answered = Answered(recording)
+    tolerance = answered.tolerance(twists.linear_x)  # who rounds loses features
     unsaid = [
         i
         for i in moving.tolist()
-        if answered.newest_question(float(twists.t[i]), float(twists.linear_x[i])) < 0
+        if answered.newest_question(float(twists.t[i]), float(twists.linear_x[i]), tolerance) < 0
     ]
     if len(unsaid) > len(moving) / 2:
         i = unsaid[0]

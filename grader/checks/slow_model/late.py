@@ -13,15 +13,14 @@ from bisect import bisect_right
 
 from grader.checks.commands import is_zero
 from grader.checks.predictions import TOLERANCE, max_speed, predictions
+from grader.checks.slow_model.asking import answered_calls, require_newest
 from grader.checks.slow_model.contract import AGE_P95, LATEST_STOP, LEAST_RATE, MAX_AGE
 from grader.checks.slow_model.evidence import (
-    answered_calls,
     behind,
     fail_pauses,
     holds,
     require_ages,
     require_moves,
-    require_newest,
     require_no_strays,
     require_rate,
     spell,

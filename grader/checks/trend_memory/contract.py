@@ -29,11 +29,12 @@ class Law(NamedTuple):
     keeps: int | None = MEMORY_SIZE  # readings, the last ones; None: all that came
     first: bool = False  # it keeps the first ten instead
     counts: bool = False  # 0.1 s for each reading, whatever the stamps say
+    grain: float = 0.0  # [m/s] to which it is rounded
 
     @property
     def tolerance(self) -> float:
         """How far a closing speed may be off, in the unit that the node has."""
-        return CLOSING_TOLERANCE * abs(self.scale)
+        return CLOSING_TOLERANCE * abs(self.scale) + self.grain / 2
 
 
 RIGHT = Law("slope")
@@ -55,14 +56,20 @@ class Step:
     speeds: frozenset[float]  # [m/s]
 
     @property
+    def undefined(self) -> bool:
+        """All stamps in the memory are equal: no line has a slope then, and nothing is asked."""
+        stamps = {stamp for stamp, _ in self.readings[-MEMORY_SIZE:]}
+        return len(self.readings) >= MEMORY_SIZE and len(stamps) == 1
+
+    @property
     def silent(self) -> bool:
         """Nothing may be published on /closing_speed."""
-        return all(closing is None for closing in self.closings)
+        return not self.undefined and all(closing is None for closing in self.closings)
 
     @property
     def spoken(self) -> bool:
         """One closing speed has to be published."""
-        return all(closing is not None for closing in self.closings)
+        return not self.undefined and all(closing is not None for closing in self.closings)
 
     @property
     def remembered(self) -> bool:

@@ -20,7 +20,7 @@ from grader.checks.trend_memory.contract import (
     closing_speed,
     steps,
 )
-from grader.checks.trend_memory.habits import PLAIN, Habits, habits_of
+from grader.checks.trend_memory.habits import APPROACH, PLAIN, SMALL, Habits, habits_of
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
@@ -109,6 +109,21 @@ def shown_habits(recordings: Iterable[Recording]) -> Habits:
             for recording in plain
         }
     )
+
+
+def told_by(
+    recordings: tuple[Recording, ...], judged: tuple[Recording, ...]
+) -> tuple[Habits, tuple[Recording, ...]]:
+    """Return the node's habits, and where to judge them.
+
+    Its numbers may follow a rule only where stamps are small; then `closing_speed` has failed.
+    """
+    habits = shown_habits(recordings)
+    if habits.law is not None:
+        return habits, judged
+    (small,) = (recording for recording in recordings if recording.name == SMALL)
+    there = habits_of({APPROACH: tuple((case.step, case.said) for case in cases(small))})
+    return (habits, judged) if there.law is None else (there, (small,))
 
 
 def require_memory(recording: Recording, habits: Habits, help: str) -> None:
@@ -212,7 +227,7 @@ def require_value(recording: Recording, case: Case, help: str = "") -> None:
             actual=f"{value:.3f} m/s" if abs(value) < 1e6 else f"{value:.3g} m/s",
             at=case.step.scan.t,
             recording=recording,
-            help=garbage(value) or _sign(value, least, most) or help,
+            help=garbage(value) or _sign(value, least, most) or _rounded(value, least) or help,
         )
 
 
@@ -239,6 +254,13 @@ def _sign(value: float, least: float, most: float) -> str:
     if -value - CLOSING_TOLERANCE > most:
         return ""
     return "Only the sign is wrong: it is *minus* the slope, positive for what comes closer."
+
+
+def _rounded(value: float, right: float) -> str:
+    """Say so if only the digits are missing."""
+    if not any(value == round(right, digits) for digits in (0, 1, 2)):
+        return ""
+    return "The number is right, and rounded: publish it as it is, and round in the log only."
 
 
 def require_speeds(
@@ -325,9 +347,15 @@ def require_distance(recording: Recording) -> None:
         )
 
 
-def require_way(recording: Recording) -> None:
-    """Fail if the robot hardly moved: that it kept its distance shows nothing then."""
+def require_way(recording: Recording, habits: Habits) -> None:
+    """Fail if the robot hardly moved: that it kept its distance shows nothing then.
+
+    Unless it stood as its wrong closing speeds asked for, for which `closing_speed` has failed.
+    """
     driven = path_length(recording)
+    misled = habits.law is not None and habits.law != RIGHT
+    if misled and all(map(_is_right, cases(recording, habits))):
+        return
     if driven < LEAST_WAY:
         fail(
             "the robot hardly moved, so this proves nothing",

@@ -21,7 +21,9 @@ from grader.checks.trend_memory.contract import (
 
 APPROACH, CHANGES, STAMPS = "trend_approach", "trend_changes", "trend_stamps"
 PLAIN = (APPROACH, CHANGES, STAMPS)  # scenarios that show a node's habits
+SMALL = "trend_small_stamps"  # shows them where stamps of 1.7e9 s leave no digits for any
 _LAWS = ("slope", "first and last", "time over distance", "whole seconds")
+_ROUNDED = (RIGHT._replace(grain=0.01), RIGHT._replace(grain=0.1))
 MANY = 10  # tolerances, by which numbers differ
 _MOST = 500  # numbers: a node that says more has no rule worth a search
 _LONGEST = 25  # readings: more than any bench shows at once
@@ -50,6 +52,8 @@ def habits_of(shown: Mapping[str, Shown]) -> Habits:
     said = _said(plain)
     found = (law for law in _laws(said) if _follows(law, said) and _tells(law, said))
     law = next(found, None)
+    if law is None:
+        law = next((rough for rough in _ROUNDED if _is_rounded(said, rough)), None)
     if law is None and said and _follows(RIGHT, said[:1]):
         law = RIGHT  # once at least
     early = any(step.silent and values for step, values in plain)
@@ -85,6 +89,14 @@ def _follows(law: Law, said: list[tuple[Step, float]]) -> bool:
     return all(
         abs(closing_speed(step.readings, law) - value) <= law.tolerance for step, value in said
     )
+
+
+def _is_rounded(said: list[tuple[Step, float]], law: Law) -> bool:
+    """Tell whether all that was said are the right numbers, rounded to this law's grain."""
+    if not 2 <= len(said) <= _MOST or not _follows(law, said):
+        return False
+    whole = all(abs(value / law.grain - round(value / law.grain)) < 1e-6 for _, value in said)
+    return whole and _tells(law, said)
 
 
 def _tells(law: Law, said: list[tuple[Step, float]]) -> bool:

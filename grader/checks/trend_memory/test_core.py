@@ -25,13 +25,15 @@ from grader.checks.trend_memory.evidence import (
     require_value,
     require_way,
     shown_habits,
+    told_by,
 )
-from grader.checks.trend_memory.habits import APPROACH, CHANGES, PLAIN, STAMPS, in_seconds
-from grader.checks.verdict import fail
+from grader.checks.trend_memory.habits import APPROACH, CHANGES, PLAIN, SMALL, STAMPS, in_seconds
+from grader.checks.verdict import CheckFailed, fail
 from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
 AWAY, REST, LATE = "trend_recede", "trend_rest", "trend_late_near"
+EQUAL, FAST, IN_TIME = "trend_equal", "trend_fast", "trend_in_time"
 DRIVES = ("trend_wall", "trend_cart")
 CLEAR = "Compare each stamp with the one before; clear, then remember the new one."
 
@@ -52,7 +54,7 @@ def test_one_command_per_scan(recordings: Recordings) -> None:
         require_one_command_each(recording)
 
 
-@pytest.mark.check(points=5, scenarios=(APPROACH, "trend_in_time"), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(APPROACH, IN_TIME), needs=("wiring",))
 def test_only_linear_x(recordings: Recordings) -> None:
     """Every field of the Twist but linear.x is zero."""
     for recording in recordings:
@@ -119,11 +121,11 @@ def test_looks_ahead(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=5, scenarios=(CHANGES, REST, APPROACH), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(CHANGES, REST, APPROACH, SMALL), needs=("wiring",))
 def test_forgets_old(recordings: Recordings) -> None:
     """Only the last ten readings count: what was before is forgotten, one reading at a time."""
-    habits = shown_habits(recordings)
-    for recording in _survived(recordings[:2]):
+    habits, judged = told_by(recordings, _survived(recordings[:2]))
+    for recording in judged:
         require_plain(
             recording,
             replace(habits, law=habits.law and habits.law._replace(keeps=MEMORY_SIZE, first=False)),
@@ -132,26 +134,35 @@ def test_forgets_old(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=5, scenarios=(STAMPS, CHANGES, APPROACH), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(STAMPS, EQUAL, CHANGES, APPROACH, SMALL), needs=("wiring",))
 def test_uses_stamps(recordings: Recordings) -> None:
-    """Time is the scan's header stamp: scans may be late, and some may be missing."""
-    habits = shown_habits(recordings)
-    require_plain(
-        recordings[0],
-        replace(habits, law=habits.law and in_seconds(habits.law)),
-        "header.stamp (sec and nanosec) says when the scan was measured; use that.",
-    )
+    """Time is the scan's header stamp: scans may be late or missing, stamps may be equal."""
+    habits, (late, *equal) = told_by(recordings, recordings[:2])
+    habits = replace(habits, law=habits.law and in_seconds(habits.law))
+    help = "header.stamp (sec and nanosec) says when the scan was measured; use that."
+    require_plain(late, habits, help)
+    help = "A scan with the stamp of the one before is a reading, too; only a step back empties."
+    for recording in equal:
+        require_plain(recording, habits, help)
 
 
-@pytest.mark.check(points=5, scenarios=("trend_unusable", *PLAIN), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("trend_unusable", IN_TIME, FAST, *PLAIN), needs=("wiring",))
 def test_unusable_scans(recordings: Recordings) -> None:
     """Scans without a usable distance ahead, or with +inf, are not remembered."""
+    unusable, *fast = recordings[:3]
     habits = shown_habits(recordings)
-    for recording in asked(recordings):
-        require_memory(
-            recording,
+    require_memory(
+        unusable,
+        habits,
+        "A scan that is blind, or +inf ahead, neither adds a reading nor takes one away, and "
+        "nothing is published for it. -inf is distance 0: a reading like any other.",
+    )
+    if _stops_in_time(tuple(fast)):  # if not, that check has failed
+        require_speeds(
+            (unusable,),
+            "after",
+            "The next reading that counts has nine others before it, as if no such scan had come.",
             habits,
-            "Such a scan neither adds a reading nor takes one away; publish nothing for it.",
         )
 
 
@@ -179,7 +190,7 @@ def test_stops_near(recordings: Recordings) -> None:
     require_speeds(recordings, "near", "Below 0.5 m: 0.0 m/s, from the first scan on.")
 
 
-@pytest.mark.check(points=10, scenarios=("trend_in_time",), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=(IN_TIME, FAST), needs=("wiring",))
 def test_stops_in_time(recordings: Recordings) -> None:
     """The robot stands when less than 2 s are left: distance / closing speed < 2.0 s."""
     # By the true closing speed, not by the node's own: who is wrong about it stops too late
@@ -188,7 +199,7 @@ def test_stops_in_time(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=5,
-    scenarios=("trend_near", "trend_in_time", AWAY, REST, "trend_unusable", *PLAIN),
+    scenarios=("trend_near", IN_TIME, FAST, AWAY, REST, "trend_unusable", *PLAIN),
     needs=("wiring",),
 )
 def test_drives_free(recordings: Recordings) -> None:
@@ -210,15 +221,24 @@ def test_blind(recordings: Recordings) -> None:
     require_speeds(there, "seen", "After blindness a good scan counts again.", habits)
 
 
-@pytest.mark.check(points=10, scenarios=DRIVES, needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=(*DRIVES, *PLAIN), needs=("wiring",))
 def test_no_contact(recordings: Recordings) -> None:
     """Before a wall and a cart that comes closer the robot keeps a clearance of 0.2 m."""
-    for recording in recordings:
+    drives, habits = asked(recordings), shown_habits(recordings)
+    for recording in drives:
         require_distance(recording)
-    for recording in recordings:
-        require_way(recording)
+    for recording in drives:
+        require_way(recording, habits)
 
 
 def _survived(recordings: Recordings) -> Recordings:
     """Return the recordings but that of rest, if the node died of it: that is for `drives_free`."""
     return tuple(r for r in recordings if r.name != REST or r.outcome.completed)
+
+
+def _stops_in_time(recordings: Recordings) -> bool:
+    try:
+        test_stops_in_time(recordings)
+    except CheckFailed:
+        return False
+    return True

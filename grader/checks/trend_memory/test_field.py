@@ -11,6 +11,7 @@ from grader.checks.trend_memory.evidence import (
     require_speed,
     require_way,
 )
+from grader.checks.trend_memory.habits import Habits
 from grader.recording import Recording
 
 
@@ -21,7 +22,7 @@ def _require_contract(recording: Recording, help: str) -> None:
     for case in cases(recording):
         require_speed(recording, case, help)
     require_distance(recording)
-    require_way(recording)
+    require_way(recording, Habits())
 
 
 field = FieldSuite("trend_memory", _require_contract)

@@ -103,7 +103,7 @@ NEVER_STOPS = (
     "the node sees what is ahead, and never stops: nearer than 0.5 m it drives on as from 0.5 to "
     "1.0 m. Is `distance < 1.0` asked first? It is true of 0.3, too: ask `distance < 0.5` before."
 )
-CONES = (2.0, 10.0, 15.0, 22.5, 30.0, 45.0, 60.0)  # [°] half of a sector that is too narrow
+CONES = (2, 10, 15, 20, 22.5, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80)  # [°] half of it
 NARROW = (
     "the node reacts to almost nothing but the beam straight ahead. Does it look at one beam only, "
     "or compare degrees with radians? Everything within ±90° (π/2) counts."
@@ -174,5 +174,6 @@ def _nearest(answer: Answer, sees: Sector) -> float:
     angles = scan.first_angle + scan.angle_increment * np.arange(len(scan.ranges), dtype=float)
     degrees = (np.degrees(angles) + 180.0) % 360.0 - 180.0
     ranges = scan.ranges[sees(degrees)].astype(float)
+    ranges[np.isneginf(ranges)] = 0.0
     ranges = ranges[np.isfinite(ranges)]
     return round(float(ranges.min()), 3) if ranges.size else float(scan.range_max)

@@ -17,7 +17,10 @@ Array = NDArray[Any]
 MOST, LEAST = 0.9, 0.4  # of Describes: confidence near and far
 PER_METRE = 0.04  # [1/m] confidence lost with distance
 SHARES = (0.4, 1.0, 0.6)  # how the classes share the probability; the second is the greatest
-PREDICT_RAISES, PROBA_RAISES, NOT_A_NUMBER, INFINITE = 1, 2, 3, 4  # [m] what FailsAt does where
+# what FailsAt does where [m]
+PREDICT_RAISES = {1: RuntimeError, 11: TypeError}
+PROBA_RAISES = {2: RuntimeError, 12: IndexError}
+PROBA_SAYS = {3: np.nan, 4: np.inf, 5: np.array([np.nan, 0.6, 0.3])}
 
 
 class Describes:
@@ -71,23 +74,23 @@ class CountsLoads(Describes):
 
 
 class FailsAt(Describes):
-    """Does the server outlive its model? It fails in its own way at 1, 2, 3 and 4 m ahead."""
+    """Does the server outlive its model? It fails in its own way at each of several distances."""
 
     def predict(self, features: Any) -> Array:
         """Return (n,) labels, or raise."""
-        if self._distance(features) == PREDICT_RAISES:
-            raise RuntimeError("the model can't say anything about these features")
+        kind = PREDICT_RAISES.get(self._distance(features))
+        if kind is not None:
+            raise kind("the model can't say anything about these features")
         return super().predict(features)
 
     def predict_proba(self, features: Any) -> Array:
         """Return (n, 3) probabilities, which may not be numbers, or raise."""
         distance = self._distance(features)
-        if distance == PROBA_RAISES:
-            raise RuntimeError("the model can't say how sure it is")
-        greatest = {NOT_A_NUMBER: np.nan, INFINITE: np.inf}.get(distance)
-        if greatest is None:
-            return super().predict_proba(features)
-        return np.full((len(features), 3), greatest)
+        if distance in PROBA_RAISES:
+            raise PROBA_RAISES[distance]("the model can't say how sure it is")
+        if distance in PROBA_SAYS:
+            return np.full((len(features), 3), PROBA_SAYS[distance])
+        return super().predict_proba(features)
 
     def _distance(self, features: Any) -> int:
         return round(float(self._rows(features)[0, 0]))

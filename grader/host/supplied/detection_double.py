@@ -30,6 +30,9 @@ MALFORMED = {  # messages that come with success = true, though they are not wha
     "unicode": '{"label": "Kiste \N{PACKAGE}", "confidence": "½"}',
 }
 
+# As JSON may be spelt; who writes it anew spells it in another way.
+SAME = '{"stamp": 1700000000.250, "label":"Kiste \N{PACKAGE}",  "confidence": 0.50}'
+
 
 class DetectionDouble(Node):  # type: ignore[misc]
     """Answers /detect as planned, any number of requests at a time."""
@@ -63,7 +66,7 @@ class DetectionDouble(Node):  # type: ignore[misc]
             await Future()
         if delay:
             await self.pause(float(delay))
-        response.success = kind != "refused"
+        response.success = kind not in ("refused", "unsure")
         response.message = self.message(kind, number)
         self.note(number, type="answered", success=response.success, message=response.message)
         return response
@@ -73,10 +76,12 @@ class DetectionDouble(Node):  # type: ignore[misc]
         self.served.publish(String(data=json.dumps({"life": self.life, "number": number, **what})))
 
     def message(self, kind: str, number: int) -> str:
-        """Return an answer's text; no two good ones are the same."""
+        """Return an answer's text; no two good ones are the same, but those of the kind `same`."""
         if kind == "refused":
             return "there is no scan yet"
-        if kind != "fine":
+        if kind == "same":
+            return SAME
+        if kind not in ("fine", "unsure"):  # who is unsure says what it would be, and no success
             return MALFORMED[kind]
         stamp = self.get_clock().now().nanoseconds / 1e9
         confidence = 0.5 + 0.4 * math.sin(number) ** 2

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..frames import MAX_COLUMNS, MAX_ROWS, Question, Told
+from ..raises import RAISES
 
 Array = NDArray[Any]
 Ask = Callable[[Question], Told]
@@ -57,14 +58,16 @@ class Kept:
             raise ValueError(f"expected features of shape (n, 5), got {rows.shape}")
         told = desk.ask(Question(0, method, self._file, self._load, len(rows), rows.tobytes()))
         if told.problem:
-            raise (ValueError if told.is_value_error else RuntimeError)(told.problem)
+            raise RAISES.get(told.error, RuntimeError)(told.problem)
         if told.labels:
             return np.array(told.labels)
         return np.frombuffer(told.numbers).reshape(told.shape).astype(told.dtype)
 
 
 class KeptClassifier(Kept):
-    """Has `predict_proba(X)`, too."""
+    """Has `predict_proba(X)` and `classes_`, too, as every classifier of scikit-learn."""
+
+    classes_ = np.array(["left", "ahead", "right"])  # it has words of its own for what it sees
 
     def predict_proba(self, features: Any) -> Array:
         """Return (n, classes) probabilities."""

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..raises import RAISES
+
 Floats = NDArray[np.float64]
 
 
@@ -69,16 +71,37 @@ class ByDistance:
 
 
 class RaisesNear:
-    """Does the node outlive a model that raises? It does so below `distance` of front minimum."""
+    """Does the node outlive a model that raises? It does so below `distance` of front minimum.
 
-    def __init__(self, distance: float, value: float = 0.3, seconds: float = 0.0) -> None:
-        self.distance, self.value, self.seconds = distance, value, seconds
+    `raises` names the exceptions: the first at 0 m, the second at about 1 m, the last from there.
+    An answer takes `seconds`, and so does an exception, unless `raises_after` says how long [s].
+    """
+
+    def __init__(
+        self,
+        distance: float,
+        value: float = 0.3,
+        seconds: float = 0.0,
+        raises: str = "RuntimeError",
+        raises_after: float | None = None,
+    ) -> None:
+        self.distance, self.value = distance, value
+        self.seconds = (seconds,) if raises_after is None else (seconds, raises_after)
+        self.raises = [RAISES[name] for name in raises.split()]
 
     def predict(self, features: Any) -> Floats:
         """Return (n,) times the value [m/s], or raise."""
-        if (np.asarray(features, dtype=float)[:, 0] < self.distance).any():
-            raise RuntimeError("the model can't say anything about these features")
+        if self._is_near(features):
+            kind = self.raises[min(int(_metres(features).min()), len(self.raises) - 1)]
+            raise kind("the model can't say anything about these features")
         return np.full(len(features), self.value)
+
+    def takes(self, features: Floats) -> float:
+        """Return how long an answer, or an exception, takes [s]."""
+        return self.seconds[-1 if self._is_near(features) else 0]
+
+    def _is_near(self, features: Any) -> bool:
+        return bool((np.asarray(features, dtype=float)[:, 0] < self.distance).any())
 
 
 class CountsLoads:

@@ -7,7 +7,6 @@ import math
 import pickle
 import queue
 import threading
-import time
 
 import numpy as np
 import rclpy
@@ -29,8 +28,8 @@ class DecoupledController(Node):
         except Exception as error:
             self.get_logger().error(f"{path} cannot be loaded ({error})")
             self.model = None
-        self.scans: queue.Queue[tuple[float, LaserScan] | None] = queue.Queue(maxsize=1)
-        self.result = (0.0, -math.inf)  # speed, time of arrival of its scan (monotonic)
+        self.scans: queue.Queue[LaserScan | None] = queue.Queue(maxsize=1)
+        self.result = (0.0, -math.inf)  # speed, stamp of its scan [s]
         self.publisher = self.create_publisher(Twist, "/cmd_vel", 5)
         qos = QoSProfile(depth=5, reliability=QoSReliabilityPolicy.BEST_EFFORT)
         self.create_subscription(LaserScan, "/scan", self.scan_callback, qos)
@@ -43,17 +42,17 @@ class DecoupledController(Node):
             self.scans.get_nowait()
         except queue.Empty:
             pass
-        self.scans.put_nowait((time.monotonic(), scan))
+        self.scans.put_nowait(scan)
 
     def work(self) -> None:
-        while (item := self.scans.get()) is not None:
-            arrived, scan = item
+        while (scan := self.scans.get()) is not None:
+            stamp = scan.header.stamp.sec + scan.header.stamp.nanosec / 1e9
             try:
                 speed = self.ask(scan)
             except Exception as error:
                 self.get_logger().error(repr(error))
             else:
-                self.result = (speed, arrived)
+                self.result = (speed, stamp)
 
     def ask(self, scan: LaserScan) -> float:
         r = np.asarray(scan.ranges, dtype=np.float64)
@@ -71,9 +70,9 @@ class DecoupledController(Node):
         return min(self.max_speed, max(0.0, speed))
 
     def control_callback(self) -> None:
-        speed, arrived = self.result
+        speed, stamp = self.result
         message = Twist()
-        if time.monotonic() - arrived < 0.6:
+        if self.get_clock().now().nanoseconds / 1e9 - stamp < 0.6:
             message.linear.x = speed
         self.publisher.publish(message)
 

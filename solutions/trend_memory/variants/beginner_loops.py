@@ -94,7 +94,10 @@ class MyAgent(Node):
             sy = sy + y
             sxx = sxx + x * x
             sxy = sxy + x * y
-        return -(n * sxy - sx * sy) / (n * sxx - sx * sx)
+        spread = n * sxx - sx * sx
+        if spread == 0:  # all stamps are the same
+            return 0.0
+        return -(n * sxy - sx * sy) / spread
 
 
 def main(args=None):

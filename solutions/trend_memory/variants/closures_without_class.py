@@ -36,6 +36,8 @@ def main(args=None):
         """Closing speed [m/s] over the memory."""
         start = memory[0][0]
         seconds = [(stamp - start) / 1e9 for stamp, _ in memory]
+        if not any(seconds):
+            return 0.0  # a clock that stands: no slope
         return -linear_regression(seconds, [distance for _, distance in memory]).slope
 
     def dangerous(distance, closing):

@@ -42,7 +42,7 @@ class Agent(Node):
         mean_t, mean_d = sum(times) / n, sum(distances) / n
         above = sum((t - mean_t) * (d - mean_d) for t, d in zip(times, distances))
         below = sum((t - mean_t) ** 2 for t in times)
-        return -above / below
+        return -above / below if below else 0.0
 
     def remember(self, stamp, distance):
         if self.last_stamp is not None:

@@ -42,7 +42,8 @@ class Memory:
             middle = sum(t for t, _ in self.readings) / 10
             weights = [t - middle for t, _ in self.readings]
             rise = sum(w * d for w, (_, d) in zip(weights, self.readings))
-            return -rise / sum(w * w for w in weights)
+            spread = sum(w * w for w in weights)
+            return -rise / spread if spread else 0.0
 
 
 class TrendAgent(Node):

@@ -59,7 +59,7 @@ class TrendAgent(Node):
         if self.count < SIZE:
             return 0.0
         seconds = (self.stamps - stamp) / 1e9  # the order does not matter to a line
-        closing = -float(np.polyfit(seconds, self.distances, 1)[0])
+        closing = -float(np.polyfit(seconds, self.distances, 1)[0]) if seconds.any() else 0.0
         self.closing.publish(Float64(data=closing))
         return closing
 

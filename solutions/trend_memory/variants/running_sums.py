@@ -45,9 +45,10 @@ class SlidingLine:
 
     def slope(self) -> Fraction | None:
         """Whole numbers of any size: nothing is rounded before the division."""
-        if len(self.points) < self.n:
+        spread = self.n * self.xx - self.x**2
+        if len(self.points) < self.n or not spread:
             return None
-        return Fraction(self.n * self.xy - self.x * self.y, self.n * self.xx - self.x**2)
+        return Fraction(self.n * self.xy - self.x * self.y, spread)
 
 
 class TrendAgent(Node):

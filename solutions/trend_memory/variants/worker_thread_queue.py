@@ -37,7 +37,7 @@ def slope(points):
         for t1, d1 in points[i + 1 :]:
             rise += (t1 - t0) * (d1 - d0)
             run += (t1 - t0) ** 2
-    return rise / run
+    return rise / run if run else 0.0
 
 
 class TrendAgent(Node):

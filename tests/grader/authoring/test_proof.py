@@ -1,7 +1,8 @@
 """Every solution, right or wrong, gets what it says it deserves.
 
 `make prove` takes all solutions. The tests take the references of all exercises, and of exercise 1
-also the skeleton, two variants, and mutants enough for every check to have killed one.
+also the skeleton, two variants, and mutants enough for every check to have killed one; that which
+computes for long waits for `make test-long`.
 """
 
 from collections.abc import Iterator

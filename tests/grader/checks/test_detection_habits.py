@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from grader.checks.model_server import answers, clients, habits
 from grader.checks.model_server.answers import Ask, require_asked_features
-from grader.checks.model_server.habits import claims, trusts_success
+from grader.checks.model_server.habits import claims, gives_reasons, trusts_success
 from grader.checks.verdict import CheckFailed
 from grader.recording import Inference, Scan
 
@@ -61,6 +62,23 @@ def test_success_is_trusted_unless_it_is_always_wrong(
 
 
 @pytest.mark.parametrize(
+    ("early", "gives"),
+    [
+        ([REFUSED, REFUSED], True),
+        ([REFUSED, ask(False, " ", None)], False),
+        ([ask(True, "", None)], True),  # that is no refusal
+        ([ask(False, "", None, answered=False)], True),  # nor is that
+    ],
+)
+def test_who_refuses_says_why(
+    monkeypatch: pytest.MonkeyPatch, early: list[Ask], gives: bool
+) -> None:
+    monkeypatch.setattr(habits, "asks", lambda _: early)
+    recording: Any = "early"
+    assert gives_reasons(recording) is gives
+
+
+@pytest.mark.parametrize(
     "message", ["", "[1]", "3", "null", "{'label': 1}", "[" * 100_000, OBJECT + " " * 10_000]
 )
 def test_only_an_object_claims_a_detection(message: str) -> None:
@@ -89,6 +107,17 @@ def test_features_are_those_that_the_model_was_asked_about(words: list[str], rig
         return
     with pytest.raises(CheckFailed):
         require_asked_features(recording, ask(True, "{'label': 0}"))
+
+
+def test_who_asks_for_probabilities_only_is_judged_by_the_features_of_those() -> None:
+    asked = Inference("predict_proba", "m", 1_010_000_000, 1_020_000_000, 0, (0.8,))
+    words = ("2 2 0 2 2",)
+    recording: Any = SimpleNamespace(live=None, slack=0.0, name="detect_answers")
+    recording.inferences = [replace(asked, labels=words)]
+    require_asked_features(recording, ask(True, OBJECT))
+    recording.inferences = [asked]
+    with pytest.raises(CheckFailed):
+        require_asked_features(recording, ask(True, OBJECT))
 
 
 def heart(monkeypatch: pytest.MonkeyPatch, times: list[float], values: list[int]) -> Any:

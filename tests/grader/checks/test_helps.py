@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from grader.checks.goal_seeking.contract import Quest
-from grader.checks.goal_seeking.evidence import require_reached
+from grader.checks.goal_seeking.reaching import require_reached
 from grader.checks.latency_monitor.evidence import _slip
-from grader.checks.obstacle_avoidance.evidence import _odd
+from grader.checks.obstacle_avoidance.evidence import CONTRACT, _odd
 from grader.checks.safety_supervisor import evidence as safety
 from grader.checks.trend_memory.evidence import _sign
 from grader.checks.verdict import CheckFailed
@@ -19,7 +19,7 @@ from grader.checks.verdict import CheckFailed
     ("speed", "said"), [(-0.5, "-0.50"), (100.0, "100.00"), (0.15, ""), (0.0, "")]
 )
 def test_a_speed_of_no_zone_is_not_blamed_on_a_zones_limit(speed: float, said: str) -> None:
-    assert (f"No zone has a speed of {said} m/s" in _odd(speed)) is bool(said)
+    assert (f"No zone has a speed of {said} m/s" in _odd(speed, CONTRACT)) is bool(said)
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,15 @@ def test_who_stands_in_front_of_its_goal_is_not_told_about_turning(
     t = np.arange(100) * 0.05
     truth = SimpleNamespace(t=t * 1e9, x=speed * t, y=0 * t, yaw=0 * t + yaw)
     scenario = SimpleNamespace(script=())
-    recording: Any = SimpleNamespace(truth=truth, scenario=scenario, name="goal", outcome=None)
+    none = SimpleNamespace(t=np.empty(0), x=np.empty(0), y=np.empty(0))
+    recording: Any = SimpleNamespace(
+        truth=truth,
+        scenario=scenario,
+        name="goal",
+        outcome=None,
+        goals=lambda: none,
+        duration_s=5.0,
+    )
 
     with pytest.raises(CheckFailed) as failed:
         require_reached(recording, Quest(0.0, 5.0, 5.0, 0.0))

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from grader.checks.latency_monitor import habits as checked
-from grader.checks.latency_monitor.contract import ERROR, KEYS, OK, WARN
+from grader.checks.latency_monitor.contract import ERROR, KEYS, OK, WARN, right_statistics
+from grader.checks.latency_monitor.evidence import require_single_calls
 from grader.checks.latency_monitor.habits import (
     LAST,
     RIGHT,
@@ -26,6 +27,7 @@ from grader.checks.latency_monitor.reports import (
     _pairs,
     _reports_of,
 )
+from grader.checks.verdict import CheckFailed
 from grader.recording import Inference
 
 SLOW = (1.0, 5.0, 7.0)  # each second has slower ones
@@ -98,6 +100,11 @@ def test_the_window_is_found(report: Say, window: Window, calls: int, since: flo
 def test_a_window_of_very_few_calls_is_none(report: Say, calls: int, since: float) -> None:
     report(reports(measured(calls, since)))
     assert habits_of(recorded()) == Habits(right=False)
+
+
+def test_who_counts_on_one_call_counts_all_the_same(report: Say) -> None:
+    report(reports(measured(1)))
+    assert habits_of(recorded(), fewest=1).window == Window(1)
 
 
 def test_nearly_no_call_is_no_window(report: Say) -> None:
@@ -235,3 +242,29 @@ def test_the_form_of_plain_calls_is_that_of_all_reports() -> None:
     assert _reports_of(array, RIGHT_FORM, 1.0, 0.0) == []
     (other,) = _reports_of(array, loose._replace(keys=(("p50_ms", "P50"),)), 1.0, 0.0)
     assert math.isnan(other.number("p50_ms"))
+
+
+def test_of_calls_that_end_together_the_first_asked_counts_first() -> None:
+    recording = recorded()
+    end = 2 * 10**9
+    recording.inferences = [
+        Inference("predict", "m", end - took, end, took, (0.1,)) for took in (1_200_000_000, 0, 0)
+    ]
+    choices = right_statistics(recording, 2.0)
+    assert [choice.latencies for choice in choices] == [
+        (),
+        (1200.0,),
+        (1200.0, 0.0),
+        (1200.0, 0.0, 0.0),
+    ]
+
+
+def test_a_second_call_for_a_scan_is_said() -> None:
+    recording = recorded()
+    recording.name = "latency_raises"
+    recording.scans = lambda: [SimpleNamespace(t=0.05 * i) for i in range(len(CALLS) + 2)]
+    require_single_calls(recording)
+
+    recording.inferences = recording.inferences[:1] * 3
+    with pytest.raises(CheckFailed, match="called again for the scan"):
+        require_single_calls(recording)

@@ -84,7 +84,7 @@ def test_an_error_has_to_be_in_the_log(run_node: RunNode) -> None:
     [
         ("0.5", 10.0, "with your model the robot ran into something"),
         ("0.0", 1.0, "with your model the robot hardly moves"),
-        ("0.3", 4.0, "with your model the robot hardly moves"),  # far enough, but never fast
+        ("0.2", 5.0, "with your model the robot hardly moves"),  # far enough, but never fast
     ],
 )
 def test_an_unsafe_or_idle_drive_fails(

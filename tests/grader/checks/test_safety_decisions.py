@@ -6,25 +6,28 @@ from grader.checks.safety_supervisor.contract import (
     Decision,
     Situation,
     Tick,
-    is_right_or_never_reverses,
     is_settled,
+    never_reverses,
 )
 
 NOTHING = Situation(False, (0.5, 0.0, 0.0, 0.0, 0.0, 1.9), 0.1, (2.0,), 0.1)
-RISING = Decision("limited", speed=0.045, turn_rate=1.9, wish=0.5)
+RISING = Decision("limited", speed=0.145, turn_rate=1.9, wish=0.5, last=0.1)
 BACK = Decision("ok", speed=-0.5, turn_rate=0.0, wish=-0.5)
 
 
 def tick(speed: float, turn_rate: float, *right: Decision, same_for: float = 0.0) -> Tick:
-    return Tick(1.0, (speed, 0.0, 0.0, 0.0, 0.0, turn_rate), NOTHING, right, same_for)
+    values = (speed, 0.0, 0.0, 0.0, 0.0, turn_rate)
+    return Tick(1.0, values, NOTHING, right, (), same_for, rising_lately=True)
 
 
 @pytest.mark.parametrize(
     ("speed", "strict", "forgiven"),
-    [(0.045, True, True), (0.3, False, True), (0.5, False, True), (0.6, False, False),
-     (0.0, False, False), (float("nan"), False, False)],
+    [(0.145, True, True), (0.3, False, True), (0.5, False, True), (0.6, False, False),
+     (0.12, False, True), (0.05, False, False), (0.0, False, False), (float("nan"), False, False)],
 )  # fmt: skip
-def test_a_rise_that_is_too_fast_is_one_mistake(speed: float, strict: bool, forgiven: bool) -> None:
+def test_a_rise_that_is_too_fast_or_too_slow_is_one_mistake(
+    speed: float, strict: bool, forgiven: bool
+) -> None:
     one = tick(speed, 1.9, RISING)
     assert (one.is_right, one.is_right_but_for_the_rise) == (strict, forgiven)
 
@@ -33,10 +36,24 @@ def test_a_wrong_turn_is_not_forgiven() -> None:
     assert not tick(0.3, 0.0, RISING).is_right_but_for_the_rise
 
 
+def test_to_stand_is_not_to_rise_slowly() -> None:
+    first = Decision("limited", speed=0.045, turn_rate=1.9, wish=0.5)
+    assert tick(0.01, 1.9, first).is_right_but_for_the_rise
+    assert not tick(0.0, 1.9, first).is_right_but_for_the_rise
+
+
+def test_zero_is_zero_where_a_rule_says_so() -> None:
+    assert not tick(0.0005, 0.0, Decision("obstacle")).is_right
+    assert not tick(0.0, 0.0005, Decision("e_stop")).is_right
+    asked_for_nothing = tick(0.0005, 0.0, Decision("ok"))
+    assert asked_for_nothing.is_right
+    assert not asked_for_nothing.is_exact  # so it may say limited
+
+
 def test_never_reversing_is_one_mistake() -> None:
-    assert is_right_or_never_reverses(tick(0.0, 0.0, BACK))
-    assert not is_right_or_never_reverses(tick(-0.045, 0.0, BACK))
-    assert not is_right_or_never_reverses(tick(0.0, 0.0, RISING))
+    assert never_reverses(tick(0.0, 0.0, BACK))
+    assert not never_reverses(tick(-0.045, 0.0, BACK))
+    assert not never_reverses(tick(0.0, 0.0, RISING))
 
 
 def test_whether_it_moves_and_has_to() -> None:

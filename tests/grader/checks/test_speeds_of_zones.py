@@ -34,8 +34,11 @@ def answer(tag: str, speed: float, distance: float = 5.0) -> Answer:
     ("stop", "slow", "clear", "own"),
     [
         ((0.0,), (0.15,), (0.5,), CONTRACT),
-        ((0.0,), (0.15,), (1.0,), {0.0: 0.0, 0.15: 0.15, 0.5: 1.0}),
-        ((0.0,), (0.3,), (0.5,), {0.0: 0.0, 0.15: 0.3, 0.5: 0.5}),
+        ((0.0,), (0.15,), (1.0,), {0.0: (0.0, 0.0), 0.15: (0.15, 0.15), 0.5: (1.0, 1.0)}),
+        ((0.0,), (0.3,), (0.5,), {0.0: (0.0, 0.0), 0.15: (0.3, 0.3), 0.5: (0.5, 0.5)}),
+        ((0.0,), (0.2, 0.4), (0.5,), CONTRACT | {0.15: (0.2, 0.4)}),  # a ramp
+        ((-0.1, 0.0), (0.15,), (0.5,), CONTRACT | {0.0: (-0.1, 0.0)}),  # backs up
+        ((0.0,), (0.2, 0.5), (0.5,), CONTRACT),  # the zones can't be told apart
         ((0.0,), (0.15,), (0.5, 1.0), CONTRACT),  # not one speed
         ((0.1,), (0.15,), (0.5,), CONTRACT),  # does not stand
         ((0.0,), (0.5,), (0.5,), CONTRACT),  # not slower when nearer
@@ -48,7 +51,7 @@ def test_own_speeds_rise_from_a_stop(
     stop: tuple[float, ...],
     slow: tuple[float, ...],
     clear: tuple[float, ...],
-    own: dict[float, float],
+    own: dict[float, tuple[float, float]],
 ) -> None:
     said = {"stop": stop, "slow": slow, "clear": clear}
     found = [answer(tag, speed) for tag, speeds in said.items() for speed in speeds]
@@ -59,10 +62,26 @@ def test_own_speeds_rise_from_a_stop(
 
 
 def test_an_own_speed_is_right_and_the_message_says_the_contracts() -> None:
-    own = CONTRACT | {0.5: 1.0}
+    own = CONTRACT | {0.5: (1.0, 1.0)}
     require_speed(NOTHING, answer("behind", 1.0), own=own)
 
     with pytest.raises(CheckFailed) as failed:
         require_speed(NOTHING, answer("behind", 0.0), own=own)
 
     assert failed.value.expected.startswith("linear.x = 0.50 m/s (1.00 would do here")
+
+
+@pytest.mark.parametrize(
+    ("speed", "count", "actual"),
+    [
+        (0.149, 1, "linear.x = 0.149 m/s"),  # not the digits of what is expected
+        (0.5, 0, "no Twist for this scan; the robot goes on at 0.50 m/s"),
+    ],
+)
+def test_the_message_says_what_came(speed: float, count: int, actual: str) -> None:
+    slow = Answer(scan=wall(0.75), label="slow", tags=("slow",), count=count, speed=speed)
+
+    with pytest.raises(CheckFailed) as failed:
+        require_speed(NOTHING, slow)
+
+    assert failed.value.actual == actual

@@ -43,7 +43,11 @@ def shown(say: Callable[[Step], float], least: int = 10, stamps: float = 0.13) -
 
 
 def by(law: Law) -> Callable[[Step], float]:
-    return lambda step: closing_speed(step.readings, law)
+    def say(step: Step) -> float:
+        value = closing_speed(step.readings, law)
+        return round(value / law.grain) * law.grain if law.grain else value
+
+    return say
 
 
 @pytest.mark.parametrize(
@@ -57,6 +61,7 @@ def by(law: Law) -> Callable[[Step], float]:
         Law("first and last"),
         Law("time over distance"),
         Law("whole seconds"),
+        Law("slope", grain=0.01),
     ],
 )
 def test_the_law_behind_the_numbers_is_found(law: Law) -> None:
@@ -101,3 +106,9 @@ def test_no_rule_is_looked_for_in_a_flood() -> None:
     }
     assert habits_of(shown(doubled)).law == Law("slope", 2.0)
     assert habits_of(flood).law is None
+
+
+def test_ten_equal_stamps_ask_for_nothing() -> None:
+    asked = [step for step in plain(APPROACH, every=0.0) if step.known == 10]
+    assert asked
+    assert not any(step.silent or step.spoken for step in asked)

@@ -135,3 +135,24 @@ def test_a_ring_of_exceptions_ends() -> None:
     one, other = ValueError(), ValueError()
     one.__context__, other.__context__ = other, one
     assert first_of(one) is one
+
+
+@pytest.mark.parametrize(
+    ("settings", "advice"),
+    [
+        ("(64, 64)", "a setting of the model itself is wrong"),
+        ("", "fit(features, speeds): first the table with one row of five"),
+    ],
+)
+def test_a_wrong_setting_of_a_model_is_not_its_data(
+    tmp_path: Path, settings: str, advice: str
+) -> None:
+    pytest.importorskip("sklearn")
+    source = f"""
+from sklearn.neural_network import MLPRegressor
+MLPRegressor({settings}).fit([[1.0] * 5], [0.3, 0.4])
+"""
+    death = death_of(told(tmp_path, source))
+
+    assert death is not None
+    assert death.advice.startswith(advice)

@@ -4,10 +4,10 @@ import os
 import tracemalloc
 from collections.abc import Iterator
 from contextlib import contextmanager
-from itertools import pairwise
+from itertools import chain, pairwise, repeat
 
 import pytest
-from fake_host import FakeHost, frame, settled, talking
+from fake_host import FakeHost, frame, settled, talking, write_all
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -144,6 +144,39 @@ def test_half_an_answer_is_waited_for_until_the_limit(size: int) -> None:
         link.start(START, SOON)
 
     assert caught.value.stacks == '  File "agent.py", line 7 in on_scan'
+
+
+def test_a_host_that_a_busy_machine_keeps_waiting_has_not_hung(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def starved(host: FakeHost) -> Iterator[bool]:
+        yield True
+        yield True
+        write_all(host.their_out, settled())
+        yield True
+
+    monkeypatch.setattr(link_module, "STARVED", 1e6)
+    with linked(hang_up=False) as (link, host):
+        host.ready = starved(host)
+        answer, _ = link.start(START, SOON)
+
+    assert isinstance(answer, Settled)
+
+
+def test_a_host_that_computes_on_and_on_has_hung(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(link_module, "STARVED", 1e6)
+    used = chain([0.0, 0.5 * SOON], repeat(SOON))
+    monkeypatch.setattr(Link, "cpu", lambda _: next(used))
+    with linked(hang_up=False) as (link, host), pytest.raises(HostHung):
+        host.ready = repeat(True)
+        link.start(START, SOON)
+
+
+def test_nobody_is_waited_for_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Link, "cpu", lambda _: float("nan"))
+    with linked(hang_up=False) as (link, host), pytest.raises(HostHung):
+        host.ready = repeat(True)
+        link.start(START, SOON)
 
 
 def test_a_host_that_is_gone_is_a_death() -> None:

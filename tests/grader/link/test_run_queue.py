@@ -1,11 +1,13 @@
 """How long threads waited for a CPU."""
 
 import os
+import subprocess
+import time
 from pathlib import Path
 
 import pytest
 
-from grader.link.run_queue import RunQueue
+from grader.link.run_queue import RunQueue, is_ready
 
 PATIENCE = 0.02
 
@@ -167,3 +169,16 @@ def test_nor_does_it_count_when_unseen_waits_count(
 ) -> None:
     own_threads(queue, tmp_path, clock, busy)
     assert queue.worst(unseen_too=True) == pytest.approx(0.2 * others)
+
+
+def test_who_waits_for_something_to_come_is_not_ready() -> None:
+    with subprocess.Popen(["cat"], stdin=subprocess.PIPE) as cat:
+        limit = time.monotonic() + 20.0
+        while is_ready(cat.pid) and time.monotonic() < limit:
+            pass  # it starts
+        assert not is_ready(cat.pid)
+    assert not is_ready(cat.pid)  # it is gone
+
+
+def test_who_computes_is_ready() -> None:
+    assert is_ready(os.getpid())

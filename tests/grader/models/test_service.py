@@ -2,10 +2,13 @@
 
 import pickle
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
+from grader.errors import GraderError
 from grader.host.frames import MAX_ROWS, Question, Told
 from grader.host.supplied import kept
 from grader.models.files import is_kept, probe, write_models
@@ -94,9 +97,29 @@ def test_a_model_that_raises_takes_its_time_too() -> None:
     told = models.at_once(question("predict", rows=near))
 
     assert "can't say anything" in told.problem
-    assert not told.is_value_error
+    assert told.error == "TypeError"
     assert told.wait == 30 * MS
     assert models.inferences[-1].failed
+
+    far = np.array([[7.0, 7.0, 0.0, 7.0, 7.0]])  # what is said takes a time of its own
+    assert models.at_once(question("predict", rows=far)).wait == 5 * MS
+
+
+def test_a_model_raises_what_its_settings_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = {"distance": 3.0, "raises": "RuntimeError TypeError"}
+    node = replace(LEADER.node, models={FILE: Model("raises_near", settings)})
+    monkeypatch.setattr(kept.desk, "ask", desk(service(replace(LEADER, node=node))))
+    model = kept.load(kept.Kept, FILE)
+    for distance, kind in ((0.2, RuntimeError), (1.0, TypeError), (2.6, TypeError)):
+        with pytest.raises(kind, match="can't say anything"):
+            model.predict([[distance, 3.0, 0.5, 4.0, 5.0]])
+
+
+def test_probabilities_are_noted_with_the_words_that_belong_to_them() -> None:
+    models = ModelService(load_scenario("detect_answers"), 1)
+    for method in ("load", "predict_proba"):
+        models.at_once(replace(question(method), file="describes.pkl"))
+    assert models.inferences[-1].labels == ("2.0000 3.0000 0.5000 4.0000 5.0000",)
 
 
 def test_times_by_distance_differ_between_students_a_little() -> None:
@@ -206,6 +229,17 @@ def test_a_model_that_wants_three_features_gets_them(monkeypatch: pytest.MonkeyP
     models = service(load_scenario("ml_clip"))
     monkeypatch.setattr(kept.desk, "ask", desk(models))
     assert kept.load(kept.Kept, FILE).predict(ROW[:, :3]) == pytest.approx([9.9])
+
+
+def test_a_model_may_lie_in_a_folder_of_the_working_folder(tmp_path: Path) -> None:
+    write_models({"v1.onnx/Model.Pkl": Model("constant", {"value": 0.1})}, tmp_path)
+    assert (tmp_path / "v1.onnx" / "Model.Pkl").is_file()
+
+
+@pytest.mark.parametrize("name", ["../model.pkl", "/model.pkl", "a/../../model.pkl"])
+def test_no_model_lies_outside(tmp_path: Path, name: str) -> None:
+    with pytest.raises(GraderError, match="working folder"):
+        write_models({name: Model("empty", {})}, tmp_path / "node")
 
 
 @pytest.mark.parametrize(

@@ -11,11 +11,14 @@ import pytest
 from node_runs import RunNode, short
 
 from grader.course.submission import Submission
+from grader.link import link as link_module
 from grader.recording import Recording
-from grader.trial.virtual_time import run_trial
+from grader.trial import virtual_time as trial_module
+from grader.trial.virtual_time import Limits, run_trial
 from sim.messages import TWIST_STAMPED
 from sim.scenario import ScriptEvent
 
+NO_TIME = Limits(total=1e-9)  # [s]
 DRIVER = """
     class Driver(Node):
         def __init__(self, value, stamped=False):
@@ -207,3 +210,19 @@ def test_the_digest_depends_on_the_seed(run_node: RunNode) -> None:
 def test_random_numbers_are_the_same_again(run_node: RunNode) -> None:
     source = "import random; print(random.random(), hash('x')); rclpy.init(); rclpy.spin(Echo())"
     assert run_node(source, short(0.1)).log == run_node(source, short(0.1)).log
+
+
+def test_a_trial_that_takes_too_long_says_so(run_node: RunNode) -> None:
+    outcome = drive(run_node, "0.3", limits=NO_TIME).outcome
+
+    assert (outcome.kind, "were not done after 0 s" in outcome.text) == ("hung", True)
+
+
+def test_what_a_busy_machine_keeps_from_a_trial_does_not_count(
+    run_node: RunNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(trial_module, "BUSY", 1e9)
+    monkeypatch.setattr(link_module, "UNEXPLAINED", -1.0)
+    monkeypatch.setattr(link_module.Link, "_queued", lambda _: 1e3)
+
+    assert drive(run_node, "0.3", limits=NO_TIME).outcome.completed

@@ -1,0 +1,71 @@
+"""When inference asks its model, and about which scan."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from grader.checks.predictions import TOLERANCE, max_speed, predictions
+from grader.checks.verdict import fail
+from grader.recording import Inference, Recording
+
+ARRIVAL_HAIR = 0.02  # [s] a scan that came this shortly before an inference may be too late for it
+IDLE = 0.07  # [s] from an inference to the next, if a scan is there: a tick, and a hair
+
+
+def answered_calls(recording: Recording) -> list[Inference]:
+    """Return the calls of predict that were answered with a number."""
+    return [i for i in recording.inferences if i.method == "predict" and i.asked >= 0 and i.said]
+
+
+def require_newest(recording: Recording) -> None:
+    """Fail unless nearly every inference took the newest scan that there was when it started."""
+    said = predictions(recording)
+    arrived = np.array([prediction.scan.t for prediction in said])
+    least = np.array([prediction.least for prediction in said]) - TOLERANCE
+    most = np.array([prediction.most for prediction in said]) + TOLERANCE
+    calls = answered_calls(recording)
+    late = []
+    for call in calls:
+        asked = call.asked / 1e9
+        there = arrived <= asked - ARRIVAL_HAIR - recording.slack
+        speed = min(max(call.said[0], 0.0), max_speed(recording.scenario))
+        taken = (arrived <= asked) & (least <= speed) & (speed <= most)
+        if there.any() and taken.any() and not taken[np.flatnonzero(there)[-1] :].any():
+            late.append((asked, asked - float(arrived[taken][-1])))
+    if len(late) <= 0.05 * len(calls):
+        return
+    at, age = late[0]
+    fail(
+        "inference takes old scans, though there are newer ones",
+        expected="the newest scan that there is when predict is called",
+        actual=f"a scan that is {age:.2f} s old ({len(late)} of {len(calls)} calls)",
+        at=at,
+        recording=recording,
+        help="A queue that is full drops what comes, and keeps what is old: keep only the newest.",
+    )
+
+
+def require_no_idling(recording: Recording) -> None:
+    """Fail if inference often waits for a scan, though one came while the last call ran."""
+    scans = recording.times("/scan")
+    calls = [i for i in recording.inferences if i.method == "predict" and i.asked >= 0]
+    calls.sort(key=lambda call: call.asked)
+    idle = []
+    for before, after in pairwise(calls):
+        ended = before.answered / 1e9
+        waiting = ((scans > before.asked / 1e9) & (scans < ended - ARRIVAL_HAIR)).any()
+        if waiting and after.asked / 1e9 - ended > IDLE + recording.slack:
+            idle.append((ended, after.asked / 1e9 - ended))
+    if len(idle) <= 0.1 * len(calls):
+        return
+    at, wait = idle[0]
+    fail(
+        "inference waits, though there is a newer scan",
+        expected=f"the next call of predict within {1000 * IDLE:.0f} ms of the last one's end",
+        actual=f"{1000 * wait:.0f} ms later ({len(idle)} of {len(calls)} calls)",
+        at=at,
+        recording=recording,
+        help="A scan that comes while the model works is kept, not dropped: it is the next one.",
+    )
