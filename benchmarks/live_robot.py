@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from grader.link.domains import own_domain
+from grader.link.hosts import LIVE_DDS
 from grader.link.ros_environment import find_ros
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -147,10 +148,9 @@ def _variables(domain: int, folder: str) -> dict[str, str]:
     return {
         **os.environ,
         **ros.variables(),
+        **LIVE_DDS,
         "PYTHONPATH": os.pathsep.join([str(ROOT), *map(str, ros.python_path)]),
         "ROS_DOMAIN_ID": str(domain),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
-        "FASTRTPS_DEFAULT_PROFILES_FILE": str(ROOT / "grader" / "host" / "live.xml"),
         "ROS_LOG_DIR": folder,
     }
 

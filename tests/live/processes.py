@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from grader.link.hosts import LIVE_DDS
 from grader.link.ros_environment import find_ros
 
 NODES = Path(__file__).parent / "nodes"
 ROOT = Path(__file__).resolve().parents[2]
-PROFILE = ROOT / "grader" / "host" / "live.xml"  # UDP on the loopback interface and nothing else
-# By default a node whose announcement was lost tries again after 3 s; these try sooner.
+ALONE = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}  # the environment of who meets nobody
 LIMIT = 90.0  # [s] for anything to happen, on any machine
 
 Line = dict[str, Any]
@@ -28,9 +28,8 @@ def variables(domain: int, folder: Path) -> dict[str, str]:
     return {
         **os.environ,
         **find_ros().variables(),
+        **LIVE_DDS,
         "ROS_DOMAIN_ID": str(domain),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
-        "FASTRTPS_DEFAULT_PROFILES_FILE": str(PROFILE),
         "ROS_LOG_DIR": str(folder),
         "PYTHONUNBUFFERED": "1",
         "PYTHONPATH": os.pathsep.join(map(str, find_ros().python_path)),
@@ -140,11 +139,12 @@ class Town:
     def listener(self, reliability: str = "reliable") -> Process:
         return self.start("listener.py", reliability)
 
-    def start(self, node: str, *arguments: str) -> Process:
-        return self._start([str(NODES / node), *arguments])
+    def start(self, node: str, *arguments: str, alone: bool = False) -> Process:
+        """Start a node; who is alone neither meets nor hears anybody."""
+        return self._start([str(NODES / node), *arguments], alone=alone)
 
-    def _start(self, command: list[str]) -> Process:
-        process = Process(command, self._env, self.folder)
+    def _start(self, command: list[str], *, alone: bool = False) -> Process:
+        process = Process(command, {**self._env, **(ALONE if alone else {})}, self.folder)
         self._stack.callback(process.kill)
         return process
 

@@ -22,8 +22,13 @@ DRIVERS = [path for path in REFERENCES if "Twist" in path.read_text("utf-8")]
 WITH_MODEL = [path for path in REFERENCES if "model_path" in path.read_text("utf-8")]
 WITH_PARAMETERS = [path for path in REFERENCES if "declare_parameter" in path.read_text("utf-8")]
 
-# rclpy's handler of Ctrl-C can be a moment faster than its own try_shutdown() (ros2/rclpy#1352).
-SHUT_DOWN_TWICE = "rcl_shutdown already called on the given context"
+# What a Ctrl-C that comes in the wrong microsecond makes of rclpy itself, in any node.
+RACES = (
+    # Its handler can be faster than its own try_shutdown() (ros2/rclpy#1352).
+    "rcl_shutdown already called on the given context",
+    # pybind11 takes the KeyboardInterrupt for an argument that it can't convert.
+    "RuntimeError: Unable to convert call argument",
+)
 
 
 class Call:
@@ -41,20 +46,26 @@ MODEL = types.SimpleNamespace(predict=functools.partial(np.mean, axis=1))
 SLOW_MODEL = Call(runpy.run_path, str(NODES / "slow_load.py"))
 
 
-def start(town: Town, path: Path, *words: str, model: object = MODEL) -> Process:
+def start(
+    town: Town, path: Path, *words: str, model: object = MODEL, alone: bool = False
+) -> Process:
     """Start a node with this model, and with further arguments of ROS."""
     model_path = town.folder / f"{path.stem}.pkl"
     model_path.write_bytes(pickle.dumps(model))
-    return town.start(str(path), "--ros-args", "-p", f"model_path:={model_path}", *words)
+    words = ("--ros-args", "-p", f"model_path:={model_path}", *words)
+    return town.start(str(path), *words, alone=alone)
 
 
 def interrupt(nodes: dict[Path, Process]) -> None:
-    """Press Ctrl-C in each, and see that none of them takes it for an error."""
-    for node in nodes.values():
-        node.popen.send_signal(signal.SIGINT)
+    """Press Ctrl-C in each, and see that none of them takes it for an error.
+
+    One after the other: Fast DDS can wait for ever in a node that ends while it hears of others
+    that come or go (eProsima/Fast-DDS#6513).
+    """
     for path, node in nodes.items():
+        node.popen.send_signal(signal.SIGINT)
         said = node.rest()
-        if SHUT_DOWN_TWICE in said and said.count("Traceback") == 1:
+        if any(race in said for race in RACES) and said.count("Traceback") == 1:
             continue
         assert node.popen.returncode == 0, f"{path.name}:\n{said}"
         assert "Traceback" not in said, f"{path.name}:\n{said}"
@@ -87,7 +98,7 @@ def test_without_a_message_they_end_too(here: Town, paths: list[Path]) -> None:
 
 
 def test_a_model_that_loads_can_be_interrupted(here: Town) -> None:
-    nodes = {path: start(here, path, model=SLOW_MODEL) for path in WITH_MODEL}
+    nodes = {path: start(here, path, model=SLOW_MODEL, alone=True) for path in WITH_MODEL}
     for node in nodes.values():
         node.wait_for("loading")
     interrupt(nodes)
@@ -95,7 +106,7 @@ def test_a_model_that_loads_can_be_interrupted(here: Town) -> None:
 
 def test_what_the_constructor_raises_is_told_once(here: Town) -> None:
     wrong = ["-p", "model_path:=1", "-p", "role:=1"]
-    nodes = {path: start(here, path, *wrong) for path in WITH_PARAMETERS}
+    nodes = {path: start(here, path, *wrong, alone=True) for path in WITH_PARAMETERS}
     for path, node in nodes.items():
         said = node.rest()
         assert node.popen.returncode == 1, f"{path.name}:\n{said}"
