@@ -33,7 +33,8 @@ class Answered:
 
         -inf if there is none [s].
         """
-        had = (self._answered <= t) & (np.abs(self._said - speed) <= tolerance)
+        with np.errstate(invalid="ignore"):  # of a signalling NaN that a node published
+            had = (self._answered <= t) & (np.abs(self._said - speed) <= tolerance)
         return float(self._asked[had].max(initial=-math.inf))
 
     def tolerance(self, speeds: Floats) -> float:

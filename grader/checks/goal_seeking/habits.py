@@ -58,7 +58,9 @@ def turns_in_garbage(turns: Recording) -> bool:
 
 def tolerance_of(push: Recording) -> float:
     """Return how far from its goal a node arrives [m]; if too far, `stops_once` fails."""
-    quest = quests(push)[-1]
+    if not (told := quests(push)):  # a node that died before the first goal
+        return TOLERANCE
+    quest = told[-1]
     stops = stop_times(push, quest)
     known = [pose for pose in poses(push) if len(stops) and pose.t <= stops[0]]
     nearest = quest.distance(known[-1]) if known else 0.0

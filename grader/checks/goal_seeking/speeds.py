@@ -61,7 +61,7 @@ def _require_law(
 
 
 def _of_older(speed: float, distances: list[float]) -> str:
-    """Say so if a speed [m/s] fits the distance to an older goal, and not 0.3 m/s for many."""
+    """Say so if a speed [m/s] fits the distance to one of the older goals [m]."""
     fits = any(abs(speed_law(old) - speed) <= LAW_TOLERANCE for old in distances)
     if not fits:
         return ""

@@ -77,7 +77,7 @@ def _averages(window: int, found: Sequence[Answer], said: Sequence[float | None]
 def said_for(recording: Recording, found: Sequence[Answer]) -> list[float | None]:
     """Return what the model said of each scan, clipped [m/s]; None: nothing that is a number."""
     limit = max_speed(recording.scenario)
-    ends = [*(answer.scan.t for answer in found[1:]), recording.duration_s]
+    ends = [*(answer.scan.t for answer in found), recording.duration_s][1:]
     said: list[float | None] = []
     for answer, end in zip(found, ends, strict=True):
         asked = questions(recording, "predict", answer.scan.t, end)  # the next scan's, too
