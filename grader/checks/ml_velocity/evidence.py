@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import lru_cache
 
 import numpy as np
 
@@ -46,7 +47,11 @@ def require_speeds(recording: Recording, help: str = "", habit: Habit = CONTRACT
 
 def habit_of(recordings: Iterable[Recording]) -> Habit:
     """Return the one wrong habit that explains all commands in SHOWS, or the contract's."""
-    recording = shows(recordings)
+    return _habit_in(shows(recordings))
+
+
+@lru_cache(maxsize=2)  # nearly every check asks
+def _habit_in(recording: Recording) -> Habit:
     if _speaks(recording, CONTRACT):
         return CONTRACT
     found = answers(recording)

@@ -8,6 +8,7 @@ checks take the habit as given, each where the habit does not hide what the chec
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 from grader.checks.safety_supervisor.contract import CONTRACT, Habit, Tick, ticks
 from grader.checks.safety_supervisor.evidence import require_e_stop
@@ -21,6 +22,11 @@ _WRONG = (Habit(pressed="any"), Habit(pressed="at first"), Habit(held=True))
 def habit_of(recordings: Iterable[Recording]) -> Habit:
     """Return the one wrong habit that explains all commands in `safe_e_stop`, or the contract's."""
     (shows,) = (recording for recording in recordings if recording.name == SHOWS)
+    return _habit_in(shows)
+
+
+@lru_cache(maxsize=2)  # nearly every check asks
+def _habit_in(shows: Recording) -> Habit:
     try:
         require_e_stop(shows)
     except CheckFailed:
