@@ -29,6 +29,8 @@ WRITTEN = [document for document in OURS if document.path not in GENERATED]
 ONE_LINE = re.compile(r"\s*(:alt:|\+\+\+ \{|`[^`]*`\S*$|\S*\]\(https?://\S+$)")
 OTHERS = ("text", "{code-cell}")  # fences whose lines are a program's
 PLACEHOLDER = re.compile(r"\b(NAME|FILE|EXERCISE|FOLDER)\b|\*")
+JOINED = re.compile(r'\bROOT((?: / "[^"*{]+")+)')
+NAMED = re.compile(r"\b(?:grader|sim|solutions|tests)/[\w./-]+\.(?:py|toml|xml)\b")
 WALK = "docs/add-an-exercise.md"  # its reader makes files of her own
 THEIRS = {"my_agent.py", "file.py", "junit.xml"}  # what readers write, or get
 
@@ -109,7 +111,11 @@ def test_every_picture_is_shown() -> None:
 # --- paths and commands ----------------------------------------------------------------------
 
 
-@each
+@pytest.mark.parametrize(
+    "document",
+    [*OURS, *documents("solutions/", "exercises/")],
+    ids=lambda document: document.path,
+)
 def test_paths_exist(document: Document) -> None:
     """A path is there; a bare file name is in the top folder or in one that the document names."""
     files = [PurePosixPath(path) for path in tracked()]
@@ -134,6 +140,17 @@ def test_paths_exist(document: Document) -> None:
         else:
             continue
         lost += [] if found else [span]
+    assert lost == []
+
+
+def test_paths_in_programs_exist() -> None:
+    """A path that a program puts together from ROOT, or a file of settings names, is there."""
+    lost = []
+    for path in tracked():
+        text = (ROOT / path).read_text("utf-8") if path.endswith((".py", ".toml")) else ""
+        named = {"/".join(re.findall(r'"([^"]+)"', parts)) for parts in JOINED.findall(text)}
+        named |= set(NAMED.findall(text)) if path.endswith(".toml") else set()
+        lost += [f"{path}: {name}" for name in sorted(named) if not (ROOT / name).exists()]
     assert lost == []
 
 
