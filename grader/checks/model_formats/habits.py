@@ -8,7 +8,6 @@ take that as given.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import lru_cache
 from itertools import combinations
 
 from grader.checks.model_formats.contract import ORDER, is_onnx
@@ -25,7 +24,6 @@ _EXCHANGED = tuple(
 )
 
 
-@lru_cache(maxsize=2)  # several checks ask
 def habits_of(readings: Recording, onnx: Recording | None = None) -> Habits:
     """Return how a node commands what its model says; `onnx` shows what type its numbers have."""
     known = (RIGHT, Habits(NEARLY), *(Habits(order=order) for order in _EXCHANGED))
