@@ -157,8 +157,8 @@ class ScriptEvent(_Table, frozen=True):
         choices = (self.goal, self.odom, self.teleport, self.e_stop)
         if sum(x is not None for x in choices) != 1:
             raise ValueError("expected at and exactly one of goal, odom, teleport and e_stop")
-        if self.unstamped and self.goal is None:
-            raise ValueError("unstamped is said of goals")
+        if (self.unstamped and not self.goal) or (self.w is not None and not any(choices[:2])):
+            raise ValueError("unstamped is said of goals, w of goals and odom")
 
 
 class RawCommands(_Table, frozen=True, rename={"begin": "from", "end": "to"}):

@@ -77,7 +77,7 @@ def loads(recording: Recording) -> list[Inference]:
 def require_one_load(recording: Recording, until: float) -> None:
     """Fail unless the model was loaded once by `until` [s], while the node was constructed."""
     found = [load for load in loads(recording) if load.asked / 1e9 <= until]
-    first = recording.scans()[0].t
+    first = min((scan.t for scan in recording.scans()), default=until)  # none: it died before
     if len(found) == 1 and found[0].asked / 1e9 < first:
         return
     late = len(found) == 1

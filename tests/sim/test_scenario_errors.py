@@ -95,6 +95,14 @@ MISTAKES = {
         HEAD + "[[script]]\nat = 1\ngoal = [1, 2, 3]\nodom = [1, 2, 3]",
         "script[0]: expected at and exactly one of goal, odom, teleport and e_stop",
     ),
+    "position without a stamp": (
+        HEAD + "[[script]]\nat = 1\nteleport = [1, 2, 3]\nunstamped = true",
+        "script[0]: unstamped is said of goals, w of goals and odom",
+    ),
+    "position with a quaternion": (
+        HEAD + "[[script]]\nat = 1\nteleport = [1, 2, 3]\nw = -1.0",
+        "script[0]: unstamped is said of goals, w of goals and odom",
+    ),
     "event before the start": (
         HEAD + "[[script]]\nat = 0\ngoal = [1, 2, 3]",
         "script[0].at = 0: expected a number > 0 and <= 3600",

@@ -228,21 +228,23 @@ def other_end(recording: Recording, rng: random.Random) -> Recording:
     kind = rng.choice(("exception", "died", "stuck", "returned", "odd", "completed"))
     detail = rng.choice(("", "File ", 'File "a.py", line 1\n' * 1_000, "\0"))
     at = rng.choice((0.0, 0.1, recording.duration_s / 2))
-    cut = round(at * 1e9)
-    spoilt = replace(
+    spoilt = ended(recording, Outcome(kind, rng.choice(STRINGS), at, detail))
+    if kind == "completed":
+        return replace(spoilt, duration_s=recording.duration_s, delivered=recording.delivered)
+    return replace(spoilt, endpoints=rng.choice(((), recording.endpoints)))
+
+
+def ended(recording: Recording, outcome: Outcome) -> Recording:
+    """Return what there would be of a recording if the node had ended so."""
+    cut = round(outcome.at * 1e9)
+    return replace(
         recording,
-        outcome=Outcome(kind, rng.choice(STRINGS), at, detail),
+        outcome=outcome,
+        duration_s=outcome.at,
+        delivered=tuple(m for m in recording.delivered if m.time < cut),
         published=tuple(m for m in recording.published if m.time <= cut),
         inferences=tuple(one for one in recording.inferences if one.asked <= cut),
     )
-    if kind != "completed":
-        spoilt = replace(
-            spoilt,
-            duration_s=at,
-            delivered=tuple(m for m in recording.delivered if m.time <= cut),
-            endpoints=rng.choice(((), recording.endpoints)),
-        )
-    return spoilt
 
 
 def other_models(recording: Recording, rng: random.Random) -> Recording:

@@ -10,24 +10,26 @@ import importlib.util
 import os
 import random
 from collections.abc import Callable, Iterator
+from itertools import product
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from spoilt_recordings import WAYS
+from spoilt_recordings import WAYS, ended
 
 from grader.checks.verdict import CheckFailed, Inconclusive
 from grader.course.exercises import Exercise, all_exercises
 from grader.course.submission import find_submission
 from grader.link.hosts import ForkServer
 from grader.link.pool import ForkServerPool
-from grader.recording import Recording
+from grader.recording import Outcome, Recording
 from grader.report.page import json_text
 from grader.trial.trials import NodeTrials
 
 EXAMPLES = int(os.environ.get("COURSE_HOSTILE_EXAMPLES", "20"))  # for each exercise
 EXERCISES = [exercise.slug for exercise in all_exercises()]
+DEATHS = (0.0, 0.1, 1.0)  # [s] in one scenario, and then in the next
 QUICK = ("obstacle_avoidance",)  # in `make test`
 
 
@@ -85,6 +87,16 @@ def test_no_message_breaks_a_check(
     checks = [check for check in core_checks(exercise) if is_judged_here(check)]
     recorded = recordings_of(exercise, forkservers.of(exercise.libraries), checks)
 
+    def every_check_judges(recordings: dict[str, Recording], of: str = "") -> None:
+        for check in checks:
+            names = mark(check)["scenarios"]
+            if not of or of in names:
+                verdict(check, [recordings[name] for name in names])
+
+    for name, at in product(recorded, DEATHS):
+        dead = ended(recorded[name], Outcome("died", "killed by signal 9", at, ""))
+        every_check_judges({**recorded, name: dead}, of=name)
+
     @settings(
         derandomize=True,
         deadline=None,
@@ -95,8 +107,6 @@ def test_no_message_breaks_a_check(
     @given(way=st.sampled_from(sorted(WAYS)), seed=st.integers(0, 2**32 - 1))
     def every_check_comes_to_a_verdict(way: str, seed: int) -> None:
         rng = random.Random(seed)
-        spoilt = {name: WAYS[way](one, rng) for name, one in recorded.items()}
-        for check in checks:
-            verdict(check, [spoilt[name] for name in mark(check)["scenarios"]])
+        every_check_judges({name: WAYS[way](one, rng) for name, one in recorded.items()})
 
     every_check_comes_to_a_verdict()
