@@ -11,7 +11,16 @@ import numpy as np
 
 from grader.checks.commands import FIELDS, ZERO, garbage, require_zero
 from grader.checks.reading import published
-from grader.checks.safety_supervisor.contract import CONTRACT, LEVELS, Habit, Tick, ticks
+from grader.checks.safety_supervisor.contract import (
+    CONTRACT,
+    LEVELS,
+    MAX_SPEED,
+    MAX_TURN_RATE,
+    TOLERANCE,
+    Habit,
+    Tick,
+    ticks,
+)
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
@@ -170,6 +179,25 @@ def _own_reason(recording: Recording, tick: Tick) -> str:
         return ""
     right = " or ".join(sorted(tick.reasons))
     return f"Your node says {said[-1]} here, where {right} is right. Why does that rule match?"
+
+
+def require_within_limits(recording: Recording) -> None:
+    """Fail if linear.x or angular.z ever is out of its limits, whatever was asked for."""
+    for tick in ticks(recording):
+        for value, name, limit in (
+            (tick.values[0], "linear.x", MAX_SPEED),
+            (tick.values[5], "angular.z", MAX_TURN_RATE),
+        ):
+            if not abs(value) <= limit + TOLERANCE:  # never true of NaN
+                fail(
+                    f"{name} is out of its limits ({tick.situation.what})",
+                    expected=f"|{name}| ≤ {limit}",
+                    actual=f"{name} = {value:.2f}",
+                    at=tick.t,
+                    recording=recording,
+                    help=garbage(value)
+                    or "Clamp both ways, max(-limit, min(limit, value)), whatever the model asks.",
+                )
 
 
 def require_other_fields(recording: Recording) -> None:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from grader.checks.driving import path_length, require_no_contact
 from grader.checks.moments import came_to_rest
 from grader.checks.safety_supervisor.contract import (
-    MAX_SPEED,
-    MAX_TURN_RATE,
-    TOLERANCE,
     is_settled,
     never_reverses,
 )
@@ -23,6 +19,7 @@ from grader.checks.safety_supervisor.evidence import (
     require_standing,
     require_stops,
     require_text,
+    require_within_limits,
 )
 from grader.checks.safety_supervisor.habits import SHOWS, button_of, habit_of
 from grader.checks.safety_supervisor.precedence import require_first_match
@@ -67,7 +64,7 @@ def test_control_rate(recordings: Recordings) -> None:
         require_rate(recording)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_pass", SHOWS), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_pass", "safe_obstacle", SHOWS), needs=("wiring",))
 def test_passes_on(recordings: Recordings) -> None:
     """What is safe is passed on as it is, backwards too; the four other fields are zero."""
     for recording in recordings[:1]:
@@ -78,6 +75,7 @@ def test_passes_on(recordings: Recordings) -> None:
             is_settled,
             habit=habit_of(recordings),
         )
+    for recording in recordings:
         require_other_fields(recording)
 
 
@@ -86,19 +84,7 @@ def test_limits(recordings: Recordings) -> None:
     """linear.x is clamped to ±0.5 m/s and angular.z to ±1.9 rad/s."""
     for recording in recordings[:1]:
         require_alive(recording)
-        twists = recording.twists()
-        for column, name, limit in ((0, "linear.x", MAX_SPEED), (5, "angular.z", MAX_TURN_RATE)):
-            within = np.abs(twists.values[:, column]) <= limit + TOLERANCE  # never true of NaN
-            wrong = np.flatnonzero(~within)
-            if len(wrong):
-                fail(
-                    f"{name} is out of its limits",
-                    expected=f"|{name}| ≤ {limit}",
-                    actual=f"{name} = {twists.values[wrong[0], column]:.2f}",
-                    at=float(twists.t[wrong[0]]),
-                    recording=recording,
-                    help="Clamp both ways: max(-limit, min(limit, value)).",
-                )
+        require_within_limits(recording)
         require_commands(
             recording,
             "Clamp to the limit, not to zero; what is within is not touched.",
