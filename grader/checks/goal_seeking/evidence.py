@@ -280,6 +280,14 @@ def require_holds(
     return said
 
 
+def falls_silent(recording: Recording, time: float) -> bool:
+    """Tell whether commands came every 0.1 s before a time [s], and none for a while after it."""
+    t, span = recording.twists().t, REACTION + recording.slack
+    before = (t >= time - span) & (t < time)
+    after = (t >= time + PERIOD / 2) & (t < time + span)
+    return before.sum() > 1 and not after.any()
+
+
 def fail_mute(recording: Recording, time: float, help: str = "") -> NoReturn:
     """Fail a node that says nothing where it should."""
     fail(

@@ -24,6 +24,7 @@ from grader.checks.goal_seeking.evidence import (
     bad_input,
     command_times,
     fail_mute,
+    falls_silent,
     garbage,
     is_announced,
     last_command,
@@ -270,7 +271,7 @@ def test_bad_input(recordings: Recordings) -> None:
         _, v, w = before  # the robot faces its goal: nothing may change now
         for start, stop in pairwise([time for time in bad if first <= time < end] + [end]):
             during = np.flatnonzero((twists.t >= start) & (twists.t < stop))
-            if not len(during):
+            if not len(during) or falls_silent(recording, start):
                 fail_mute(recording, start)
             with np.errstate(invalid="ignore", over="ignore"):  # inf - inf is not the same, either
                 same = np.abs(twists.linear_x[during] - v) <= LAW_TOLERANCE
