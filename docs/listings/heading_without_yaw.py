@@ -22,11 +22,15 @@ class GoalSeekingAgent(Node):
         position = odometry.pose.pose.position
         if math.isfinite(position.x) and math.isfinite(position.y):
             self.position = position
+        else:
+            self.get_logger().warning("a pose that is not finite is ignored")
 
     def goal_callback(self, goal):
         position = goal.pose.position
         if math.isfinite(position.x) and math.isfinite(position.y):
             self.goal = position
+        else:
+            self.get_logger().warning("a goal that is not finite is ignored")
 
     def control_loop(self):
         if self.position is None or self.goal is None:
