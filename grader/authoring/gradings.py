@@ -24,7 +24,11 @@ PER_PROCESS = 50
 
 
 def gradings(
-    claims: Sequence[Claim], workers: int, *, first_failure: bool = False
+    claims: Sequence[Claim],
+    workers: int,
+    *,
+    first_failure: bool = False,
+    suspects: Sequence[str] = (),
 ) -> Iterator[Grading]:
     """Yield the grading of each claim, without its recordings.
 
@@ -34,20 +38,25 @@ def gradings(
         How many processes grade.
     first_failure
         Judge nothing of a claim after the first check that fails.
+    suspects
+        For each claim, the check that is likely to fail, or ""; see `grade_submission`.
     """
     graded = partial(_graded, first_failure=first_failure)
     context = multiprocessing.get_context("spawn")
+    suspects = suspects or [""] * len(claims)
     at_once = PER_PROCESS * workers
     for begin in range(0, len(claims), at_once):
         with ProcessPoolExecutor(workers, context, die_with_parent, (os.getpid(),)) as processes:
-            yield from processes.map(graded, claims[begin : begin + at_once])
+            yield from processes.map(
+                graded, claims[begin : begin + at_once], suspects[begin : begin + at_once]
+            )
 
 
-def _graded(claim: Claim, *, first_failure: bool) -> Grading:
+def _graded(claim: Claim, suspect: str, *, first_failure: bool) -> Grading:
     from grader.authoring.proof import grade_claim  # noqa: PLC0415  (it imports this module)
 
     servers = _servers().of(claim.exercise.libraries)
-    grading = grade_claim(claim, servers, first_failure=first_failure)
+    grading = grade_claim(claim, servers, first_failure=first_failure, suspect=suspect)
     return replace(grading, recordings=())
 
 

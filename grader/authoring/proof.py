@@ -109,8 +109,10 @@ def claim_of(exercise: Exercise, kind: str, path: Path) -> Claim:
     return Claim(exercise, kind, path.stem, files, about, field_ready=ready)
 
 
-def grade_claim(claim: Claim, forkserver: Launcher, *, first_failure: bool = False) -> Grading:
-    """Grade a solution with the core and the field checks; all, or up to one that fails."""
+def grade_claim(
+    claim: Claim, forkserver: Launcher, *, first_failure: bool = False, suspect: str = ""
+) -> Grading:
+    """Grade a solution with the core and the field checks; see `grade_submission`."""
     with complete(claim) as submission:
         return grade_submission(
             claim.exercise,
@@ -119,6 +121,7 @@ def grade_claim(claim: Claim, forkserver: Launcher, *, first_failure: bool = Fal
             file=f"{claim.stem}.py",
             field=True,
             first_failure=first_failure,
+            suspect=suspect,
         )
 
 

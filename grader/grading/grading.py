@@ -141,6 +141,7 @@ def grade(
     practice: str = "",
     on_progress: OnProgress = ignore,
     first_failure: bool = False,
+    suspect: str = "",
 ) -> Grading:
     """Run the checks of `exercise` on the recordings of `trials`; all, or up to one that fails.
 
@@ -156,7 +157,12 @@ def grade(
     import pytest  # noqa: PLC0415  (0.1 s)
 
     plugin = CheckPlugin(
-        trials, field=field, only=only, on_progress=on_progress, first_failure=first_failure
+        trials,
+        field=field,
+        only=only,
+        on_progress=on_progress,
+        first_failure=first_failure,
+        suspect=suspect,
     )
     with _undisturbed():
         code = pytest.main(_arguments(exercise), plugins=[plugin])
@@ -217,11 +223,13 @@ def grade_submission(
     tier: int = 1,
     on_progress: OnProgress = ignore,
     first_failure: bool = False,
+    suspect: str = "",
 ) -> Grading:
     """Run the student's node and judge it; repeated once if the machine stalled.
 
     With `first_failure`, nothing is judged after the first check that fails: it only has to be
-    known whether there is one.
+    known whether there is one. `suspect` is the core check that is likely to fail: it is judged
+    first, after those that it needs.
 
     Raises
     ------
@@ -251,6 +259,7 @@ def grade_submission(
                 practice=forkserver.practice,
                 on_progress=on_progress,
                 first_failure=first_failure,
+                suspect=suspect,
             )
         repeated = tier == 2 or any(r.live is not None and r.live.stall for r in grading.recordings)
         if repeated or not any(check.outcome == INCONCLUSIVE for check in grading.checks):

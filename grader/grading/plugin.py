@@ -87,9 +87,11 @@ class CheckPlugin:
         only: Iterable[str] = (),
         on_progress: OnProgress = ignore,
         first_failure: bool = False,
+        suspect: str = "",
     ) -> None:
         self._trials = trials
-        self._first_failure = first_failure  # of a check: it ends the run
+        self._first_failure = first_failure  # of a check: it ends the run, so no trial runs ahead
+        self._suspect = suspect  # the check that is judged first, after those that it needs
         self._field = field
         self._only = tuple(only)
         self._on_progress = on_progress
@@ -209,6 +211,8 @@ class CheckPlugin:
         self.interrupted = excinfo.type is KeyboardInterrupt
 
     def _prepare(self, *, field: bool) -> None:
+        if self._first_failure:
+            return
         checks = [check for check in self._checks.values() if check.field == field]
         checks = [check for check in checks if not self._lacks[check.id]]
         self._trials.prepare(list(dict.fromkeys(s for check in checks for s in check.scenarios)))
@@ -225,6 +229,8 @@ class CheckPlugin:
                 raise InputError(f"unknown check {wanted!r}; there are: {', '.join(by_id)}")
         in_order = sorted(checks, key=lambda check: check.field)
         wanted_ids = self._only or [c.id for c in in_order if self._field or not c.field]
+        if any(check.id == self._suspect and not check.field for check in checks):
+            wanted_ids = [self._suspect, *wanted_ids]
         chosen: dict[str, Check] = {}
         for check_id in wanted_ids:
             _add_with_needs(check_id, by_id, chosen)

@@ -17,7 +17,8 @@ import hashlib
 import os
 import sys
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 
 import msgspec
@@ -66,30 +67,61 @@ def _all_nodes(claim: Claim) -> bool:
 
 
 def judge(every_mutant: Sequence[Claim], keep: Path, workers: int) -> Iterator[Verdict]:
-    """Yield the verdict on each mutant: those that are kept, and those that are made now."""
-    known = {verdict.key: verdict for verdict in _read(keep)}
+    """Yield the verdict on each mutant: those that are kept, and those that are made now.
+
+    The mutants of one right node come after those of another, and of each node last those that a
+    person has called equivalent: they take longest, and a gap shows before.
+    """
+    kept = list(_read(keep))
+    known = {verdict.key: verdict for verdict in kept}
+    suspects = {_change(verdict): verdict.killed_by for verdict in kept}
     keys = [_key(claim) for claim in every_mutant]
     yield from (known[key] for key in keys if key in known)
     left = [(c, key) for c, key in zip(every_mutant, keys, strict=True) if key not in known]
+    lists = {exercise: reviewed(exercise) for exercise in {claim.exercise for claim, _ in left}}
+
+    def is_equivalent(mutant: tuple[Claim, str]) -> bool:
+        claim, _ = mutant
+        return bool(lists[claim.exercise].reason(claim.stem))
+
     keep.parent.mkdir(parents=True, exist_ok=True)
-    begin = time.perf_counter()
-    graded = gradings([claim for claim, _ in left], workers, first_failure=True)
     with keep.open("ab", buffering=0) as file:
-        for (claim, key), grading in zip(left, graded, strict=True):
-            end = time.perf_counter()
-            failed = [check.id for check in grading.checks if check.outcome == FAIL]
-            unsure = any(check.outcome in UNJUDGED for check in grading.checks)
-            verdict = Verdict(
-                exercise=claim.exercise.slug,
-                name=claim.stem,
-                key=key,
-                killed_by=failed[0] if failed else "",
-                unsure=unsure,
-                seconds=end - begin,
-            )
-            file.write(msgspec.json.encode(verdict) + b"\n")
-            begin = end
-            yield verdict
+        for _, of_one_node in groupby(left, lambda pair: pair[0].stem.partition(" ")[0]):
+            mutants = sorted(of_one_node, key=is_equivalent)
+            for verdict in _judge(mutants, suspects, workers):
+                suspects[_change(verdict)] = verdict.killed_by
+                file.write(msgspec.json.encode(verdict) + b"\n")
+                yield verdict
+
+
+def _judge(
+    mutants: Sequence[tuple[Claim, str]], suspects: Mapping[tuple[str, str], str], workers: int
+) -> Iterator[Verdict]:
+    """Yield the verdicts on mutants of one node.
+
+    `suspects`: the check that killed the same change in another node, or before.
+    """
+    claims_of = [claim for claim, _ in mutants]
+    likely = [suspects.get((c.exercise.slug, c.stem.partition(" ")[2]), "") for c in claims_of]
+    graded = gradings(claims_of, workers, first_failure=True, suspects=likely)
+    begin = time.perf_counter()
+    for (claim, key), grading in zip(mutants, graded, strict=True):
+        end = time.perf_counter()
+        failed = [check.id for check in grading.checks if check.outcome == FAIL]
+        yield Verdict(
+            exercise=claim.exercise.slug,
+            name=claim.stem,
+            key=key,
+            killed_by=failed[0] if failed else "",
+            unsure=any(check.outcome in UNJUDGED for check in grading.checks),
+            seconds=end - begin,
+        )
+        begin = end
+
+
+def _change(verdict: Verdict) -> tuple[str, str]:
+    """Return what the name says that was done to a node, whichever it is."""
+    return verdict.exercise, verdict.name.partition(" ")[2]
 
 
 def _read(keep: Path) -> Iterator[Verdict]:

@@ -108,10 +108,12 @@ def graded(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Let every mutant with "killed" in its name fail a check; return the names graded."""
     names: list[str] = []
 
-    def gradings(every: Sequence[Claim], workers: int, *, first_failure: bool) -> Iterator[Any]:
+    def gradings(
+        every: Sequence[Claim], workers: int, *, first_failure: bool, suspects: Sequence[str]
+    ) -> Iterator[Any]:
         assert first_failure
-        for claim in every:
-            names.append(claim.stem)
+        for claim, suspect in zip(every, suspects, strict=True):
+            names.append(f"{claim.stem} ({suspect})" if suspect else claim.stem)
             outcome = FAIL if "killed" in claim.stem else PASS
             yield SimpleNamespace(checks=[SimpleNamespace(id="e_stop", outcome=outcome)])
 
@@ -125,13 +127,32 @@ def mutant(name: str, text: str = "x = 1\n") -> Claim:
 
 def test_verdicts_are_kept_until_the_program_changes(tmp_path: Path, graded: list[str]) -> None:
     keep = tmp_path / "verdicts.jsonl"
-    two = [mutant("killed", "x = 1\n"), mutant("lives", "x = 2\n")]
+    two = [mutant("one killed", "x = 1\n"), mutant("one lives", "x = 2\n")]
     first = list(mutate.judge(two, keep, 1))
     assert [verdict.killed_by for verdict in first] == ["e_stop", ""]
     keep.write_bytes(keep.read_bytes() + b'{"exercise": "safe')  # cut off while it was written
-    again = list(mutate.judge([*two, mutant("lives", "x = 3\n")], keep, 1))
-    assert graded == ["killed", "lives", "lives"]
+    again = list(mutate.judge([*two, mutant("one lives", "x = 3\n")], keep, 1))
+    assert graded == ["one killed", "one lives", "one lives"]
     assert again[:2] == first
+
+
+def test_what_killed_a_change_is_suspected_in_other_nodes(
+    tmp_path: Path, graded: list[str]
+) -> None:
+    names = ("one killed", "one lives", "two lives", "two killed")
+    verdicts = list(mutate.judge([mutant(name, name) for name in names], tmp_path / "kept", 1))
+    assert graded == ["one killed", "one lives", "two lives", "two killed (e_stop)"]
+    assert [verdict.killed_by for verdict in verdicts] == ["e_stop", "", "", "e_stop"]
+
+
+def test_mutants_that_are_called_equivalent_come_last(
+    tmp_path: Path, graded: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    list_ = Reviewed((Equivalent(("* as good",), "As good as right, whoever asks."),))
+    monkeypatch.setattr(mutate, "reviewed", lambda exercise: list_)
+    names = ("one as good", "one killed", "two as good", "two lives")
+    list(mutate.judge([mutant(name, name) for name in names], tmp_path / "kept", 1))
+    assert graded == ["one killed", "one as good", "two lives", "two as good"]
 
 
 def test_survivors_are_equivalent_or_gaps(

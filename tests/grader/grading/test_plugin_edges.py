@@ -167,6 +167,32 @@ def test_everything_is_judged_if_nothing_fails(run: Run) -> None:
     assert len(grading.checks) == 4
 
 
+def test_no_trial_runs_ahead_of_the_first_failure(run: Run) -> None:
+    trials = FakeTrials()
+    run(CHAIN.format(scenario="a", body="pass"), trials=trials, first_failure=True)
+
+    assert trials.prepared == []
+
+
+def test_the_suspect_is_judged_first_after_what_it_needs(run: Run) -> None:
+    source = """
+    @check(points=50, scenarios=("a",))
+    def test_wiring(recordings):
+        '''All need it.'''
+    @check(points=25, scenarios=("b",), needs=("wiring",))
+    def test_slow(recordings):
+        '''Takes long.'''
+    @check(points=25, scenarios=("c",), needs=("wiring",))
+    def test_likely(recordings):
+        '''Fails.'''
+        fail("no")
+    """
+    grading = run(source, first_failure=True, suspect="likely")
+    assert outcomes(grading) == {"wiring": "pass", "likely": "fail"}
+    everything = run(source, suspect="no such check")
+    assert list(outcomes(everything)) == ["wiring", "slow", "likely"]
+
+
 def test_what_can_not_be_judged_is_no_failure(run: Run) -> None:
     source = """
     @check(points=50, scenarios=("t",), requires=("torch",))
