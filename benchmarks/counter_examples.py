@@ -26,7 +26,7 @@ from grader.errors import InputError
 from grader.link.choice import start_launcher
 
 RIGHT = ("reference", "variant")
-SEARCHED = ("1", "2", "3", "4", "5", "7", "9")
+SEARCHED = ("1", "2", "3", "4", "5", "7", "8", "9")
 
 
 class Looked(msgspec.Struct, frozen=True):

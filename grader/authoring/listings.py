@@ -95,8 +95,8 @@ LISTINGS = (
             "reaches_any_goal": "The same fault from other starts; one correction mends both.",
             "turns_short_way": "Here stand the right sign, the heading error and what was sent. "
             "Compute the error of this moment by hand: the yaw is what is missing.",
-            "bad_input": "The pose of 5.0 s has a yaw of NaN. A node that never reads the yaw takes "
-            "it for a good one.",
+            "bad_input": "The pose of 5.0 s has a yaw of NaN. A node that never reads the yaw "
+            "takes it for a good one.",
         },
         "Heading error = bearing - yaw, wrapped to [-π, π]. Four messages, one line of code: the "
         "one that shows the wrong sign is the one to start with.",

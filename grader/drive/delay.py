@@ -44,6 +44,7 @@ WORLDS = {
     3: ("goal_across_the_seam", "goal_behind", "goal_beside"),
     4: ("trend_wall", "trend_cart"),
     7: ("safe_drive",),
+    8: ("format_drive_pickle", "format_drive_onnx"),
 }
 WALL = """
 title = "A wall ahead"

@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from random import Random
-from unittest import mock
 
 from hypothesis import Phase, find, settings
 from hypothesis.errors import NoSuchExample
@@ -204,12 +203,13 @@ def _by_seed_alone() -> Iterator[None]:
     It would read every module that is loaded and not installed, and what it draws would depend on
     them; there is no setting against it.
     """
-    cache = type(providers.CONSTANTS_CACHE)(1024)
-    with (
-        mock.patch.object(providers, "_get_local_constants", Constants),
-        mock.patch.object(providers, "CONSTANTS_CACHE", cache),
-    ):
+    read, known = providers._get_local_constants, providers.CONSTANTS_CACHE
+    providers._get_local_constants = Constants
+    providers.CONSTANTS_CACHE = type(known)(1024)
+    try:
         yield
+    finally:
+        providers._get_local_constants, providers.CONSTANTS_CACHE = read, known
 
 
 def _told(

@@ -145,6 +145,8 @@ def _faults(scenario: Scenario) -> list[str]:
         found.append(f"with the lidar {scenario.lidar.profile}")
     if scenario.odometry.enabled and scenario.odometry.rate != 20.0:
         found.append(f"with odometry at {scenario.odometry.rate:.0f} Hz")
+    if model := scenario.node.parameters.get("model_path"):
+        found.append(f"with the model {model}")
     if scenario.qos.sensors != "reliable":
         found.append("with sensors that publish best effort")
     for value, what in (

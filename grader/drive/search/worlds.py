@@ -18,7 +18,6 @@ from grader.drive.search.fair import is_fair
 from sim.scenario import (
     Faults,
     LidarSpec,
-    Model,
     NodeSpec,
     OdometrySpec,
     Qos,
@@ -33,10 +32,10 @@ MOST_THINGS = 3
 THICK = 0.1  # [m] of a wall: one seen from its end is still seen
 ROOM = Wall(points=((-3.0, -3.0), (4.0, -3.0), (4.0, 3.0), (-3.0, 3.0)), closed=True)
 LIDARS = ("default", "lds02", "lds01", "wide")
-MODEL = "velocity_model.pkl"
 Place = tuple[float, float, float]  # x [m], y [m], yaw [°]
 SILENCE = 4.0  # [s] that a lidar falls silent
 E_STOP = 2.0  # [s] that an emergency stop lasts
+_PLAIN = st.just(NodeSpec())
 _NONE = st.just(0.0)
 _LOSS = st.sampled_from((0.0, 0.1, 0.2))
 _QOS = st.sampled_from((Qos(), Qos(sensors="sensor_data")))
@@ -89,14 +88,18 @@ def _lidar_faults(draw: DrawFn, field: bool) -> Faults:
 
 @st.composite
 def _driving(
-    draw: DrawFn, duration: float, node: NodeSpec, supervises: bool, field: bool
+    draw: DrawFn,
+    duration: float,
+    nodes: SearchStrategy[NodeSpec],
+    supervises: bool,
+    field: bool,
 ) -> Scenario:
     """Draw a world of things that stand, and a lidar."""
     return Scenario(
         title="",
         world=draw(_world()),
         duration=duration,
-        node=node,
+        node=draw(nodes),
         raw=draw(_raw(duration)) if supervises else (),
         script=draw(_e_stops()) if supervises else (),
         lidar=LidarSpec(profile=draw(st.sampled_from(LIDARS if field else LIDARS[:1]))),
@@ -136,15 +139,18 @@ def _e_stops(draw: DrawFn) -> tuple[ScriptEvent, ...]:
 
 
 def driving_worlds(
-    duration: float, model: Model | None = None, *, supervises: bool = False, field: bool = False
+    duration: float,
+    *,
+    nodes: SearchStrategy[NodeSpec] = _PLAIN,
+    supervises: bool = False,
+    field: bool = False,
 ) -> SearchStrategy[Scenario]:
     """Return fair worlds for a node that sees by lidar and drives straight ahead.
 
-    `model`: what the node finds as its model; `supervises`: commands come in, and an e-stop;
-    `field`: other sensors and networks, too.
+    `nodes`: with what the node is started, such as a model; `supervises`: commands come in, and an
+    e-stop; `field`: other sensors and networks, too.
     """
-    node = NodeSpec(models={MODEL: model}) if model else NodeSpec()
-    return _driving(duration, node, supervises, field).filter(is_fair)
+    return _driving(duration, nodes, supervises, field).filter(is_fair)
 
 
 @st.composite
