@@ -20,6 +20,7 @@ from pathlib import Path
 import msgspec
 
 from grader.authoring.proof import Claim, claims, complete
+from grader.cli.results import write_report
 from grader.course.exercises import Exercise, find_exercise
 from grader.drive.search import arena_of, search_node
 from grader.errors import InputError
@@ -51,11 +52,16 @@ def main() -> int:
     parser.add_argument("--wrong", type=int, default=200, help="tries for each mutant")
     parser.add_argument("--variants", type=int, default=1000, help="of each exercise, at most")
     parser.add_argument("--mutants", type=int, default=1000, help="of each exercise, at most")
+    parser.add_argument("--only", nargs="*", default=[], help="nodes of these names")
+    parser.add_argument("--enough", type=int, default=1000, help="mutants found in each exercise")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, help="read and add what was found (JSON lines)")
     parser.add_argument("--worlds", action="store_true", help="print each world that was found")
+    parser.add_argument("--reports", type=Path, help="write the replay of each find into a folder")
     options = parser.parse_args()
     known = read(options.keep)
+    if options.reports is not None:
+        options.reports.mkdir(parents=True, exist_ok=True)
     bad = 0
     for name in options.exercises or SEARCHED:
         exercise = find_exercise(name)
@@ -67,12 +73,16 @@ def main() -> int:
         for claim in every:
             if claim.kind in ("variant", "mutant") and claim.name not in chosen:
                 continue
+            if options.only and claim.stem not in options.only:
+                continue
+            if sum(bool(row.kind) for one, row in rows if one.kind == "mutant") >= options.enough:
+                break
             most = options.right if claim.kind in RIGHT else options.wrong
             if claim.kind == "skeleton" or claim.lacks or not most:
                 continue
             row = known.get((claim.name, program_of(claim), options.seed, most))
             if row is None:
-                row = look(claim, options.seed, most)
+                row = look(claim, options.seed, most, options.reports)
                 if options.keep is not None:
                     with options.keep.open("ab", buffering=0) as file:
                         file.write(msgspec.json.encode(row) + b"\n")
@@ -89,8 +99,8 @@ def few(every: list[Claim], kind: str, most: int) -> list[str]:
     return [names[i * len(names) // most] for i in range(most)] if len(names) > most else names
 
 
-def look(claim: Claim, seed: int, most: int) -> Looked:
-    """Search in one node."""
+def look(claim: Claim, seed: int, most: int, reports: Path | None = None) -> Looked:
+    """Search in one node; write the replay of what is found."""
     field = claim.field_ready or claim.kind not in RIGHT
     began = time.perf_counter()
     kind = sentence = toml = ""
@@ -107,6 +117,10 @@ def look(claim: Claim, seed: int, most: int) -> Looked:
             if result.found is not None:
                 kind, sentence = result.found.mishap.kind, result.found.sentence
                 toml = result.found.toml
+                if reports is not None:
+                    name = f"{claim.exercise.number}-{claim.stem}"
+                    recordings = [result.found.recording]
+                    write_report(reports / f"{name}.html", None, recordings, f"{name}: {sentence}")
     return Looked(
         solution=claim.name,
         program=program_of(claim),

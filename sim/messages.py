@@ -226,17 +226,17 @@ def pose_stamped(
     w: float | None = None,
     frame_id: str = ODOM_FRAME,
     topic: str = GOAL_TOPIC,
-    stamped: bool = True,
+    stamp: int | None = None,
 ) -> Message:
     """Return a geometry_msgs/PoseStamped at that pose [m, m, rad], its quaternion's w if given.
 
-    It is stamped with `time` [ns], or with 0 if it is not `stamped`.
+    `time` and `stamp` are as in `odometry`; a stamp of -EPOCH_NS is 0, as nobody has set it.
     """
     types = typestore().types
     pose = types["geometry_msgs/msg/Pose"](
         position=types["geometry_msgs/msg/Point"](x=x, y=y, z=0.0), orientation=_quaternion(yaw, w)
     )
-    header = _header(time if stamped else -EPOCH_NS, frame_id)
+    header = _header(time if stamp is None else stamp, frame_id)
     value = types[POSE_STAMPED](header=header, pose=pose)
     return Message(topic, POSE_STAMPED, time, encode(value, POSE_STAMPED))
 

@@ -19,7 +19,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from sim.bench import BenchScan
+from sim.bench import BenchScan, Offset
 from sim.errors import InputError
 from sim.lidar import PROFILES
 from sim.messages import LASER_FRAME
@@ -147,6 +147,7 @@ class ScriptEvent(_Table, frozen=True):
     at: Time  # [s]
     goal: PoseDeg | None = None  # sent as a PoseStamped; may be nan or inf
     unstamped: bool = False  # the goal's stamp is 0, as `ros2 topic pub` and many programs leave it
+    stamp_offset: Offset = 0.0  # added to the goal's stamp, as by a sender with a wrong clock [s]
     odom: PoseDeg | None = None  # sent as one extra Odometry; may be nan or inf
     w: float | None = None  # of the goal's or odom's quaternion, in place of the yaw's; may be nan
     teleport: tuple[Metres, Metres, Degrees] | None = None  # moves the real robot and stops it
@@ -157,8 +158,11 @@ class ScriptEvent(_Table, frozen=True):
         choices = (self.goal, self.odom, self.teleport, self.e_stop)
         if sum(x is not None for x in choices) != 1:
             raise ValueError("expected at and exactly one of goal, odom, teleport and e_stop")
-        if (self.unstamped and not self.goal) or (self.w is not None and not any(choices[:2])):
-            raise ValueError("unstamped is said of goals, w of goals and odom")
+        of_goals = self.unstamped or self.stamp_offset
+        if (of_goals and not self.goal) or (self.w is not None and not any(choices[:2])):
+            raise ValueError("unstamped and stamp_offset are said of goals, w of goals and odom")
+        if self.unstamped and self.stamp_offset:
+            raise ValueError("expected unstamped or stamp_offset, not both")
 
 
 class RawCommands(_Table, frozen=True, rename={"begin": "from", "end": "to"}):

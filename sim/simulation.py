@@ -57,6 +57,7 @@ from sim.messages import (
     BASE_FRAME,
     CMD_VEL_RAW_TOPIC,
     E_STOP_TOPIC,
+    EPOCH_NS,
     ODOM_FRAME,
     TF_STATIC_TOPIC,
     Message,
@@ -269,8 +270,14 @@ class Simulation:
             return bool_(E_STOP_TOPIC, event.time, bool(entry.e_stop))
         x, y, yaw = self._scripted_pose(entry)
         if event.kind is Kind.GOAL:
+            stamp = event.time + round(entry.stamp_offset * 1e9)
             return pose_stamped(
-                time=event.time, x=x, y=y, yaw=yaw, w=entry.w, stamped=not entry.unstamped
+                time=event.time,
+                x=x,
+                y=y,
+                yaw=yaw,
+                w=entry.w,
+                stamp=-EPOCH_NS if entry.unstamped else stamp,
             )
         return odometry(time=event.time, x=x, y=y, yaw=yaw, qw=entry.w)
 

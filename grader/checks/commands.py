@@ -17,6 +17,7 @@ from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording, Scan
 
 FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
+WATCHDOG = 0.45  # [s] without a scan, after which a zero Twist stops the robot
 ZERO = 1e-6  # [m/s, rad/s] a field nearer to 0 than this is zero
 
 
@@ -40,12 +41,18 @@ class Answer:
 
 
 def answers(recording: Recording) -> list[Answer]:
-    """Return each scan that was sent, with the node's answer to it."""
+    """Return each scan that was sent, with the node's answer to it.
+
+    What stops the robot once no scan has come for a while is a watchdog's, and no answer.
+    """
     twists, bench = recording.twists(), recording.scenario.bench_scans
+    zero = np.all(is_zero(twists.values), axis=1)
     scans, first = turns(recording)
     found = []
     for i, scan in enumerate(scans):
         begin, end = int(first[i]), int(first[i + 1])
+        while end > begin + 1 and zero[end - 1] and twists.t[end - 1] > scan.t + WATCHDOG:
+            end -= 1
         found.append(
             Answer(
                 scan=scan,

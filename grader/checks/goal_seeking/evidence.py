@@ -251,6 +251,24 @@ def require_rate(recording: Recording, quest: Quest) -> None:
         )
 
 
+def require_no_pause(recording: Recording) -> None:
+    """Fail if a new goal, on the way to another one, holds up the commands."""
+    t, limit = recording.twists().t, PERIOD + RATE_TOLERANCE + recording.slack + 1e-6
+    for quest in quests(recording)[1:]:
+        before, after = t[t < quest.begin][-2:], t[t >= quest.begin][:1]
+        if len(before) < 2 or not len(after) or quest.begin - before[0] > 2 * limit:
+            continue
+        if after[0] < quest.begin + REACTION and after[0] - before[1] > limit:
+            fail(
+                f"the commands pause when {quest.what} comes",
+                expected=f"one Twist every {PERIOD} s, whatever comes",
+                actual=f"{after[0] - before[1]:.3f} s without one",
+                at=float(after[0]),
+                recording=recording,
+                help="Keep the goal, and let the timer go on as it is.",
+            )
+
+
 def garbage(value: float) -> str:
     """Return an explanation if a number can only be a wrongly typed field; else an empty text."""
     if math.isnan(value) or 0.0 < abs(value) < 1e-300 or 1e6 < abs(value) < math.inf:

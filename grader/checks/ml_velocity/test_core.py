@@ -20,7 +20,13 @@ from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
 DRIVES = ("ml_drive_wall", "ml_drive_cart", "ml_drive_store")
-WITHOUT_MODEL = ("ml_no_model", "ml_broken_model", "ml_empty_model", "ml_foreign_model")
+WITHOUT_MODEL = (
+    "ml_no_model",
+    "ml_broken_model",
+    "ml_empty_model",
+    "ml_foreign_model",
+    "ml_late_model",
+)
 CART_GONE = 8.5  # [s] in ml_drive_cart
 SECTOR = "The front sector is |θ| ≤ 60°, with θ = angle_min + i · angle_increment, wrapped to ±π."
 

@@ -15,7 +15,13 @@ from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.recording import Recording
 
-FILES = ("format_no_file", "format_broken_pickle", "format_empty_pickle", "format_broken_onnx")
+FILES = (
+    "format_no_file",
+    "format_broken_pickle",
+    "format_empty_pickle",
+    "format_broken_onnx",
+    "format_late_file",
+)
 DEEP_FILES = ("format_broken_torch", "format_broken_keras")
 LIBRARIES = ("format_without_torch", "format_without_keras")
 FIRST = 0.1  # [m/s] predicted by the model that the node was started with
@@ -43,7 +49,14 @@ def test_suffix_in_capitals(recordings: Recordings) -> None:
 
 
 @pytest.mark.check(
-    points=5, scenarios=("format_unknown_suffix", "format_no_suffix"), needs=("wiring",)
+    points=5,
+    scenarios=(
+        "format_unknown_suffix",
+        "format_no_suffix",
+        "format_backup_suffix",
+        "format_longer_suffix",
+    ),
+    needs=("wiring",),
 )
 def test_unknown_suffix(recordings: Recordings) -> None:
     """Any other suffix, or none: an error in the log, and 0.0 for every scan."""
@@ -67,8 +80,8 @@ def test_no_model(recordings: Recordings) -> None:
 def _state_of_file(recording: Recording) -> str:
     """Return what is the matter with the node's file, in words."""
     probes = {"": "does not exist", "empty": "is empty", "pickled": "holds a pickle, and no ONNX"}
-    (probe,) = [model.probe for model in recording.scenario.node.models.values()] or [""]
-    return probes.get(probe, "is broken")
+    models, file = recording.scenario.node.models, model_file(recording.scenario)
+    return probes.get(models[file].probe if file in models else "", "is broken")
 
 
 @pytest.mark.check(points=2, scenarios=DEEP_FILES, needs=("wiring",), requires=KERAS)

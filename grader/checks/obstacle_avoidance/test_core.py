@@ -22,6 +22,7 @@ from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
 HUNDRED = "avoid_hundred"
+LONG = "avoid_long"  # and three seconds without a scan
 BENCH = ("avoid_zones", "avoid_infinity", "avoid_invalid", "avoid_too_close", "avoid_blind")
 DRIVES = (
     "avoid_wall", "avoid_box_behind", "avoid_corridor", "avoid_cart", "avoid_store", "avoid_post",
@@ -40,14 +41,14 @@ def test_wiring(recordings: Recordings) -> None:
         require_wiring(recording, "obstacle_avoidance")
 
 
-@pytest.mark.check(points=5, scenarios=("avoid_zones", HUNDRED, *DRIVES), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("avoid_zones", HUNDRED, LONG, *DRIVES), needs=("wiring",))
 def test_one_command_per_scan(recordings: Recordings) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     for recording in recordings:
         require_one_command_each(recording)
 
 
-@pytest.mark.check(points=5, scenarios=("avoid_zones", "avoid_wall"), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("avoid_zones", "avoid_wall", LONG), needs=("wiring",))
 def test_only_linear_x(recordings: Recordings) -> None:
     """Every field of the Twist but linear.x is zero."""
     for recording in recordings:
@@ -70,14 +71,16 @@ def test_slow_zone(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=10, scenarios=("avoid_zones", HUNDRED), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=("avoid_zones", HUNDRED, LONG), needs=("wiring",))
 def test_stop_zone(recordings: Recordings) -> None:
-    """Below 0.5 m the robot stands still."""
-    zones, hundred = recordings
+    """Below 0.5 m the robot stands still, for however long."""
+    zones, *others = recordings
     help = "Is d the smallest distance within ±90°, and is every d below 0.5 m a stop?"
     require_speeds(zones, "stop", help)
-    for answer in judged(hundred, "stop"):
-        require_speed(hundred, answer, help)
+    for recording in others:
+        for answer in judged(recording, "stop"):
+            if answer.count:
+                require_speed(recording, answer, help)
 
 
 @pytest.mark.check(points=5, scenarios=("avoid_zones",), needs=("wiring",))
@@ -157,10 +160,10 @@ def test_no_contact(recordings: Recordings) -> None:
     require_caution(recordings)
 
 
-@pytest.mark.check(points=5, scenarios=("avoid_zones", HUNDRED, *DRIVES), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("avoid_zones", HUNDRED, LONG, *DRIVES), needs=("wiring",))
 def test_drives_on(recordings: Recordings) -> None:
-    """The robot drives whenever the way ahead is free, also after a stop."""
-    zones, hundred, *drives = recordings
+    """The robot drives whenever the way ahead is free, also after a stop, and a long one."""
+    zones, hundred, long, *drives = recordings
     for recording in drives:
         require_moving_when_free(recording)
     require_speeds(
@@ -169,6 +172,15 @@ def test_drives_on(recordings: Recordings) -> None:
         "Each scan decides for itself: 0.5 m is the limit after a stop, too.",
         own=own_speeds(zones),
     )
+    for tag in ("slow", "free"):
+        for answer in judged(long, tag):
+            if answer.count:  # a scan without an answer is the business of another check
+                require_speed(
+                    long,
+                    answer,
+                    "Each scan decides for itself, whatever came before and whatever its stamp is.",
+                    own_speeds(zones),
+                )
 
 
 @pytest.mark.check(points=5, scenarios=(*BENCH, *DRIVES), needs=("wiring", "one_command_per_scan"))

@@ -95,6 +95,11 @@ class Situation:
     scan_age: float  # [s]
 
     @property
+    def asks_to_move(self) -> bool:
+        """The last raw command was none to stand."""
+        return self.asked is None or any(self.asked)
+
+    @property
     def what(self) -> str:
         """The situation in words, for a student."""
         parts = ["the emergency stop is pressed"] if self.e_stop else []
@@ -193,11 +198,14 @@ def is_settled(tick: Tick) -> bool:
     return tick.same_for >= SETTLED
 
 
-def never_reverses(tick: Tick) -> bool:
+def never_reverses(tick: Tick, recording: Recording) -> bool:
     """Tell whether a command is right but for a 0.0 where it should drive backwards.
 
-    A node that never reverses makes one mistake, and `passes_on` is there for it.
+    A node that never reverses makes one mistake, and `passes_on` is there for it. One that does
+    reverse in this recording is late here.
     """
+    if bool((recording.twists().values[:, 0] < -ZERO).any()):
+        return False
     speed, turn_rate = tick.values[0], tick.values[5]
     return abs(speed) <= ZERO and any(
         decision.speed < 0.0 and decision.allows(decision.speed, turn_rate)

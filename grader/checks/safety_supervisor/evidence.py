@@ -19,6 +19,7 @@ from grader.checks.safety_supervisor.contract import (
     TOLERANCE,
     Habit,
     Tick,
+    never_reverses,
     ticks,
 )
 from grader.checks.verdict import fail
@@ -27,6 +28,8 @@ from grader.recording import Recording
 
 TOPIC = "/diagnostics"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+PASSED_ON = {"limited", "ok"}
+SHORT_SILENT, LONG_SILENT = 0.2, 1.5  # [s]
 SLOW_TO_GO = 0.3  # [s] that it takes a node to move again
 SETTLING = 0.6  # [s] after the start, in which reasons are not judged
 START = 0.25  # [s] in which the first command comes
@@ -137,14 +140,57 @@ def require_stops(recording: Recording, reason: str, help: str, habit: Habit = C
 
 
 def require_standing(recording: Recording, reason: str, help: str, habit: Habit = CONTRACT) -> None:
-    """Fail unless the robot stands while this reason alone holds.
+    """Fail unless the robot stands while this reason alone holds: under `obstacle` it may turn.
 
     Whether it moves when none does, and whether it lives on, is for other checks to judge.
     """
-    found = ticks(recording, silences=True, habit=habit)
-    judged = [tick for tick in found if tick.reasons == {reason}]
+    judged = standing(recording, reason, habit)
     if judged:
-        require_right(recording, judged, lambda tick: tick.is_right, help)
+        require_right(recording, judged, stands, help)
+
+
+def require_no_delay(recording: Recording, help: str, habit: Habit = CONTRACT) -> None:
+    """Fail if what the robot may do at once it does not, nor stands as after another reason."""
+    judged = [
+        tick
+        for tick in ticks(recording, silences=True, habit=habit)
+        if tick.moves and not tick.rising and tick.reasons <= PASSED_ON
+    ]
+    if judged:
+        require_right(
+            recording,
+            judged,
+            lambda tick: tick.is_right_but_for_the_rise or never_reverses(tick, recording),
+            help,
+        )
+
+
+def require_moving_after(
+    recording: Recording, reason: str, help: str, habit: Habit = CONTRACT
+) -> None:
+    """Fail if the robot still stands when nothing has held it for a while after this reason."""
+    held, since, judged = False, 0.0, []
+    for tick in ticks(recording, silences=True, habit=habit):
+        if tick.stops:
+            held, since = held or reason in tick.stops, tick.t
+        elif tick.must_move and tick.reasons <= PASSED_ON and tick.t - since > SLOW_TO_GO:
+            if held:
+                judged.append(tick)
+            held = False
+    if judged:
+        require_right(recording, judged, lambda tick: tick.moves, help)
+
+
+def standing(recording: Recording, reason: str, habit: Habit = CONTRACT) -> list[Tick]:
+    """Return the ticks at which this reason alone is right."""
+    return [
+        tick for tick in ticks(recording, silences=True, habit=habit) if tick.reasons == {reason}
+    ]
+
+
+def stands(tick: Tick) -> bool:
+    """Tell whether the command is none to drive, and none to turn where that is not asked for."""
+    return tick.is_right or (tick.reasons == {"obstacle"} and abs(tick.values[0]) <= ZERO)
 
 
 def _stops_and_moves(found: Iterable[Tick], reason: str) -> Iterator[Tick]:
@@ -208,9 +254,16 @@ def require_other_fields(recording: Recording) -> None:
 
 
 def require_reasons(
-    recording: Recording, help: str, *, alone: bool = False, habit: Habit = CONTRACT
+    recording: Recording,
+    help: str,
+    *,
+    alone: bool = False,
+    habit: Habit = CONTRACT,
 ) -> None:
     """Fail if a report gives a wrong reason; with `alone` only where no second rule matches.
+
+    Where the model asked for nothing before it fell silent, the commands do not show when a node
+    takes it for silent, nor whether: there it is judged late, and only if it knows the rule.
 
     A reason is due at the second tick at which it alone is right. It is judged only where the
     commands are right: wrong ones have a check of their own.
@@ -218,12 +271,16 @@ def require_reasons(
     said = require_reports(recording)
     times = np.array([report.t for report in said])
     found = ticks(recording, habit=habit)
+    knows_silence = all(map(stands, standing(recording, "stale_command", habit)))
     judged = 0
     for before, tick in pairwise(found):
         clear = len(tick.reasons) == 1 and before.reasons == tick.reasons
         if tick.t <= SETTLING or not clear or not (before.is_exact and tick.is_exact):
             continue
         if alone and len(tick.matching) > 1:
+            continue
+        age, idle = tick.situation.command_age, not tick.situation.asks_to_move
+        if idle and age > SHORT_SILENT and (age < LONG_SILENT or not knows_silence):
             continue
         judged += 1
         newest = int(np.searchsorted(times, tick.t + ZERO, side="right")) - 1

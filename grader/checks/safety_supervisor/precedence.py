@@ -29,17 +29,29 @@ class _Contest:
     said: tuple[Report, ...]  # the one in force at that third tick, and all after it
     new: tuple[Report, ...]  # since the first tick
 
+    def later(self) -> tuple[Report, ...]:
+        """Return what it says once it had said the first rule, but for the last two ticks."""
+        end = self.ticks[-TICKS].t
+        said = [report.t for report in self.said if report.reason == self.rules[0]]
+        return tuple(each for each in self.said if said[0] < each.t < end)
 
-def require_first_match(recording: Recording, help: str, habit: Habit = CONTRACT) -> None:
-    """Fail unless the node says the first of the rules that match, wherever it shows an order."""
+
+def require_first_match(
+    recording: Recording, help: str, habit: Habit = CONTRACT, *, least: int = LEAST
+) -> None:
+    """Fail unless the node says the first of the rules that match, wherever it shows an order.
+
+    And goes on saying it while they do. It has to show that for at least so many rules.
+    """
     every = {report.reason for report in reports(recording)}
     won = set()
     for contest in _contests(recording, habit):
         first, *others = contest.rules
+        candidates = contest.new
         if first in {report.reason for report in contest.said}:
             won.add(first)
-            continue
-        wrong = [each for each in contest.new if each.reason in others]
+            candidates = contest.later()
+        wrong = [each for each in candidates if each.reason in others]
         if wrong and first in every:
             fail(
                 f"{' and '.join(contest.rules)} match ({contest.ticks[0].situation.what})",
@@ -49,7 +61,7 @@ def require_first_match(recording: Recording, help: str, habit: Habit = CONTRACT
                 recording=recording,
                 help=help,
             )
-    if len(won) < LEAST:
+    if len(won) < least:
         fail(
             "too few reasons came to see which rule wins",
             expected="the first of two rules that match, each time",

@@ -14,12 +14,16 @@ from grader.checks.safety_supervisor.evidence import (
     require_commands,
     require_e_stop,
     require_levels,
+    require_moving_after,
+    require_no_delay,
     require_other_fields,
     require_reasons,
     require_standing,
     require_stops,
     require_text,
     require_within_limits,
+    standing,
+    stands,
 )
 from grader.checks.safety_supervisor.habits import SHOWS, button_of, habit_of
 from grader.checks.safety_supervisor.precedence import require_first_match
@@ -40,6 +44,8 @@ SHORT = (
 )  # every reason but bad_command
 EVERY = (*SHORT, "safe_bad_command", "safe_blind")
 BUTTON = "safe_button"  # at the same time as other reasons
+LONG = "safe_for_long"  # half a minute and more
+BUSY = "safe_busy"  # lidar and model at 40 Hz
 LEAST_WAY = 0.5  # [m]
 
 Recordings = tuple[Recording, ...]
@@ -57,7 +63,7 @@ def test_wiring(recordings: Recordings) -> None:
         require_wiring(recording, "safety_supervisor")
 
 
-@pytest.mark.check(points=5, scenarios=EVERY, needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(*EVERY, LONG), needs=("wiring",))
 def test_control_rate(recordings: Recordings) -> None:
     """One command at each tick, 20 a second from the start on, whatever the reason for it."""
     for recording in judged_to_its_end(recordings):
@@ -82,16 +88,16 @@ def test_passes_on(recordings: Recordings) -> None:
 @pytest.mark.check(points=5, scenarios=("safe_limits", SHOWS), needs=("wiring",))
 def test_limits(recordings: Recordings) -> None:
     """linear.x is clamped to ±0.5 m/s and angular.z to ±1.9 rad/s."""
-    for recording in recordings[:1]:
-        require_alive(recording)
-        require_within_limits(recording)
-        require_commands(
-            recording,
-            "Clamp to the limit, not to zero; what is within is not touched.",
-            is_settled,
-            habit=habit_of(recordings),
-            forgiven=never_reverses,
-        )
+    shows = recordings[0]
+    require_alive(shows)
+    require_within_limits(shows)
+    require_commands(
+        shows,
+        "Clamp to the limit, not to zero; what is within is not touched.",
+        is_settled,
+        habit=habit_of(recordings),
+        forgiven=lambda tick: never_reverses(tick, shows),
+    )
 
 
 @pytest.mark.check(
@@ -117,62 +123,77 @@ def test_acceleration(recordings: Recordings) -> None:
         require_no_jumps(recording, habit)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_ramp", SHOWS), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_ramp", BUSY, SHOWS), needs=("wiring",))
 def test_never_delays(recordings: Recordings) -> None:
     """Slowing down, stopping and driving backwards take effect at once."""
-    for recording in recordings[:1]:
-        require_commands(
-            recording,
-            "The limit is for getting faster forwards only: min(asked, max(0, last) + 0.045).",
-            lambda tick: not tick.rising and "e_stop" not in tick.reasons,
-            habit=button_of(recordings),
-            forgiven=never_reverses,
-        )
+    ramp, busy, _ = recordings
+    help, habit = (
+        "The limit is for getting faster forwards only: min(asked, max(0, last) + 0.045).",
+        button_of(recordings),
+    )
+    require_commands(
+        ramp,
+        help,
+        lambda tick: not tick.rising and "e_stop" not in tick.reasons,
+        habit=habit,
+        forgiven=lambda tick: never_reverses(tick, ramp),
+    )
+    require_no_delay(busy, help, habit)
 
 
-@pytest.mark.check(points=10, scenarios=(SHOWS, BUTTON), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=(SHOWS, BUSY, BUTTON, LONG), needs=("wiring",))
 def test_e_stop(recordings: Recordings) -> None:
     """While the last /e_stop was true the robot stands, from the next tick on."""
-    shows, button = recordings
+    shows, busy, *others = recordings
     require_e_stop(shows)
-    help = "Whatever else holds, or has not come yet: the last /e_stop decides."
-    require_standing(button, "e_stop", help)
+    for recording in (busy, *others):
+        require_standing(
+            recording,
+            "e_stop",
+            "Whatever else holds, or has not come yet, and for however long: the last /e_stop "
+            "decides.",
+        )
+    require_moving_after(busy, "e_stop", "A button may be let go while the lidar is silent.")
 
 
-@pytest.mark.check(points=5, scenarios=("safe_bad_command", SHOWS), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_bad_command", LONG, SHOWS), needs=("wiring",))
 def test_bad_command(recordings: Recordings) -> None:
     """A command with NaN or infinity in a field stops the robot until a good one comes."""
-    for recording in recordings[:1]:
-        require_stops(
-            recording,
-            "bad_command",
-            "math.isfinite on each field, before you compare: comparisons with NaN are false.",
-            habit_of(recordings),
-        )
+    bad, long, _ = recordings
+    help, habit = (
+        "math.isfinite on each field, before you compare: comparisons with NaN are false.",
+        habit_of(recordings),
+    )
+    require_stops(bad, "bad_command", help, habit)
+    require_standing(long, "bad_command", help, habit)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_stale_command", BUTTON, SHOWS), needs=("wiring",))
+@pytest.mark.check(
+    points=5, scenarios=("safe_stale_command", BUTTON, LONG, SHOWS), needs=("wiring",)
+)
 def test_stale_command(recordings: Recordings) -> None:
     """Without a raw command for more than 0.5 s (or at all) the robot stands."""
-    silence, button, _ = recordings
+    silence, *others, _ = recordings
     help, habit = (
         "Note when each command arrives, and look at its age at every tick.",
         habit_of(recordings),
     )
     require_stops(silence, "stale_command", help, habit)
-    require_standing(button, "stale_command", help, habit)
+    for recording in others:
+        require_standing(recording, "stale_command", help, habit)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_stale_scan", BUTTON, SHOWS), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_stale_scan", BUTTON, LONG, SHOWS), needs=("wiring",))
 def test_stale_scan(recordings: Recordings) -> None:
     """Without a scan for more than 0.5 s (or at all) the robot stands."""
-    silence, button, _ = recordings
+    silence, *others, _ = recordings
     help, habit = (
         "Note when each scan arrives, and look at its age at every tick.",
         habit_of(recordings),
     )
     require_stops(silence, "stale_scan", help, habit)
-    require_standing(button, "stale_scan", help, habit)
+    for recording in others:
+        require_standing(recording, "stale_scan", help, habit)
 
 
 @pytest.mark.check(points=5, scenarios=("safe_blind", SHOWS), needs=("wiring",))
@@ -187,17 +208,23 @@ def test_blind_scan(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=5, scenarios=("safe_obstacle", SHOWS), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_obstacle", LONG, BUSY, SHOWS), needs=("wiring",))
 def test_obstacle(recordings: Recordings) -> None:
     """Below 0.5 m ahead no driving forwards; turning (clamped) and backing out as asked."""
-    for recording in recordings[:1]:
-        require_commands(
-            recording,
-            "Only if linear.x > 0 and something is nearer than 0.5 m ahead: linear.x = 0, "
-            "angular.z as asked, within ±1.9.",
-            lambda tick: "obstacle" in tick.reasons or is_settled(tick),
-            habit=habit_of(recordings),
-        )
+    obstacle, *others, _ = recordings
+    help, habit = (
+        "Only if linear.x > 0 and something is nearer than 0.5 m ahead: linear.x = 0, "
+        "angular.z as asked, within ±1.9.",
+        habit_of(recordings),
+    )
+    require_commands(
+        obstacle,
+        help,
+        lambda tick: "obstacle" in tick.reasons or is_settled(tick),
+        habit=habit,
+    )
+    for recording in others:
+        require_standing(recording, "obstacle", help, habit)
 
 
 @pytest.mark.check(points=5, scenarios=("safe_drive",), needs=("wiring",))
@@ -243,27 +270,29 @@ def test_reasons(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=5,
-    scenarios=("safe_first_match", SHOWS),
+    scenarios=("safe_first_match", LONG, SHOWS),
     needs=("wiring", "status_text"),
 )
 def test_first_match(recordings: Recordings) -> None:
-    """When two rules match, the one that comes first gives the reason."""
-    for recording in recordings[:1]:
-        require_first_match(
-            recording,
-            "In this order: e_stop, bad_command, stale_command, stale_scan, obstacle, limited, ok.",
-            habit_of(recordings),
-        )
+    """When two rules match, the one that comes first gives the reason, for as long as they do."""
+    shows, long, _ = recordings
+    help, habit = (
+        "In this order: e_stop, bad_command, stale_command, stale_scan, obstacle, limited, ok.",
+        habit_of(recordings),
+    )
+    require_first_match(shows, help, habit)
+    if long.outcome.completed and all(map(stands, standing(long, "bad_command", habit))):
+        require_first_match(long, help, habit, least=0)
 
 
-@pytest.mark.check(points=5, scenarios=SHORT, needs=("wiring", "status_text"))
+@pytest.mark.check(points=5, scenarios=(*SHORT, "safe_blind"), needs=("wiring", "status_text"))
 def test_levels(recordings: Recordings) -> None:
     """Level OK for ok, WARN for limited and obstacle, ERROR for the rest."""
-    for recording in recordings:
+    for recording in judged_to_its_end(recordings):
         require_levels(recording)
 
 
-@pytest.mark.check(points=5, scenarios=EVERY, needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=(*EVERY, LONG), needs=("wiring",))
 def test_heartbeat(recordings: Recordings) -> None:
     """/diagnostics is never silent for longer than a second, however long a reason holds."""
     for recording in judged_to_its_end(recordings):

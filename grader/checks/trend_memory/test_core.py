@@ -33,6 +33,7 @@ from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
 AWAY, REST, LATE = "trend_recede", "trend_rest", "trend_late_near"
+RUSH, SELDOM = "trend_rush", "trend_seldom"
 EQUAL, FAST, IN_TIME = "trend_equal", "trend_fast", "trend_in_time"
 DRIVES = ("trend_wall", "trend_cart")
 CLEAR = "Compare each stamp with the one before; clear, then remember the new one."
@@ -90,7 +91,7 @@ def test_one_speed_per_reading(recordings: Recordings) -> None:
             require_one(recording, case)
 
 
-@pytest.mark.check(points=10, scenarios=(APPROACH, AWAY, REST), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=(APPROACH, AWAY, REST, RUSH, SELDOM), needs=("wiring",))
 def test_closing_speed(recordings: Recordings) -> None:
     """It is minus the least-squares slope of distance over stamp: closer, away, at rest."""
     silent_away = False  # which is for one_speed_per_reading to say
@@ -184,9 +185,9 @@ def test_clears_jump(recordings: Recordings) -> None:
         require_forgotten(recording, habits)
 
 
-@pytest.mark.check(points=5, scenarios=("trend_near", LATE), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("trend_near", LATE, "trend_near_away"), needs=("wiring",))
 def test_stops_near(recordings: Recordings) -> None:
-    """Below 0.5 m the robot stands, whether or not a closing speed is known."""
+    """Below 0.5 m the robot stands, whether or not a closing speed is known, and whatever it is."""
     require_speeds(recordings, "near", "Below 0.5 m: 0.0 m/s, from the first scan on.")
 
 
