@@ -107,6 +107,16 @@ def test_a_goal_decodes_to_what_went_in():
 
 
 @pytest.mark.parametrize(
+    ("stamp", "seconds"),
+    [(None, 1_700_000_001), (-(10**10), 1_699_999_990), (-messages.EPOCH_NS, 0)],
+)
+def test_a_goal_may_have_another_stamp(stamp: int | None, seconds: int) -> None:
+    message = messages.pose_stamped(time=10**9, x=5.0, y=3.0, stamp=stamp)
+    header = decode(message.data, "geometry_msgs/msg/PoseStamped").header
+    assert (message.time, header.stamp.sec) == (10**9, seconds)
+
+
+@pytest.mark.parametrize(
     ("message", "value"),
     [
         (messages.float64("/closing_speed", 3, 0.25), 0.25),

@@ -97,11 +97,19 @@ MISTAKES = {
     ),
     "position without a stamp": (
         HEAD + "[[script]]\nat = 1\nteleport = [1, 2, 3]\nunstamped = true",
-        "script[0]: unstamped is said of goals, w of goals and odom",
+        "script[0]: unstamped and stamp_offset are said of goals, w of goals and odom",
+    ),
+    "odometry by a wrong clock": (
+        HEAD + "[[script]]\nat = 1\nodom = [1, 2, 3]\nstamp_offset = 2.0",
+        "script[0]: unstamped and stamp_offset are said of goals, w of goals and odom",
+    ),
+    "goal with a wrong stamp and none": (
+        HEAD + "[[script]]\nat = 1\ngoal = [1, 2, 3]\nunstamped = true\nstamp_offset = 2.0",
+        "script[0]: expected unstamped or stamp_offset, not both",
     ),
     "position with a quaternion": (
         HEAD + "[[script]]\nat = 1\nteleport = [1, 2, 3]\nw = -1.0",
-        "script[0]: unstamped is said of goals, w of goals and odom",
+        "script[0]: unstamped and stamp_offset are said of goals, w of goals and odom",
     ),
     "event before the start": (
         HEAD + "[[script]]\nat = 0\ngoal = [1, 2, 3]",

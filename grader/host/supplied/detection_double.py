@@ -84,7 +84,7 @@ class DetectionDouble(Node):  # type: ignore[misc]
         if kind not in ("fine", "unsure"):  # who is unsure says what it would be, and no success
             return MALFORMED[kind]
         stamp = self.get_clock().now().nanoseconds / 1e9
-        confidence = 0.5 + 0.4 * math.sin(number) ** 2
+        confidence = 0.05 + 0.9 * math.sin(number) ** 2
         return json.dumps({"label": f"box {number}", "confidence": confidence, "stamp": stamp})
 
     async def pause(self, seconds: float) -> None:

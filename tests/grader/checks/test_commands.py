@@ -5,6 +5,7 @@ What `judged` leaves out in real time: test_real_time_yields.py.
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 from node_runs import RunNode, short
@@ -47,6 +48,32 @@ def test_each_scan_has_its_answer(run_node: RunNode) -> None:
     assert found[0].what.endswith("m ahead")
     require_one_command_each(recording)
     require_only_linear_x(recording, "")
+
+
+WATCHDOG = """self.create_timer(0.1, self.watch)
+        self.heard = None
+    def watch(self):
+        late = self.heard and self.get_clock().now().nanoseconds - self.heard > 5e8
+        if late:
+            twist = Twist()
+            twist.linear.x = {speed}
+            self.publisher.publish(twist)
+            self.heard = None"""
+HEARS = PUBLISH + "; self.heard = self.get_clock().now().nanoseconds"
+
+
+@pytest.mark.parametrize(("speed", "counts"), [(0.0, {1}), (0.1, {1, 2})])
+def test_a_watchdog_may_stop_the_robot_and_no_more(
+    run_node: RunNode, speed: float, counts: set[int]
+) -> None:
+    scenario = short(3.0)
+    faults = msgspec.structs.replace(scenario.faults, blackout=((1.0, 2.0),))
+    recording = run_node(
+        node(HEARS, WATCHDOG.format(speed=speed)), msgspec.structs.replace(scenario, faults=faults)
+    )
+
+    assert {answer.count for answer in answers(recording)} == counts
+    assert {answer.speed for answer in answers(recording)} == {0.25} | ({speed} - {0.0})
 
 
 def test_without_a_command_there_is_no_speed(run_node: RunNode) -> None:

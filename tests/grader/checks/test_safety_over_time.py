@@ -20,8 +20,10 @@ def tick(t: float, speed: float = 0.0, right: Decision = STOP, matching: tuple =
     return Tick(t, (speed, 0.0, 0.0, 0.0, 0.0, 0.0), NOTHING, (right,), matching, 1.0)
 
 
-def first_match(monkeypatch: pytest.MonkeyPatch, said: dict[str, str]) -> None:
-    """Judge a node by what it says where a rule matches that the next one follows."""
+def first_match(
+    monkeypatch: pytest.MonkeyPatch, said: dict[str, str], later: dict[str, str] | None = None
+) -> None:
+    """Judge a node by what it says where a rule matches that the next one follows, and later."""
     found, reports = [], []
     for number, (first, second) in enumerate(zip(RULES, [*RULES[1:], "limited"], strict=True)):
         begin = 1.0 + number
@@ -29,6 +31,8 @@ def first_match(monkeypatch: pytest.MonkeyPatch, said: dict[str, str]) -> None:
         found += [tick(begin + i * 0.05, matching=(first, second)) for i in range(4, 10)]
         reports.append(evidence.Report(begin, 1, 2, first))
         reports.append(evidence.Report(begin + 0.2, 1, 2, said.get(first, first)))
+        if later and first in later:
+            reports.append(evidence.Report(begin + 0.31, 1, 2, later[first]))
     monkeypatch.setattr(precedence, "ticks", lambda *_, **__: found)
     monkeypatch.setattr(precedence, "reports", lambda _: reports)
     recording: Any = SimpleNamespace(name="safe_first_match")
@@ -45,6 +49,12 @@ def test_a_rule_that_a_node_gets_wrong_is_no_wrong_order(
 def test_the_second_rule_must_not_win(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(CheckFailed, match="bad_command and stale_command match"):
         first_match(monkeypatch, {"bad_command": "stale_command"})
+
+
+def test_the_first_rule_wins_for_as_long_as_it_matches(monkeypatch: pytest.MonkeyPatch) -> None:
+    first_match(monkeypatch, {}, {"bad_command": "bad_command"})
+    with pytest.raises(CheckFailed, match="bad_command and stale_command match"):
+        first_match(monkeypatch, {}, {"bad_command": "stale_command"})
 
 
 def test_a_node_that_always_says_the_same_shows_no_order(monkeypatch: pytest.MonkeyPatch) -> None:
