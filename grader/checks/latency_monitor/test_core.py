@@ -88,6 +88,8 @@ def test_clipped(recordings: Recordings) -> None:
         require_speeds(recording, tag, "max(0.0, min(max_speed, prediction))")
         require_zero(recording, FIELDS[1:], "This robot only drives straight ahead.")
     require_speeds(clip, "late", "Who misses the deadline is counted in `missed`, and drives.")
+    if len(clip.twists().t) >= len(clip.scans()):  # else one_command_per_scan has failed
+        require_speeds(clip, "waited", "A scan that waited for the model is answered as any other.")
     if held.outcome.completed:  # else stale_at_first says what ended the node
         require_speeds(held, help="max_speed 0.0 holds the robot; in Python 0.0 is false.")
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from grader.checks.commands import FIELDS, is_zero, require_zero
+from grader.checks.commands import FIELDS, ZERO, is_zero, require_zero
 from grader.checks.inferences import (
     require_kept,
     require_one_at_a_time,
@@ -88,7 +88,7 @@ def test_starts_at_zero(recordings: Recordings) -> None:
                 help="Publish at each tick; without a prediction, publish 0.0.",
             )
         early = np.flatnonzero(
-            (twists.t < first_scan + SHORTEST_INFERENCE) & ~is_zero(twists.linear_x)
+            (twists.t < first_scan + SHORTEST_INFERENCE - ZERO) & ~is_zero(twists.linear_x)
         )
         if len(early):
             fail(

@@ -33,7 +33,7 @@ from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
 AWAY, REST, LATE = "trend_recede", "trend_rest", "trend_late_near"
-RUSH, SELDOM = "trend_rush", "trend_seldom"
+RUSH, QUICK, SELDOM = "trend_rush", "trend_quick", "trend_seldom"
 EQUAL, FAST, IN_TIME = "trend_equal", "trend_fast", "trend_in_time"
 DRIVES = ("trend_wall", "trend_cart")
 CLEAR = "Compare each stamp with the one before; clear, then remember the new one."
@@ -82,7 +82,9 @@ def test_silent_until_ten(recordings: Recordings) -> None:
             require_silence(recording, case)
 
 
-@pytest.mark.check(points=5, scenarios=(APPROACH, AWAY, REST, CHANGES), needs=("wiring",))
+@pytest.mark.check(
+    points=5, scenarios=(APPROACH, AWAY, REST, CHANGES, QUICK, SELDOM), needs=("wiring",)
+)
 def test_one_speed_per_reading(recordings: Recordings) -> None:
     """From the tenth reading on, one closing speed follows each."""
     for recording in _survived(recordings):
@@ -91,7 +93,7 @@ def test_one_speed_per_reading(recordings: Recordings) -> None:
             require_one(recording, case)
 
 
-@pytest.mark.check(points=10, scenarios=(APPROACH, AWAY, REST, RUSH, SELDOM), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=(APPROACH, AWAY, REST, RUSH), needs=("wiring",))
 def test_closing_speed(recordings: Recordings) -> None:
     """It is minus the least-squares slope of distance over stamp: closer, away, at rest."""
     silent_away = False  # which is for one_speed_per_reading to say
