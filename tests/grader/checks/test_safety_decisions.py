@@ -1,5 +1,9 @@
 """Exercise 7's oracle forgives, in the checks of other rules, what one rule alone is about."""
 
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
 import pytest
 
 from grader.checks.safety_supervisor.contract import (
@@ -51,9 +55,17 @@ def test_zero_is_zero_where_a_rule_says_so() -> None:
 
 
 def test_never_reversing_is_one_mistake() -> None:
-    assert never_reverses(tick(0.0, 0.0, BACK))
-    assert not never_reverses(tick(-0.045, 0.0, BACK))
-    assert not never_reverses(tick(0.0, 0.0, RISING))
+    forwards, backwards = said(0.1, 0.0), said(0.1, -0.045)
+    assert never_reverses(tick(0.0, 0.0, BACK), forwards)
+    assert not never_reverses(tick(-0.045, 0.0, BACK), forwards)
+    assert not never_reverses(tick(0.0, 0.0, RISING), forwards)
+    assert not never_reverses(tick(0.0, 0.0, BACK), backwards)  # so it was late
+
+
+def said(*speeds: float) -> Any:
+    """Return a recording of a node that commanded these speeds [m/s]."""
+    values = np.array([(speed, 0.0, 0.0, 0.0, 0.0, 0.0) for speed in speeds])
+    return SimpleNamespace(twists=lambda: SimpleNamespace(values=values))
 
 
 def test_whether_it_moves_and_has_to() -> None:
