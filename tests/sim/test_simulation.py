@@ -118,6 +118,22 @@ def test_the_script_sends_goals_and_poses_at_their_times():
     assert (last.pose.pose.position.x, last.pose.pose.position.y) == (0.0, 1.0)
 
 
+def test_a_scripted_goal_has_the_stamp_that_its_senders_clock_gives_it():
+    goals = "".join(
+        f"[[script]]\nat = {at}\ngoal = [2, 0, 0]\n{stamp}\n"
+        for at, stamp in ((1.0, ""), (2.0, "stamp_offset = -1.5"), (3.0, "unstamped = true"))
+    )
+    quiet = "[odometry]\nenabled = false\n[lidar]\nenabled = false\n"
+    _, messages = simulate(quiet + goals)
+    stamps = [decode(m.data, m.type).header.stamp for m in messages]
+    assert [m.time for m in messages] == [SECOND, 2 * SECOND, 3 * SECOND]
+    assert [(stamp.sec, stamp.nanosec) for stamp in stamps] == [
+        (1_700_000_001, 0),
+        (1_700_000_000, 500_000_000),
+        (0, 0),
+    ]
+
+
 def test_a_teleport_moves_the_robot_stops_it_and_is_seen_by_the_odometry():
     commands = [(k * 100_000_000, 0.3, 0.0) for k in range(10)]
     text = "[odometry]\nlinear_scale = 1.5\n[[script]]\nat = 1.6\nteleport = [-2, 1, 90]"

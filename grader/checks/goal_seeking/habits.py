@@ -6,7 +6,6 @@ Each habit has a check that fails for it; the other checks take it as given.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 from grader.checks.goal_seeking.contract import (
     HAIR,
@@ -26,7 +25,7 @@ from grader.checks.goal_seeking.evidence import (
     stop_times,
 )
 from grader.checks.goal_seeking.turning import require_turns
-from grader.checks.verdict import CheckFailed
+from grader.checks.verdict import CheckFailed, passes
 from grader.recording import Recording
 
 TURNS = "goal_turns"  # shows what it takes a goal for, and what it writes into angular.z
@@ -41,13 +40,13 @@ def frame_of(turns: Recording) -> Frame:
 
     All its turns have to lead there.
     """
-    found = (frame for frame in Frame if _holds(require_turns, turns, frame))
+    found = (frame for frame in Frame if passes(require_turns, turns, frame))
     return next(found, Frame.ODOM)
 
 
 def turns_in_garbage(turns: Recording) -> bool:
     """Tell whether angular.z is not read as it was meant; `turns_short_way` fails then."""
-    if _holds(require_turns, turns):
+    if passes(require_turns, turns):
         return False
     try:
         said = require_holds(turns)
@@ -65,7 +64,7 @@ def tolerance_of(push: Recording) -> float:
     known = [pose for pose in poses(push) if len(stops) and pose.t <= stops[0]]
     nearest = quest.distance(known[-1]) if known else 0.0
     far = TOLERANCE + HAIR < nearest <= FARTHEST
-    return nearest + TICK if far and not _holds(require_one_stop, push, quest) else TOLERANCE
+    return nearest + TICK if far and not passes(require_one_stop, push, quest) else TOLERANCE
 
 
 def deaf_from(near: Recording, bench: Recording) -> float:
@@ -78,11 +77,3 @@ def deaf_from(near: Recording, bench: Recording) -> float:
         return math.inf
     arrivals = [arrival(bench, quest) for quest in quests(bench)]
     return min((time for time in arrivals if time is not None), default=math.inf)
-
-
-def _holds(require: Callable[..., object], *what: object) -> bool:
-    try:
-        require(*what)
-    except CheckFailed:
-        return False
-    return True

@@ -20,7 +20,7 @@ from grader.checks.ml_velocity.habits import (
     shows,
 )
 from grader.checks.model_commands import LEAST_WAY, scan_in_words
-from grader.checks.verdict import CheckFailed, fail
+from grader.checks.verdict import fail, passes
 from grader.recording import Recording
 
 SPEED_TOLERANCE = 2e-4  # [m/s]; at this the probes tell distances 2.5 mm apart
@@ -52,19 +52,13 @@ def habit_of(recordings: Iterable[Recording]) -> Habit:
 
 @lru_cache(maxsize=2)  # nearly every check asks
 def _habit_in(recording: Recording) -> Habit:
-    if _speaks(recording, CONTRACT):
+    if passes(require_speeds, recording, habit=CONTRACT):
         return CONTRACT
     found = answers(recording)
     wrong = candidates(found, said_for(recording, found))
-    return next((habit for habit in wrong if _speaks(recording, habit)), CONTRACT)
-
-
-def _speaks(recording: Recording, habit: Habit) -> bool:
-    try:
-        require_speeds(recording, habit=habit)
-    except CheckFailed:
-        return False
-    return True
+    return next(
+        (habit for habit in wrong if passes(require_speeds, recording, habit=habit)), CONTRACT
+    )
 
 
 def require_going_on(recording: Recording, after: float) -> None:

@@ -12,7 +12,7 @@ from itertools import combinations
 
 from grader.checks.model_formats.contract import ORDER, is_onnx
 from grader.checks.model_formats.evidence import RIGHT, Habits, require_speeds
-from grader.checks.verdict import CheckFailed
+from grader.checks.verdict import passes
 from grader.models.features import NAMES
 from grader.recording import Recording
 
@@ -27,9 +27,15 @@ _EXCHANGED = tuple(
 def habits_of(readings: Recording, onnx: Recording | None = None) -> Habits:
     """Return how a node commands what its model says; `onnx` shows what type its numbers have."""
     known = (RIGHT, Habits(NEARLY), *(Habits(order=order) for order in _EXCHANGED))
-    found = next((habits for habits in known if _speaks(readings, habits)), RIGHT)
+    found = next(
+        (habits for habits in known if passes(require_speeds, readings, habits=habits)), RIGHT
+    )
     narrow = found._replace(narrow=True)
-    if onnx is None or _speaks(onnx, found) or not _speaks(onnx, narrow):
+    if (
+        onnx is None
+        or passes(require_speeds, onnx, habits=found)
+        or not passes(require_speeds, onnx, habits=narrow)
+    ):
         return found
     return narrow
 
@@ -39,7 +45,7 @@ def driven(runs: Iterable[Recording], onnx: Recording, habits: Habits) -> list[R
 
     If no ONNX model does, whatever it says, a pickle shows as well what the node makes of it.
     """
-    follows = _speaks(onnx, habits)
+    follows = passes(require_speeds, onnx, habits=habits)
     return [run for run in runs if follows or not is_onnx(run)]
 
 
@@ -51,11 +57,3 @@ def slip(habits: Habits) -> str:
         )
     moved = [NAMES[place] for place in ORDER if habits.order[place] != place]
     return f"All commands fit if {' and '.join(moved)} change places." if moved else ""
-
-
-def _speaks(recording: Recording, habits: Habits) -> bool:
-    try:
-        require_speeds(recording, habits=habits)
-    except CheckFailed:
-        return False
-    return True

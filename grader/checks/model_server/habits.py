@@ -6,12 +6,10 @@ do. Other checks take as given what they found, and only where one of them has f
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from grader.checks.model_server.answers import Ask, asks, parsed, require_detection
 from grader.checks.model_server.clients import require_own_topics, require_unblocked
 from grader.checks.model_server.contract import allowed
-from grader.checks.verdict import CheckFailed
+from grader.checks.verdict import passes
 from grader.recording import Recording
 
 SAYS, EARLY = "detect_answers", "detect_no_scan"  # scenarios that show a server's habits
@@ -49,22 +47,14 @@ def claims(ask: Ask) -> bool:
 
 def says_right(says: Recording) -> bool:
     """Tell whether all plain answers are detections as the contract wants them."""
-    return all(_holds(require_detection, says, ask) for ask in asks(says))
+    return all(passes(require_detection, says, ask) for ask in asks(says))
 
 
 def goes_on(slow: Recording) -> bool:
     """Tell whether no client stands still, and each speaks on the topics of its role."""
-    return is_unblocked(slow) and _holds(require_own_topics, slow)
+    return is_unblocked(slow) and passes(require_own_topics, slow)
 
 
 def is_unblocked(slow: Recording) -> bool:
     """Tell whether no client stands still while it waits for an answer."""
-    return _holds(require_unblocked, slow)
-
-
-def _holds(require: Callable[..., None], *what: object) -> bool:
-    try:
-        require(*what)
-    except CheckFailed:
-        return False
-    return True
+    return passes(require_unblocked, slow)
