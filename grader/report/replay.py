@@ -51,6 +51,7 @@ def replay_payload(recording: Recording, moments: Sequence[Mapping[str, Any]]) -
         "description": scenario.description,
         "seed": public_seed(recording.seed),
         "duration": _number(duration, 3),
+        "bench": bool(scenario.bench),
         "robot": {"radius": _number(scenario.robot.radius, 3)},
         "world": {
             "walls": [_points(wall) for wall in recording.layout.walls],

@@ -74,6 +74,7 @@ def replay(**parts: Any) -> JsonDict:
         "duration": 0.0,
         "robot": {"radius": RADIUS},
         "world": {"walls": [], "solids": []},
+        "bench": False,
         "carts": [],
         "truth": {key: [] for key in ("t", "x", "y", "yaw", "v", "w", "clearance", "contact")},
         "commands": {"t": [], "v": [], "w": []},

@@ -40,7 +40,7 @@ function endOf({ outcome, duration }) {
 /** Half way through the longest drive; a single run that nobody judged opens at its start. */
 function driveOf(replays, judged) {
   if (replays.length < 2 && !judged) return null;
-  const ways = replays.map(({ truth }) => wayOf(truth).at(-1) || 0);
+  const ways = replays.map(({ truth, bench }) => (bench ? 0 : wayOf(truth).at(-1) || 0));
   const run = ways.indexOf(Math.max(...ways));
   return ways[run] > 0 ? { run, t: halfWay(replays[run]) } : null;
 }

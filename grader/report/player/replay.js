@@ -113,6 +113,7 @@ function toReplay(source) {
     scenario: text(raw.scenario),
     title: text(raw.title) || text(raw.scenario) || 'Run',
     description: text(raw.description),
+    bench: raw.bench === true,
     seed: raw.seed,
     duration, truth, commands,
     radius: toNumber(raw.robot && raw.robot.radius) || 0.17,

@@ -79,6 +79,7 @@ def test_a_run_is_told_by_its_payload(recording: Recording) -> None:
     assert truth["x"][-1] == pytest.approx(2.0 - 0.17, abs=0.01)
     assert max(truth["contact"]) == 1
     assert min(truth["clearance"]) == 0.0
+    assert payload["bench"] is False
     assert payload["world"]["walls"] == [[[2.0, -2.0], [2.0, 2.0]]]
     assert payload["carts"][0]["y"][0] == -1.5
     assert payload["commands"]["v"] == [0.5] * 60
