@@ -1,4 +1,4 @@
-"""The judge's handle on one host: its pipes, its end, and what a killed one leaves behind."""
+"""The judge's handle on one host: its pipes and its end."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import select
 import signal
 import time
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grader.errors import GraderError
@@ -90,16 +89,3 @@ class HostProcess:
         """Close the judge's ends of the pipes."""
         for fd in (self.pidfd, self.link_out, self.link_in, self.stdout, self.stderr, self.status):
             os.close(fd)
-
-
-def shared_memory_of(pid: int) -> list[Path]:
-    """Return the shared memory files of Fast DDS, which a killed process leaves behind."""
-    try:
-        maps = Path(f"/proc/{pid}/maps").read_text()
-    except OSError:
-        return []
-    names = {
-        line.split(maxsplit=5)[5] for line in maps.splitlines() if "/dev/shm/fastrtps_" in line
-    }
-    files = {Path(name.removesuffix(" (deleted)")) for name in names}
-    return sorted(files | {file.with_name(f"{file.name}_el") for file in files})

@@ -23,11 +23,12 @@ from grader.host.frames import Birth, Clear, Done, Fault, Furnish, Hello, Reques
 from grader.host.sandbox.kernel_filters import NEWEST, hide_memory
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
 from grader.host.sandbox.users import USERS, closed_ancestor, prefer
-from grader.link.host_process import HostProcess, shared_memory_of
+from grader.link.host_process import HostProcess
 from grader.link.interpreter import left_out, with_needs
 from grader.link.locks import held
 from grader.link.ros_environment import RosEnvironment, find_ros
 from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS
+from grader.link.shared_memory import remove_half_made_ports, shared_memory_of
 from grader.link.workplace import Watch, Workplace
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -218,17 +219,22 @@ class ForkServer:
         before others on the machine from its start on, if that is allowed.
         """
         made = self.workplace(place) if isinstance(place, Path) else contextlib.nullcontext(place)
+        shared = MOUNTS not in self.layers  # the machine's /dev/shm
         with made as workplace:
+            if shared:
+                remove_half_made_ports()
             host = self._fork(workplace, priority)
             try:
                 yield host
             finally:
-                shared_memory = [] if MOUNTS in self.layers else shared_memory_of(host.pid)
+                files = shared_memory_of(host.pid) if shared else []
                 host.kill()
                 host.reap()
                 host.close()
-                for file in shared_memory:
+                for file in files:
                     file.unlink(missing_ok=True)
+                if shared:
+                    remove_half_made_ports()
 
     def _command(self, control: int) -> list[str]:
         paths = [str(ROOT), *map(str, self.ros.python_path)]

@@ -1,0 +1,73 @@
+"""Ports of Fast DDS that a killed process left half made are removed, and no others."""
+
+import mmap
+import os
+import time
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from grader.link.shared_memory import SHM, remove_half_made_ports
+
+pytestmark = pytest.mark.skipif(not SHM.is_dir(), reason="no /dev/shm here")
+
+
+@pytest.fixture
+def port() -> Iterator[Path]:
+    """Return a port that nobody has: Fast DDS's ports end at 65,535."""
+    file = SHM / f"fastrtps_port9{uuid.uuid4().int % 10**9:09}"
+    yield file
+    file.unlink(missing_ok=True)
+
+
+@pytest.mark.parametrize("word", [0, 1])
+def test_a_port_left_half_made_is_removed(port: Path, word: int) -> None:
+    port.write_bytes(word.to_bytes(4, "little") + bytes(44_204))
+
+    assert port in remove_half_made_ports()
+    assert not port.exists()
+
+
+def test_an_empty_port_is_removed(port: Path) -> None:
+    port.touch()
+
+    assert port in remove_half_made_ports()
+
+
+def test_a_port_that_is_ready_stays(port: Path) -> None:
+    port.write_bytes((2).to_bytes(4, "little") + bytes(44_204))
+
+    assert port not in remove_half_made_ports()
+    assert port.exists()
+
+
+def test_the_lock_of_a_port_stays(port: Path) -> None:
+    lock = port.with_name(f"{port.name}_el")
+    lock.touch()
+    try:
+        assert lock not in remove_half_made_ports()
+        assert lock.exists()
+    finally:
+        lock.unlink()
+
+
+def test_a_port_that_somebody_is_making_stays(port: Path) -> None:
+    with port.open("w+b") as file:
+        assert port not in remove_half_made_ports()  # open
+        file.write(bytes(4096))
+        file.flush()
+        mapped = mmap.mmap(file.fileno(), 4096)
+    with mapped:
+        assert port not in remove_half_made_ports()  # mapped
+    assert port in remove_half_made_ports()
+
+
+@pytest.mark.parametrize("age", [3600.0, -3600.0])
+def test_a_port_that_others_only_wait_for_is_removed(port: Path, age: float) -> None:
+    """Its maker would be done by now."""
+    with port.open("w+b"):
+        os.utime(port, (time.time() - age, time.time() - age))
+
+        assert port in remove_half_made_ports()
