@@ -119,8 +119,10 @@ def look(claim: Claim, seed: int, most: int, reports: Path | None = None) -> Loo
                 toml = result.found.toml
                 if reports is not None:
                     name = f"{claim.exercise.number}-{claim.stem}"
-                    recordings = [result.found.recording]
-                    write_report(reports / f"{name}.html", None, recordings, f"{name}: {sentence}")
+                    write_report(
+                        reports / f"{name}.html", None, [result.found.recording],
+                        f"{name}: {sentence}", opens_at=result.found.mishap.at,
+                    )  # fmt: skip
     return Looked(
         solution=claim.name,
         program=program_of(claim),

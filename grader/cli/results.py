@@ -67,11 +67,13 @@ def write_report(
     grading: dict[str, Any] | None,
     recordings: list[Recording],
     title: str,
+    *,
+    opens_at: float | None = None,
     quiet: bool = False,
 ) -> None:
-    """Write an HTML report with a replay of each recording."""
+    """Write an HTML report with a replay of each recording (see `page_payload`)."""
     from grader.report.page import page_html, page_payload  # noqa: PLC0415
 
-    path.write_text(page_html(page_payload(grading, recordings, title)), "utf-8")
+    path.write_text(page_html(page_payload(grading, recordings, title, opens_at)), "utf-8")
     if not quiet:
         click.echo(f"Report with replays: {path}")

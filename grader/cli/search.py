@@ -79,7 +79,8 @@ def search(
         click.echo(f"Scenario: {out}")
     if report is not None:
         found = result.found
-        write_report(report, None, [found.recording], f"{file.name}: {found.sentence}")
+        title = f"{file.name}: {found.sentence}"
+        write_report(report, None, [found.recording], title, opens_at=found.mishap.at)
     return LESS
 
 

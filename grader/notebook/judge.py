@@ -125,7 +125,8 @@ def _look(order: Look, forkservers: ForkServerPool, send: Send) -> Driven:
     said = search.account(result, exercise=exercise.number, seed=order.seed)
     if result.found is None:
         return Driven(said, "")
-    payload = page_payload(None, [result.found.recording], result.found.sentence)
+    found = result.found
+    payload = page_payload(None, [found.recording], found.sentence, found.mishap.at)
     return Driven(said, page_html({**payload, "embedded": True}))
 
 

@@ -54,9 +54,15 @@ GENERATED_BY = "rclpy agents course"
 
 
 def page_payload(
-    grading: Mapping[str, Any] | None, recordings: Sequence[Recording], title: str
+    grading: Mapping[str, Any] | None,
+    recordings: Sequence[Recording],
+    title: str,
+    opens_at: float | None = None,
 ) -> JsonDict:
-    """Return what `page_html` shows: a grading (None for `course drive`) and its recordings."""
+    """Return what `page_html` shows: a grading (None for `course drive`) and its recordings.
+
+    Without a grading the page opens at `opens_at` [s] of the first recording, if that is given.
+    """
     checks = grading["checks"] if grading else []
     return {
         "grading": dict(grading) if grading else None,
@@ -65,6 +71,7 @@ def page_payload(
             for recording in recordings
         ],
         "title": title,
+        "opens_at": opens_at,
         "generated_by": GENERATED_BY,
     }
 

@@ -70,6 +70,13 @@ def test_a_drive_opens_at_its_start_or_where_it_went_wrong(open_page: Open) -> N
     assert value(page, "state.touching")
 
 
+@pytest.mark.parametrize(("told", "shown"), [(7.5, 7.5), (0.0, 0.0), (99.0, 12.0)])
+def test_a_page_opens_where_its_maker_says(open_page: Open, told: float, shown: float) -> None:
+    """A search knows when the node came to grief."""
+    page = open_page({**payloads.page([payloads.goal_run(12.0)]), "opens_at": told})
+    assert value(page, "time") == shown
+
+
 # --- the keyboard ---------------------------------------------------------------------------------
 
 

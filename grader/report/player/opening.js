@@ -1,7 +1,11 @@
 // Where a page opens: at what failed; if all is well at a drive, never at a robot on its bench.
 
-/** What to show first: {run, moment} or {run, t}; null if the start of the first run is as good. */
-function openingOf(checks, replays) {
+/** What to show first: {run, moment} or {run, t}; null if the start of the first run is as good.
+    Whoever made the page may have told when, in the first run [s]. */
+function openingOf(checks, replays, told) {
+  if (Number.isFinite(told) && replays.length) {
+    return { run: 0, t: clamp(told, 0, replays[0].duration) };
+  }
   return failureOf(checks, replays) || firstMoment(replays) || badEnd(replays)
     || driveOf(replays, checks.length > 0);
 }

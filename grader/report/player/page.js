@@ -243,7 +243,8 @@ function buildPage(page, payload) {
     payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
   window.addEventListener('beforeprint', () => asPrinted(page));
-  if (window.replayPlayer) window.replayPlayer.open(payload.framed || checks, Boolean(payload.embedded));
+  const failed = payload.framed || checks;
+  if (window.replayPlayer) window.replayPlayer.open(failed, Boolean(payload.embedded), payload.opens_at);
   if (!payload.embedded) return;
   foldIfNarrow(page);
   window.addEventListener('message', followFrame);

@@ -335,7 +335,7 @@ function mountPlayer(root, payload) {
     setRate: (rate) => playback.setRate(rate),
     selectRun: (index) => player.selectRun(index),
     jumpTo: (run, moment) => player.jumpTo(run, moment),
-    open: (checks, lead = false) => player.open(openingOf(checks, player.replays), lead),
+    open: (checks, lead = false, told = null) => player.open(openingOf(checks, player.replays, told), lead),
     focus: () => player.focus(),
     destroy: () => player.destroy(),
   };
