@@ -149,6 +149,13 @@ def require_standing(recording: Recording, reason: str, help: str, habit: Habit 
         require_right(recording, judged, stands, help)
 
 
+def require_turning(recording: Recording, reason: str, help: str, habit: Habit = CONTRACT) -> None:
+    """Fail if the robot turns while this reason alone holds, and then no longer as asked."""
+    judged = standing(recording, reason, habit)
+    if judged and judged[0].is_right:
+        require_right(recording, judged, lambda tick: tick.is_right, help)
+
+
 def require_no_delay(recording: Recording, help: str, habit: Habit = CONTRACT) -> None:
     """Fail if what the robot may do at once it does not, nor stands as after another reason."""
     judged = [

@@ -21,6 +21,7 @@ from grader.checks.safety_supervisor.evidence import (
     require_standing,
     require_stops,
     require_text,
+    require_turning,
     require_within_limits,
     standing,
     stands,
@@ -85,12 +86,13 @@ def test_passes_on(recordings: Recordings) -> None:
         require_other_fields(recording)
 
 
-@pytest.mark.check(points=5, scenarios=("safe_limits", SHOWS), needs=("wiring",))
+@pytest.mark.check(points=5, scenarios=("safe_limits", LONG, SHOWS), needs=("wiring",))
 def test_limits(recordings: Recordings) -> None:
-    """linear.x is clamped to ±0.5 m/s and angular.z to ±1.9 rad/s."""
-    shows = recordings[0]
+    """linear.x is clamped to ±0.5 m/s and angular.z to ±1.9 rad/s, for however long."""
+    shows, long, _ = recordings
     require_alive(shows)
     require_within_limits(shows)
+    require_within_limits(long)
     require_commands(
         shows,
         "Clamp to the limit, not to zero; what is within is not touched.",
@@ -211,7 +213,7 @@ def test_blind_scan(recordings: Recordings) -> None:
 @pytest.mark.check(points=5, scenarios=("safe_obstacle", LONG, BUSY, SHOWS), needs=("wiring",))
 def test_obstacle(recordings: Recordings) -> None:
     """Below 0.5 m ahead no driving forwards; turning (clamped) and backing out as asked."""
-    obstacle, *others, _ = recordings
+    obstacle, long, busy, _ = recordings
     help, habit = (
         "Only if linear.x > 0 and something is nearer than 0.5 m ahead: linear.x = 0, "
         "angular.z as asked, within ±1.9.",
@@ -223,8 +225,9 @@ def test_obstacle(recordings: Recordings) -> None:
         lambda tick: "obstacle" in tick.reasons or is_settled(tick),
         habit=habit,
     )
-    for recording in others:
+    for recording in (long, busy):
         require_standing(recording, "obstacle", help, habit)
+    require_turning(long, "obstacle", help, habit)
 
 
 @pytest.mark.check(points=5, scenarios=("safe_drive",), needs=("wiring",))
