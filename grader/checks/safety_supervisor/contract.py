@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise, product
 from typing import Literal, NamedTuple
 
@@ -213,7 +214,10 @@ def never_reverses(tick: Tick, recording: Recording) -> bool:
     )
 
 
-def ticks(recording: Recording, *, silences: bool = False, habit: Habit = CONTRACT) -> list[Tick]:
+@lru_cache(maxsize=64)  # nearly every check asks
+def ticks(
+    recording: Recording, *, silences: bool = False, habit: Habit = CONTRACT
+) -> tuple[Tick, ...]:
     """Return every command that the node published, with what was right.
 
     Or what would be right of a node that has another habit.
@@ -236,7 +240,7 @@ def ticks(recording: Recording, *, silences: bool = False, habit: Habit = CONTRA
         alike = tuple(dict.fromkeys(right))
         found.append(Tick(t, tuple(row), now, alike, matching, same_for, rising))
         last = row[0] if math.isfinite(row[0]) else 0.0
-    return found
+    return tuple(found)
 
 
 def _in_force(recording: Recording, silences: bool) -> Iterator[tuple[float, list[float]]]:
