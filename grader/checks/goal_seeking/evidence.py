@@ -90,6 +90,11 @@ def last_command(
     return float(twists.t[i]), float(twists.linear_x[i]), float(twists.angular_z[i])
 
 
+def speeds_text(speed: float, turn_rate: float) -> str:
+    """Return both fields of a command as a student should see them."""
+    return f"linear.x = {speed:.2f} m/s, angular.z = {turn_rate:.2f} rad/s"
+
+
 def require_silence(recording: Recording, begin: float, end: float, why: str) -> None:
     """Fail if a command came in [begin, end)."""
     times = command_times(recording, begin, end)
@@ -120,6 +125,8 @@ def require_one_stop(recording: Recording, quest: Quest) -> None:
     zeros = stop_times(recording, quest)
     if not len(zeros) or zeros[0] > known_at + REACTION:
         came = f"the first one at {zeros[0]:.2f} s" if len(zeros) else "none"
+        if last := last_command(recording, known_at, known_at + REACTION):
+            came += f"; at {last[0]:.2f} s {speeds_text(*last[1:])}"
         fail(
             f"no zero Twist when the robot was within {TOLERANCE} m of {quest.what}",
             expected=f"one zero Twist at the tick after {known_at:.2f} s",

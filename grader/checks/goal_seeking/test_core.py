@@ -34,6 +34,7 @@ from grader.checks.goal_seeking.evidence import (
     require_rate,
     require_silence,
     require_warnings,
+    speeds_text,
     way,
     zero_commands,
 )
@@ -244,9 +245,9 @@ def test_near_goal(recordings: Recordings) -> None:
         if not zero[during].all():
             moving = during[~zero[during]][0]
             fail(
-                f"the robot drives, though {quest.what} is nearer than {TOLERANCE} m{again}",
+                f"the robot moves, though {quest.what} is nearer than {TOLERANCE} m{again}",
                 expected="one zero Twist at the next tick",
-                actual=f"linear.x = {twists.linear_x[moving]:.2f} m/s",
+                actual=speeds_text(twists.linear_x[moving], twists.angular_z[moving]),
                 at=float(twists.t[moving]),
                 recording=recording,
                 help="Compare the distance with 0.5 m before you compute a command.",
