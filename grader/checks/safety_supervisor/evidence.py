@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -150,10 +151,16 @@ def require_standing(recording: Recording, reason: str, help: str, habit: Habit 
 
 
 def require_turning(recording: Recording, reason: str, help: str, habit: Habit = CONTRACT) -> None:
-    """Fail if the robot turns while this reason alone holds, and then no longer as asked."""
-    judged = standing(recording, reason, habit)
-    if judged and judged[0].is_right:
-        require_right(recording, judged, lambda tick: tick.is_right, help)
+    """Fail if the robot turns while this reason alone holds, and after a while no longer.
+
+    That it pauses, as for another reason, is for other checks to judge.
+    """
+    right_at = math.nan  # [s]
+    for tick in standing(recording, reason, habit):
+        if tick.is_right:
+            right_at = tick.t
+        elif tick.t - right_at > LONG_SILENT:
+            _fail_command(recording, tick, help)
 
 
 def require_no_delay(recording: Recording, help: str, habit: Habit = CONTRACT) -> None:
