@@ -22,12 +22,7 @@ MAKING = 1.0  # [s] longer than making one takes: it takes a millisecond
 
 def shared_memory_of(pid: int) -> list[Path]:
     """Return the shared memory files of Fast DDS that a process has mapped."""
-    try:
-        maps = Path(f"/proc/{pid}/maps").read_text()
-    except OSError:
-        return []
-    names = {line.split(maxsplit=5)[5] for line in maps.splitlines() if f"{SHM / OURS}" in line}
-    files = {Path(name.removesuffix(" (deleted)")) for name in names}
+    files = {Path(name.removesuffix(" (deleted)")) for *_, name in _mapped(pid)}
     return sorted(files | {file.with_name(f"{file.name}_el") for file in files})
 
 
@@ -71,13 +66,23 @@ def _held() -> Iterator[tuple[int, int]]:
     for process in Path("/proc").iterdir():
         if not process.name.isdigit():
             continue
+        for device, inode, _ in _mapped(int(process.name)):
+            yield device, inode
         with contextlib.suppress(OSError):  # it has ended, or is another user's
-            for line in (process / "maps").read_text().splitlines():
-                if str(SHM / OURS) in line:
-                    _, _, _, device, inode, _ = line.split(maxsplit=5)
-                    major, minor = device.split(":")
-                    yield os.makedev(int(major, 16), int(minor, 16)), int(inode)
             for descriptor in (process / "fd").iterdir():
                 with contextlib.suppress(OSError):
                     file = descriptor.stat()
                     yield file.st_dev, file.st_ino
+
+
+def _mapped(pid: int) -> Iterator[tuple[int, int, str]]:
+    """Give device, inode and name of Fast DDS's shared memory files that a process has mapped."""
+    try:
+        maps = Path(f"/proc/{pid}/maps").read_text()
+    except OSError:  # it has ended, or is another user's
+        return
+    for line in maps.splitlines():
+        if f"{SHM}/{OURS}" in line:
+            _, _, _, device, inode, name = line.split(maxsplit=5)
+            major, minor = (int(part, 16) for part in device.split(":"))
+            yield os.makedev(major, minor), int(inode), name

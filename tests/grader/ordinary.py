@@ -1,11 +1,15 @@
 """Machines that offer less: a judge that is an ordinary user, and no user namespaces."""
 
 import ctypes
+import json
 import os
 import struct
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 from grader.host.sandbox import kernel_filters, layers, users
 
@@ -34,13 +38,33 @@ def run_as_ordinary(
     )  # fmt: skip
 
 
+def said_by_ordinary(script: str, *, namespaces: bool = True) -> Any:
+    """Return what the last line says, as JSON, that a script prints as an ordinary user.
+
+    A text says why it can't be tried here: the test is skipped.
+    """
+    with run_as_ordinary(script, namespaces=namespaces) as judge:
+        said, complaints = judge.communicate(timeout=120)
+    if OUT_OF_REACH in complaints:
+        pytest.skip(OUT_OF_REACH)
+    assert judge.returncode == 0, complaints
+    answer = json.loads(said.splitlines()[-1])
+    if isinstance(answer, str):
+        pytest.skip(answer)
+    return answer
+
+
 def become_ordinary() -> None:
-    """Become another user than root, for good; no change to who already is one."""
+    """Become another user than root, for good; no change to who already is one.
+
+    With a /dev/shm of its own: what a killed process leaves there stops no node of other tests.
+    """
     if os.getuid() != 0:
         return
     paths = [*layers.needed_paths(), ROOT]
     if not (users.own_mounts() and users.open_to_others(paths)):
         raise SystemExit(OUT_OF_REACH)
+    users.mount("tmpfs", "/dev/shm", "tmpfs", 0, "mode=1777")
     os.setgroups([])
     os.setresgid(NOBODY, NOBODY, NOBODY)
     os.setresuid(NOBODY, NOBODY, NOBODY)

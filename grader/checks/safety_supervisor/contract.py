@@ -214,7 +214,7 @@ def never_reverses(tick: Tick, recording: Recording) -> bool:
     )
 
 
-@lru_cache(maxsize=64)  # nearly every check asks
+@lru_cache(maxsize=32)  # nearly every check asks; 25 different questions in all
 def ticks(
     recording: Recording, *, silences: bool = False, habit: Habit = CONTRACT
 ) -> tuple[Tick, ...]:

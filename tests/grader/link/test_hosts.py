@@ -1,6 +1,5 @@
 """Hosts and the fork server they come from: who they run as, and that nothing of them stays."""
 
-import json
 import os
 import select
 import subprocess
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from node_runs import PREAMBLE, RunNode, short
+from ordinary import NOBODY, said_by_ordinary
 
 from grader.course.submission import Submission
 from grader.errors import GraderError
@@ -292,19 +292,8 @@ def test_limits_are_set(run_node: RunNode) -> None:
 
 
 ORDINARY = """
-import json, os, sys
+import json, os, tempfile
 from pathlib import Path
-sys.path[:0] = [{root!r}, {tests!r}]
-from grader.host.sandbox import layers as isolation, users as privileges
-if os.getuid() == 0:
-    paths = [*isolation.needed_paths(), Path({root!r})]
-    if not (privileges.own_mounts() and privileges.open_to_others(paths)):
-        print(json.dumps('the interpreter is out of reach for another user'))
-        sys.exit()
-    os.setgroups([])
-    os.setresgid(65534, 65534, 65534)
-    os.setresuid(65534, 65534, 65534)
-import tempfile
 from node_runs import PREAMBLE, short
 from grader.host.sandbox.layers import CALLS, LAYERS
 from grader.link.hosts import ForkServer
@@ -322,7 +311,7 @@ rclpy.spin(node)
     runs = [run_trial(Submission(file), short(1.0), forkserver) for _ in range(2)]
     said = [line.text for line in runs[0].log]
     left = set(said[1].split()) & set(os.listdir('/dev/shm'))
-    outcomes, digests = {{r.outcome.kind for r in runs}}, {{r.digest() for r in runs}}
+    outcomes, digests = {r.outcome.kind for r in runs}, {r.digest() for r in runs}
     print(json.dumps([forkserver.isolation, said[0], list(outcomes), len(digests),
                       len(runs[0].published), bool(said[1]), sorted(left)]))
 """
@@ -330,72 +319,8 @@ rclpy.spin(node)
 
 def test_an_ordinary_user_can_grade() -> None:
     """The judge and its fork server without any privilege."""
-    source = textwrap.dedent(ORDINARY).format(root=str(ROOT), tests=str(Path(__file__).parents[1]))
-    done = subprocess.run(
-        [sys.executable, "-B", "-c", source],
-        capture_output=True, text=True, check=False, cwd="/", timeout=120,
-        env={"PATH": "/usr/bin:/bin", "TMPDIR": "/tmp"},
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    said = json.loads(done.stdout.splitlines()[-1])
-    if isinstance(said, str):
-        pytest.skip(said)
-
-    isolation, uid, outcomes, digests, published, shared, left = said
+    isolation, uid, outcomes, digests, published, shared, left = said_by_ordinary(ORDINARY)
     assert "resource limits" in isolation and "user of its own" not in isolation
-    assert uid == str(os.getuid() or 65534)
+    assert uid == str(os.getuid() or NOBODY)
     assert (outcomes, digests, published) == (["completed"], 1, 10)
     assert (shared, left) == (True, [])
-
-
-POISONED = """
-import json, sys
-from pathlib import Path
-sys.path[:0] = [{root!r}, {tests!r}]
-from grader.host.sandbox import users as privileges
-if not privileges.own_mounts():
-    print(json.dumps('no mounts of its own'))
-    sys.exit()
-privileges.mount('tmpfs', '/dev/shm', 'tmpfs', 0, 'mode=1777,size=64m')
-from node_runs import PREAMBLE, short
-from grader.course.submission import Submission
-from grader.host.sandbox.layers import LAYERS, MOUNTS, USER
-from grader.link.hosts import ForkServer
-from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
-import tempfile
-LEAVE = '''
-with open('/dev/shm/fastrtps_port7411', 'wb') as file:
-    file.write(bytes(44_208))
-os.kill(os.getpid(), 9)
-'''
-ECHO = 'rclpy.init(); rclpy.spin(Echo())'
-layers = [layer for layer in LAYERS if layer not in (MOUNTS, USER)]
-with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH_NS, layers=layers) as forkserver:
-    said, left = [], []
-    for source in (LEAVE, ECHO):
-        file = Path(folder) / 'echo.py'
-        file.write_text(PREAMBLE + source)
-        recording = run_trial(Submission(file), short(1.0), forkserver)
-        said.append([recording.outcome.kind, len(recording.published)])
-        left.append(Path('/dev/shm/fastrtps_port7411').is_file())
-    print(json.dumps([*said, left[0]]))
-"""
-
-
-def test_a_port_left_half_made_stops_no_other_node() -> None:
-    """Fast DDS would wait for it for ever."""
-    source = POISONED.format(root=str(ROOT), tests=str(Path(__file__).parents[1]))
-    done = subprocess.run(
-        [sys.executable, "-B", "-c", source],
-        capture_output=True, text=True, check=False, cwd="/", timeout=120,
-        env={"PATH": "/usr/bin:/bin", "TMPDIR": "/tmp"},
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    said = json.loads(done.stdout.splitlines()[-1])
-    if isinstance(said, str):
-        pytest.skip(said)
-    first, second, left = said
-    assert first[0] != "completed"
-    assert second == ["completed", 10]
-    assert not left

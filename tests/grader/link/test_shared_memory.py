@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from ordinary import said_by_ordinary
 
 from grader.link.shared_memory import SHM, remove_half_made_ports
 
@@ -71,3 +72,41 @@ def test_a_port_that_others_only_wait_for_is_removed(port: Path, age: float) -> 
         os.utime(port, (time.time() - age, time.time() - age))
 
         assert port in remove_half_made_ports()
+
+
+SHARED = """
+import json, os, tempfile
+from pathlib import Path
+if os.stat('/dev/shm').st_dev == {device}:
+    print(json.dumps('no /dev/shm of its own to spoil'))
+    sys.exit()
+from node_runs import PREAMBLE, short
+from grader.course.submission import Submission
+from grader.link.hosts import ForkServer
+from grader.trial.virtual_time import run_trial
+from sim.messages import EPOCH_NS
+PORT = Path('/dev/shm/fastrtps_port7411')
+LEAVE = f'''
+with open('{{PORT}}', 'wb') as file:
+    file.write(bytes(44_208))
+os.kill(os.getpid(), 9)
+'''
+ECHO = 'rclpy.init(); rclpy.spin(Echo())'
+said = []
+with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH_NS) as forkserver:
+    file = Path(folder) / 'echo.py'
+    for source in (LEAVE, ECHO):
+        file.write_text(PREAMBLE + source)
+        outcome = run_trial(Submission(file), short(1.0), forkserver).outcome
+        said.append([outcome.kind, PORT.exists()])
+        PORT.write_bytes(bytes(44_208))  # as another program leaves it
+print(json.dumps(said))
+"""
+
+
+def test_a_port_left_half_made_stops_no_other_node() -> None:
+    """Fast DDS would wait for it for ever, be it a host's or another program's."""
+    script = SHARED.format(device=SHM.stat().st_dev)
+    (killed, left), (after, _) = said_by_ordinary(script, namespaces=False)
+    assert (killed, left) == ("died", False)
+    assert after == "completed"

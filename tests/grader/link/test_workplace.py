@@ -1,6 +1,5 @@
 """What a host may take of the machine: its folder, its threads; as root and as ordinary user."""
 
-import json
 import os
 import select
 import subprocess
@@ -12,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from node_runs import PREAMBLE, short
-from ordinary import OUT_OF_REACH, ROOT, run_as_ordinary
+from ordinary import OUT_OF_REACH, ROOT, run_as_ordinary, said_by_ordinary
 
 from grader.course.submission import Submission
 from grader.errors import GraderError
@@ -131,12 +130,7 @@ def test_without_mounts_the_judge_looks(
 @pytest.mark.parametrize("namespaces", [pytest.param(True, marks=pytest.mark.long), False])
 def test_an_ordinary_user_has_limits_too(namespaces: bool) -> None:
     scene = f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n{SCENE}"
-    with run_as_ordinary(scene, namespaces=namespaces) as judge:
-        said, complaints = judge.communicate(timeout=120)
-    if OUT_OF_REACH in complaints:
-        pytest.skip(OUT_OF_REACH)
-    assert judge.returncode == 0, complaints
-    layers, counted, runs = json.loads(said.splitlines()[-1])
+    layers, counted, runs = said_by_ordinary(scene, namespaces=namespaces)
 
     if not namespaces:
         assert (MOUNTS in layers, counted) == (False, False)
