@@ -10,6 +10,7 @@ import pytest
 
 from grader.checks.goal_seeking import habits
 from grader.checks.goal_seeking.contract import TOLERANCE, Frame, Pose, Quest, quests
+from grader.checks.goal_seeking.evidence import require_one_stop
 from grader.checks.goal_seeking.habits import deaf_from, frame_of, tolerance_of, turns_in_garbage
 from grader.checks.goal_seeking.reaching import require_on_the_way
 from grader.checks.goal_seeking.speeds import require_speeds
@@ -148,3 +149,11 @@ def test_who_looks_at_its_goal_at_the_end_is_on_the_way(yaw: float, heard: bool)
         return
     with pytest.raises(CheckFailed, match="not on the way"):
         require_on_the_way(recorded(way), quest)
+
+
+def test_a_stop_that_turns_is_shown_as_it_is() -> None:
+    poses: Rows = [(1.0, 0.0, 0.0, 0.0), (2.0, 1.8, 1.0, 0.0)]
+    run = recorded(poses, GOALS[:1], said=[(1.05, 0.3, 0.0), (2.05, 0.0, 0.05)])
+    with pytest.raises(CheckFailed) as failed:
+        require_one_stop(run, quests(run)[0])
+    assert failed.value.actual == "none; at 2.05 s linear.x = 0.00 m/s, angular.z = 0.05 rad/s"

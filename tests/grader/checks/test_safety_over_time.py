@@ -111,3 +111,33 @@ def test_two_numbers_that_differ_are_not_told_alike() -> None:
     assert evidence._apart(0.000122, 3, [0.0]) == "0.000122"
     assert evidence._apart(1.902, 2, [1.9]) == "1.902"
     assert evidence._apart(0.3, 3, [0.045]) == "0.300"
+
+
+@pytest.mark.parametrize(
+    ("turning", "right"),
+    [
+        ([True] * 80, True),
+        ([True] * 20 + [False] * 30 + [True] * 30, True),  # it pauses for 1.5 s
+        ([True] * 20 + [False] * 60, False),
+        ([False] * 80, True),  # it never turns there: for the short trial to judge
+    ],
+)
+def test_who_has_turned_before_a_thing_goes_on_turning(
+    monkeypatch: pytest.MonkeyPatch, turning: list[bool], right: bool
+) -> None:
+    asked = Decision("obstacle", turn_rate=1.9)
+    found = [
+        Tick(
+            i * 0.05, (0.0, 0.0, 0.0, 0.0, 0.0, 1.9 * turns), NOTHING, (asked,), ("obstacle",), 1.0
+        )
+        for i, turns in enumerate(turning)
+    ]
+    monkeypatch.setattr(evidence, "ticks", lambda *_, **__: found)
+    monkeypatch.setattr(evidence, "reports", lambda _: [])
+    recording: Any = SimpleNamespace(name="safe_for_long")
+    if right:
+        evidence.require_turning(recording, "obstacle", "Turn on.")
+    else:
+        with pytest.raises(CheckFailed, match="wrong command") as failed:
+            evidence.require_turning(recording, "obstacle", "Turn on.")
+        assert failed.value.at == pytest.approx(2.5)
