@@ -273,17 +273,18 @@ def test_reasons(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=5,
-    scenarios=("safe_first_match", LONG, SHOWS),
+    scenarios=("safe_first_match", "safe_first_button", LONG, SHOWS),
     needs=("wiring", "status_text"),
 )
 def test_first_match(recordings: Recordings) -> None:
     """When two rules match, the one that comes first gives the reason, for as long as they do."""
-    shows, long, _ = recordings
+    shows, button, long, _ = recordings
     help, habit = (
         "In this order: e_stop, bad_command, stale_command, stale_scan, obstacle, limited, ok.",
         habit_of(recordings),
     )
     require_first_match(shows, help, habit)
+    require_first_match(button, help, habit, least=0)
     if long.outcome.completed and all(map(stands, standing(long, "bad_command", habit))):
         require_first_match(long, help, habit, least=0)
 
