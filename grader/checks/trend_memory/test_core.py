@@ -202,13 +202,13 @@ def test_stops_in_time(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=5,
-    scenarios=("trend_near", IN_TIME, FAST, AWAY, REST, "trend_unusable", *PLAIN),
+    scenarios=("trend_near", IN_TIME, FAST, AWAY, REST, LATE, "trend_unusable", *PLAIN),
     needs=("wiring",),
 )
 def test_drives_free(recordings: Recordings) -> None:
     """Otherwise it drives at 0.3 m/s: enough time, moving away, at rest, nothing in range."""
     require_speeds(
-        asked(recordings),
+        _answered(asked(recordings)),
         "free",
         "Without danger it is 0.3 m/s, before the tenth reading too. A negative closing speed "
         "is no danger, and at 0.0 m/s there is nothing to divide by.",
@@ -237,3 +237,8 @@ def test_no_contact(recordings: Recordings) -> None:
 def _survived(recordings: Recordings) -> Recordings:
     """Return the recordings but that of rest, if the node died of it: that is for `drives_free`."""
     return tuple(r for r in recordings if r.name != REST or r.outcome.completed)
+
+
+def _answered(recordings: Recordings) -> Recordings:
+    """Return the recordings but an unanswered late one: that is for `one_command_per_scan`."""
+    return tuple(r for r in recordings if r.name != LATE or passes(test_one_command_per_scan, (r,)))
