@@ -27,7 +27,7 @@ test: $(VENV)/.dev ## set up, run the tests but for those that take long
 test-long: $(VENV)/.dev ## run the tests that take long: attacks, browsers, DDS, nbgrader
 	$(PYTEST) -m long
 
-test-all: test test-long ## both, as CI does
+test-all: test test-long ## both: before a release
 
 test-deep: $(DEEP)/.deep ## make .venv-deep with PyTorch and Keras, run what needs them
 	$(DEEP)/bin/pytest -m deep

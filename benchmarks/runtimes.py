@@ -70,7 +70,9 @@ def table(name: str, seconds: list[float]) -> None:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="name or number; or all")
+    parser.add_argument(
+        "exercises", nargs="*", metavar="EXERCISE", help="name or number; all by default"
+    )
     try:
         exercises = [find_exercise(name) for name in parser.parse_args().exercises]
     except InputError as error:

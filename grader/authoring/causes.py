@@ -30,7 +30,9 @@ HEAD = "# Written by `python -m grader.authoring.causes {slug}`: the mistakes by
 def main(arguments: list[str]) -> int:
     """Write, or check, the files of the exercises named; all by default."""
     parser = argparse.ArgumentParser(prog="causes", description="Collect known mistakes.")
-    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="name or number; or all")
+    parser.add_argument(
+        "exercises", nargs="*", metavar="EXERCISE", help="name or number; all by default"
+    )
     parser.add_argument("--check", action="store_true", help="only look for stale mistakes")
     options = parser.parse_args(arguments)
     try:

@@ -204,7 +204,9 @@ class Tally:
 def main(arguments: list[str]) -> int:
     """Print the table of the exercises named (all by default); 1 if anything is wrong."""
     parser = argparse.ArgumentParser(prog="proof", description="Prove the graders.")
-    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="name or number; or all")
+    parser.add_argument(
+        "exercises", nargs="*", metavar="EXERCISE", help="name or number; all by default"
+    )
     parser.add_argument("--only", metavar="NAME", help="prove one solution or mutant")
     cpus = len(os.sched_getaffinity(0))
     parser.add_argument("--workers", type=int, default=cpus, help=f"processes; {cpus} by default")

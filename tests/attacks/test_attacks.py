@@ -1,7 +1,8 @@
 """Hostile submissions gain nothing, honest ones lose nothing; both are graded for real.
 
-`make test` takes one hostile submission of each family, `make test-long` the others, in the
-scenario in which points are cheapest; `COURSE_ATTACKS=full` (`make attacks`) runs every check.
+`make test` takes one hostile submission of each family and five honest ones, `make test-long` the
+others, in the scenario in which points are cheapest; `COURSE_ATTACKS=full` (`make attacks`) runs
+every check.
 """
 
 import io
@@ -42,6 +43,7 @@ QUICK = (  # in `make test`
     *("escape_ctypes_calls", "exhaust_disk", "feedback_html", "forge_completed"),
     *("read_solutions", "topics_ground_truth"),
 )
+QUICK_HONEST = ("asyncio_main", "huge_logs", "latin_1", "multiple_inheritance", "slow_imports")
 FEEDBACK = [path for path in HOSTILE if path.stem.startswith("feedback_")]
 
 
@@ -87,6 +89,7 @@ def test_there_are_enough_of_both() -> None:
 def test_make_test_tries_every_family() -> None:
     assert set(QUICK) <= {path.stem for path in HOSTILE}
     assert [name.partition("_")[0] for name in QUICK] == list(FAMILIES)
+    assert set(QUICK_HONEST) <= {path.stem for path in HONEST}
 
 
 @pytest.mark.parametrize(
@@ -123,7 +126,15 @@ def assert_judged(grading: Grading, outcomes: frozenset[str]) -> None:
         assert {recording.outcome.kind for recording in grading.recordings} <= outcomes
 
 
-@pytest.mark.parametrize("path", HONEST, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(
+            path, id=named(path), marks=() if path.stem in QUICK_HONEST else pytest.mark.long
+        )
+        for path in HONEST
+    ],
+)
 def test_an_odd_but_honest_submission_loses_nothing(
     path: Path, arena: Arena, forkserver: ForkServer
 ) -> None:

@@ -50,10 +50,11 @@ def points(submission: Submission, forkserver: ForkServer, key: str | None) -> f
     ).score
 
 
-@pytest.mark.parametrize(("digits", "spoilt"), [(6, 0.0), (2, 0.0), (1, 0.0)])
+@pytest.mark.parametrize(
+    "digits", [6, *(pytest.param(digits, marks=pytest.mark.long) for digits in (2, 1))]
+)
 def test_a_table_of_scans_is_worth_nothing_with_a_secret(
     digits: int,
-    spoilt: float,
     forkserver: ForkServer,
     public: list[Recording],
     tmp_path: Path,
@@ -74,7 +75,6 @@ def test_a_table_of_scans_is_worth_nothing_with_a_secret(
     open_worlds, own_worlds = (points(submission, forkserver, key) for key in (None, KEY))
     wiring = points(REFERENCE, forkserver, KEY)
     assert own_worlds < 0.7 * open_worlds <= wiring
-    assert spoilt <= own_worlds
 
 
 def examples(recordings: list[Recording]) -> list[dict[str, list[object]]]:
@@ -98,7 +98,9 @@ def handed_in(folder: Path, attack: str, table: object = None) -> Submission:
     return Submission(node, others=others)
 
 
-@pytest.mark.parametrize("attack", ["table_by_order", "nearest_scan"])
+@pytest.mark.parametrize(
+    "attack", ["table_by_order", pytest.param("nearest_scan", marks=pytest.mark.long)]
+)
 def test_neither_order_nor_likeness_tells_a_students_scans(
     attack: str, forkserver: ForkServer, public: list[Recording], tmp_path: Path
 ) -> None:

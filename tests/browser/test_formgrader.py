@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-pytest.importorskip("jupyterlab", reason="jupyterlab is not installed (the extra `notebooks`)")
-pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `notebooks`)")
+pytest.importorskip("nbformat", reason="nbformat is not installed (the extra `notebooks`)")
 
 from lab_server import Server, picture, serving, tab
 from nbgrader_kit import (
@@ -32,8 +32,10 @@ from nbgrader_kit import (
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
 
+LACKS = [name for name in ("jupyterlab", "nbgrader") if find_spec(name) is None]
 pytestmark = [
     pytest.mark.long,
+    pytest.mark.skipif(bool(LACKS), reason=f"not installed: {LACKS} (the extra `notebooks`)"),
     pytest.mark.skipif(not FULL, reason="formgrader in a browser: make notebooks"),
 ]
 NAME = "01_loop"

@@ -8,15 +8,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-pytest.importorskip("jupyterlab", reason="jupyterlab is not installed (the extra `notebooks`)")
-pytest.importorskip("ipykernel", reason="ipykernel is not installed (the extra `notebooks`)")
-pytest.importorskip("nbgrader", reason="nbgrader is not installed (the extra `notebooks`)")
-pytest.importorskip("matplotlib", reason="matplotlib is not installed (the extra `notebooks`)")
+pytest.importorskip("nbformat", reason="nbformat is not installed (the extra `notebooks`)")
 
 from lab_server import Server, Tab, picture, serving, tab, wait_until
 from nbgrader_kit import FULL, cell_named, fill, make_course, released, solution, source_of
@@ -25,7 +23,12 @@ from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
 from grader.nbgrader.cells import wanted
 
-pytestmark = pytest.mark.long
+NEEDED = ("jupyterlab", "ipykernel", "nbgrader", "matplotlib")
+LACKS = [name for name in NEEDED if find_spec(name) is None]
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(bool(LACKS), reason=f"not installed: {LACKS} (the extra `notebooks`)"),
+]
 NAME = "01_loop"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"

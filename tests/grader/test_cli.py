@@ -232,6 +232,7 @@ def test_the_report_is_written(graded: tuple[Done, Path]) -> None:
     assert (folder / "r.html").read_text("utf-8").startswith("<!DOCTYPE html>")
 
 
+@pytest.mark.long
 def test_the_bags_give_the_same_verdicts(graded: tuple[Done, Path]) -> None:
     _, folder = graded
     result = json.loads((folder / "result.json").read_text("utf-8"))
@@ -298,7 +299,13 @@ BAD_FILES = {
 }
 
 
-@pytest.mark.parametrize("what", BAD_FILES)
+QUICK = ("not UTF-8", "raises", "ends")  # in `make test`
+
+
+@pytest.mark.parametrize(
+    "what",
+    [pytest.param(what, marks=() if what in QUICK else pytest.mark.long) for what in BAD_FILES],
+)
 def test_bad_files_cost_points_and_nothing_else(what: str, write: Callable[[bytes], Path]) -> None:
     content, words = BAD_FILES[what]
     done = course("grade", "1", write(content), "--only", "wiring", "--json", "-")
@@ -319,6 +326,7 @@ def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
     assert "104,857,600 bytes" in json.dumps(done.json)
 
 
+@pytest.mark.long
 def test_a_node_that_hangs_up_is_judged_like_any_other(write: Callable[[bytes], Path]) -> None:
     """The judge writes into a closed pipe, and must not die of it."""
     node = b"""
@@ -338,6 +346,7 @@ rclpy.spin(node)
     assert verdicts(done.json) == {"wiring": "fail"}
 
 
+@pytest.mark.long
 def test_settings_of_pytest_do_not_disturb() -> None:
     done = course(*GRADE, "--only", "wiring", "--json", "-", PYTEST_ADDOPTS="--no-such-option")
 

@@ -45,7 +45,7 @@ def course(*arguments: object, **environment: str) -> Done:
 @pytest.mark.parametrize(
     ("node", "type"),
     [
-        ("turtlebot3_burger", "geometry_msgs/msg/Twist "),
+        pytest.param("turtlebot3_burger", "geometry_msgs/msg/Twist ", marks=pytest.mark.long),
         ("turtlebot3_burger_stamped", "geometry_msgs/msg/TwistStamped "),
     ],
 )
@@ -69,6 +69,7 @@ def test_other_peoples_nodes_drive(node: str, type: str, tmp_path: Path) -> None
     assert (tmp_path / "drive.html").stat().st_size > 10_000
 
 
+@pytest.mark.long
 def test_goals_parameters_and_seed_of_a_drive(tmp_path: Path) -> None:
     node = tmp_path / "node.py"
     node.write_text(
@@ -92,6 +93,7 @@ def test_goals_parameters_and_seed_of_a_drive(tmp_path: Path) -> None:
     assert f"seed {drive.seed}" in done.out
 
 
+@pytest.mark.long
 def test_a_drive_that_ends_early_says_why(tmp_path: Path) -> None:
     node = tmp_path / "node.py"
     node.write_text("def main():\n    raise RuntimeError('as I said')\nmain()\n")

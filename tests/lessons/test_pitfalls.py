@@ -218,6 +218,7 @@ def test_what_the_pages_say_of_all_checks(mutant: str, also: set[str]) -> None:
     assert claim.fails == set(quoted) | also
 
 
+@pytest.mark.long
 def test_what_is_not_heard_is_not_called_wrong(forkserver: ForkServer) -> None:
     grading = grade_mutant("obstacle_avoidance/twist_stamped", forkserver)
     assert failed(grading) == {"wiring"}

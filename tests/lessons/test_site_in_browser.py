@@ -83,7 +83,10 @@ def context(browser: Any) -> Iterator[Any]:
     assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
 
 
-@pytest.mark.parametrize(("scheme", "width"), [("light", TELEPHONE), ("dark", DESK)])
+@pytest.mark.parametrize(
+    ("scheme", "width"),
+    [("light", TELEPHONE), pytest.param("dark", DESK, marks=pytest.mark.long)],
+)
 def test_pages_can_be_read(context: Any, site: Path, scheme: str, width: int) -> None:
     page = context.new_page()
     page.emulate_media(color_scheme=scheme)

@@ -112,6 +112,7 @@ def test_only_some_checks_and_what_they_need(kernel: Kernel) -> None:
     assert said.stdout == "25 25 ['wiring', 'clear_zone', 'slow_zone']\n"
 
 
+@pytest.mark.long
 def test_field_checks_are_asked_for(kernel: Kernel) -> None:
     save(kernel, AGENT, RIGHT)
     said = kernel.run("check(1, field=True)")
@@ -120,6 +121,7 @@ def test_field_checks_are_asked_for(kernel: Kernel) -> None:
     assert "★ field-ready" in said.html
 
 
+@pytest.mark.long
 def test_a_changed_file_is_judged_anew_by_the_same_warm_judge(kernel: Kernel) -> None:
     save(kernel, AGENT, RIGHT)
     before = kernel.judge()
@@ -131,6 +133,7 @@ def test_a_changed_file_is_judged_anew_by_the_same_warm_judge(kernel: Kernel) ->
     assert kernel.judge() == before
 
 
+@pytest.mark.long
 def test_a_bar_shows_trials_and_checks_and_becomes_the_table(kernel: Kernel) -> None:
     save(kernel, AGENT, RIGHT)
     said = kernel.run("check()")
@@ -163,6 +166,7 @@ def test_an_event_loop_and_plots_do_not_mind(kernel: Kernel) -> None:
     assert said.stdout == "5 True\n"
 
 
+@pytest.mark.long
 def test_two_files_of_an_exercise_go_together(kernel: Kernel, folder: Path) -> None:
     exercise = find_exercise("model_server")
     for name in exercise.files:

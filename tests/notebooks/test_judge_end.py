@@ -23,6 +23,7 @@ print(JUDGE.pid)
 """
 
 
+@pytest.mark.long
 def test_the_judge_ends_when_the_kernel_is_killed(tmp_path: Path) -> None:
     argv = [sys.executable, "-m", "ipykernel_launcher"]
     with started(tmp_path, argv, **os.environ) as kernel:
@@ -33,6 +34,7 @@ def test_the_judge_ends_when_the_kernel_is_killed(tmp_path: Path) -> None:
     assert gone(judge)
 
 
+@pytest.mark.long
 def test_the_judge_ends_with_the_kernel_and_leaves_no_files(tmp_path: Path) -> None:
     argv = [sys.executable, "-m", "ipykernel_launcher"]
     with started(tmp_path, argv, **os.environ) as kernel:
@@ -60,6 +62,7 @@ def test_the_stop_button_ends_the_judge_and_the_node(kernel: Kernel) -> None:
     assert "Score  5 / 5" in kernel.run("check('1:wiring')").text
 
 
+@pytest.mark.long
 def test_a_judge_that_died_is_replaced(kernel: Kernel) -> None:
     save(kernel, AGENT, RIGHT)
     kernel.run("check('1:wiring')")

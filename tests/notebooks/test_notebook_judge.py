@@ -70,6 +70,7 @@ def test_progress_is_told_to_the_end(forkservers: ForkServerPool) -> None:
     assert checks == sorted(checks)
 
 
+@pytest.mark.long
 def test_the_first_replay_is_the_first_failing_moment(
     forkservers: ForkServerPool, tmp_path: Path
 ) -> None:
@@ -84,6 +85,7 @@ def test_the_first_replay_is_the_first_failing_moment(
     assert with_moments == sorted(with_moments, reverse=True)
 
 
+@pytest.mark.long
 def test_a_notebook_does_not_carry_more_than_it_can(
     forkservers: ForkServerPool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

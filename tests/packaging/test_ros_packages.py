@@ -156,6 +156,7 @@ def test_the_robot_scans_and_drives(prefixes: list[Path], tmp_path: Path) -> Non
             assert ask(COMMANDS, variables) == "1080"
 
 
+@pytest.mark.long
 def test_a_release_of_one_exercise_builds_too(tmp_path: Path) -> None:
     from grader.authoring.release import release  # noqa: PLC0415
 

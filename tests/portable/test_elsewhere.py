@@ -64,6 +64,7 @@ def test_every_reference_gets_full_marks(slug: str) -> None:
     assert (failed, grading["score"]) == ([], grading["max_score"]), unjudged
 
 
+@pytest.mark.long
 def test_a_node_drives() -> None:
     file = "solutions/obstacle_avoidance/obstacle_avoidance_agent.py"
     done = course("drive", file, "--scenario", "demo_wall", "--duration", "2")
@@ -105,6 +106,7 @@ def test_it_waits(virtual_time):
 """
 
 
+@pytest.mark.long
 def test_pytest_has_the_fixture_drive_and_says_what_is_not_there(tmp_path: Path) -> None:
     test = tmp_path / "test_mine.py"
     agent = ROOT / "solutions/obstacle_avoidance/obstacle_avoidance_agent.py"

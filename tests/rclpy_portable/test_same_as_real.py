@@ -14,6 +14,7 @@ from grader.errors import InputError
 from grader.link.ros_environment import find_ros, portable_ros
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
+QUICK = ("messages", "services")  # in `make test`
 ROOT = Path(__file__).resolve().parents[2]
 ADDRESS = re.compile(r"0x[0-9a-f]+")
 
@@ -36,7 +37,13 @@ def said(script: Path, paths: list[Path], variables: dict[str, str], domain: int
     return ADDRESS.sub("0x", done.stdout)
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.long)
+        for path in SCRIPTS
+    ],
+)
 def test_the_same_is_printed(script: Path, worker_id: str = "") -> None:
     try:
         real, portable = find_ros(), portable_ros()

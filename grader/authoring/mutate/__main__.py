@@ -178,7 +178,9 @@ def summarise(exercise: Exercise, verdicts: Iterable[Verdict], *, whole: bool) -
 def main(arguments: list[str]) -> int:
     """Print the table; 1 if there are gaps."""
     parser = argparse.ArgumentParser(prog="mutate", description="Mutants made by machine.")
-    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="name or number; or all")
+    parser.add_argument(
+        "exercises", nargs="*", metavar="EXERCISE", help="name or number; all by default"
+    )
     parser.add_argument("--only", metavar="WORDS", help="only mutants with this in their names")
     parser.add_argument("--variants", type=int, default=VARIANTS, help="that are wrapped, too")
     parser.add_argument("--survivors", action="store_true", help="only those that survived before")

@@ -152,6 +152,7 @@ def main():
 """
 
 
+@pytest.mark.long
 def test_nodes_are_found_and_behave_the_same(tmp_path: Path, forkserver: ForkServer) -> None:
     package = tmp_path / "pack" / "pack"
     package.mkdir(parents=True)

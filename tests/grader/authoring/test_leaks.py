@@ -14,14 +14,20 @@ from grader.authoring.mutants import find_mutant
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.skeletons import strip_solution
 
+SOURCES = (
+    "obstacle_avoidance_agent.py",
+    "variants/beginner_loops.py",
+    "mutants.toml: whole_circle",
+)
+PLACES = ("grader/helper.py", "lessons/lesson.md", "sim/new.py")
 
-@pytest.mark.parametrize("where", ["grader/helper.py", "lessons/lesson.md", "sim/new.py"])
+
 @pytest.mark.parametrize(
-    "source",
-    [
-        "obstacle_avoidance_agent.py",
-        "variants/beginner_loops.py",
-        "mutants.toml: whole_circle",
+    ("source", "where"),
+    [  # `make test` takes each source and each place once
+        pytest.param(source, where, marks=() if i == j else pytest.mark.long)
+        for i, source in enumerate(SOURCES)
+        for j, where in enumerate(PLACES)
     ],
 )
 def test_the_search_finds_what_is_put_in(tmp_path: Path, where: str, source: str) -> None:
@@ -36,6 +42,7 @@ def test_the_search_finds_what_is_put_in(tmp_path: Path, where: str, source: str
     assert all(leak.solution.startswith("solutions/") for leak in found)
 
 
+@pytest.mark.long
 def test_checks_belong_into_the_grader_and_nowhere_else(tmp_path: Path) -> None:
     oracle = ROOT / "grader" / "checks" / "trend_memory" / "contract.py"
     place = "grader/checks/trend_memory/contract.py"
@@ -62,7 +69,10 @@ PAGE = '<td class="linenos"></td><div class="highlight"><pre>{}</pre></div>'
 MUTANT = "goal_seeking/mutants.toml: heading_without_yaw"
 
 
-@pytest.mark.parametrize("source", ["goal_seeking/goal_seeking_agent.py", MUTANT])
+@pytest.mark.parametrize(
+    "source",
+    [pytest.param("goal_seeking/goal_seeking_agent.py", marks=pytest.mark.long), MUTANT],
+)
 def test_the_search_reads_pages_as_a_reader_does(tmp_path: Path, source: str) -> None:
     """Sphinx numbers the lines, colours the words and writes &lt; for <."""
     coloured = "\n".join(

@@ -178,6 +178,7 @@ def test_plain_says_where_the_lesson_begins(released: Path) -> None:
     assert (released / "lessons" / "index.md").is_file()
 
 
+@pytest.mark.long
 def test_a_leak_in_what_is_made_stops_the_release(tmp_path: Path) -> None:
     solution = (ROOT / "solutions/goal_seeking/goal_seeking_agent.py").read_text("utf-8")
     cell = {"cell_type": "code", "source": solution.splitlines(keepends=True), "outputs": []}
@@ -230,6 +231,7 @@ def test_no_piece_of_a_solution_is_handed_out(released: Path) -> None:
     assert {leak.solution.split("/")[1] for leak in leaks(released)} <= {"obstacle_avoidance"}
 
 
+@pytest.mark.long
 def test_one_exercise_alone_gives_nothing_away(tmp_path: Path) -> None:
     assert release(tmp_path / "week", exercises=["obstacle_avoidance"]) == []
     given = (tmp_path / "week" / "exercises").glob("*/exercise.toml")
@@ -305,6 +307,7 @@ def test_what_is_there_is_not_overwritten(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.txt", "out.zip"]
 
 
+@pytest.mark.long
 def test_the_archive_is_the_folder_and_the_same_each_time(released: Path, tmp_path: Path) -> None:
     packed = released.with_name("course.zip")
     with zipfile.ZipFile(packed) as archive:

@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 # What is made for a release is tested where it is made: tests/lessons/test_released_site.py,
 # tests/notebooks/test_released_notebooks.py and, the whole of it, test_handouts.py.
 
@@ -27,6 +29,7 @@ def test_the_command_releases_one_exercise(tmp_path: Path) -> None:
     assert (tmp_path / "week" / "exercises" / "goal_seeking").is_dir()
 
 
+@pytest.mark.long
 def test_the_command_says_which_skeletons_give_something_away(tmp_path: Path) -> None:
     done = course_release(tmp_path / "all", "--plain")
     assert done.returncode == 0

@@ -6,6 +6,8 @@ import sys
 import zipfile
 from pathlib import Path
 
+import pytest
+
 from grader.course.exercises import ROOT
 
 AGENT = "obstacle_avoidance_agent.py"
@@ -21,6 +23,7 @@ def course(*arguments: object) -> tuple[int, str]:
     return done.returncode, done.stdout + done.stderr
 
 
+@pytest.mark.long
 def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
     week = tmp_path / "week"
     week.mkdir()

@@ -306,7 +306,14 @@ def test_computing_costs_no_time(
     assert "of 10 scans a second" in said
 
 
-@pytest.mark.parametrize("reads", [SILENT, MEASURES, ROS_TIME], ids=["silent", "steady", "ros"])
+@pytest.mark.parametrize(
+    "reads",
+    [
+        pytest.param(SILENT, id="silent"),
+        pytest.param(MEASURES, id="steady", marks=pytest.mark.long),
+        pytest.param(ROS_TIME, id="ros", marks=pytest.mark.long),
+    ],
+)
 def test_computing_costs_time_if_charged(
     tmp_path: Path, forkserver: ForkServer, reads: dict[str, str]
 ) -> None:

@@ -73,6 +73,7 @@ ENDS = (
 )
 
 
+@pytest.mark.long
 def test_fifty_trials_leave_no_process_and_no_descriptor(
     own_forkserver: ForkServer, tmp_path: Path
 ) -> None:

@@ -79,7 +79,7 @@ def test_two_runs_have_equal_recordings(tmp_path: Path) -> None:
     assert first["avoid_cart messages"] == "170"
 
 
-@pytest.mark.parametrize("name", ["drive", "virtual_time"])
+@pytest.mark.parametrize("name", ["drive", pytest.param("virtual_time", marks=pytest.mark.long)])
 def test_pytest_lists_the_fixtures(tmp_path: Path, name: str) -> None:
     session = pytest_in(tmp_path, "--fixtures")
     assert re.search(rf"(?m)^{name}\b.*grader/testing/plugin\.py", session.output), session.output

@@ -360,6 +360,7 @@ def test_workers_of_xdist(folder: Path) -> None:
     assert len(session.tests) > 3
 
 
+@pytest.mark.long
 def test_a_file_that_only_breaks_in_the_other_process(tmp_path: Path) -> None:
     lines = ["import os, sys", "if 'grader.host.program' in sys.modules: raise OSError('not here')"]
     write(tmp_path, test_it="\n".join([*lines, "def test_it(virtual_time): pass"]))

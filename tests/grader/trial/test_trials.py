@@ -184,6 +184,7 @@ def test_a_check_that_stands_alone_is_judged_all_the_same(
         assert [recording.name for recording in trials.recordings()] == list(names)
 
 
+@pytest.mark.long
 def test_whoever_waits_is_told_what_runs_and_what_has_passed(forkserver: ForkServer) -> None:
     exercise, steps = find_exercise("obstacle_avoidance"), list[Step]()
     grade_submission(
