@@ -7,7 +7,8 @@ is killed by the first check that it fails. One that fails none is *equivalent*,
 and a mutant written by hand that proves it.
 
 Verdicts are kept in a file of JSON lines, and a run goes on where the last one ended. A verdict is
-good for as long as the program, the checks, the scenarios and the simulator are what they were.
+good for as long as the program, the checks, the scenarios and the simulator are what they were. A
+survivor that could not be judged in full, since a library was missing, is judged again.
 """
 
 from __future__ import annotations
@@ -73,7 +74,7 @@ def judge(every_mutant: Sequence[Claim], keep: Path, workers: int) -> Iterator[V
     person has called equivalent: they take longest, and a gap shows before.
     """
     kept = list(_read(keep))
-    known = {verdict.key: verdict for verdict in kept}
+    known = {verdict.key: verdict for verdict in kept if verdict.killed_by or not verdict.unsure}
     suspects = {_change(verdict): verdict.killed_by for verdict in kept}
     keys = [_key(claim) for claim in every_mutant]
     yield from (known[key] for key in keys if key in known)

@@ -19,7 +19,7 @@ from grader.authoring.mutate.wrappers import every, wrapped, wrappers
 from grader.authoring.proof import Claim, claims
 from grader.course.exercises import all_exercises, find_exercise
 from grader.errors import InputError
-from grader.grading.plugin import FAIL, PASS
+from grader.grading.plugin import FAIL, PASS, UNAVAILABLE
 
 SUPERVISOR = find_exercise("safety_supervisor")
 REFERENCE = next(iter(claims(SUPERVISOR)))
@@ -114,7 +114,8 @@ def graded(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         assert first_failure
         for claim, suspect in zip(every, suspects, strict=True):
             names.append(f"{claim.stem} ({suspect})" if suspect else claim.stem)
-            outcome = FAIL if "killed" in claim.stem else PASS
+            lives = UNAVAILABLE if "unsure" in claim.stem else PASS
+            outcome = FAIL if "killed" in claim.stem else lives
             yield SimpleNamespace(checks=[SimpleNamespace(id="e_stop", outcome=outcome)])
 
     monkeypatch.setattr(mutate, "gradings", gradings)
@@ -134,6 +135,15 @@ def test_verdicts_are_kept_until_the_program_changes(tmp_path: Path, graded: lis
     again = list(mutate.judge([*two, mutant("one lives", "x = 3\n")], keep, 1))
     assert graded == ["one killed", "one lives", "one lives"]
     assert again[:2] == first
+
+
+def test_a_survivor_that_was_not_judged_in_full_is_judged_again(
+    tmp_path: Path, graded: list[str]
+) -> None:
+    for _ in range(2):
+        (verdict,) = mutate.judge([mutant("unsure")], tmp_path / "kept", 1)
+        assert verdict.unsure and not verdict.killed_by
+    assert graded == ["unsure", "unsure"]
 
 
 def test_what_killed_a_change_is_suspected_in_other_nodes(
