@@ -25,6 +25,7 @@ INSTRUCTORS = ("authoring", "classroom", "nbgrader", "build.py", "generated.py",
 PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # suffixes of the files of a ROS package
 MARKER = "resource"  # folder with a ROS package's marker file, which has no suffix
 LESSONS = "lessons"
+MADE = ("build", "dist", "_ros")  # folders that are made when they are needed
 KEPT = {
     "sim": (".py", ".toml", *PACKAGE),
     "grader": (".py", ".toml", ".xml", ".js", ".css", ".html"),
@@ -205,12 +206,12 @@ def questions(quiz: str) -> str:
 
 
 def _walk(folder: Path) -> Iterator[Path]:
-    """Yield the regular files below a folder, sorted; no hidden files, caches or links."""
+    """Yield the regular files below a folder, sorted; no links, caches or hidden and made files."""
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
         if path.name.startswith((".", "__pycache__")) or path.is_symlink():
             continue
         if path.is_dir():
-            if path.name not in ("build", "dist") and path.suffix != ".egg-info":
+            if path.name not in MADE and path.suffix != ".egg-info":
                 yield from _walk(path)
         elif path.is_file():
             yield path

@@ -17,7 +17,7 @@ import pytest
 
 from grader.authoring import handouts
 from grader.authoring.leaks import leaks
-from grader.authoring.release import contents, questions, release
+from grader.authoring.release import _walk, contents, questions, release
 from grader.course.exercises import ROOT, all_exercises
 from grader.errors import GraderError, InputError
 
@@ -305,6 +305,14 @@ def test_what_is_there_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="already exists"):
         release(tmp_path / "out", archive=True)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.txt", "out.zip"]
+
+
+def test_what_was_made_in_the_checkout_stays_there(tmp_path: Path) -> None:
+    made = ("build/a.py", "dist/a.py", "_ros/rclpy/a.py", "a.egg-info/a.py", "__pycache__/a.pyc")
+    for path in (*made, "room/a.py", ".a.py"):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).touch()
+    assert [*_walk(tmp_path)] == [tmp_path / "room/a.py"]
 
 
 @pytest.mark.long
