@@ -37,6 +37,8 @@ def table(result: Delays, reference: Survived | None) -> list[str]:
 def said(survived: Survived, reference: Survived | None, axis: str) -> str:
     """Say in a sentence what the node survives, and what the reference does."""
     beside = f" (the reference: {_amount(reference.of(axis))})" if reference else ""
+    if survived.of(axis) < 0:
+        return f"Survives no late {NAMES[axis]}{beside}: it fails without any delay."
     return f"Survives {NAMES[axis]} that are late by {_amount(survived.of(axis))}{beside}."
 
 
@@ -65,7 +67,7 @@ def _rows(result: Delays, axis: str) -> tuple[Tried, ...]:
 
 def _amount(delay: int) -> str:
     if delay < 0:
-        return "nothing: it fails without any delay"
+        return "none"
     return f"{delay} ms, the most tried" if delay == DELAYS[-1] else f"{delay} ms"
 
 

@@ -194,7 +194,7 @@ def test_limits(recordings: Recordings) -> None:
             )
 
 
-@pytest.mark.check(points=10, scenarios=(ARRIVAL, TURNS), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=(ARRIVAL, "goal_carried", TURNS), needs=("wiring",))
 def test_stops_once(recordings: Recordings) -> None:
     """On arrival one zero Twist and “Goal reached!” in the log, then silence, wherever it is."""
     *pushes, turns = recordings

@@ -71,6 +71,26 @@ def require_speeds(recording: Recording, tag: str = "", help: str = "") -> None:
         )
 
 
+def require_speed_after(recording: Recording, tag: str, help: str) -> None:
+    """Fail unless the prediction for the scan with this tag is among the commands after it.
+
+    Other scans have waited for it, and the commands for all of them come at the same moment.
+    """
+    twists, bench = recording.twists(), recording.scenario.bench_scans
+    for spec, right in zip(bench, predictions(recording), strict=False):
+        after = twists.linear_x[twists.t > right.scan.t]
+        if tag not in spec.tags or any(right.allows(float(speed)) for speed in after):
+            continue
+        fail(
+            f"“{spec.label}”: no command with its speed",
+            expected=f"linear.x = {right.text}, once predict has returned",
+            actual=", ".join(f"{speed:.4g}" for speed in after[:4].tolist()) or "no command",
+            at=right.scan.t,
+            recording=recording,
+            help=help,
+        )
+
+
 def require_as_many_commands(recording: Recording) -> None:
     """Fail unless as many commands came as scans, also of those that came during a long call."""
     require_alive(recording)

@@ -18,6 +18,7 @@ from grader.checks.latency_monitor.evidence import (
     require_numbers,
     require_period,
     require_single_calls,
+    require_speed_after,
     require_speeds,
 )
 from grader.checks.latency_monitor.habits import (
@@ -89,6 +90,7 @@ def test_clipped(recordings: Recordings) -> None:
         require_zero(recording, FIELDS[1:], "This robot only drives straight ahead.")
     require_speeds(clip, "late", "Who misses the deadline is counted in `missed`, and drives.")
     if len(clip.twists().t) >= len(clip.scans()):  # else one_command_per_scan has failed
+        require_speed_after(clip, "longest", "A late prediction is counted, and drives.")
         require_speeds(clip, "waited", "A scan that waited for the model is answered as any other.")
     if held.outcome.completed:  # else stale_at_first says what ended the node
         require_speeds(held, help="max_speed 0.0 holds the robot; in Python 0.0 is false.")
@@ -96,7 +98,7 @@ def test_clipped(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=5,
-    scenarios=("latency_nothing_to_say", NO_MODEL, "latency_empty_model"),
+    scenarios=("latency_nothing_to_say", NO_MODEL, "latency_empty_model", "latency_late_model"),
     needs=("wiring",),
 )
 def test_fail_safe(recordings: Recordings) -> None:
@@ -246,11 +248,13 @@ def test_window(recordings: Recordings) -> None:
         known.append("missed")
     if says_right(plain, ("count",), habits) or not known:
         require_numbers(plain, ("count",), COUNTS, habits.strict)
-    for recording in (deadline, windowed, hundred):
+    for recording in (deadline, windowed):
         require_numbers(recording, known, COUNTS, habits.strict)
+    # What its model is asked there is for `features` to judge.
+    require_numbers(hundred, known, COUNTS, habits.strict, until=hundred.duration_s)
     if late.outcome.completed and "count" in known:
         help = "A window of calls, not of seconds: who is not asked forgets nothing."
-        require_numbers(late, ("count",), help, habits.strict)
+        require_numbers(late, ("count",), help, habits.strict, until=late.duration_s)
 
 
 @pytest.mark.check(
@@ -272,11 +276,13 @@ def test_missed(recordings: Recordings) -> None:
 
 
 @pytest.mark.check(
-    points=10, scenarios=("latency_deadline", "latency_window", TIMES), needs=("wiring",)
+    points=10,
+    scenarios=("latency_deadline", "latency_window", LATE_LIDAR, CLIP, TIMES),
+    needs=("wiring",),
 )
 def test_levels(recordings: Recordings) -> None:
     """OK if no call missed the deadline, WARN if some did, ERROR if p95 is over it."""
-    *both, plain = recordings
+    *both, late, few, plain = recordings
     habits = habits_of(plain)
     own = not (habits.right and counts_right(both, habits)) and levels_follow(both, habits)
     for recording in both:
@@ -286,6 +292,13 @@ def test_levels(recordings: Recordings) -> None:
             everything = right_statistics(recording, report.t, window=EVERYTHING)
             alike = {c.levels for c in choices} == {c.levels for c in everything}
             if alike or not any(wrong_numbers(recording, [report], JUDGED, habits)):
+                require_level(recording, report, choices)
+    for recording in (late, few, plain):
+        for report in judged(recording, habits) if recording.outcome.completed else ():
+            choices = right_statistics(recording, report.t)
+            if report.level == STALE or not all(choice.latencies for choice in choices):
+                continue  # that is for stale_at_first
+            if not any(wrong_numbers(recording, [report], JUDGED, habits.strict)):
                 require_level(recording, report, choices)
 
 

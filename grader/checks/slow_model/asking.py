@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
+from typing import NoReturn
 
 import numpy as np
 
@@ -49,23 +51,61 @@ def require_newest(recording: Recording) -> None:
 
 def require_no_idling(recording: Recording) -> None:
     """Fail if inference often waits for a scan, though one came while the last call ran."""
+    after_calls = [wait for _, wait in _waits(recording)]
+    idle = _idle(after_calls, recording)
+    if idle:
+        _fail_idle(
+            recording,
+            idle,
+            len(after_calls),
+            "inference waits, though there is a newer scan",
+            "A scan that comes while the model works is kept, not dropped: it is the next one.",
+        )
+
+
+def require_no_pause_after_failures(recording: Recording) -> None:
+    """Fail if inference waits after calls that raised, and only after these."""
+    waits = list(_waits(recording))
+    after_failures = [wait for failed, wait in waits if failed]
+    idle = _idle(after_failures, recording)
+    if idle and not _idle([wait for failed, wait in waits if not failed], recording):
+        _fail_idle(
+            recording,
+            idle,
+            len(after_failures),
+            "inference pauses when the model has raised",
+            "A model that raised once may answer the next time: ask it about the next scan.",
+        )
+
+
+def _waits(recording: Recording) -> Iterator[tuple[bool, tuple[float, float]]]:
+    """Yield for each call whether it raised, when it ended, and how long the next one waited [s].
+
+    The wait is 0 if there was nothing to ask about.
+    """
     scans = recording.times("/scan")
     calls = [i for i in recording.inferences if i.method == "predict" and i.asked >= 0]
-    calls.sort(key=lambda call: call.asked)
-    idle = []
-    for before, after in pairwise(calls):
+    for before, after in pairwise(sorted(calls, key=lambda call: call.asked)):
         ended = before.answered / 1e9
-        waiting = ((scans > before.asked / 1e9) & (scans < ended - ARRIVAL_HAIR)).any()
-        if waiting and after.asked / 1e9 - ended > IDLE + recording.slack:
-            idle.append((ended, after.asked / 1e9 - ended))
-    if len(idle) <= 0.1 * len(calls):
-        return
+        there = ((scans > before.asked / 1e9) & (scans < ended - ARRIVAL_HAIR)).any()
+        yield before.failed, (ended, after.asked / 1e9 - ended if there else 0.0)
+
+
+def _idle(waits: list[tuple[float, float]], recording: Recording) -> list[tuple[float, float]]:
+    """Return the waits that are too long, if they are more than a tenth."""
+    idle = [(ended, wait) for ended, wait in waits if wait > IDLE + recording.slack]
+    return idle if len(idle) > 0.1 * len(waits) else []
+
+
+def _fail_idle(
+    recording: Recording, idle: list[tuple[float, float]], calls: int, what: str, help: str
+) -> NoReturn:
     at, wait = idle[0]
     fail(
-        "inference waits, though there is a newer scan",
+        what,
         expected=f"the next call of predict within {1000 * IDLE:.0f} ms of the last one's end",
-        actual=f"{1000 * wait:.0f} ms later ({len(idle)} of {len(calls)} calls)",
+        actual=f"{1000 * wait:.0f} ms later ({len(idle)} of {calls} calls)",
         at=at,
         recording=recording,
-        help="A scan that comes while the model works is kept, not dropped: it is the next one.",
+        help=help,
     )

@@ -64,11 +64,11 @@ def require_commands(recording: Recording) -> None:
         )
 
 
-def require_no_strays(recording: Recording, scans: np.ndarray) -> None:
-    """Fail if more than 2 % of the commands are no scan's prediction, once there can be one."""
+def require_no_strays(recording: Recording, scans: np.ndarray, most: float = 0.02) -> None:
+    """Fail if more of the commands than this are no scan's prediction, once there can be one."""
     twists, first = recording.twists(), recording.times("/scan")[:1]
     strays = np.flatnonzero((scans == STRAY) & (twists.t > first + LATEST_STOP))
-    if len(strays) <= 0.02 * len(scans):
+    if len(strays) <= most * len(scans):
         return
     i = int(strays[0])
     arrived = [p for p in predictions(recording) if p.scan.t <= twists.t[i]]

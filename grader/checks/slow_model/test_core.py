@@ -14,7 +14,11 @@ from grader.checks.inferences import (
     require_one_load,
 )
 from grader.checks.model_commands import require_error_log
-from grader.checks.slow_model.asking import require_newest, require_no_idling
+from grader.checks.slow_model.asking import (
+    require_newest,
+    require_no_idling,
+    require_no_pause_after_failures,
+)
 from grader.checks.slow_model.contract import (
     AGE_P95,
     AGE_P95_5_HZ,
@@ -24,6 +28,7 @@ from grader.checks.slow_model.contract import (
     MAX_AGE,
 )
 from grader.checks.slow_model.evidence import (
+    STANDING,
     START_UP,
     ages,
     behind,
@@ -33,6 +38,7 @@ from grader.checks.slow_model.evidence import (
     require_held,
     require_holds,
     require_moves,
+    require_no_strays,
     require_period,
     require_rate,
     spell,
@@ -53,6 +59,7 @@ ALONE = "slow_alone"
 TOO_SLOW = "slow_too_slow"  # and fast in the end
 SHORTEST_INFERENCE = 0.2  # [s] of the late lidar's model
 JUDGED = 0.45  # [s] after a scan in which two inferences have passed, and a tick
+LATE_SCANS = "Scans that come late count, too: one is of use until it is 0.6 s old."
 AGE_HAIR = 0.05  # [s] ages this near to the limit may fall on either side
 
 Recordings = tuple[Recording, ...]
@@ -117,6 +124,7 @@ def test_scan_age(recordings: Recordings) -> None:
     for recording in plain:
         require_ages(recording, AGE_P95)
         require_newest(recording)
+    require_newest(alone)
     require_no_idling(alone)
 
 
@@ -135,7 +143,8 @@ def test_slow_lidar(recordings: Recordings) -> None:
 def test_too_old(recordings: Recordings) -> None:
     """When the lidar falls silent, the robot is told to stop within 0.65 s of the last scan."""
     for recording in recordings:
-        require_moves(recording)
+        late = recording.scenario.faults.scan_latency > 0
+        require_moves(recording, LATE_SCANS if late else "Get inference_rate right first.")
         last, back = _dropout(recording)
         twists = recording.twists()
         latest = last + LATEST_STOP + recording.slack
@@ -160,7 +169,7 @@ def test_too_old(recordings: Recordings) -> None:
                 recording=recording,
                 help="Keep the stamp from the scan's header with its prediction: how old is it?",
             )
-        if not recording.scenario.faults.scan_latency:  # else it has hardly time to be judged
+        if not late:  # else it has hardly time to be judged
             _require_not_too_soon(recording, last)
 
 
@@ -216,6 +225,7 @@ def test_clipped(recordings: Recordings) -> None:
             require_right_though_late(bench)
         else:
             require_held(bench, "clip", "max(0.0, min(max_speed, prediction))")
+            require_no_strays(bench, behind(bench))
         require_zero(bench, FIELDS[1:], "This robot only drives straight ahead.")
     require_holds(held)
 
@@ -230,6 +240,7 @@ def test_raising_model(recordings: Recordings) -> None:
     else:
         require_held(bench, "raises", "No prediction means 0.0, after 0.6 s at the latest.")
         require_held(bench, "good", "After an exception the next inference counts again.")
+        require_no_pause_after_failures(bench)
 
 
 @pytest.mark.check(points=5, scenarios=(LEADER, "slow_nan", "slow_blind"), needs=("wiring",))
@@ -313,14 +324,15 @@ def _require_only_zeros(
 
 
 def _require_not_too_soon(recording: Recording, last: float) -> None:
-    """Fail if the prediction for the last scan [s] counts as too old before it is.
+    """Fail if the prediction for the last scan [s] is not published as it is until it is too old.
 
     A model of 200 ms has judged that scan when two inferences have passed.
     """
     begin, end = last + JUDGED + recording.slack, last + MAX_AGE - AGE_HAIR - recording.slack
     twists = recording.twists()
-    during = np.flatnonzero((twists.t > begin) & (twists.t < end))
-    standing = during[is_zero(twists.linear_x[during])]
+    judged = (twists.t > begin) & (twists.t < end)
+    require_no_strays(recording, np.where(judged, behind(recording), STANDING), most=0.0)
+    standing = np.flatnonzero(judged & is_zero(twists.linear_x))
     if len(standing):
         i = int(standing[0])
         fail(

@@ -193,7 +193,7 @@ def test_stops_near(recordings: Recordings) -> None:
     require_speeds(recordings, "near", "Below 0.5 m: 0.0 m/s, from the first scan on.")
 
 
-@pytest.mark.check(points=10, scenarios=(IN_TIME, FAST), needs=("wiring",))
+@pytest.mark.check(points=10, scenarios=(IN_TIME, FAST, RUSH), needs=("wiring",))
 def test_stops_in_time(recordings: Recordings) -> None:
     """The robot stands when less than 2 s are left: distance / closing speed < 2.0 s."""
     # By the true closing speed, not by the node's own: who is wrong about it stops too late

@@ -46,6 +46,10 @@ def exercise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Exercise:
     return find_exercise("obstacle_avoidance")
 
 
+# A cause says “the node …”, and then the mistake: that begins with what the node does.
+OPENERS = {"After", "Also", "As", "At", "Before", "Having", "If", "On", "Once", "When", "Without"}
+
+
 # --- those of the course --------------------------------------------------------------------------
 
 
@@ -57,6 +61,7 @@ def test_every_catalogue_renders_to_programs_that_say_what_they_are(exercise: Ex
         doc = ast.get_docstring(ast.parse(mutant.text))
         assert doc is not None
         assert doc.startswith(f"{mutant.mistake}\n\n"), mutant.name
+        assert mutant.mistake.split()[0] not in OPENERS, mutant.name
         listed = {
             key: set(values.split(", "))
             for key, values in (line.split(": ") for line in doc.splitlines()[2:])

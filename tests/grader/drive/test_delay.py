@@ -57,7 +57,9 @@ def test_a_bold_node_survives_only_without(monkeypatch):
 def test_a_reckless_node_survives_nothing(monkeypatch):
     result = of(reckless, monkeypatch)
     assert result.survived == Survived(-1, -1)
-    assert said(result.survived, None, "commands").endswith("it fails without any delay.")
+    assert said(result.survived, None, "commands") == (
+        "Survives no late commands: it fails without any delay."
+    )
 
 
 def test_the_worst_world_counts(monkeypatch):
