@@ -91,7 +91,8 @@ def find_exercise(name: str) -> Exercise:
         if name in (exercise.slug, str(exercise.number)):
             return exercise
     if name.isdecimal():
-        raise InputError(f"unknown exercise {name!r}; their numbers are 1 to {len(exercises)}")
+        first, last = exercises[0].number, exercises[-1].number
+        raise InputError(f"unknown exercise {name!r}; their numbers are {first} to {last}")
     slugs = [exercise.slug for exercise in exercises]
     near = difflib.get_close_matches(name, slugs, n=1, cutoff=0.4)
     hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(slugs)}"

@@ -55,7 +55,7 @@ def test_by_name_and_by_number(exercise: Exercise) -> None:
         ("goalseeking", "did you mean goal_seeking?"),
         ("Goal_Seeking", "did you mean goal_seeking?"),
         ("", "there are: "),
-        ("0", "there are: "),
+        ("0", "numbers are 1 to 9"),
         ("../goal_seeking", "did you mean goal_seeking?"),
         ("zzz", "obstacle_avoidance"),
     ],
