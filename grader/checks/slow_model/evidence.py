@@ -22,6 +22,7 @@ from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording
 
 START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
+NEWEST = "Publish the newest prediction as it is, or 0.0. Are the features in the right order?"
 LEAST_MOVING = 3  # commands of a node that drives; one alone is no driving
 STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; no scan's prediction
 
@@ -64,7 +65,12 @@ def require_commands(recording: Recording) -> None:
         )
 
 
-def require_no_strays(recording: Recording, scans: np.ndarray, most: float = 0.02) -> None:
+def require_no_strays(
+    recording: Recording,
+    scans: np.ndarray,
+    most: float = 0.02,
+    help: str = NEWEST,
+) -> None:
     """Fail if more of the commands than this are no scan's prediction, once there can be one."""
     twists, first = recording.twists(), recording.times("/scan")[:1]
     strays = np.flatnonzero((scans == STRAY) & (twists.t > first + LATEST_STOP))
@@ -81,7 +87,7 @@ def require_no_strays(recording: Recording, scans: np.ndarray, most: float = 0.0
         recording=recording,
         help=garbage(float(twists.linear_x[i]))
         or Answered(recording).unasked(float(twists.t[i]))
-        or "Publish the newest prediction as it is, or 0.0. Are the features in the right order?",
+        or help,
     )
 
 

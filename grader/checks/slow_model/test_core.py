@@ -59,6 +59,7 @@ ALONE = "slow_alone"
 TOO_SLOW = "slow_too_slow"  # and fast in the end
 SHORTEST_INFERENCE = 0.2  # [s] of the late lidar's model
 JUDGED = 0.45  # [s] after a scan in which two inferences have passed, and a tick
+AS_IT_IS = "Publish a prediction as it is, from the first tick to the last: no ramp, no filter."
 LATE_SCANS = "Scans that come late count, too: one is of use until it is 0.6 s old."
 AGE_HAIR = 0.05  # [s] ages this near to the limit may fall on either side
 
@@ -225,7 +226,7 @@ def test_clipped(recordings: Recordings) -> None:
             require_right_though_late(bench)
         else:
             require_held(bench, "clip", "max(0.0, min(max_speed, prediction))")
-            require_no_strays(bench, behind(bench))
+            require_no_strays(bench, behind(bench), help=AS_IT_IS)
         require_zero(bench, FIELDS[1:], "This robot only drives straight ahead.")
     require_holds(held)
 
@@ -331,7 +332,8 @@ def _require_not_too_soon(recording: Recording, last: float) -> None:
     begin, end = last + JUDGED + recording.slack, last + MAX_AGE - AGE_HAIR - recording.slack
     twists = recording.twists()
     judged = (twists.t > begin) & (twists.t < end)
-    require_no_strays(recording, np.where(judged, behind(recording), STANDING), most=0.0)
+    scans = np.where(judged, behind(recording), STANDING)
+    require_no_strays(recording, scans, 0.0, AS_IT_IS)
     standing = np.flatnonzero(judged & is_zero(twists.linear_x))
     if len(standing):
         i = int(standing[0])
