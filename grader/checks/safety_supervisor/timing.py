@@ -42,8 +42,8 @@ def require_rate(recording: Recording) -> None:
             actual=f"{1.0 / mean:.1f} commands a second",
             at=float(times[0]),
             recording=recording,
-            help="Only the timer publishes, once at each tick; not the callbacks of /scan and "
-            "/cmd_vel_raw.",
+            help="The timer publishes, once at each tick. Callbacks only remember what they hear; "
+            "but a zero at once when /e_stop says true.",
         )
 
 
