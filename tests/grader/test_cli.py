@@ -116,7 +116,7 @@ WRONG: dict[str, tuple[tuple[object, ...], tuple[str, ...]]] = {
     "unknown option": ((*GRADE, "--fast"), ("--fast",)),
     "too few arguments": (("grade", "1"), ("FILE|FOLDER", "--help")),
     "unknown exercise": (("grade", "obstacle_avoid", REFERENCE), ("mean obstacle_avoidance?",)),
-    "unknown number": (("grade", "99", REFERENCE), ("numbers are 1 to 9",)),
+    "unknown number": (("grade", "99", REFERENCE), ("unknown exercise '99'", "1 to 9")),
     "missing file": (("grade", "1", "@/no.py"), ("no such file", "no.py")),
     "a folder without it": (("grade", "1", "@/other"), ("avoidance_agent.py", "my_agent.py")),
     "an empty folder": (("grade", "1", "@/empty_folder"), ("holds no Python file",)),

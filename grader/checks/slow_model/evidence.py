@@ -23,6 +23,7 @@ from grader.recording import Floats, Recording
 
 START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
 NEWEST = "Publish the newest prediction as it is, or 0.0. Are the features in the right order?"
+RATE_FIRST = "Get inference_rate right first."
 LEAST_MOVING = 3  # commands of a node that drives; one alone is no driving
 STANDING, STRAY = -1, -2  # instead of a scan's number: a zero command; no scan's prediction
 
@@ -279,7 +280,7 @@ def require_holds(recording: Recording) -> None:
         )
 
 
-def require_moves(recording: Recording, help: str = "Get inference_rate right first.") -> None:
+def require_moves(recording: Recording, help: str = RATE_FIRST) -> None:
     """Fail if the node hardly ever commands what its model said: then its zeros show nothing."""
     require_commands(recording)
     twists = recording.twists()

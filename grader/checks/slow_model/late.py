@@ -16,6 +16,7 @@ from grader.checks.predictions import TOLERANCE, max_speed, predictions
 from grader.checks.slow_model.asking import answered_calls, require_newest
 from grader.checks.slow_model.contract import AGE_P95, LATEST_STOP, LEAST_RATE, MAX_AGE
 from grader.checks.slow_model.evidence import (
+    RATE_FIRST,
     behind,
     fail_pauses,
     holds,
@@ -112,7 +113,7 @@ def require_right_answers(recording: Recording) -> None:
             actual=f"{len(calls)} calls in {recording.duration_s:.1f} s",
             at=min(LATEST_STOP, recording.duration_s),
             recording=recording,
-            help="Get inference_rate right first.",
+            help=RATE_FIRST,
         )
     for call in calls:
         asked = call.asked / 1e9

@@ -28,6 +28,7 @@ from grader.checks.slow_model.contract import (
     MAX_AGE,
 )
 from grader.checks.slow_model.evidence import (
+    RATE_FIRST,
     STANDING,
     START_UP,
     ages,
@@ -145,7 +146,7 @@ def test_too_old(recordings: Recordings) -> None:
     """When the lidar falls silent, the robot is told to stop within 0.65 s of the last scan."""
     for recording in recordings:
         late = recording.scenario.faults.scan_latency > 0
-        require_moves(recording, LATE_SCANS if late else "Get inference_rate right first.")
+        require_moves(recording, LATE_SCANS if late else RATE_FIRST)
         last, back = _dropout(recording)
         twists = recording.twists()
         latest = last + LATEST_STOP + recording.slack

@@ -1,4 +1,4 @@
-"""Style: the standard library's statistics, and a context manager for the stopwatch; no NumPy.
+"""Style: the standard library's statistics, a context manager for the stopwatch, a watchdog.
 
 field: all
 """
@@ -75,9 +75,22 @@ class ProfiledController(Node):
         self.diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         self.create_subscription(LaserScan, "scan", self.on_scan, qos_profile_sensor_data)
         self.create_timer(1.0, self.report)
+        self.heard: float | None = (
+            None  # [s] when the last scan came; None: the watchdog has barked
+        )
+        self.create_timer(0.1, self.stop_without_scans)
         self.report()  # nobody has to wait a second to see that it runs
 
+    def seconds(self) -> float:
+        return self.get_clock().now().nanoseconds / 1e9
+
+    def stop_without_scans(self) -> None:
+        if self.heard is not None and self.seconds() - self.heard > 0.5:
+            self.heard = None
+            self.cmd_vel.publish(Twist())
+
     def on_scan(self, scan: LaserScan) -> None:
+        self.heard = self.seconds()
         twist = Twist()
         try:
             row = features(scan)
