@@ -24,7 +24,7 @@ from sim.caster import Caster, static_faces
 from sim.layout import Layout
 from sim.lidar import PROFILES
 from sim.placement import build_layout
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 from sim.world import Clutter, Wall, World
 

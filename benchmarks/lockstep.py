@@ -21,7 +21,8 @@ from grader.course.submission import Submission
 from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
-from sim.scenario import Scenario, load_scenario
+from sim.scenario import Scenario
+from sim.scenario_files import load_scenario
 
 ROOT = Path(__file__).resolve().parent.parent
 SOLUTION = ROOT / "solutions/obstacle_avoidance/obstacle_avoidance_agent.py"

@@ -28,7 +28,7 @@ from grader.link.practice import PracticeServer
 from grader.link.ros_environment import find_ros, portable_ros
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 RUNS = 2
 SECONDS = 30.0  # simulated

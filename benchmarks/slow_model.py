@@ -19,7 +19,7 @@ from grader.recording import Recording
 from grader.trial.real_time import run_live_trial
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 EXERCISE = "slow_model"
 SCENARIO = "slow_leader"

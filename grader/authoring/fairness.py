@@ -29,7 +29,8 @@ from grader.trial.trials import NodeTrials
 from sim.difficulty import Difficulty, difficulty
 from sim.layout import layout_to_json
 from sim.messages import EPOCH_NS
-from sim.scenario import Scenario, load_scenario
+from sim.scenario import Scenario
+from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
 SECRET = b"not a secret: for measuring only"

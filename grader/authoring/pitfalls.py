@@ -43,7 +43,7 @@ from grader.report.page import GENERATED_BY, page_html, replay_payload
 from grader.report.terminal import printed
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 FOLDER = ROOT / "lessons" / "pitfalls"
 NODES = FOLDER / "nodes"

@@ -17,7 +17,7 @@ from pathlib import Path, PurePosixPath
 from grader.authoring.leaks import Leak, leaks
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.errors import GraderError, InputError
-from sim.scenario import EXTENDS
+from sim.scenario_files import EXTENDS
 from sim.toml_input import parse_toml
 
 # The grader's packages and modules for instructors and contributors; not in the students' copy.

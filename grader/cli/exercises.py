@@ -79,7 +79,7 @@ def _exercises() -> list[tuple[str, ...]]:
 
 def _scenarios() -> list[tuple[str, ...]]:
     """Return names and titles, under the folder's name: an exercise's, or `demo`."""
-    from sim.scenario import load_scenario, scenario_names  # noqa: PLC0415
+    from sim.scenario_files import load_scenario, scenario_names  # noqa: PLC0415
 
     rows: list[tuple[str, ...]] = []
     paths = sorted(scenario_names().values(), key=lambda path: (path.parent.name, path.stem))

@@ -31,7 +31,8 @@ from grader.drive.mishaps import (
     mishap_of,
 )
 from grader.recording import Recording
-from sim.scenario import Scenario, load_scenario, scenario_from_toml
+from sim.scenario import Scenario
+from sim.scenario_files import load_scenario, scenario_from_toml
 
 HARM, ASTRAY = (DIES, TOUCHES), (DIES, TOUCHES, STANDS, LOST)
 SENSORS, COMMANDS = "sensors", "commands"

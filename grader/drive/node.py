@@ -20,7 +20,8 @@ from grader.trial.seeds import mixed_seed
 from grader.trial.training import MAX_FILE
 from grader.trial.virtual_time import Limits, run_trial
 from sim.lidar import PROFILES
-from sim.scenario import Scenario, ScriptEvent, Transforms, load_scenario
+from sim.scenario import Scenario, ScriptEvent, Transforms
+from sim.scenario_files import load_scenario
 
 FIRST_GOAL = 0.5  # [s]
 PATIENCE = Limits(start=10.0, step=2.0, total=20.0)  # a node that hangs does so again and again ...

@@ -35,7 +35,7 @@ from sim.messages import (
     string,
     typestore,
 )
-from sim.scenario import scenario_from_json, scenario_to_json
+from sim.scenario_files import scenario_from_json, scenario_to_json
 from sim.simulation import Truth
 
 METADATA = "metadata.yaml"

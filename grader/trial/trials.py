@@ -26,7 +26,8 @@ from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
 from grader.trial.seeds import trial_seed
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
-from sim.scenario import Scenario, load_scenario
+from sim.scenario import Scenario
+from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
 REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock

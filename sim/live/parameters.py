@@ -10,7 +10,8 @@ from rclpy.exceptions import ParameterException
 from sim.errors import InputError
 from sim.lidar import PROFILES
 from sim.live.options import Options
-from sim.scenario import Scenario, load_scenario
+from sim.scenario import Scenario
+from sim.scenario_files import load_scenario
 
 LIFE = 3600.0  # after this a robot that nobody stops starts over [s]: a scenario's maximum
 RATES = 0.1, 10.0

@@ -34,7 +34,7 @@ from grader.report.page import page_html, page_payload
 from grader.report.terminal import render_terminal
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 NEXT = load_scenario("avoid_zones")
 BENCHES = ("clear_zone", "slow_zone", "stop_zone", "infinite_readings", "invalid_readings", "blind")

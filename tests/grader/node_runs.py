@@ -5,7 +5,8 @@ from collections.abc import Callable
 import msgspec
 
 from grader.recording import Recording
-from sim.scenario import Scenario, load_scenario
+from sim.scenario import Scenario
+from sim.scenario_files import load_scenario
 
 PREAMBLE = """\
 import os, sys, threading, time

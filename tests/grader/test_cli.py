@@ -12,7 +12,7 @@ import pytest
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import SOLUTIONS, find_exercise
-from sim.scenario import scenario_names
+from sim.scenario_files import scenario_names
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"

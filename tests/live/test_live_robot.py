@@ -14,7 +14,7 @@ from sim.live.robot import LiveRobot
 from sim.live.timeline import Timeline
 from sim.live.topics import patience, sent_topics
 from sim.messages import EPOCH_NS, LASER_SCAN, ODOM_TOPIC, ODOMETRY, SCAN_TOPIC, decode
-from sim.scenario import load_scenario, scenario_from_toml
+from sim.scenario_files import load_scenario, scenario_from_toml
 
 TODAY = 1_800_000_000 * 10**9
 

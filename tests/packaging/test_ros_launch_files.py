@@ -13,7 +13,7 @@ from grader.course.exercises import ROOT, all_exercises
 from sim.lidar import PROFILES
 from sim.live import cli
 from sim.live.options import Options
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 SIM = ROOT / "sim" / "launch" / "sim.launch.py"
 EXERCISE = ROOT / "exercises" / "launch" / "exercise.launch.py"

@@ -1,7 +1,7 @@
 """A scenario of a few lines, simulated for a few seconds."""
 
 from sim.messages import LASER_SCAN, decode
-from sim.scenario import scenario_from_toml
+from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
 
 SECOND = 10**9  # [ns]

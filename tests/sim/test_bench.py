@@ -8,7 +8,7 @@ import pytest
 
 from sim.bench import BenchScan, Patch, bench_ranges, varied
 from sim.lidar import PROFILES
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.difficulty import comparable_seed, difficulty
-from sim.scenario import load_scenario, scenario_from_toml
+from sim.scenario_files import load_scenario, scenario_from_toml
 
 SENSORLESS = "[lidar]\nenabled = false\n[odometry]\nenabled = false\n"
 

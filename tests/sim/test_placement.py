@@ -11,7 +11,7 @@ from sim.clearance import clearance, is_inside
 from sim.errors import InputError
 from sim.layout import Layout, layout_to_json
 from sim.placement import build_layout, place, scenario_layout
-from sim.scenario import scenario_from_toml
+from sim.scenario_files import scenario_from_toml
 from sim.world import Box, Clutter, MovingCart, Pillar, Wall, World, load_world
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.robot import COLLISION_SLOP
-from sim.scenario import scenario_from_toml
+from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=15)

@@ -6,7 +6,7 @@ from simulated import SECOND, scans_in, simulate
 
 from sim.lidar import PROFILES
 from sim.messages import EPOCH_NS, LASER_SCAN, decode
-from sim.scenario import scenario_from_toml
+from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
 
 

@@ -8,10 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.bench import BenchScan, Patch
-from sim.scenario import (
-    Faults,
-    Scenario,
-    ScriptEvent,
+from sim.scenario import Faults, Scenario, ScriptEvent
+from sim.scenario_files import (
     load_scenario,
     scenario_from_json,
     scenario_from_toml,

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim import scenario as scenario_module
+from sim import scenario_files
 from sim import world as world_module
 from sim.errors import InputError
-from sim.scenario import load_scenario, scenario_from_json, scenario_from_toml, scenario_names
+from sim.scenario_files import load_scenario, scenario_from_json, scenario_from_toml, scenario_names
 from sim.world import load_world
 
 HEAD = 'title = "x"\nworld = "hall"\n'
@@ -281,7 +281,7 @@ def test_a_broken_world_file_is_named(tmp_path, monkeypatch):
 
 
 def test_two_scenarios_of_one_name_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(scenario_module, "SCENARIOS", tmp_path)
+    monkeypatch.setattr(scenario_files, "SCENARIOS", tmp_path)
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "wall.toml").write_text(HEAD)

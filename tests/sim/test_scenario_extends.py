@@ -5,9 +5,10 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from sim import scenario as scenario_module
+from sim import scenario_files
 from sim.errors import InputError
-from sim.scenario import Scenario, load_scenario, scenario_from_toml, scenario_names
+from sim.scenario import Scenario
+from sim.scenario_files import load_scenario, scenario_from_toml, scenario_names
 from sim.toml_input import parse_toml, read_toml
 from sim.world import load_world
 
@@ -41,7 +42,7 @@ HEAD = 'title = "Mine"\nextends = "wall"\n'
 @pytest.fixture
 def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Make a course of one scenario, `wall`, and return its folder."""
-    monkeypatch.setattr(scenario_module, "SCENARIOS", tmp_path)
+    monkeypatch.setattr(scenario_files, "SCENARIOS", tmp_path)
     folder = tmp_path / "walls"
     folder.mkdir()
     (folder / "wall.toml").write_text(BASE)

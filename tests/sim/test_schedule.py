@@ -4,7 +4,7 @@ import pytest
 from simulated import SECOND, simulate
 
 from sim.messages import LASER_SCAN, ODOMETRY
-from sim.scenario import scenario_from_toml
+from sim.scenario_files import scenario_from_toml
 from sim.schedule import Kind, schedule
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from sim.errors import InputError
 from sim.messages import BOOL, decode, twist_from_cdr
-from sim.scenario import scenario_from_json, scenario_from_toml, scenario_to_json
+from sim.scenario_files import scenario_from_json, scenario_from_toml, scenario_to_json
 from sim.simulation import Simulation
 
 HEAD = 'title = "t"\nduration = 2.0\n'

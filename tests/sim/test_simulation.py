@@ -12,7 +12,8 @@ from sim import simulation as simulation_module
 from sim.lidar import PROFILES
 from sim.messages import LASER_SCAN, ODOMETRY, decode
 from sim.robot import Robot
-from sim.scenario import RobotSpec, load_scenario
+from sim.scenario import RobotSpec
+from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
 

@@ -13,7 +13,7 @@ from simulated import SECOND
 
 from sim.layout import layout_to_json
 from sim.messages import LASER_SCAN, ODOMETRY
-from sim.scenario import scenario_from_toml
+from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=25)

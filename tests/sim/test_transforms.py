@@ -17,7 +17,8 @@ from sim.messages import (
     transform,
     with_epoch,
 )
-from sim.scenario import LidarSpec, Scenario, Transforms, scenario_from_toml
+from sim.scenario import LidarSpec, Scenario, Transforms
+from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
 
 TURNED = """

@@ -32,7 +32,7 @@ from grader.authoring.proof import Claim, claims
 from grader.course.exercises import ROOT, Exercise, all_exercises, find_exercise
 from grader.errors import InputError
 from grader.grading.plugin import FAIL, UNJUDGED
-from sim.scenario import SCENARIOS
+from sim.scenario_files import SCENARIOS
 
 KEEP = Path("build") / "mutate.jsonl"
 VARIANTS = 2  # that are wrapped, beside the reference

@@ -10,7 +10,7 @@ from grader.authoring.fairness import Shared, examine, fingerprint, is_own, righ
 from grader.course.exercises import all_exercises
 from grader.recording import COMPLETED, Outcome, Recording
 from sim.messages import twist
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
 EXERCISES = [exercise.slug for exercise in all_exercises()]

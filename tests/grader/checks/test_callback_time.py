@@ -13,7 +13,7 @@ from grader.course.submission import Submission
 from grader.link.hosts import ForkServer
 from grader.recording import Compute, Recording
 from grader.trial.virtual_time import run_trial
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 EXERCISE = find_exercise("obstacle_avoidance")
 

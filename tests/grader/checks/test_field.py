@@ -10,7 +10,7 @@ from grader.checks.field import BY_ANGLE, FieldSuite
 from grader.checks.verdict import CheckFailed, fail
 from grader.course.exercises import all_exercises
 from grader.recording import Recording
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 EXERCISES = [exercise.slug for exercise in all_exercises()]
 

@@ -6,7 +6,7 @@ import pytest
 
 from grader.course.exercises import Exercise, all_exercises
 from grader.models.files import LEARNED, OWN
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 
 def required(scenario: str) -> set[str]:

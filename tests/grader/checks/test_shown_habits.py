@@ -20,7 +20,7 @@ from grader.course.submission import Submission
 from grader.link.pool import ForkServerPool
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 Run = Callable[..., tuple[Recording, ...]]
 

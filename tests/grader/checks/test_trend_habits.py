@@ -9,7 +9,7 @@ import pytest
 from grader.checks.trend_memory.contract import RIGHT, Law, Step, closing_speed, steps
 from grader.checks.trend_memory.habits import APPROACH, CHANGES, STAMPS, Habits, Shown, habits_of
 from grader.recording import Scan
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 NEVER = 10**6  # readings
 

@@ -23,7 +23,7 @@ from grader.drive.delay_page import page, said, table
 from grader.drive.mishaps import Mishap
 from grader.errors import InputError
 from grader.recording import Outcome
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 FIRST = find_exercise("1")
 FEW = (0, 100, 300)

@@ -24,7 +24,8 @@ from grader.errors import InputError
 from grader.host.frames import MAX_STDIN
 from grader.link.hosts import ForkServer
 from grader.recording import Outcome, Recording, costs_of
-from sim.scenario import Transforms, load_scenario
+from sim.scenario import Transforms
+from sim.scenario_files import load_scenario
 
 
 def test_without_changes_it_is_the_scenario_with_transforms() -> None:

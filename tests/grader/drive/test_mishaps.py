@@ -7,7 +7,7 @@ from grader.course.exercises import find_exercise
 from grader.drive.contracts import contract_of
 from grader.drive.mishaps import mishap_of
 from grader.drive.search.words import sentence, title
-from sim.scenario import scenario_from_toml
+from sim.scenario_files import scenario_from_toml
 
 ROOM = "walls = [{ points = [[-3, -3], [4, -3], [4, 3], [-3, 3]], closed = true }]"
 

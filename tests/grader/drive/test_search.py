@@ -25,7 +25,8 @@ from grader.drive.search.finder import cut, smallness
 from grader.drive.search.toml import scenario_to_toml
 from grader.errors import InputError
 from grader.recording import Outcome
-from sim.scenario import Scenario, load_scenario, scenario_from_toml
+from sim.scenario import Scenario
+from sim.scenario_files import load_scenario, scenario_from_toml
 
 ROOT = Path(__file__).resolve().parents[3]
 SEARCHED = (1, 2, 3, 4, 5, 7, 8, 9)

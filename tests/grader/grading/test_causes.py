@@ -23,7 +23,7 @@ from grader.grading.causes.known import (
 )
 from grader.recording import Outcome, Recording
 from grader.recording.inferences import Inference
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 EXERCISE = find_exercise("obstacle_avoidance")
 

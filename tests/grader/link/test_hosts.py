@@ -157,7 +157,7 @@ KILLED_JUDGE = """
     from grader.trial.staging import stage
     from grader.course.submission import Submission
     from sim.messages import EPOCH_NS
-    from sim.scenario import load_scenario
+    from sim.scenario_files import load_scenario
 
     with (
         ForkServer(EPOCH_NS) as forkserver,

@@ -19,7 +19,7 @@ from grader.link.exchange import HostDied, HostForged, HostHung
 from grader.link.practice import PRACTICE, PracticeHost, PracticeServer
 from grader.trial.trials import NodeTrials
 from sim.messages import EPOCH_NS
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 LIMIT = 60.0  # [s] for answers that come
 SPINS = """

@@ -24,7 +24,7 @@ from grader.recording import Recording
 from grader.trial.training import ONNX, PICKLE, run_training
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 SPIN = "\nrclpy.init(); rclpy.spin(Echo())\n"
 GREEDY = {  # each says how much it got
@@ -271,7 +271,7 @@ from grader.link.link import Link
 from grader.trial.staging import stage
 from grader.course.submission import Submission
 from sim.messages import EPOCH_NS
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 with (
     ForkServer(EPOCH_NS) as forkserver,

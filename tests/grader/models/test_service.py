@@ -13,7 +13,8 @@ from grader.host.frames import MAX_ROWS, Question, Told
 from grader.host.supplied import kept
 from grader.models.files import is_kept, probe, write_models
 from grader.models.service import IN_START_UP, MOST, MOST_ROWS, ModelService, TooManyQuestions
-from sim.scenario import Model, Scenario, load_scenario
+from sim.scenario import Model, Scenario
+from sim.scenario_files import load_scenario
 
 MS = 1_000_000
 LEADER = load_scenario("slow_leader")

@@ -9,7 +9,8 @@ from grader.course.submission import Submission
 from grader.link.hosts import ForkServer
 from grader.recording import Recording, bag
 from grader.trial.virtual_time import run_trial
-from sim.scenario import ScriptEvent, load_scenario
+from sim.scenario import ScriptEvent
+from sim.scenario_files import load_scenario
 
 NODE = """
 import rclpy, sys

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from grader.recording import Compute, Live, Outcome, Recording, account_of, costs_of
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
 NAN = float("nan")

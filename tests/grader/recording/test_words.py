@@ -7,7 +7,7 @@ from grader.recording import Outcome, Recording
 from grader.recording.words import last_words, words_of
 from grader.trial.endings import not_run
 from sim.messages import Message, encode, typestore
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
 ARRAY = "diagnostic_msgs/msg/DiagnosticArray"

@@ -20,7 +20,7 @@ from grader.report.replay import (
     replay_payload,
 )
 from sim.messages import pose_stamped, twist
-from sim.scenario import scenario_from_toml
+from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
 
 SECOND = 10**9

@@ -12,7 +12,7 @@ from grader.course.exercises import SOLUTIONS
 from grader.course.submission import Submission
 from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 AVOIDANCE = SOLUTIONS / "obstacle_avoidance"
 NODES = {

@@ -8,7 +8,7 @@ from grader.course.submission import Submission
 from grader.recording import Outcome, Recording, death_of
 from grader.trial.endings import not_run
 from grader.trial.hangs import located
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
 AGENT = """\

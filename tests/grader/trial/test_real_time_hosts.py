@@ -23,7 +23,7 @@ from grader.link.exchange import HostDied, HostHung
 from grader.models.service import ModelService
 from grader.trial.real_time_hosts import LiveHosts
 from grader.trial.recorder import Flood
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 BEGUN = 1_700_000_000_000_000_000  # [ns]
 MODELS = ModelService(load_scenario("demo_wall"), 1)

@@ -9,7 +9,8 @@ from grader.course.submission import find_submission
 from grader.link.hosts import ForkServer
 from grader.recording import bag
 from grader.trial.training import Trained, run_training
-from sim.scenario import Scenario, load_scenario, scenario_from_toml
+from sim.scenario import Scenario
+from sim.scenario_files import load_scenario, scenario_from_toml
 
 pytestmark = pytest.mark.skipif(find_spec("skl2onnx") is None, reason="skl2onnx is not installed")
 

@@ -17,7 +17,7 @@ from grader.trial.trials import NodeTrials, TrialFault
 from grader.trial.virtual_time import Limits
 from sim import simulation
 from sim.robot import Robot
-from sim.scenario import load_scenario
+from sim.scenario_files import load_scenario
 
 CLUTTERED = "avoid_store"  # its seed is chosen among several layouts
 REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
