@@ -51,6 +51,8 @@ _PROBES: dict[str, Callable[..., Any]] = {
 def write_models(models: Mapping[str, Model], folder: Path) -> None:
     """Write each model into `folder` under its name, which may be that of a file in a folder.
 
+    Its format is that of the suffix, or of the suffix in its setting `format`.
+
     Raises
     ------
     GraderError
@@ -63,7 +65,8 @@ def write_models(models: Mapping[str, Model], folder: Path) -> None:
         if is_kept(name, model):
             path.write_bytes(_kept_bytes(name, model))
         else:
-            path.write_bytes(model_bytes(model, path.suffix.lower()))
+            format = str(model.settings.get("format", path.suffix.lower()))
+            path.write_bytes(model_bytes(model, format))
 
 
 def _within(folder: Path, name: str) -> Path:

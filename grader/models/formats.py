@@ -7,7 +7,7 @@ request is a line of JSON, and so is its answer::
     {"content": "<base64>"}    or    {"problem": "no module named torch"}
 
 Whatever its format, a model is linear or a decision tree. It computes in float32, takes features
-(n, 5) and returns (n, 1); an ONNX model with `flat` returns (n,). No file needs code of ours.
+(n, 5) and returns (n, 1), with `flat` (n,), as scikit-learn's do. No file needs code of ours.
 """
 
 from __future__ import annotations
@@ -278,9 +278,34 @@ def _torch(model: Model, settings: Settings) -> bytes:
             left, right = self._said(node.left, features), self._said(node.right, features)
             return torch.where(features[:, node.feature] <= node.threshold, left, right)
 
+    class Raising(torch.nn.Module):  # type: ignore[misc]
+        """A list of one value, and an index that is 1 below the distance."""
+
+        def __init__(self, raising: RaisesNear) -> None:
+            super().__init__()
+            self.distance = raising.distance
+            self.register_buffer("values", torch.tensor([raising.value]))
+
+        def forward(self, features: Any) -> Any:
+            index = (features[:, 0] < self.distance).long()
+            return torch.index_select(self.values, 0, index)[:, None]
+
+    class Flat(torch.nn.Module):  # type: ignore[misc]
+        """Numbers (n,) in the place of (n, 1)."""
+
+        def __init__(self, column: Any) -> None:
+            super().__init__()
+            self.column = column
+
+        def forward(self, features: Any) -> Any:
+            return self.column(features)[:, 0]
+
     if isinstance(model, RaisesNear):
-        raise ValueError("no raising model in this format")
-    module = Network(model) if isinstance(model, Linear) else Tree(model)
+        module: Any = Raising(model)
+    else:
+        module = Network(model) if isinstance(model, Linear) else Tree(model)
+    if settings.get("flat", False):
+        module = Flat(module)
     rows = ({0: torch.export.Dim.AUTO},)
     program = torch.export.export(module.eval(), (torch.zeros(2, FEATURES),), dynamic_shapes=rows)
     file = io.BytesIO()
@@ -303,12 +328,17 @@ def _keras(model: Model, settings: Settings) -> bytes:
     given = keras.Input((FEATURES,), name="features")
     if isinstance(model, Linear):
         layer = keras.layers.Dense(1)
-        network = keras.Model(given, layer(given))
+        column = layer(given)
         layer.set_weights([np.array(model.weights)[:, None], np.array([model.offset])])
     elif isinstance(model, Fork):
-        network = keras.Model(given, said(model))
+        column = said(model)
+    elif isinstance(model, RaisesNear):  # a list of one value; below the distance the index is 1
+        layer = keras.layers.Embedding(1, 1)
+        column = layer(keras.ops.cast(given[:, 0] < model.distance, "int32"))
+        layer.set_weights([np.array([[model.value]])])
     else:
         raise ValueError("no such model in this format")
+    network = keras.Model(given, column[:, 0] if settings.get("flat", False) else column)
     with tempfile.TemporaryDirectory(prefix="course-model-") as folder:
         path = Path(folder) / "model.keras"
         network.save(path)

@@ -21,12 +21,22 @@ TORCH = ("torch",)
 KERAS = ("torch", "keras")
 
 ORDER = (0, 1, 2, 3, 4)  # of the features
-BROKEN = ("garbage", "empty", "pickled")  # what there is in files that hold no model of a format
+BROKEN = (
+    "garbage",
+    "empty",
+    "pickled",
+    "foreign",
+)  # what there is in files that hold no model of a format
 
 
 def model_file(scenario: Scenario) -> str:
     """Return the parameter model_path that the node was given."""
     return str(scenario.node.parameters.get("model_path", MODEL))
+
+
+def is_known(scenario: Scenario) -> bool:
+    """Tell whether the model's suffix is one of the four."""
+    return PurePath(model_file(scenario)).suffix.lower() in LIBRARIES
 
 
 def is_onnx(recording: Recording) -> bool:

@@ -16,7 +16,8 @@ from grader.link.log import LogLine
 from grader.recording import Recording
 
 SPEED_TOLERANCE = 1e-3  # [m/s]; all formats compute in float32
-LOUD = ("warn", "error", "fatal")
+ERRORS = ("error", "fatal")
+LOUD = ("warn", *ERRORS)
 
 
 class Habits(NamedTuple):
@@ -77,7 +78,7 @@ def _advice(recording: Recording, answer: Answer, help: str) -> str:
     scans = recording.scans()
     begin, first = answer.scan.t, scans[0].t if scans else math.inf
     end = next((scan.t for scan in scans if scan.t > begin), math.inf)
-    errors = [line for line in recording.log if line.level in ("error", "fatal")]
+    errors = [line for line in recording.log if line.level in ERRORS]
     own = [line for line in errors if begin <= line.t < end or line.t < first]
     logged = f"The node's log says: {own[-1].text.strip()[:300]}" if own else ""
     return garbage(answer.speed or 0.0) or logged or help

@@ -18,6 +18,7 @@ from grader.recording import Recording
 
 READINGS, WITH_ONNX = "format_readings", "format_onnx"  # scenarios that show a node's habits
 HABITS = (READINGS, WITH_ONNX)
+LONG = "format_hundred"  # 700 scans, 40 a second
 NEARLY = 6e-3  # [m/s] more than rounding to two decimals changes
 _EXCHANGED = tuple(
     tuple(b if i == a else a if i == b else i for i in ORDER) for a, b in combinations(ORDER, 2)

@@ -8,11 +8,13 @@ from grader.checks.model_commands import require_safe_drive
 from grader.checks.model_formats.contract import KERAS, ONNX, SKLEARN, TORCH, model_file
 from grader.checks.model_formats.evidence import require_speeds
 from grader.checks.model_formats.habits import HABITS, READINGS, habits_of
+from grader.checks.verdict import passes
 from grader.recording import Recording
 
 FEATURES = (
     "The model is linear with five different weights: are the features right, and in their order?"
 )
+SHAPES = "(n,) and (n, 1) both hold n numbers: np.ravel treats them alike."
 
 Recordings = tuple[Recording, ...]
 
@@ -50,14 +52,13 @@ def test_onnx_names(recordings: Recordings) -> None:
         require_speeds(
             recording,
             "features",
-            "Ask the session: get_inputs()[0].name. run(None, …) returns all outputs. (n,) and "
-            "(n, 1) both hold n numbers: np.ravel treats them alike.",
+            f"Ask the session: get_inputs()[0].name. run(None, …) returns all outputs. {SHAPES}",
             habits_of(readings, onnx),
         )
 
 
 @pytest.mark.check(
-    points=7, scenarios=("format_torch", *HABITS), needs=("wiring",), requires=TORCH + ONNX
+    points=6, scenarios=("format_torch", *HABITS), needs=("wiring",), requires=TORCH + ONNX
 )
 def test_torch_export(recordings: Recordings) -> None:
     """Drives at the speed that a PyTorch program predicts (.pt2)."""
@@ -72,7 +73,7 @@ def test_torch_export(recordings: Recordings) -> None:
 
 
 @pytest.mark.check(
-    points=7, scenarios=("format_keras", *HABITS), needs=("wiring",), requires=KERAS + ONNX
+    points=6, scenarios=("format_keras", *HABITS), needs=("wiring",), requires=KERAS + ONNX
 )
 def test_keras(recordings: Recordings) -> None:
     """Drives at the speed that a Keras model predicts (.keras)."""
@@ -83,6 +84,36 @@ def test_keras(recordings: Recordings) -> None:
             "features",
             f"{FEATURES} keras.saving.load_model(path) loads it.",
             habits_of(readings, onnx),
+        )
+
+
+@pytest.mark.check(
+    points=3,
+    scenarios=(
+        "format_other_torch",
+        "format_other_keras",
+        "format_upper_pickle",
+        "format_cuda_pickle",
+        *HABITS,
+    ),
+    needs=("torch_export", "keras"),
+    requires=KERAS + ONNX,
+)
+def test_deep_other_models(recordings: Recordings) -> None:
+    """Takes other .pt2 and .keras: output (n,), POLICY.PT2, Keras and device = cuda."""
+    torch, keras, upper, cuda, readings, onnx = recordings
+    habits = habits_of(readings, onnx)
+    if passes(require_speeds, upper, "features", habits=habits):  # if not: `suffix_in_capitals`
+        require_speeds(
+            torch,
+            "features",
+            f"{SHAPES} The suffix may be in capitals. Keras is not installed here: only .keras "
+            "needs it.",
+            habits,
+        )
+    if passes(require_speeds, cuda, "features", habits=habits):  # if not: `device_ignored`
+        require_speeds(
+            keras, "features", f"{SHAPES} device concerns PyTorch programs only.", habits
         )
 
 

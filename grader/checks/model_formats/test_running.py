@@ -6,12 +6,13 @@ import pytest
 
 from grader.checks.model_formats.contract import KERAS, ONNX, TORCH
 from grader.checks.model_formats.evidence import (
+    Habits,
     loud_lines,
     require_speeds,
 )
-from grader.checks.model_formats.habits import HABITS, driven, habits_of
+from grader.checks.model_formats.habits import HABITS, LONG, driven, habits_of
 from grader.checks.moments import first_asked
-from grader.checks.verdict import fail
+from grader.checks.verdict import fail, passes
 from grader.recording import Recording
 
 Recordings = tuple[Recording, ...]
@@ -33,15 +34,15 @@ def test_clipped(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=3,
-    scenarios=("format_says_pickle", "format_says_onnx", *HABITS),
+    scenarios=("format_says_pickle", "format_says_onnx", "format_long_nan", LONG, *HABITS),
     needs=("wiring",),
     requires=ONNX,
 )
 def test_not_finite(recordings: Recordings) -> None:
     """A prediction that is not finite means 0.0, and the node goes on."""
-    *said, readings, onnx = recordings
+    *said, lasting, long, readings, onnx = recordings
     habits = habits_of(readings, onnx)
-    for recording in driven(said, onnx, habits):
+    for recording in [*driven(said, onnx, habits), *_if_steady(lasting, long, habits)]:
         require_speeds(
             recording,
             "not_finite",
@@ -53,12 +54,18 @@ def test_not_finite(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=3,
-    scenarios=("format_says_torch", "format_says_keras", *HABITS),
-    needs=("torch_export", "keras", "clipped", "not_finite"),
+    scenarios=(
+        "format_says_torch",
+        "format_says_keras",
+        "format_raises_torch",
+        "format_raises_keras",
+        *HABITS,
+    ),
+    needs=("torch_export", "keras", "clipped", "not_finite", "model_raises"),
     requires=KERAS + ONNX,
 )
 def test_deep_bounds(recordings: Recordings) -> None:
-    """Predictions of .pt2 and .keras are clipped, too, and 0.0 if they are not finite."""
+    """The same with .pt2 and .keras: clipped; 0.0 if not finite, or if the model raises."""
     *said, readings, onnx = recordings
     for recording in said:
         require_speeds(
@@ -70,15 +77,15 @@ def test_deep_bounds(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=3,
-    scenarios=("format_raises_pickle", "format_raises_onnx", *HABITS),
+    scenarios=("format_raises_pickle", "format_raises_onnx", "format_long_raises", LONG, *HABITS),
     needs=("wiring",),
     requires=ONNX,
 )
 def test_model_raises(recordings: Recordings) -> None:
     """When the model raises, the command is 0.0 and the node goes on."""
-    *raised, readings, onnx = recordings
+    *raised, lasting, long, readings, onnx = recordings
     habits = habits_of(readings, onnx)
-    for recording in driven(raised, onnx, habits):
+    for recording in [*driven(raised, onnx, habits), *_if_steady(lasting, long, habits)]:
         require_speeds(
             recording,
             "raises",
@@ -126,3 +133,8 @@ def test_device_falls_back(recordings: Recordings) -> None:
                 recording=recording,
                 help="Whoever asked for a GPU wants to know why it is slow.",
             )
+
+
+def _if_steady(lasting: Recording, long: Recording, habits: Habits) -> list[Recording]:
+    """Return the run of lasting trouble, if the node outlives many scans a second without any."""
+    return [lasting] if passes(require_speeds, long, "readings", habits=habits) else []

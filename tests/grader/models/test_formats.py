@@ -3,7 +3,7 @@
 import pickle
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -25,21 +25,29 @@ deep = pytest.mark.deep
 anything_goes = pytest.mark.filterwarnings("ignore")  # of what other libraries say on import
 
 
-def answers(suffix: str, content: bytes, folder: Path) -> np.ndarray:
-    """Return what a model file says of ROWS, as its own library reads it."""
+def model_of(suffix: str, content: bytes, folder: Path) -> Callable[[np.ndarray], np.ndarray]:
+    """Return a model file as a function, as its own library reads it."""
     path = folder / f"model{suffix}"
     path.write_bytes(content)
     if suffix == ".pkl":
-        return np.ravel(pickle.loads(content).predict(ROWS))
+        predict: Callable[[np.ndarray], np.ndarray] = pickle.loads(content).predict
+        return predict
     if suffix == ".onnx":
         session = pytest.importorskip("onnxruntime").InferenceSession(str(path))
-        return np.ravel(session.run(None, {session.get_inputs()[0].name: ROWS})[0])
+        name = session.get_inputs()[0].name
+        return lambda rows: np.asarray(session.run(None, {name: rows})[0])
     torch = pytest.importorskip("torch")
     if suffix == ".pt2":
-        with torch.no_grad():
-            return torch.export.load(path).module()(torch.from_numpy(ROWS)).numpy().ravel()
+        program = torch.export.load(path).module()
+        return lambda rows: np.asarray(program(torch.from_numpy(rows)).detach().numpy())
     keras = pytest.importorskip("keras")
-    return np.ravel(keras.ops.convert_to_numpy(keras.saving.load_model(path)(ROWS)))
+    model = keras.saving.load_model(path)
+    return lambda rows: np.asarray(keras.ops.convert_to_numpy(model(rows)))
+
+
+def answers(suffix: str, content: bytes, folder: Path) -> np.ndarray:
+    """Return what a model file says of ROWS, (50,)."""
+    return np.ravel(model_of(suffix, content, folder)(ROWS))
 
 
 FORMATS = [
@@ -96,14 +104,28 @@ def test_an_onnx_model_may_be_called_as_the_scenario_likes(tmp_path: Path) -> No
     np.testing.assert_allclose(answers(".onnx", flat, tmp_path), answers(".onnx", column, tmp_path))
 
 
-def test_an_onnx_model_that_raises(capfd: pytest.CaptureFixture[str]) -> None:
-    onnxruntime = pytest.importorskip("onnxruntime")
-    content = model_bytes(Model("raises_near", {"distance": 2.0, "value": 0.3}), ".onnx")
-    session = onnxruntime.InferenceSession(content)
+@anything_goes
+@pytest.mark.parametrize("suffix", FORMATS[1:])
+def test_a_model_may_return_a_column_or_a_row(suffix: str, tmp_path: Path) -> None:
+    needs(suffix)
+    flat = Model("linear", {**LINEAR.settings, "flat": True})
+    column = model_of(suffix, model_bytes(LINEAR, suffix), tmp_path)(ROWS)
+    row = model_of(suffix, model_bytes(flat, suffix), tmp_path)(ROWS)
+    assert column.shape == (50, 1)
+    assert row.shape == (50,)
+    np.testing.assert_array_equal(row, column[:, 0])
+
+
+@anything_goes
+@pytest.mark.parametrize("suffix", FORMATS[1:])
+def test_a_model_that_raises(suffix: str, tmp_path: Path) -> None:
+    needs(suffix)
+    raising = Model("raises_near", {"distance": 2.0, "value": 0.3})
+    model = model_of(suffix, model_bytes(raising, suffix), tmp_path)
     far, near = np.full((1, 5), 3.0, np.float32), np.full((1, 5), 1.0, np.float32)
-    assert session.run(None, {"features": far})[0] == pytest.approx(0.3)
-    with pytest.raises(Exception, match="out of data bounds"):
-        session.run(None, {"features": near})
+    assert model(far) == pytest.approx(0.3)
+    with pytest.raises(Exception, match="out of"):
+        model(near)
 
 
 def test_the_suffix_says_the_format_also_in_capitals(tmp_path: Path) -> None:
@@ -113,6 +135,15 @@ def test_the_suffix_says_the_format_also_in_capitals(tmp_path: Path) -> None:
     )
     assert (tmp_path / "MODEL.ONNX").read_bytes() == model_bytes(LINEAR, ".onnx")
     assert pickle.loads((tmp_path / "policy.joblib").read_bytes()).predict([[0]]) == 1.0
+
+
+def test_a_file_may_have_another_format_than_its_suffix(tmp_path: Path) -> None:
+    pytest.importorskip("onnx")
+    write_models({"policy.pt": Model("linear", {**LINEAR.settings, "format": ".onnx"})}, tmp_path)
+    assert np.array_equal(
+        answers(".onnx", (tmp_path / "policy.pt").read_bytes(), tmp_path),
+        answers(".onnx", model_bytes(LINEAR, ".onnx"), tmp_path),
+    )
 
 
 @pytest.fixture
