@@ -24,11 +24,7 @@ FILES = (
     "format_broken_onnx",
     LATE_FILE,
 )
-DEEP_FILES = (
-    "format_broken_torch",
-    "format_broken_keras",
-    "format_pt",
-)
+DEEP_FILES = ("format_broken_torch", "format_broken_keras", "format_pt")
 DEEP_LATE = ("format_late_torch", "format_late_keras")
 LIBRARIES = ("format_without_torch", "format_without_keras")
 
@@ -89,8 +85,12 @@ def test_no_model(recordings: Recordings) -> None:
 
 def _state_of_file(recording: Recording) -> str:
     """Return what is the matter with the node's file, in words."""
-    probes = {"": "does not exist", "empty": "is empty", "pickled": "holds a pickle, and no ONNX"}
-    probes["foreign"] = "holds an object of a class that is not here"
+    probes = {
+        "": "does not exist",
+        "empty": "is empty",
+        "pickled": "holds a pickle, and no ONNX",
+        "foreign": "holds an object of a class that is not here",
+    }
     models, file = recording.scenario.node.models, model_file(recording.scenario)
     return probes.get(models[file].probe if file in models else "", "is broken")
 

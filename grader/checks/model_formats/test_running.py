@@ -5,11 +5,7 @@ from __future__ import annotations
 import pytest
 
 from grader.checks.model_formats.contract import KERAS, ONNX, TORCH
-from grader.checks.model_formats.evidence import (
-    Habits,
-    loud_lines,
-    require_speeds,
-)
+from grader.checks.model_formats.evidence import Habits, loud_lines, require_speeds
 from grader.checks.model_formats.habits import HABITS, LONG, driven, habits_of
 from grader.checks.moments import first_asked
 from grader.checks.verdict import fail, passes
