@@ -7,7 +7,7 @@ from sim.bench import bench_ranges
 from sim.caster import Caster, faces, static_faces
 from sim.faults import is_frozen, measured, sensor_rng, speckle
 from sim.layout import Floats, Layout, Pose, in_frame
-from sim.lidar import PROFILES, bench_readings, readings
+from sim.lidar import bench_readings, readings
 from sim.messages import Message, laser_scan
 from sim.scenario import Scenario
 from sim.schedule import Event, scan_rate
@@ -29,7 +29,7 @@ class Scanner:
         self._rng = sensor_rng(seed, "lidar")
         repeats = [scan.repeat for scan in scenario.bench]
         self._entries = np.repeat(np.arange(len(repeats)), repeats)  # of the bench, by scan
-        self._profile = profile = PROFILES[scenario.lidar.profile]
+        self._profile = profile = scenario.lidar.measures
         self._scan_time = 1.0 / scan_rate(scenario)
         self._last: NDArray[np.float32] | None = None
         self._mount = scenario.lidar.pose

@@ -5,6 +5,7 @@ the node: the same scenario and seed give the same run, byte for byte.
 """
 
 import math
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain, repeat
 from typing import Annotated, Literal
@@ -13,7 +14,7 @@ import msgspec
 from msgspec import Meta
 
 from sim.bench import BenchScan, Offset
-from sim.lidar import PROFILES
+from sim.lidar import PROFILES, LidarProfile
 from sim.messages import LASER_FRAME
 from sim.toml_input import nearest
 from sim.world import Degrees, Metres, World
@@ -24,6 +25,7 @@ Probability = Annotated[float, Meta(ge=0, le=1)]
 Delay = Annotated[float, Meta(ge=0, le=10)]  # [s]
 Noise = Annotated[float, Meta(ge=0, le=10)]  # standard deviation
 Bias = Annotated[float, Meta(ge=-10, le=10)]  # [m]
+Limit = Annotated[float, Meta(gt=0, le=100)]  # of a lidar's readings [m]
 Mount = Annotated[float, Meta(ge=-0.5, le=0.5)]  # from the robot's middle [m]
 Rate = Annotated[float, Meta(gt=0, le=200)]  # [Hz]
 Time = Annotated[float, Meta(gt=0, le=3600)]  # since the scenario's start [s]
@@ -59,9 +61,18 @@ class LidarSpec(_Table, frozen=True):
     profile: str = "default"  # a key of sim.lidar.PROFILES
     enabled: bool = True
     rate: Rate | None = None  # [Hz]; None: the profile's
+    limits: tuple[Limit, Limit] | None = None  # range_min, range_max [m]; None: the profile's
     phase: Time = 0.013  # time of the first scan [s]
     mount: tuple[Mount, Mount, Degrees] = (0.0, 0.0, 0.0)  # x [m], y [m], yaw [°] on the robot
     frame: Annotated[str, Meta(pattern=r"^\w+$")] = LASER_FRAME  # `frame_id` of its scans
+
+    @property
+    def measures(self) -> LidarProfile:
+        """What it measures: the profile, with the limits given here."""
+        profile = PROFILES[self.profile]
+        if self.limits is None:
+            return profile
+        return replace(profile, range_min=self.limits[0], range_max=self.limits[1])
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -73,6 +84,8 @@ class LidarSpec(_Table, frozen=True):
         if self.profile not in PROFILES:
             hint = nearest(self.profile, PROFILES)
             raise ValueError(f"profile: no lidar profile is called that{hint}")
+        if self.limits is not None and self.limits[0] >= self.limits[1]:
+            raise ValueError("limits: expected range_min below range_max")
 
 
 class OdometrySpec(_Table, frozen=True):

@@ -93,17 +93,17 @@ def require_one_load(recording: Recording, until: float) -> None:
     )
 
 
-def require_kept(recording: Recording) -> None:
-    """Fail if a model that failed was loaded again."""
+def require_kept(recording: Recording, after: str = "after the model had failed") -> None:
+    """Fail if the model was loaded again; `after` says in words what may have led to it."""
     found = [load.asked / 1e9 for load in loads(recording)]
     if len(found) > 1:
         fail(
-            f"at {found[1]:.2f} s, after the model had failed, it was loaded again",
+            f"at {found[1]:.2f} s, {after}, it was loaded again",
             expected="1 load, while the node is constructed",
             actual=f"{len(found)} loads",
             at=found[1],
             recording=recording,
-            help="A model that raises is still the same model: ask it again, do not load it again.",
+            help="The model in memory is still the same one: ask it again, do not load it again.",
         )
 
 

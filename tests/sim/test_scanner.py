@@ -35,6 +35,15 @@ def test_every_profile_has_its_form(name):
     assert ahead == (6.0 if profile.range_max > 6 else profile.no_return)
 
 
+def test_a_lidar_may_have_other_limits_than_its_profile():
+    _, messages = simulate("[lidar]\nlimits = [0.3, 5.0]", seconds=0.1, world="hall")
+    (scan,) = scans_in(messages)
+    assert (scan.range_min, scan.range_max) == (np.float32(0.3), 5.0)
+    seen = np.array(scan.ranges)
+    assert np.isinf(seen[180])  # the wall at 6 m
+    assert seen[np.isfinite(seen)].max() <= 5.0
+
+
 def test_a_frozen_lidar_repeats_its_readings_while_its_stamps_go_on():
     commands = [(k * 100_000_000, 0.3, 0.0) for k in range(60)]
     _, messages = simulate("[faults]\nfreeze = [[1.0, 2.0]]", commands, world="hall")

@@ -83,6 +83,10 @@ MISTAKES = {
         HEAD + '[lidar]\nprofile = "lds1"',
         "lidar.profile = \"lds1\": no lidar profile is called that; did you mean 'lds01'?",
     ),
+    "limits in the wrong order": (
+        HEAD + "[lidar]\nlimits = [5.0, 0.3]",
+        "lidar.limits = [5.0, 0.3]: expected range_min below range_max",
+    ),
     "no such quality of service": (
         HEAD + '[qos]\nsensors = "best"',
         'qos.sensors = "best": expected one of reliable, sensor_data',

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from grader.checks.commands import Answer, garbage
 from grader.checks.inferences import questions
@@ -19,6 +20,7 @@ from grader.recording import Recording
 
 SHOWS = "ml_front_min"
 EDGES = (90.0, 45.0, 30.0)  # [°] that others take for the front's: exercise 1's is the first
+DIGITS = (1, 2, 3)  # to which others round, in m/s
 WINDOWS = range(2, 21)  # predictions in an average
 LEAST_WEIGHT = 0.01
 TOLERANCE = 2e-4  # [m/s]
@@ -31,6 +33,8 @@ class Habit:
     front: float = FRONT_EDGE  # [°]
     windows: tuple[int, ...] = (1,)  # predictions, the last ones, that it averages: one of these
     weight: float = 1.0  # of the newest one, which it mixes with its last command
+    step: float = math.inf  # [m/s] by which a command may differ from the last, up, down or both
+    digits: int | None = None  # after the point, to which it rounds
     garbage: bool = False  # its commands are no numbers that the wheels could follow
 
     @property
@@ -44,7 +48,12 @@ class Habit:
             return bool(garbage(speed))
         means = (sum(said[-window:]) / len(said[-window:]) for window in self.windows)
         mixed = (self.weight * mean + (1.0 - self.weight) * last for mean in means)
-        return any(abs(speed - wanted) <= TOLERANCE for wanted in mixed)
+        low, high = last - self.step, last + self.step
+        near = (n for w in mixed for n in (min(max(w, low), high), min(w, high), max(w, low)))
+        return any(abs(speed - self._rounded(wanted)) <= TOLERANCE for wanted in near)
+
+    def _rounded(self, speed: float) -> float:
+        return speed if self.digits is None else round(speed, self.digits)
 
 
 CONTRACT = Habit()
@@ -56,6 +65,10 @@ def candidates(found: Sequence[Answer], said: Sequence[float | None]) -> Iterato
     if all(answer.speed is not None and garbage(answer.speed) for answer in found):
         yield Habit(garbage=True)
     yield Habit(windows=tuple(window for window in WINDOWS if _averages(window, found, said)))
+    yield from (Habit(digits=digits) for digits in DIGITS)
+    speeds = [0.0, *(answer.speed for answer in found if answer.speed is not None)]
+    steps = [after - before for before, after in pairwise(speeds)]
+    yield from (Habit(step=step) for step in (max(steps, default=0.0), -min(steps, default=0.0)))
     for before, now, new in zip(found, found[1:], said[1:], strict=False):
         if before.speed is None or now.speed is None or new is None:
             return

@@ -11,7 +11,7 @@ from grader.checks.commands import (
     require_one_command_each,
     require_only_linear_x,
 )
-from grader.checks.inferences import require_one_load
+from grader.checks.inferences import require_kept, require_one_load
 from grader.checks.ml_velocity.contract import FOREST, LEAST_WAY
 from grader.checks.ml_velocity.evidence import habit_of, require_going_on, require_speeds
 from grader.checks.ml_velocity.habits import SHOWS
@@ -124,7 +124,9 @@ def test_right_min(recordings: Recordings) -> None:
 
 
 @pytest.mark.check(
-    points=3, scenarios=("ml_infinity", "ml_infinity_left", SHOWS), needs=("wiring",)
+    points=3,
+    scenarios=("ml_infinity", "ml_infinity_left", "ml_limits_far", SHOWS),
+    needs=("wiring",),
 )
 def test_infinite_readings(recordings: Recordings) -> None:
     """+inf and readings above range_max count as range_max."""
@@ -151,7 +153,11 @@ def test_minus_infinity(recordings: Recordings) -> None:
         )
 
 
-@pytest.mark.check(points=4, scenarios=("ml_invalid", "ml_invalid_left", SHOWS), needs=("wiring",))
+@pytest.mark.check(
+    points=4,
+    scenarios=("ml_invalid", "ml_invalid_left", "ml_limits_near", SHOWS),
+    needs=("wiring",),
+)
 def test_dropped_readings(recordings: Recordings) -> None:
     """NaN and readings below range_min are dropped; the others count."""
     for recording in recordings[:-1]:
@@ -181,32 +187,46 @@ def test_clipped(recordings: Recordings) -> None:
 
 
 @pytest.mark.check(
-    points=4, scenarios=("ml_parameters", "ml_fast", "ml_held", SHOWS), needs=("wiring",)
+    points=4,
+    scenarios=("ml_parameters", "ml_fast", "ml_held", "ml_defaults", SHOWS),
+    needs=("wiring",),
 )
 def test_parameters(recordings: Recordings) -> None:
-    """The parameters model_path and max_speed are obeyed."""
+    """The parameters model_path and max_speed are obeyed, and have their defaults."""
     # Garbage does not show what it was clipped to.
     habit = replace(habit_of(recordings), garbage=False)
     for recording in recordings[:-1]:
         require_speeds(
             recording,
-            help="Started with model_path:=other_model.pkl and max_speed:="
-            f"{recording.scenario.node.parameters['max_speed']}; the model in velocity_model.pkl, "
-            "if there is one, always predicts 0.1.",
+            help=_started_with(recording),
             habit=habit,
         )
 
 
-@pytest.mark.check(points=4, scenarios=("ml_loads_once", "ml_raises", SHOWS), needs=("wiring",))
+def _started_with(recording: Recording) -> str:
+    """Return what the node was told, and what to make of it."""
+    given = recording.scenario.node.parameters
+    if not given:
+        return "Started without parameters: model_path is velocity_model.pkl, and max_speed 0.5."
+    return (
+        f"Started with model_path:={given['model_path']} and max_speed:={given['max_speed']}; the "
+        "model in velocity_model.pkl, if there is one, always predicts 0.1."
+    )
+
+
+@pytest.mark.check(
+    points=4, scenarios=("ml_loads_once", "ml_raises", "ml_hundred", SHOWS), needs=("wiring",)
+)
 def test_loads_once(recordings: Recordings) -> None:
-    """The model is loaded once, while the node is constructed, and not again when it raises."""
-    counted, raising, _ = recordings
+    """The model is loaded once, while the node is constructed, and not again, whatever happens."""
+    counted, raising, long, _ = recordings
     for answer in judged(counted):
         require_prompt(counted, answer.scan.t)
         require_one_load(counted, answer.scan.t)
     habit = habit_of(recordings)
     require_speeds(counted, "The model predicts 0.1 m/s if it was loaded once.", habit)
     require_one_load(raising, raising.duration_s)
+    require_kept(long, "after a hundred scans or more")
 
 
 @pytest.mark.check(points=3, scenarios=("ml_not_finite", SHOWS), needs=("wiring",))

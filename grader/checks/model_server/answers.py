@@ -145,7 +145,8 @@ def require_answered(recording: Recording, ask: Ask) -> None:
             actual="nothing",
             at=ask.at,
             recording=recording,
-            help="The service callback has to return the response, whatever happens in it.",
+            help="The service has to be there from the constructor on, and its callback has to "
+            "return the response, whatever happens in it.",
         )
 
 
@@ -162,8 +163,15 @@ def require_success(recording: Recording, ask: Ask) -> None:
             help="The message is a detection, and success is not: it takes the bool True; a text "
             "or a NumPy bool is garbage."
             if ask.message.lstrip().startswith("{")
-            else "Set response.success, and refuse only for the reasons on the task's list.",
+            else _advice(recording),
         )
+
+
+def _advice(recording: Recording) -> str:
+    """Return what to look at when a server refuses that should not."""
+    if recording.scenario.node.models and not recording.scenario.node.parameters:
+        return "Started without parameters: model_path is detection_model.pkl then."
+    return "Set response.success, and refuse only for the reasons on the task's list."
 
 
 def require_refusal(recording: Recording, ask: Ask, reason: str, help: str) -> None:

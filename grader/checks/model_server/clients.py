@@ -8,7 +8,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from grader.checks.model_server.contract import LONGEST_GAP, NEXT_REQUEST, ROLES, Floats
+from grader.checks.model_server.contract import (
+    HEARTBEAT_PERIOD,
+    LONGEST_GAP,
+    NEXT_REQUEST,
+    ROLES,
+    Floats,
+)
 from grader.checks.model_server.notes import (
     SERVED,
     Answered,
@@ -22,6 +28,8 @@ from grader.checks.wiring import require_alive, require_wiring
 from grader.recording import Recording
 from sim.messages import STRING, UINT32
 
+DEFAULT_ROLE = ROLES[0]
+HEARTBEAT_DRIFT = 0.08  # share by which the mean of the gaps may differ
 TICK = 1e-6  # [s] of rounding
 BLOCKED = (
     "Does a callback wait: client.call(), await in the default callback group, "
@@ -45,7 +53,8 @@ class Request:
 def roles(recording: Recording) -> list[str]:
     """Return the roles of the clients in the scenario."""
     words = {word for program in recording.scenario.program for word in program.arguments}
-    return [role for role in ROLES if f"role:={role}" in words]
+    found = [role for role in ROLES if f"role:={role}" in words]
+    return found or [DEFAULT_ROLE]
 
 
 def requests(recording: Recording) -> list[Request]:
@@ -174,6 +183,8 @@ def require_heartbeat(recording: Recording, until: float = math.inf) -> None:
                 recording=recording,
                 help="One timer of 0.1 s publishes it, and nothing else does.",
             )
+        if math.isinf(until):
+            _require_rate(recording, role, times)
         for index, (before, after) in enumerate(pairwise(values)):
             if after != before + 1:
                 fail(
@@ -184,6 +195,21 @@ def require_heartbeat(recording: Recording, until: float = math.inf) -> None:
                     recording=recording,
                     help="Keep the count in an attribute of the node, and add 1 each time.",
                 )
+
+
+def _require_rate(recording: Recording, role: str, times: Floats) -> None:
+    """Fail unless a client's heartbeats, at these times [s], are 0.1 s apart on average."""
+    mean = float(np.diff(times).mean()) if len(times) > 1 else HEARTBEAT_PERIOD
+    if abs(mean - HEARTBEAT_PERIOD) <= HEARTBEAT_DRIFT * HEARTBEAT_PERIOD + recording.slack:
+        return
+    fail(
+        f"the heartbeats of {role}_client are {mean:.3f} s apart on average",
+        expected=f"one message on /{role}/heartbeat every {HEARTBEAT_PERIOD} s",
+        actual=f"{len(times)} in {recording.duration_s:.1f} s",
+        at=float(times[1]),
+        recording=recording,
+        help="self.create_timer(0.1, …)",
+    )
 
 
 def warnings(recording: Recording, begin: float, end: float) -> bool:

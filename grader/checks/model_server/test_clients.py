@@ -123,13 +123,19 @@ def test_asks(recordings: Recordings) -> None:
 
 @pytest.mark.check(
     points=3,
-    scenarios=("detect_quick_server", SLOW, "detect_malformed"),
+    scenarios=(
+        "detect_quick_server",
+        SLOW,
+        "detect_malformed",
+        "detect_default_role",
+        "detect_silent_server",
+    ),
     needs=("client_wiring", "never_blocks"),
 )
 def test_publishes(recordings: Recordings) -> None:
     """What the server said is published once, on the topic of the role; nothing if it refused."""
-    *named, nameless = recordings
-    for recording in named:
+    quick, slow, *nameless, silent = recordings
+    for recording in (quick, slow):
         require_alive(recording)
         require_own_topics(recording)
         answers, right = [r for r in requests(recording) if r.success], successes(recording)
@@ -166,7 +172,9 @@ def test_publishes(recordings: Recordings) -> None:
                 at=NEXT_REQUEST,
                 recording=recording,
             )
-    _require_role(nameless)
+    for recording in nameless:
+        _require_role(recording)
+    _require_no_repeats(silent)
 
 
 def _require_role(recording: Recording) -> None:
@@ -176,29 +184,64 @@ def _require_role(recording: Recording) -> None:
     if good and not detections(recording):
         own = [e.topic for e in recording.endpoints if e.topic.endswith("/detection")]
         fail(
-            f"a client started with -p role:={role}, and no other name, publishes no detection",
+            f"a client started {_options(recording)} publishes no detection",
             expected=f"what the server said, on /{role}/detection",
             actual=f"publishers on {', '.join(sorted(set(own)))}" if own else "no such publisher",
             at=good[0].answered,
             recording=recording,
             help="The role is the parameter, whatever the node is called: "
-            "self.declare_parameter('role', …).value",
+            "self.declare_parameter('role', 'navigation').value",
         )
 
 
+def _options(recording: Recording) -> str:
+    """Return in words what the client was told when it started."""
+    options = [a for p in recording.scenario.program if not p.supplied for a in p.arguments]
+    told = [option for option in options if option.startswith("role:=")]
+    return f"with -p {told[0]}, and no other name," if told else "without parameters"
+
+
+def _require_no_repeats(recording: Recording) -> None:
+    """Fail if an answer is published twice, however late the next one comes."""
+    seen: set[str] = set()
+    for time, role, text in detections(recording):
+        if text in seen and text in successes(recording):
+            fail(
+                f"/{role}/detection carried the same answer again",
+                expected="each answer once; nothing while no answer comes",
+                actual=text[:200],
+                at=time,
+                recording=recording,
+                help="Publish in the callback of the answer, and nowhere else.",
+            )
+        seen.add(text)
+
+
 @pytest.mark.check(
-    points=3, scenarios=("detect_silent_server",), needs=("client_wiring", "never_blocks")
+    points=3,
+    scenarios=("detect_silent_server", "detect_restart"),
+    needs=("client_wiring", "never_blocks"),
 )
 def test_gives_up(recordings: Recordings) -> None:
     """One request at a time; without an answer it is given up after 1 s, with a warning."""
-    for recording in recordings:
-        require_alive(recording)
-        found = requests(recording)
-        if not any(request.answered == float("inf") for request in found):
-            fail("the client asked too rarely to be left without an answer", recording=recording)
-        followed = [*found[1:], None]
-        for request, after in zip(found, followed, strict=True):
-            _require_patience(recording, request, after)
+    silent, restart = recordings
+    require_alive(silent)
+    found = requests(silent)
+    if all(math.isfinite(request.answered) for request in found):
+        fail(
+            "the client asked too rarely to be left without an answer",
+            expected="requests until the end of the scenario",
+            actual=f"{len(found)}, and each was answered",
+            at=found[-1].at if found else NEXT_REQUEST,
+            recording=silent,
+            help="A timer of 0.5 s asks, unless a request is open.",
+        )
+    followed = [*found[1:], None]
+    for request, after in zip(found, followed, strict=True):
+        _require_patience(silent, request, after)
+        _require_warning(silent, request, begin=request.at + PATIENCE - HAIR - silent.slack)
+    for request in requests(restart):  # a client may see that its server has gone, and say so
+        _require_warning(restart, request, begin=request.at)
 
 
 @pytest.mark.check(points=3, scenarios=("detect_restart",), needs=("client_wiring", "never_blocks"))
@@ -290,9 +333,13 @@ def _require_patience(recording: Recording, request: Request, after: Request | N
             help="Remember when you asked; at each tick, compare. remove_pending_request() forgets "
             "the old request.",
         )
-    due = request.at + NEXT_REQUEST + hair < recording.duration_s
-    begin, end = request.at + PATIENCE - hair, request.at + NEXT_REQUEST + hair
-    if request.answered == float("inf") and due and not warnings(recording, begin, end):
+
+
+def _require_warning(recording: Recording, request: Request, begin: float) -> None:
+    """Fail if a request that was never answered was given up without a warning from `begin` [s]."""
+    end = request.at + NEXT_REQUEST + HAIR + recording.slack
+    due = end < recording.duration_s
+    if math.isinf(request.answered) and due and not warnings(recording, begin, end):
         fail(
             "a request was given up without a warning",
             expected=f"a warning in the log between {begin:.2f} s and {end:.2f} s",

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 
 MOST, LEAST = 0.9, 0.4  # of Describes: confidence near and far
+CERTAIN = 3.0  # [m] nearer than this, Numbers has no doubt
 PER_METRE = 0.04  # [1/m] confidence lost with distance
 SHARES = (0.4, 1.0, 0.6)  # how the classes share the probability; the second is the greatest
 # what FailsAt does where [m]
@@ -58,8 +59,10 @@ class Numbers(Describes):
         return np.rint(self._rows(features)[:, 0]).astype(np.int64)
 
     def predict_proba(self, features: Any) -> Array:
-        """Return (n, 3) probabilities."""
-        return super().predict_proba(features).astype(np.float32)
+        """Return (n, 3) probabilities; nearer than `CERTAIN` the second is 1."""
+        near = self._rows(features)[:, :1] < CERTAIN
+        said = np.where(near, [0.0, 1.0, 0.0], super().predict_proba(features))
+        return said.astype(np.float32)
 
 
 class CountsLoads(Describes):

@@ -30,8 +30,13 @@ MALFORMED = {  # messages that come with success = true, though they are not wha
     "unicode": '{"label": "Kiste \N{PACKAGE}", "confidence": "½"}',
 }
 
-# As JSON may be spelt; who writes it anew spells it in another way.
-SAME = '{"stamp": 1700000000.250, "label":"Kiste \N{PACKAGE}",  "confidence": 0.50}'
+# As JSON may be spelt, with room around it and more keys than those of the contract; who writes it
+# anew, strips or shortens it spells it in another way.
+SAME = (
+    ' {"stamp": 1700000000.250, "label":"Kiste \N{PACKAGE}",  "confidence": 0.50, "notes": "'
+    + "seen before; " * 20
+    + '"}\n'
+)
 
 
 class DetectionDouble(Node):  # type: ignore[misc]

@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 class Client(Node):
     def __init__(self):
         super().__init__("detection_client")
-        role = self.declare_parameter("role", "logging").value
+        role = self.declare_parameter("role", "navigation").value
         self.beat = 0
         self.client = self.create_client(
             Trigger, "/detect", callback_group=MutuallyExclusiveCallbackGroup()

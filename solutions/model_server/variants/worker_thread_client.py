@@ -17,7 +17,7 @@ from std_srvs.srv import Trigger
 class Client(Node):
     def __init__(self):
         super().__init__("detection_client")
-        self.role = self.declare_parameter("role", "manipulation").value
+        self.role = self.declare_parameter("role", "navigation").value
         self.client = self.create_client(Trigger, "/detect")
         self.heartbeat = self.create_publisher(UInt32, f"/{self.role}/heartbeat", 10)
         self.detection = self.create_publisher(String, f"/{self.role}/detection", 10)

@@ -81,6 +81,9 @@ def test_who_only_stands_has_no_habit(run: Run) -> None:
         ("smoothes_the_prediction", Seeing(windows=tuple(range(8, 21)))),  # of eight scans
         ("features_in_another_order", Seeing()),
         ("keeps_what_hardly_changes", Seeing()),
+        ("rounds_to_centimetres", Seeing(digits=2)),
+        ("speeds_up_slowly", Seeing(step=pytest.approx(0.05))),
+        ("slews", Seeing(step=pytest.approx(0.05))),
     ],
 )
 def test_sectors_and_filters(run: Run, name: str, habit: Seeing) -> None:
