@@ -169,7 +169,9 @@ def require_success(recording: Recording, ask: Ask) -> None:
 
 def _advice(recording: Recording) -> str:
     """Return what to look at when a server refuses that should not."""
-    if recording.scenario.node.models and not recording.scenario.node.parameters:
+    scenario = recording.scenario
+    told = [p.arguments for p in scenario.program if p.file == "detection_server.py"]
+    if not scenario.node.parameters and not any(told):
         return "Started without parameters: model_path is detection_model.pkl then."
     return "Set response.success, and refuse only for the reasons on the task's list."
 

@@ -35,7 +35,7 @@ BLOCKED = (
     "Does a callback wait: client.call(), await in the default callback group, "
     "spin_until_future_complete(), a sleep, a loop? While it waits, its executor delivers nothing, "
     "not even the answer that it waits for. Use call_async() and future.add_done_callback(), and "
-    "return."
+    "return. Or is the heartbeat skipped while a request is open?"
 )
 
 
