@@ -214,7 +214,7 @@ def test_a_classifier_says_what_it_would_say_in_the_node(
     scenario: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     models = service(load_scenario(scenario))
-    ((file, spec),) = models.scenario.node.models.items()
+    file, spec = next(iter(models.scenario.node.models.items()))
     monkeypatch.setattr(kept.desk, "ask", desk(models))
     model, there = kept.load(kept.KeptClassifier, file), probe(spec)
     for method in ("predict", "predict_proba"):
