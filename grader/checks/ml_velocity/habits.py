@@ -23,6 +23,7 @@ EDGES = (90.0, 45.0, 30.0)  # [°] that others take for the front's: exercise 1'
 DIGITS = (1, 2, 3)  # to which others round, in m/s
 WINDOWS = range(2, 21)  # predictions in an average
 LEAST_WEIGHT = 0.01
+LEAST_STEP = 0.01  # [m/s] who changes its commands by less stands, whatever the model says
 TOLERANCE = 2e-4  # [m/s]
 
 
@@ -68,7 +69,8 @@ def candidates(found: Sequence[Answer], said: Sequence[float | None]) -> Iterato
     yield from (Habit(digits=digits) for digits in DIGITS)
     speeds = [0.0, *(answer.speed for answer in found if answer.speed is not None)]
     steps = [after - before for before, after in pairwise(speeds)]
-    yield from (Habit(step=step) for step in (max(steps, default=0.0), -min(steps, default=0.0)))
+    largest = (max(steps, default=0.0), -min(steps, default=0.0))
+    yield from (Habit(step=step) for step in largest if step >= LEAST_STEP)
     for before, now, new in zip(found, found[1:], said[1:], strict=False):
         if before.speed is None or now.speed is None or new is None:
             return

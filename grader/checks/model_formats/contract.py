@@ -21,12 +21,8 @@ TORCH = ("torch",)
 KERAS = ("torch", "keras")
 
 ORDER = (0, 1, 2, 3, 4)  # of the features
-BROKEN = (
-    "garbage",
-    "empty",
-    "pickled",
-    "foreign",
-)  # what there is in files that hold no model of a format
+# what there is in files that hold no model of a format
+BROKEN = ("garbage", "empty", "pickled", "foreign")
 
 
 def model_file(scenario: Scenario) -> str:

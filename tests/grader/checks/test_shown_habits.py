@@ -20,6 +20,7 @@ from grader.course.submission import Submission
 from grader.link.pool import ForkServerPool
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
+from sim.messages import twist
 from sim.scenario_files import load_scenario
 
 Run = Callable[..., tuple[Recording, ...]]
@@ -89,6 +90,22 @@ def test_who_only_stands_has_no_habit(run: Run) -> None:
 def test_sectors_and_filters(run: Run, name: str, habit: Seeing) -> None:
     (recording,) = run("ml_velocity", name, "ml_front_min")
     assert ml.habit_of((recording,)) == habit
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-6])
+def test_who_asks_the_model_and_stands_has_no_habit(run: Run, noise: float) -> None:
+    (recording,) = run("ml_velocity", "rounds_to_centimetres", "ml_front_min")
+    stands = replace(
+        recording,
+        published=tuple(
+            replace(each, data=twist(time=0, linear_x=noise * (i % 2), topic="/cmd_vel").data)
+            if each.topic == "/cmd_vel"
+            else each
+            for i, each in enumerate(recording.published)
+        ),
+    )
+    assert len(stands.twists().linear_x) > 1
+    assert ml.habit_of((stands,)) == Seeing()
 
 
 def test_numbers_that_are_noise_are_judged_with_small_stamps(run: Run) -> None:
