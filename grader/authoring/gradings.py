@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from grader.host.sandbox.kernel_filters import die_with_parent
 from grader.link.pool import ForkServerPool
+from grader.trial.kept import KeptRecordings
 
 if TYPE_CHECKING:
     from grader.authoring.proof import Claim
@@ -29,6 +30,7 @@ def gradings(
     *,
     first_failure: bool = False,
     suspects: Sequence[str] = (),
+    kept: KeptRecordings | None = None,
 ) -> Iterator[Grading]:
     """Yield the grading of each claim, without its recordings.
 
@@ -40,8 +42,10 @@ def gradings(
         Judge nothing of a claim after the first check that fails.
     suspects
         For each claim, the check that is likely to fail, or ""; see `grade_submission`.
+    kept
+        Recordings of earlier runs.
     """
-    graded = partial(_graded, first_failure=first_failure)
+    graded = partial(_graded, first_failure=first_failure, kept=kept)
     context = multiprocessing.get_context("spawn")
     suspects = suspects or [""] * len(claims)
     at_once = PER_PROCESS * workers
@@ -52,11 +56,13 @@ def gradings(
             )
 
 
-def _graded(claim: Claim, suspect: str, *, first_failure: bool) -> Grading:
+def _graded(
+    claim: Claim, suspect: str, *, first_failure: bool, kept: KeptRecordings | None
+) -> Grading:
     from grader.authoring.proof import grade_claim  # noqa: PLC0415  (it imports this module)
 
     servers = _servers().of(claim.exercise.libraries)
-    grading = grade_claim(claim, servers, first_failure=first_failure, suspect=suspect)
+    grading = grade_claim(claim, servers, first_failure=first_failure, suspect=suspect, kept=kept)
     return replace(grading, recordings=())
 
 

@@ -188,8 +188,6 @@ def _render(name: str, entry: _Entry, base: _Base, first: str, where: str) -> Mu
     mistake = " ".join(entry.mistake.split())
     notes = {
         "file": [base.file] if base.file != first else [],
-        "fails": [check for check in entry.fails if not check.startswith(FIELD)],
-        "field": [check for check in entry.fails if check.startswith(FIELD)],
         "requires": entry.requires,
     }
     said = "\n".join(f"{key}: {', '.join(values)}" for key, values in notes.items() if values)

@@ -39,9 +39,12 @@ from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import FAIL, INCONCLUSIVE, UNAVAILABLE
 from grader.link.hosts import ForkServer
 from grader.link.launcher import Launcher
+from grader.trial.kept import KeptRecordings
 from sim.messages import EPOCH_NS
 
 SKELETON_POINTS = 10  # at most
+CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+RECORDINGS = CACHE / "rclpy-agents-course" / "recordings"
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,12 @@ def claim_of(exercise: Exercise, kind: str, path: Path) -> Claim:
 
 
 def grade_claim(
-    claim: Claim, forkserver: Launcher, *, first_failure: bool = False, suspect: str = ""
+    claim: Claim,
+    forkserver: Launcher,
+    *,
+    first_failure: bool = False,
+    suspect: str = "",
+    kept: KeptRecordings | None = None,
 ) -> Grading:
     """Grade a solution with the core and the field checks; see `grade_submission`."""
     with complete(claim) as submission:
@@ -122,6 +130,7 @@ def grade_claim(
             field=True,
             first_failure=first_failure,
             suspect=suspect,
+            kept=kept,
         )
 
 
@@ -210,22 +219,30 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--only", metavar="NAME", help="prove one solution or mutant")
     cpus = len(os.sched_getaffinity(0))
     parser.add_argument("--workers", type=int, default=cpus, help=f"processes; {cpus} by default")
+    parser.add_argument(
+        "--recordings", type=Path, default=RECORDINGS, metavar="FOLDER", help=f"{RECORDINGS}"
+    )
+    parser.add_argument(
+        "--recorded-by", default="", metavar="ENGINE", help="judge what another engine recorded"
+    )
     parser.add_argument("--keep", type=Path, metavar="FILE", help="write each claim's result there")
     options = parser.parse_args(arguments)
+    kept = KeptRecordings(options.recordings, options.recorded_by)
+    kept.tidy()
     try:
         exercises = [find_exercise(name) for name in options.exercises] or all_exercises()
         if options.only:
-            return _prove_one(options.only, exercises)
+            return _prove_one(options.only, exercises, kept)
     except InputError as error:
         parser.error(str(error))
     if options.workers < 1:
         parser.error(f"--workers {options.workers}: expected at least 1")
     everything = {exercise: list(claims(exercise)) for exercise in exercises}
     provable = [claim for each in everything.values() for claim in each if not claim.lacks]
-    graded = gradings(provable, options.workers)
+    graded = gradings(provable, options.workers, kept=kept)
     tallies = [_prove(exercise, each, graded) for exercise, each in everything.items()]
     for tally in tallies:
-        _prove_stalled(tally)
+        _prove_stalled(tally, kept.anew())
     print(f"\n  {'exercise':24} killed  of")
     for tally in tallies:
         rest = f"  ({tally.in_part} claims not proven in full here)" if tally.in_part else ""
@@ -243,7 +260,7 @@ def main(arguments: list[str]) -> int:
     return 1 if bad else 0
 
 
-def _prove_one(name: str, exercises: list[Exercise]) -> int:
+def _prove_one(name: str, exercises: list[Exercise], kept: KeptRecordings) -> int:
     """Prove the solutions and mutants of this name; 1 if anything is said against them."""
     chosen = [claim for exercise in exercises for claim in claims(exercise) if claim.stem == name]
     if not chosen:
@@ -251,7 +268,7 @@ def _prove_one(name: str, exercises: list[Exercise]) -> int:
     bad = 0
     for claim in chosen:
         with ForkServer(EPOCH_NS, libraries=claim.exercise.libraries) as forkserver:
-            grading = grade_claim(claim, forkserver)
+            grading = grade_claim(claim, forkserver, kept=kept)
         failed = sorted(check.id for check in grading.checks if check.outcome == FAIL)
         print(f"{claim.name}: {grading.score} points; fails {', '.join(failed) or 'nothing'}")
         against = objections(claim, grading)
@@ -308,10 +325,10 @@ def _prove(exercise: Exercise, claimed: list[Claim], graded: Iterator[Grading]) 
     return tally
 
 
-def _prove_stalled(tally: Tally) -> None:
+def _prove_stalled(tally: Tally, kept: KeptRecordings) -> None:
     """Judge again, with nothing beside it, what could not be judged on a busy machine."""
     for claim in tally.stalled:
-        (grading,) = gradings([claim], workers=1)
+        (grading,) = gradings([claim], workers=1, kept=kept)
         against = _against(claim, grading)
         tally.rows[claim.name] = Row.of(claim.kind, claim.stem, claim.about, grading)
         print(f"{'!' if against else ' '} {claim.name:64} {grading.score:3}  judged again, alone")

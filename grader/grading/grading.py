@@ -31,6 +31,7 @@ from grader.grading.plugin import (
 )
 from grader.link.launcher import Launcher
 from grader.recording import Recording
+from grader.trial.kept import KeptRecordings
 from grader.trial.progress import OnProgress, ignore
 from grader.trial.trials import NodeTrials, TrialFault, Trials
 
@@ -224,12 +225,13 @@ def grade_submission(
     on_progress: OnProgress = ignore,
     first_failure: bool = False,
     suspect: str = "",
+    kept: KeptRecordings | None = None,
 ) -> Grading:
     """Run the student's node and judge it; repeated once if the machine stalled.
 
     With `first_failure`, nothing is judged after the first check that fails: it only has to be
     known whether there is one. `suspect` is the core check that is likely to fail: it is judged
-    first, after those that it needs.
+    first, after those that it needs. `kept` has the recordings of earlier runs.
 
     Raises
     ------
@@ -247,6 +249,7 @@ def grade_submission(
             bags=bags,
             real_time=tier == 2,
             on_progress=on_progress,
+            kept=kept,
         ) as trials:
             grading = grade(
                 exercise,
@@ -264,6 +267,7 @@ def grade_submission(
         repeated = tier == 2 or any(r.live is not None and r.live.stall for r in grading.recordings)
         if repeated or not any(check.outcome == INCONCLUSIVE for check in grading.checks):
             break  # a trial in real time has been repeated already
+        kept = kept and kept.anew()
     return grading
 
 

@@ -7,7 +7,7 @@ import os
 import shutil
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -22,6 +22,7 @@ from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
 from grader.trial.endings import BUSY_WAIT, is_halt, not_run
+from grader.trial.kept import KeptRecordings
 from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
 from grader.trial.seeds import trial_seed
 from grader.trial.training import Trained, run_training
@@ -103,6 +104,7 @@ class NodeTrials:
     limits: Limits = field(default_factory=Limits)
     real_time: bool = False  # Tier 2: all trials in wall-clock time, on DDS
     on_progress: OnProgress = ignore
+    kept: KeptRecordings | None = None  # where recordings are looked for, and kept
     _futures: dict[str, Future[Recording]] = field(default_factory=dict)
     _trained: dict[str, Future[Trained]] = field(default_factory=dict)
     _seeds: dict[str, int] = field(default_factory=dict)  # by scenario
@@ -227,13 +229,16 @@ class NodeTrials:
         if name in self._trained:
             return
         scenario = load_scenario(name)
-        self._trained[name] = self._pool.submit(
-            run_training,
-            self.submission,
-            scenario,
-            self.forkserver,
-            seed=self.seed_of(scenario),
-        )
+        self._trained[name] = self._pool.submit(self._run_training, scenario)
+
+    def _run_training(self, scenario: Scenario) -> Trained:
+        seed = self.seed_of(scenario)
+        if self.kept and (found := self.kept.get(self.submission, scenario, seed, {})):
+            return Trained(*found)
+        trained = run_training(self.submission, scenario, self.forkserver, seed=seed)
+        if self.kept:
+            self.kept.put(self.submission, trained.recording, {}, trained.pickle)
+        return trained
 
     def _run_unless_halted(self, scenario: Scenario) -> Recording:
         if self._unasked(scenario.name):
@@ -272,6 +277,16 @@ class NodeTrials:
     def _drive_or_train(self, scenario: Scenario) -> Recording:
         if scenario.training is not None:
             return self._trained[scenario.name].result().recording
+        files = self._own_models(scenario)
+        seed = self.seed_of(scenario)
+        if self.kept and (found := self.kept.get(self.submission, scenario, seed, files)):
+            return found[0]
+        recording = self._drive(scenario, files)
+        if self.kept:
+            self.kept.put(self.submission, recording, files)
+        return recording
+
+    def _drive(self, scenario: Scenario, files: Mapping[str, bytes]) -> Recording:
         if self._dead is not None:
             return not_run(Simulation(scenario, self.seed_of(scenario)), self._dead)
         if self.real_time or self._why_real is not None:
@@ -285,7 +300,7 @@ class NodeTrials:
             self.forkserver,
             seed=self.seed_of(scenario),
             limits=limits,
-            files=self._own_models(scenario),
+            files=files,
         )
         self._took.append(time.perf_counter() - began)
         if self.forkserver.practice:
