@@ -6,6 +6,7 @@ Publishes   /cmd_vel    geometry_msgs/msg/Twist        [m/s] and [rad/s], 10 tim
 """
 
 import math
+import signal
 from typing import NamedTuple
 
 import rclpy
@@ -96,19 +97,18 @@ class GoalSeekingAgent(Node):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the agent until Ctrl-C, then stop the robot."""
+    """Run the agent until Ctrl-C or SIGTERM, then stop the robot."""
+    # NO: rclpy's own handlers would shut ROS down before the robot can be stopped.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as Ctrl-C does
+    node = GoalSeekingAgent()
     try:
-        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        node = GoalSeekingAgent()
-        try:
-            while rclpy.ok():
-                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
-        finally:
-            node.stop()
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=1.0)  # a signal takes effect between two waits
     except KeyboardInterrupt:
         pass
     finally:
+        node.stop()
         rclpy.try_shutdown()
 
 

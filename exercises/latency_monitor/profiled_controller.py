@@ -10,6 +10,7 @@ Parameters  model_path   string  a pickled model with predict(X: (n, 5)) -> (n,)
 
 import math
 import pickle
+import signal
 import time
 from collections import deque
 from typing import Any
@@ -103,19 +104,18 @@ class ProfiledController(Node):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the controller until Ctrl-C, then stop the robot."""
+    """Run the controller until Ctrl-C or SIGTERM, then stop the robot."""
+    # NO: rclpy's own handlers would shut ROS down before the robot can be stopped.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as Ctrl-C does
+    node = ProfiledController()
     try:
-        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        node = ProfiledController()
-        try:
-            while rclpy.ok():
-                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
-        finally:
-            node.stop()
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=1.0)  # a signal takes effect between two waits
     except KeyboardInterrupt:
         pass
     finally:
+        node.stop()
         rclpy.try_shutdown()
 
 

@@ -5,6 +5,7 @@ Publishes   /cmd_vel  geometry_msgs/msg/Twist    forward speed [m/s], one for ea
 """
 
 import math
+import signal
 
 import rclpy
 from geometry_msgs.msg import Twist
@@ -82,19 +83,18 @@ class ObstacleAvoidanceAgent(Node):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the agent until Ctrl-C, then stop the robot."""
+    """Run the agent until Ctrl-C or SIGTERM, then stop the robot."""
+    # NO: rclpy's own handlers would shut ROS down before the robot can be stopped.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as Ctrl-C does
+    node = ObstacleAvoidanceAgent()
     try:
-        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        node = ObstacleAvoidanceAgent()
-        try:
-            while rclpy.ok():
-                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
-        finally:
-            node.stop()
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=1.0)  # a signal takes effect between two waits
     except KeyboardInterrupt:
         pass
     finally:
+        node.stop()
         rclpy.try_shutdown()
 
 

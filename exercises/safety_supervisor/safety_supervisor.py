@@ -8,6 +8,7 @@ Publishes   /cmd_vel      geometry_msgs/msg/Twist                 what is safe, 
 """
 
 import math
+import signal
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -103,8 +104,8 @@ def decide(situation: Situation) -> Decision:
     At most MAX_RISE faster than the last command (than standstill, if that one drove backwards).
     Slowing down, stopping and driving backwards are never delayed.
     """
-    # TODO(task 3): rules 1 to 4 stop the robot.
-    # TODO(task 4): obstacle, limits, acceleration.
+    # TODO(task 3): rules 1 to 4 stop the robot: e_stop, bad_command, stale_command, stale_scan.
+    # TODO(task 4): rules 5 to 7 let it drive: obstacle, limited (speed, turn rate, rise), ok.
     return Decision(Reason.STALE_COMMAND)
 
 
@@ -129,15 +130,15 @@ class SafetySupervisor(Node):
 
     def command_callback(self, command: Twist) -> None:
         """Keep what the model asks for, and when it arrived."""
-        # TODO(task 2)
+        # TODO(task 2): keep the command, and the time at which it arrived.
 
     def scan_callback(self, scan: LaserScan) -> None:
         """Keep the distance ahead, and when it arrived."""
-        # TODO(task 2)
+        # TODO(task 2): keep the distance ahead, and the time at which the scan arrived.
 
     def e_stop_callback(self, message: Bool) -> None:
         """Keep whether the button is pressed."""
-        # TODO(task 2)
+        # TODO(task 2): keep what the button says now.
 
     def age_of(self, arrival: Time | None) -> float:
         """Return how long ago that was [s]; ``inf`` for what never arrived."""
@@ -162,7 +163,8 @@ class SafetySupervisor(Node):
 
     def drive(self, decision: Decision) -> None:
         """Publish the command, and remember its speed for the next tick."""
-        # TODO(task 4): publish a Twist and keep self.last_speed.
+        # TODO(task 4): publish a Twist with the decision's speed and turn rate;
+        # keep the speed in self.last_speed.
 
     def report(self, decision: Decision) -> None:
         """Publish the reason: one status whose message begins with the reason word."""
@@ -175,19 +177,18 @@ class SafetySupervisor(Node):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the supervisor until Ctrl-C, then stop the robot."""
+    """Run the supervisor until Ctrl-C or SIGTERM, then stop the robot."""
+    # NO: rclpy's own handlers would shut ROS down before the robot can be stopped.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as Ctrl-C does
+    node = SafetySupervisor()
     try:
-        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        node = SafetySupervisor()
-        try:
-            while rclpy.ok():
-                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
-        finally:
-            node.stop()
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=1.0)  # a signal takes effect between two waits
     except KeyboardInterrupt:
         pass
     finally:
+        node.stop()
         rclpy.try_shutdown()
 
 

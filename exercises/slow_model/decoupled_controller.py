@@ -8,6 +8,7 @@ Parameters  model_path  string  a pickled model with predict(X: (n, 5)) -> (n,) 
 
 import math
 import pickle
+import signal
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -97,24 +98,23 @@ class DecoupledController(Node):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the controller until Ctrl-C, then stop the robot."""
+    """Run the controller until Ctrl-C or SIGTERM, then stop the robot."""
+    # NO: rclpy's own handlers would shut ROS down before the robot can be stopped.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as Ctrl-C does
+    node = DecoupledController()
+    # TODO(task 2): this executor runs one callback at a time, which is enough with a worker
+    # thread. Which one runs two?
+    executor = rclpy.get_global_executor()
+    executor.add_node(node)
     try:
-        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        node = DecoupledController()
-        # TODO(task 2): this executor runs one callback at a time, which is enough with a worker
-        # thread. Which one runs two?
-        executor = rclpy.get_global_executor()
-        executor.add_node(node)
-        try:
-            while rclpy.ok():
-                executor.spin_once(timeout_sec=1.0)  # Ctrl-C takes effect between two waits
-        finally:
-            executor.shutdown()  # starts no further callback
-            node.stop()
+        while rclpy.ok():
+            executor.spin_once(timeout_sec=1.0)  # a signal takes effect between two waits
     except KeyboardInterrupt:
         pass
     finally:
+        executor.shutdown()  # starts no further callback
+        node.stop()
         rclpy.try_shutdown()
 
 

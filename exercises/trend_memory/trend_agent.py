@@ -6,6 +6,7 @@ Publishes   /closing_speed  std_msgs/msg/Float64       how fast what is ahead co
 """
 
 import math
+import signal
 from collections import deque
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -124,19 +125,18 @@ class TrendAgent(Node):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the agent until Ctrl-C, then stop the robot."""
+    """Run the agent until Ctrl-C or SIGTERM, then stop the robot."""
+    # NO: rclpy's own handlers would shut ROS down before the robot can be stopped.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as Ctrl-C does
+    node = TrendAgent()
     try:
-        # NO: rclpy's own Ctrl-C handler would shut ROS down before the robot can be stopped.
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        node = TrendAgent()
-        try:
-            while rclpy.ok():
-                rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C takes effect between two waits
-        finally:
-            node.stop()
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=1.0)  # a signal takes effect between two waits
     except KeyboardInterrupt:
         pass
     finally:
+        node.stop()
         rclpy.try_shutdown()
 
 

@@ -20,11 +20,6 @@ from grader.checks.wiring import require_wiring
 from grader.recording import Recording
 
 BY_ANGLE = "Compute each beam's angle from angle_min and angle_increment, and wrap it to -π … π."
-BY_TRANSFORM = (
-    "A beam's angle counts in the frame of scan.header.frame_id. Look up how base_link and that "
-    "frame are turned (tf2_ros, Buffer.lookup_transform), and add the yaw to the angle."
-)
-
 Check = Callable[[tuple[Recording, ...]], None]
 
 
@@ -60,11 +55,6 @@ class FieldSuite:
         """Return a check with a fast and fine lidar that does not see behind the robot."""
         title = "Works with a lidar of 1080 beams over ±135° at 40 Hz."
         return self.check(title, *scenarios, help=BY_ANGLE, requires=requires)
-
-    def turned_lidar(self, *scenarios: str, requires: tuple[str, ...] = ()) -> Check:
-        """Return a check with a lidar that does not look ahead, as /tf_static says."""
-        title = "Works with a lidar that is mounted turned, as /tf_static says."
-        return self.check(title, *scenarios, help=BY_TRANSFORM, requires=requires)
 
     def best_effort(self, *scenarios: str, sensor: str = "a lidar", help: str = "") -> Check:
         """Return a check with a driver that a reliable subscription does not hear."""

@@ -14,14 +14,6 @@ from rclpy.qos import qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import LaserScan
 
-### BEGIN SOLUTION
-try:
-    from tf2_ros import Buffer, TransformException, TransformListener
-except ModuleNotFoundError:  # pip has no tf2_ros; without it the lidar has to look ahead
-    Buffer = None
-
-### SKELETON
-### END SOLUTION
 STOP_DISTANCE = 0.5  # [m] nearer than this: stop
 SLOW_DISTANCE = 1.0  # [m] nearer than this: slow down
 FULL_SPEED = 0.5  # [m/s]
@@ -92,8 +84,6 @@ class ObstacleAvoidanceAgent(Node):
         self.scan_subscription = self.create_subscription(
             LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data
         )
-        self.frames = Buffer() if Buffer else None
-        self.frames_listener = TransformListener(self.frames, self) if Buffer else None
         ### SKELETON
         # # TODO(task 1): create a publisher of Twist on /cmd_vel
         # # and a subscription to LaserScan on /scan that calls self.scan_callback.
@@ -102,10 +92,6 @@ class ObstacleAvoidanceAgent(Node):
 
     def scan_callback(self, scan: LaserScan) -> None:
         """Run the loop once: perceive, decide, act. Exactly one Twist for each scan."""
-        ### BEGIN SOLUTION
-        scan.angle_min += self.lidar_yaw(scan.header.frame_id)  # now 0 is the robot's front
-        ### SKELETON
-        ### END SOLUTION
         distance = front_distance(scan)
         speed = choose_speed(distance)
         self.drive(speed)
@@ -116,19 +102,6 @@ class ObstacleAvoidanceAgent(Node):
         else:
             self.get_logger().info(f"Distance: {distance:.2f} m, velocity: {speed:.2f} m/s")
 
-    ### BEGIN SOLUTION
-    def lidar_yaw(self, frame: str) -> float:
-        """Return how far the lidar is turned on the robot [rad]; 0 if nobody says."""
-        if self.frames is None:
-            return 0.0
-        try:
-            mounted = self.frames.lookup_transform("base_link", frame, rclpy.time.Time()).transform
-        except TransformException:
-            return 0.0
-        return 2.0 * math.atan2(mounted.rotation.z, mounted.rotation.w)
-
-    ### SKELETON
-    ### END SOLUTION
     def drive(self, speed: float) -> None:
         """Action: publish one Twist with ``linear.x`` = speed [m/s] and every other field 0."""
         ### BEGIN SOLUTION

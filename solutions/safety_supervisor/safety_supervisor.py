@@ -124,8 +124,8 @@ def decide(situation: Situation) -> Decision:
     as_asked = speed == asked_speed and turn_rate == asked_turn_rate
     return Decision(Reason.OK if as_asked else Reason.LIMITED, speed, turn_rate)
     ### SKELETON
-    # # TODO(task 3): rules 1 to 4 stop the robot.
-    # # TODO(task 4): obstacle, limits, acceleration.
+    # # TODO(task 3): rules 1 to 4 stop the robot: e_stop, bad_command, stale_command, stale_scan.
+    # # TODO(task 4): rules 5 to 7 let it drive: obstacle, limited (speed, turn rate, rise), ok.
     # return Decision(Reason.STALE_COMMAND)
     ### END SOLUTION
 
@@ -169,7 +169,7 @@ class SafetySupervisor(Node):
         self.command = command
         self.command_arrival = self.get_clock().now()
         ### SKELETON
-        # # TODO(task 2)
+        # # TODO(task 2): keep the command, and the time at which it arrived.
         ### END SOLUTION
 
     def scan_callback(self, scan: LaserScan) -> None:
@@ -178,7 +178,7 @@ class SafetySupervisor(Node):
         self.distance = front_distance(scan)
         self.scan_arrival = self.get_clock().now()
         ### SKELETON
-        # # TODO(task 2)
+        # # TODO(task 2): keep the distance ahead, and the time at which the scan arrived.
         ### END SOLUTION
 
     def e_stop_callback(self, message: Bool) -> None:
@@ -186,7 +186,7 @@ class SafetySupervisor(Node):
         ### BEGIN SOLUTION
         self.e_stop = message.data
         ### SKELETON
-        # # TODO(task 2)
+        # # TODO(task 2): keep what the button says now.
         ### END SOLUTION
 
     def age_of(self, arrival: Time | None) -> float:
@@ -225,7 +225,8 @@ class SafetySupervisor(Node):
         self.cmd_vel_publisher.publish(twist)
         self.last_speed = decision.speed
         ### SKELETON
-        # # TODO(task 4): publish a Twist and keep self.last_speed.
+        # # TODO(task 4): publish a Twist with the decision's speed and turn rate;
+        # # keep the speed in self.last_speed.
         ### END SOLUTION
 
     def report(self, decision: Decision) -> None:

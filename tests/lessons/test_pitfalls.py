@@ -201,7 +201,7 @@ def test_no_published_node_passes(forkserver: ForkServer, exercise: str, node: s
 @pytest.mark.parametrize(
     ("mutant", "also"),
     [
-        ("obstacle_avoidance/hard_coded_indices", {"field_turned_lidar", "field_wide_lidar"}),
+        ("obstacle_avoidance/hard_coded_indices", {"field_wide_lidar"}),
         ("obstacle_avoidance/reliable_only", set()),
         ("goal_seeking/heading_without_yaw", {"reaches_any_goal"}),
     ],

@@ -26,7 +26,6 @@ field = FieldSuite("obstacle_avoidance", _require_contract)
 
 test_field_lds01 = field.lds01("avoid_field_lds01_bench", "avoid_field_lds01")
 test_field_wide_lidar = field.wide_lidar("avoid_field_wide_bench", "avoid_field_wide")
-test_field_turned_lidar = field.turned_lidar("avoid_field_turned_bench", "avoid_field_turned")
 test_field_best_effort = field.best_effort("avoid_field_best_effort")
 test_field_mirrored_world = field.mirrored_world("avoid_field_mirrored")
 test_field_speckle = field.speckle("avoid_field_speckle")

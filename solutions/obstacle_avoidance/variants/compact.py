@@ -10,7 +10,6 @@ from geometry_msgs.msg import Twist
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
-from tf2_ros import Buffer, TransformException, TransformListener
 
 
 class Agent(Node):
@@ -18,19 +17,7 @@ class Agent(Node):
         super().__init__("obstacle_avoidance_agent")
         self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data)
-        self.frames = Buffer()
-        self.listener = TransformListener(self.frames, self)
         self.get_logger().info("Obstacle avoidance agent started")
-
-    def lidar_yaw(self, scan):
-        try:
-            found = self.frames.lookup_transform(
-                "base_link", scan.header.frame_id, rclpy.time.Time()
-            )
-        except TransformException:
-            return 0.0  # nobody says otherwise: it looks ahead
-        q = found.transform.rotation
-        return 2 * math.atan2(q.z, q.w)
 
     def perceive(self, scan):
         readings = []
@@ -52,7 +39,6 @@ class Agent(Node):
         return 0.5
 
     def scan_callback(self, scan):
-        scan.angle_min += self.lidar_yaw(scan)
         twist = Twist()
         twist.linear.x = self.decide(self.perceive(scan))
         self.publisher.publish(twist)
