@@ -17,7 +17,11 @@ from sim.scenario import Scenario
 from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown, unknown_name
 from sim.world import World, load_world, world_from_doc, world_names
 
-SCENARIOS = Path(__file__).parent / "scenarios"
+HERE = Path(__file__).resolve().parent
+SCENARIOS = (  # folders of folders of scenarios: the robot's own, and those of exercises beside it
+    (HERE / "scenarios", "*/*.toml"),
+    (HERE.parent / "grader" / "exercises", "*/scenarios/*.toml"),
+)
 EXTENDS = "extends"
 LIST = "course list --scenarios"
 _NOT_INHERITED = ("title", "description")
@@ -36,7 +40,8 @@ def scenario_names() -> dict[str, Path]:
         Two files have the same name.
     """
     names: dict[str, Path] = {}
-    for path in sorted(SCENARIOS.glob("*/*.toml"), key=lambda path: (path.stem, path)):
+    found = (path for folder, pattern in SCENARIOS for path in folder.glob(pattern))
+    for path in sorted(found, key=lambda path: (path.stem, path)):
         if other := names.get(path.stem):
             raise InputError(f"two scenarios are called '{path.stem}': {other} and {path}")
         names[path.stem] = path
@@ -101,7 +106,11 @@ def _find(name_or_path: str | Path) -> Path:
 
 def _named(name: str) -> Path | None:
     """Return the file of the course's scenario of that name, if there is one."""
-    found = [path for folder in SCENARIOS.iterdir() if (path := folder / f"{name}.toml").is_file()]
+    found = [
+        path
+        for folder, pattern in SCENARIOS
+        for path in folder.glob(pattern.replace("*.toml", f"{name}.toml"))
+    ]
     return found[0] if len(found) == 1 else None
 
 

@@ -13,7 +13,7 @@ from grader.authoring.mutants import CATALOGUE, mutants
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.nbgrader.cells import definition
 
-CHECKS = ROOT / "grader" / "checks"
+CHECKS = (ROOT / "grader" / "checks", ROOT / "grader" / "exercises")
 FEATURES = ROOT / "grader" / "models" / "features.py"
 GRADER = "grader/"  # of a release: checks belong there, and nowhere else
 
@@ -161,7 +161,7 @@ def _solutions(folder: Path) -> Iterator[tuple[str, str]]:
 
 def _checks() -> Iterator[tuple[str, str]]:
     """Yield the path and the text of each file of the checks that knows what is right."""
-    for file in (*sorted(CHECKS.rglob("*.py")), FEATURES):
+    for file in (*sorted(file for folder in CHECKS for file in folder.rglob("*.py")), FEATURES):
         yield file.relative_to(ROOT).as_posix(), _read(file)
 
 

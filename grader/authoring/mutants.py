@@ -160,7 +160,7 @@ def stands_for(exercise: Exercise, path: Path) -> str:
 
 def check_names(exercise: Exercise) -> frozenset[str]:
     """Return the names of an exercise's checks, core and field."""
-    texts = (file.read_text("utf-8") for file in exercise.checks.glob("test_*.py"))
+    texts = (file.read_text("utf-8") for file in exercise.judge.glob("test_*.py"))
     return frozenset(name for text in texts for name in _CHECK.findall(text))
 
 

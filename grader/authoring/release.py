@@ -182,8 +182,8 @@ def contents(
 
 def _check_bases(files: Mapping[str, bytes]) -> None:
     """Refuse to release a scenario without the one that it extends: it could not be loaded."""
-    folder = "sim/scenarios/"
-    released = {PurePosixPath(path).stem: path for path in files if path.startswith(folder)}
+    scenarios = [path for path in files if "scenarios" in PurePosixPath(path).parts]
+    released = {PurePosixPath(path).stem: path for path in scenarios}
     for path in released.values():
         base = parse_toml(files[path].decode(), path).get(EXTENDS)
         if base is not None and base not in released:
@@ -224,8 +224,8 @@ def _is_kept(file: Path, suffixes: Collection[str]) -> bool:
 def _is_public(path: str, left_out: set[str], rooms: Collection[str] = ()) -> bool:
     parts = PurePosixPath(path).parts
     names = {*parts, PurePosixPath(path).stem}
-    if parts[0] != "grader" and not left_out.isdisjoint(names):
-        return False  # in grader/ all checks stay, those of exercises left out too
+    if not left_out.isdisjoint(names):
+        return False
     if parts[0] == "grader" and not ({*INSTRUCTORS} - {*rooms}).isdisjoint(parts):
         return False
     return not any(PRIVATE.search(part) for part in parts)

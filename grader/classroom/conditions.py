@@ -7,14 +7,17 @@ import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from grader.course.exercises import ROOT, Exercise
+from grader.course.exercises import JUDGE, ROOT, Exercise
 from grader.course.students import Seed
 from grader.grading.grading import versions
 
 SUFFIXES = {".py", ".toml", ".xml"}
 HASHED = 32  # [characters] of each hash
 # packages of the grader on which a verdict depends; the others only organise or show
-VERDICT = ("checks", "course", "grading", "host", "link", "models", "recording", "trial")
+VERDICT = (
+    "checks", "course", "exercises", "grading", "host", "link", "models", "recording",
+    "trial",
+)  # fmt: skip
 
 
 def fingerprint(exercise: Exercise) -> str:
@@ -44,6 +47,6 @@ def _sources(exercise: Exercise) -> Iterator[Path]:
 
 
 def _of_another_exercise(path: Path, exercise: Exercise) -> bool:
-    """Tell whether a file belongs to the checks of an exercise other than this one."""
-    checks = exercise.checks.parent
-    return path.parent.parent == checks and path.parent != exercise.checks
+    """Return whether a file belongs to the judge of an exercise other than this one."""
+    among = path.is_relative_to(JUDGE) and path.parent != JUDGE
+    return among and not path.is_relative_to(exercise.judge)

@@ -13,7 +13,7 @@ from grader.errors import GraderError, InputError
 ROOT = Path(__file__).resolve().parents[2]
 EXERCISES = ROOT / "exercises"
 SOLUTIONS = ROOT / "solutions"
-CHECKS = ROOT / "grader" / "checks"
+JUDGE = ROOT / "grader" / "exercises"
 
 
 class Topic(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -59,9 +59,9 @@ class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return SOLUTIONS / self.slug
 
     @property
-    def checks(self) -> Path:
-        """The exercise's checks."""
-        return CHECKS / self.slug
+    def judge(self) -> Path:
+        """The judge's folder: contract, checks and scenarios."""
+        return JUDGE / self.slug
 
 
 def all_exercises() -> list[Exercise]:

@@ -293,11 +293,11 @@ def _passed(checks: list[CheckResult]) -> bool:
 
 def _arguments(exercise: Exercise) -> list[str]:
     return [
-        str(exercise.checks),
+        str(exercise.judge),
         "--import-mode=importlib",
         "--assert=plain",  # checks speak through fail(); rewriting would cost half a second
         "--capture=sys",
-        f"--rootdir={exercise.checks}",
+        f"--rootdir={exercise.judge}",
         f"--config-file={os.devnull}",
         "-W", "ignore",
         *(argument for name in UNUSED_PLUGINS for argument in ("-p", f"no:{name}")),

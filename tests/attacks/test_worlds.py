@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader.checks.obstacle_avoidance.contract import right_speeds
 from grader.course.exercises import find_exercise
 from grader.course.students import host_seed, student_key
 from grader.course.submission import Submission
+from grader.exercises.obstacle_avoidance.contract import right_speeds
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 from grader.recording import Recording

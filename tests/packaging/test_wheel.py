@@ -32,7 +32,7 @@ def test_it_is_one_package_for_every_system(wheel: Path) -> None:
     assert {top for top in tops if not top.endswith(".dist-info")} == {"rclpy_agents_course"}
     inside = "rclpy_agents_course/"
     for wanted in (
-        "grader/checks/goal_seeking/test_core.py", "exercises/goal_seeking/README.md",
+        "grader/exercises/goal_seeking/test_core.py", "exercises/goal_seeking/README.md",
         "sim/worlds/", "rclpy_portable/_ros/rclpy/node.py", "rclpy_portable/_ros/NOTICE",
         "grader/report/player/", "constraints.txt",
     ):  # fmt: skip

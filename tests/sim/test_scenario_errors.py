@@ -285,7 +285,7 @@ def test_a_broken_world_file_is_named(tmp_path, monkeypatch):
 
 
 def test_two_scenarios_of_one_name_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(scenario_files, "SCENARIOS", tmp_path)
+    monkeypatch.setattr(scenario_files, "SCENARIOS", ((tmp_path, "*/*.toml"),))
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "wall.toml").write_text(HEAD)

@@ -42,7 +42,7 @@ HEAD = 'title = "Mine"\nextends = "wall"\n'
 @pytest.fixture
 def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Make a course of one scenario, `wall`, and return its folder."""
-    monkeypatch.setattr(scenario_files, "SCENARIOS", tmp_path)
+    monkeypatch.setattr(scenario_files, "SCENARIOS", ((tmp_path, "*/*.toml"),))
     folder = tmp_path / "walls"
     folder.mkdir()
     (folder / "wall.toml").write_text(BASE)

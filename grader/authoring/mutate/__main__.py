@@ -32,7 +32,6 @@ from grader.authoring.proof import Claim, claims
 from grader.course.exercises import ROOT, Exercise, all_exercises, find_exercise
 from grader.errors import InputError
 from grader.grading.plugin import FAIL, UNJUDGED
-from sim.scenario_files import SCENARIOS
 
 KEEP = Path("build") / "mutate.jsonl"
 VARIANTS = 2  # that are wrapped, beside the reference
@@ -146,9 +145,9 @@ def _key(claim: Claim) -> str:
 def _judges(exercise: Exercise, known: dict[str, str] = {}) -> str:  # noqa: B006  (a cache)
     if exercise.slug not in known:
         digest = hashlib.sha256()
-        checks = [*exercise.checks.parent.glob("*.py"), *exercise.checks.glob("*.py")]
-        scenarios = (SCENARIOS / exercise.slug).glob("*.toml")
-        for path in sorted([*checks, *scenarios, *(ROOT / "sim").glob("*.py")]):
+        own = [path for path in exercise.judge.rglob("*") if path.suffix in (".py", ".toml")]
+        shared = [*(ROOT / "grader" / "checks").glob("*.py"), *(ROOT / "sim").glob("*.py")]
+        for path in sorted([*own, *shared]):
             digest.update(path.read_bytes())
         known[exercise.slug] = digest.hexdigest()
     return known[exercise.slug]

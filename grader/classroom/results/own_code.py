@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.classroom.results.similarity import FEW, SIMILAR, fingerprints, tokens
-from grader.course.exercises import ROOT, SOLUTIONS
+from grader.course.exercises import JUDGE, ROOT, SOLUTIONS
 
 PASTED = 0.35  # share of a file that the checks hold, too; of right solutions at most 0.19
 CHECKS = ROOT / "grader" / "checks"
@@ -81,7 +81,7 @@ def _most(own: frozenset[int], sources: Mapping[str, frozenset[int]]) -> str:
 
 def _checks(exercise: str) -> Iterator[Path]:
     yield from sorted(CHECKS.glob("*.py"))
-    yield from sorted((CHECKS / exercise).glob("*.py"))
+    yield from sorted((JUDGE / exercise).glob("*.py"))
     yield from SHARED
 
 

@@ -11,7 +11,7 @@ import sys
 from kit import TARGETS, attempt, drive, gained
 
 sys.path[:0] = [TARGETS.get("repository", "/"), *TARGETS.get("folders", ())]
-for name in ("grader.checks.obstacle_avoidance.contract", "sim.scenario", "reference_solution"):
+for name in ("grader.exercises.obstacle_avoidance.contract", "sim.scenario", "reference_solution"):
     with attempt():
         sys.modules.pop("grader", None)
         gained(f"imports what is not its own: {importlib.import_module(name).__name__}")

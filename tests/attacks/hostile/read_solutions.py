@@ -19,8 +19,8 @@ for folder in TARGETS.get("folders", ()):
 repository = TARGETS.get("repository", "/")
 for name in (
     "solutions/obstacle_avoidance/obstacle_avoidance_agent.py",
-    "grader/checks/obstacle_avoidance/contract.py",
-    "sim/scenarios/obstacle_avoidance/avoid_zones.toml",
+    "grader/exercises/obstacle_avoidance/contract.py",
+    "grader/exercises/obstacle_avoidance/scenarios/avoid_zones.toml",
     "README.md",
 ):
     steal(f"{repository}/{name}")

@@ -129,11 +129,11 @@ TEXTS = {
 def pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Exercise:
     """An exercise of two files, with solutions in a folder of its own."""
     monkeypatch.setattr("grader.course.exercises.SOLUTIONS", tmp_path / "solutions")
-    monkeypatch.setattr("grader.course.exercises.CHECKS", tmp_path / "checks")
+    monkeypatch.setattr("grader.course.exercises.JUDGE", tmp_path / "checks")
     exercise = Exercise(99, "pair", "Pair", "", ("server.py", "client.py"), "server", 100)
     checks = "def test_answers():\n    pass\n\n\ndef test_asks():\n    pass\n"
     files = {exercise.solutions / name: text for name, text in TEXTS.items()}
-    for path, text in {**files, exercise.checks / "test_core.py": checks}.items():
+    for path, text in {**files, exercise.judge / "test_core.py": checks}.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
     return exercise

@@ -44,7 +44,7 @@ def test_students_get_what_they_need(released: Path) -> None:
     for exercise in all_exercises():
         for name in ("README.md", "hints.md", "exercise.toml", *exercise.files):
             assert f"exercises/{exercise.slug}/{name}" in there
-        assert any(path.startswith(f"grader/checks/{exercise.slug}/") for path in there)
+        assert any(path.startswith(f"grader/exercises/{exercise.slug}/") for path in there)
     assert {"README.md", "LICENSE", "pyproject.toml", "constraints.txt", "lessons/quiz.md"} <= there
     assert "sim/scenarios/demo/demo_wall.toml" in there
 
@@ -236,7 +236,7 @@ def test_one_exercise_alone_gives_nothing_away(tmp_path: Path) -> None:
     assert release(tmp_path / "week", exercises=["obstacle_avoidance"]) == []
     given = (tmp_path / "week" / "exercises").glob("*/exercise.toml")
     assert [path.parent.name for path in given] == ["obstacle_avoidance"]
-    assert not (tmp_path / "week" / "sim" / "scenarios" / "goal_seeking").exists()
+    assert not (tmp_path / "week" / "grader" / "exercises" / "goal_seeking").exists()
     assert "goal_seeking" not in (tmp_path / "week" / "README.md").read_text("utf-8")
 
 
@@ -254,7 +254,8 @@ def test_secrets_lying_about_are_left_where_they_are(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes((ROOT / name).read_bytes())
     for path in (
         "secret.txt", "exercises/a/secret.toml", "exercises/a/a_solution.py", "exercises/a/.env.py",
-        "sim/scenarios/hidden/final.toml", "sim/scenarios/a/hidden_exam.toml", "grader/key.pem",
+        "sim/scenarios/hidden/final.toml", "grader/exercises/a/scenarios/hidden.toml",
+        "sim/scenarios/a/hidden_exam.toml", "grader/key.pem",
         "lessons/private.md", "docs/mutants.md", "exercises/a/build/a.py", "notebooks/secret.txt",
         "notebooks/gradebook.db", "notebooks/source/01_loop/01_loop.ipynb",
         "notebooks/submitted/ada/01_loop/01_loop.ipynb",
@@ -271,16 +272,14 @@ def test_secrets_lying_about_are_left_where_they_are(tmp_path: Path) -> None:
 def test_a_scenario_goes_out_with_the_one_that_it_extends(tmp_path: Path) -> None:
     for name in ("pyproject.toml", "LICENSE"):
         (tmp_path / name).write_bytes((ROOT / name).read_bytes())
-    scenarios = tmp_path / "sim" / "scenarios"
-    for folder, name, text in (
-        ("demo", "wide", 'extends = "hall"'),
-        ("goal_seeking", "hall", 'world = "hall"'),
-    ):
-        (scenarios / folder).mkdir(parents=True)
-        (scenarios / folder / f"{name}.toml").write_text(f'title = "x"\n{text}\n', "utf-8")
-    assert {"sim/scenarios/demo/wide.toml", "sim/scenarios/goal_seeking/hall.toml"} <= set(
-        contents((), tmp_path)
-    )
+    scenarios = {
+        "sim/scenarios/demo/wide.toml": 'extends = "hall"',
+        "grader/exercises/goal_seeking/scenarios/hall.toml": 'world = "hall"',
+    }
+    for path, text in scenarios.items():
+        (tmp_path / path).parent.mkdir(parents=True)
+        (tmp_path / path).write_text(f'title = "x"\n{text}\n', "utf-8")
+    assert set(scenarios) <= set(contents((), tmp_path))
     with pytest.raises(GraderError) as caught:  # the exercise stays here, and its scenario too
         contents(["obstacle_avoidance"], tmp_path)
     assert str(caught.value) == (

@@ -35,7 +35,7 @@ QUICK = ("obstacle_avoidance",)  # in `make test`
 
 def core_checks(exercise: Exercise) -> Iterator[Callable[..., None]]:
     """Return the functions of an exercise's core checks."""
-    for file in sorted(exercise.checks.glob("test_*.py")):
+    for file in sorted(exercise.judge.glob("test_*.py")):
         module = importlib.import_module(f"grader.checks.{exercise.slug}.{file.stem}")
         for name, check in vars(module).items():
             if name.startswith("test_") and not mark(check).get("field"):

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from grader.checks.model_server import answers, clients, habits
-from grader.checks.model_server.answers import Ask, require_asked_features
-from grader.checks.model_server.habits import claims, gives_reasons, trusts_success
 from grader.checks.verdict import CheckFailed
+from grader.exercises.model_server import answers, clients, habits
+from grader.exercises.model_server.answers import Ask, require_asked_features
+from grader.exercises.model_server.habits import claims, gives_reasons, trusts_success
 from grader.recording import Inference, Scan
 
 OBJECT = json.dumps({"label": "free", "confidence": 0.9, "stamp": 1.0})

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from grader.checks.model_server.answers import read_detection, require_detection
 from grader.checks.verdict import CheckFailed
+from grader.exercises.model_server.answers import read_detection, require_detection
 
 GOOD = '{"label": "free", "confidence": 0.9, "stamp": 1.0}'
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from grader.checks.commands import Answer
-from grader.checks.model_formats import contract, evidence
-from grader.checks.model_formats.evidence import RIGHT, Habits, as_meant
-from grader.checks.model_formats.habits import driven, habits_of, slip
 from grader.checks.predictions import SpeedInterval
 from grader.checks.verdict import CheckFailed
+from grader.exercises.model_formats import contract, evidence
+from grader.exercises.model_formats.evidence import RIGHT, Habits, as_meant
+from grader.exercises.model_formats.habits import driven, habits_of, slip
 from grader.host.supplied.probes import Weighted
 from grader.link.log import LogLine
 from grader.models.features import Floats

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.checks.goal_seeking import habits
-from grader.checks.goal_seeking.contract import TOLERANCE, Frame, Pose, Quest, quests
-from grader.checks.goal_seeking.evidence import require_one_stop
-from grader.checks.goal_seeking.habits import deaf_from, frame_of, tolerance_of, turns_in_garbage
-from grader.checks.goal_seeking.reaching import require_on_the_way
-from grader.checks.goal_seeking.speeds import require_speeds
 from grader.checks.verdict import CheckFailed
+from grader.exercises.goal_seeking import habits
+from grader.exercises.goal_seeking.contract import TOLERANCE, Frame, Pose, Quest, quests
+from grader.exercises.goal_seeking.evidence import require_one_stop
+from grader.exercises.goal_seeking.habits import deaf_from, frame_of, tolerance_of, turns_in_garbage
+from grader.exercises.goal_seeking.reaching import require_on_the_way
+from grader.exercises.goal_seeking.speeds import require_speeds
 
 Rows = list[tuple[float, ...]]
 POSES: Rows = [
@@ -67,7 +67,7 @@ def turned(rate: Callable[[float], float], frame: Frame = Frame.ODOM) -> Any:
 @pytest.fixture(autouse=True)
 def alive(monkeypatch: pytest.MonkeyPatch) -> None:
     for module in ("turning", "speeds", "evidence"):
-        monkeypatch.setattr(f"grader.checks.goal_seeking.{module}.require_alive", lambda _: None)
+        monkeypatch.setattr(f"grader.exercises.goal_seeking.{module}.require_alive", lambda _: None)
 
 
 @pytest.mark.parametrize("frame", Frame)

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.checks.goal_seeking import reaching
-from grader.checks.goal_seeking.contract import Quest
-from grader.checks.goal_seeking.reaching import carried_at, reached, require_heard
 from grader.checks.verdict import CheckFailed
+from grader.exercises.goal_seeking import reaching
+from grader.exercises.goal_seeking.contract import Quest
+from grader.exercises.goal_seeking.reaching import carried_at, reached, require_heard
 
 QUEST = Quest(10.0, 20.0, 5.0, 0.0)
 CARRIED = 19.0  # [s]

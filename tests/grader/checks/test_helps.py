@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.checks.goal_seeking.contract import Quest
-from grader.checks.goal_seeking.reaching import require_reached
-from grader.checks.latency_monitor.evidence import _slip
-from grader.checks.obstacle_avoidance.evidence import CONTRACT, _odd
-from grader.checks.safety_supervisor import evidence as safety
-from grader.checks.trend_memory.evidence import _sign
 from grader.checks.verdict import CheckFailed
+from grader.exercises.goal_seeking.contract import Quest
+from grader.exercises.goal_seeking.reaching import require_reached
+from grader.exercises.latency_monitor.evidence import _slip
+from grader.exercises.obstacle_avoidance.evidence import CONTRACT, _odd
+from grader.exercises.safety_supervisor import evidence as safety
+from grader.exercises.trend_memory.evidence import _sign
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.checks.latency_monitor import habits as checked
-from grader.checks.latency_monitor.contract import ERROR, KEYS, OK, WARN, right_statistics
-from grader.checks.latency_monitor.evidence import require_single_calls
-from grader.checks.latency_monitor.habits import (
+from grader.checks.verdict import CheckFailed
+from grader.exercises.latency_monitor import habits as checked
+from grader.exercises.latency_monitor.contract import ERROR, KEYS, OK, WARN, right_statistics
+from grader.exercises.latency_monitor.evidence import require_single_calls
+from grader.exercises.latency_monitor.habits import (
     LAST,
     RIGHT,
     Habits,
@@ -20,14 +21,13 @@ from grader.checks.latency_monitor.habits import (
     levels_follow,
     misses_follow,
 )
-from grader.checks.latency_monitor.reports import (
+from grader.exercises.latency_monitor.reports import (
     RIGHT_FORM,
     Form,
     Report,
     _pairs,
     _reports_of,
 )
-from grader.checks.verdict import CheckFailed
 from grader.recording import Inference
 
 SLOW = (1.0, 5.0, 7.0)  # each second has slower ones

@@ -9,15 +9,16 @@ from node_runs import PREAMBLE, RunNode, short
 
 from grader.authoring.mutants import find_mutant
 from grader.checks.moments import came_to_rest, first_asked, first_contact
-from grader.checks.obstacle_avoidance.contract import right_speeds
-from grader.course.exercises import CHECKS, find_exercise
+from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import Submission
+from grader.exercises.obstacle_avoidance.contract import right_speeds
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import CheckResult
 from grader.link.hosts import ForkServer
 
 # A wrong end of a topic is wrong all the time; a training has no robot; and who answered too few
 # scans has a check that says why.
+GRADER = ROOT / "grader"
 WITHOUT = {
     ("wiring.py", "_require_end"),
     ("wiring.py", "_fail_missing"),
@@ -127,11 +128,13 @@ def test_without_a_message_there_is_no_moment(run_node: RunNode) -> None:
 
 
 @pytest.mark.parametrize(
-    "file", sorted(CHECKS.rglob("*.py")), ids=lambda file: file.relative_to(CHECKS).as_posix()
+    "file",
+    sorted(file for room in ("checks", "exercises") for file in (GRADER / room).rglob("*.py")),
+    ids=lambda file: file.relative_to(GRADER).as_posix(),
 )
 def test_what_tells_a_student_what_was_expected_tells_when(file: Path) -> None:
     """What has no `expected` is no mistake of a student: a scenario that ended too early."""
-    name = file.relative_to(CHECKS).as_posix()
+    name = file.relative_to(GRADER).as_posix().partition("/")[2]
     for function in ast.walk(ast.parse(file.read_text("utf-8"))):
         if not isinstance(function, ast.FunctionDef) or (name, function.name) in WITHOUT:
             continue

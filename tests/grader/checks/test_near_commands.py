@@ -7,9 +7,9 @@ import pytest
 
 from grader.checks import model_commands
 from grader.checks.inferences import require_kept
-from grader.checks.model_formats import habits
-from grader.checks.model_formats.evidence import Habits
 from grader.checks.verdict import CheckFailed
+from grader.exercises.model_formats import habits
+from grader.exercises.model_formats.evidence import Habits
 from grader.recording import Inference
 
 

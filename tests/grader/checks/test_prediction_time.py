@@ -14,9 +14,11 @@ PASSES = None
 
 def judge(pytestconfig: pytest.Config, wall: np.ndarray, cpu: np.ndarray) -> None:
     pytestconfig.addinivalue_line("markers", "check: a check of the grader")
-    check = importlib.import_module("grader.checks.ml_velocity.test_training").test_prediction_time
-    training = Training("train.py", single_wall=wall.tobytes(), single_cpu=cpu.tobytes())
-    check((SimpleNamespace(name="ml_training", training=training),))
+    check = importlib.import_module(
+        "grader.exercises.ml_velocity.test_training"
+    ).test_prediction_time
+    made = Training("train.py", single_wall=wall.tobytes(), single_cpu=cpu.tobytes())
+    check((SimpleNamespace(name="ml_training", training=made),))
 
 
 @pytest.mark.parametrize(

@@ -93,7 +93,7 @@ def test_a_scan_waits_for_its_command_no_longer_than_the_machine_made_it(
 def test_one_gap_in_a_hundred_may_be_linux(
     live: object, longest: float, count: int, forgiven: bool
 ) -> None:
-    from grader.checks.slow_model.evidence import _a_rare_delay  # noqa: PLC0415
+    from grader.exercises.slow_model.evidence import _a_rare_delay  # noqa: PLC0415
 
     gaps = np.array([0.05] * (100 - count) + [longest] * count)
     assert _a_rare_delay(recording(live), gaps, count) == forgiven
@@ -111,8 +111,8 @@ def test_one_gap_in_a_hundred_may_be_linux(
 def test_a_gap_between_commands_may_be_as_long_as_the_machine_made_it(
     monkeypatch: pytest.MonkeyPatch, period: float, where: float | None, right: bool
 ) -> None:
-    from grader.checks.slow_model import evidence  # noqa: PLC0415
     from grader.checks.verdict import CheckFailed  # noqa: PLC0415
+    from grader.exercises.slow_model import evidence  # noqa: PLC0415
 
     turns, none = np.arange(20) / 20, np.zeros(20)
     queued = np.where(np.isclose(turns, 0.55), 0.05, 0.0)
@@ -154,7 +154,7 @@ def told(stamp: float | None, success: bool = True) -> Any:
 def test_the_scan_that_a_server_had_is_one_that_it_can_have_had(
     monkeypatch: pytest.MonkeyPatch, at: float, answer: Any, newest: int
 ) -> None:
-    from grader.checks.model_server import answers  # noqa: PLC0415
+    from grader.exercises.model_server import answers  # noqa: PLC0415
 
     def allowed(scan: Any, asked: float) -> Any:
         return SimpleNamespace(refusal=scan is None)
@@ -164,7 +164,7 @@ def test_the_scan_that_a_server_had_is_one_that_it_can_have_had(
 
 
 def test_in_virtual_time_the_newest_scan_is_the_newest() -> None:
-    from grader.checks.model_server.answers import _newest  # noqa: PLC0415
+    from grader.exercises.model_server.answers import _newest  # noqa: PLC0415
 
     assert _newest(recording(None), 1.0, told(0.5)) == 2
 
@@ -176,7 +176,7 @@ def test_in_virtual_time_the_newest_scan_is_the_newest() -> None:
 def test_who_is_asked_while_its_program_starts_is_not_judged(
     live: object, at: float, just: bool
 ) -> None:
-    from grader.checks.model_server.answers import _just_started  # noqa: PLC0415
+    from grader.exercises.model_server.answers import _just_started  # noqa: PLC0415
 
     programs = [
         SimpleNamespace(start=0.0, supplied=False),
@@ -190,9 +190,9 @@ def test_who_is_asked_while_its_program_starts_is_not_judged(
 def test_a_request_from_before_the_beginning_is_none_but_its_answer_is_known(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from grader.checks.model_server import clients  # noqa: PLC0415
-    from grader.checks.model_server.notes import Answered, Asked  # noqa: PLC0415
     from grader.checks.verdict import CheckFailed  # noqa: PLC0415
+    from grader.exercises.model_server import clients  # noqa: PLC0415
+    from grader.exercises.model_server.notes import Answered, Asked  # noqa: PLC0415
 
     noted = [
         (0.1, Answered(0, success=True, message="early", life=7)),  # nobody noted that it was asked
@@ -229,7 +229,7 @@ def profiled(live: object, slack: float = 0.0) -> Any:
 
 
 def counts(recording: Any, time: float) -> set[float]:
-    from grader.checks.latency_monitor.contract import right_statistics  # noqa: PLC0415
+    from grader.exercises.latency_monitor.contract import right_statistics  # noqa: PLC0415
 
     return {choice.numbers["count"] for choice in right_statistics(recording, time)}
 
@@ -248,14 +248,14 @@ def test_a_call_that_ends_near_a_report_may_count_or_not() -> None:
 def test_a_call_takes_up_to_four_milliseconds_longer_in_real_time(
     live: object, mean: float, right: bool
 ) -> None:
-    from grader.checks.latency_monitor.contract import right_statistics  # noqa: PLC0415
+    from grader.exercises.latency_monitor.contract import right_statistics  # noqa: PLC0415
 
     choices = right_statistics(profiled(live), 2.0)
     assert any(choice.allows("mean_ms", mean) for choice in choices) is right
 
 
 def test_levels_between_the_least_and_the_most_are_right() -> None:
-    from grader.checks.latency_monitor.contract import (  # noqa: PLC0415
+    from grader.exercises.latency_monitor.contract import (  # noqa: PLC0415
         ERROR,
         OK,
         STALE,

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.checks.safety_supervisor.contract import (
+from grader.exercises.safety_supervisor.contract import (
     Decision,
     Situation,
     Tick,

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.checks.safety_supervisor import evidence, precedence, rises, timing
-from grader.checks.safety_supervisor.contract import Decision, Situation, Tick
 from grader.checks.verdict import CheckFailed
+from grader.exercises.safety_supervisor import evidence, precedence, rises, timing
+from grader.exercises.safety_supervisor.contract import Decision, Situation, Tick
 from sim.messages import BOOL, E_STOP_TOPIC, bool_
 
 NOTHING = Situation(False, (0.5, 0.0, 0.0, 0.0, 0.0, 0.0), 0.1, (2.0,), 0.1)

@@ -7,16 +7,16 @@ from pathlib import Path
 import pytest
 
 from grader.authoring.mutants import mutants
-from grader.checks.ml_velocity import evidence as ml
-from grader.checks.ml_velocity.habits import Habit as Seeing
-from grader.checks.safety_supervisor import habits as safety
-from grader.checks.safety_supervisor.contract import CONTRACT, Habit, ticks
-from grader.checks.trend_memory import evidence as trend
-from grader.checks.trend_memory.contract import RIGHT
-from grader.checks.trend_memory.habits import PLAIN, SMALL, Habits
 from grader.checks.verdict import CheckFailed
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
+from grader.exercises.ml_velocity import evidence as ml
+from grader.exercises.ml_velocity.habits import Habit as Seeing
+from grader.exercises.safety_supervisor import habits as safety
+from grader.exercises.safety_supervisor.contract import CONTRACT, Habit, ticks
+from grader.exercises.trend_memory import evidence as trend
+from grader.exercises.trend_memory.contract import RIGHT
+from grader.exercises.trend_memory.habits import PLAIN, SMALL, Habits
 from grader.link.pool import ForkServerPool
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial

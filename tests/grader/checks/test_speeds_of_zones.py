@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from grader.checks.commands import Answer
-from grader.checks.obstacle_avoidance import evidence
-from grader.checks.obstacle_avoidance.evidence import CONTRACT, own_speeds, require_speed
 from grader.checks.verdict import CheckFailed
+from grader.exercises.obstacle_avoidance import evidence
+from grader.exercises.obstacle_avoidance.evidence import CONTRACT, own_speeds, require_speed
 from grader.recording import Scan
 
 NOTHING: Any = None

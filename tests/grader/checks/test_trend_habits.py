@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from grader.checks.trend_memory.contract import RIGHT, Law, Step, closing_speed, steps
-from grader.checks.trend_memory.habits import APPROACH, CHANGES, STAMPS, Habits, Shown, habits_of
+from grader.exercises.trend_memory.contract import RIGHT, Law, Step, closing_speed, steps
+from grader.exercises.trend_memory.habits import APPROACH, CHANGES, STAMPS, Habits, Shown, habits_of
 from grader.recording import Scan
 from sim.scenario_files import load_scenario
 

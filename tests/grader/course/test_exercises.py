@@ -27,7 +27,7 @@ def test_what_an_exercise_says_is_there(exercise: Exercise) -> None:
     for file in exercise.files:
         assert (exercise.folder / file).is_file()
         assert (exercise.solutions / file).is_file()
-    assert list(exercise.checks.glob("test_*.py"))
+    assert list(exercise.judge.glob("test_*.py"))
     assert (exercise.folder / "README.md").is_file()
 
 

@@ -21,7 +21,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
         folder.mkdir()
         (folder / "__init__.py").touch()
         (folder / f"test_{slug}.py").write_text(PREAMBLE + textwrap.dedent(source), "utf-8")
-        monkeypatch.setattr(exercises, "CHECKS", tmp_path)
+        monkeypatch.setattr(exercises, "JUDGE", tmp_path)
         exercise = Exercise(
             number=0, slug=slug, title="", summary="", files=("x.py",), node="x", max_points=100
         )

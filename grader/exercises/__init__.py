@@ -1,0 +1,1 @@
+"""The judge's side of each exercise: its contract, its checks and its scenarios."""
