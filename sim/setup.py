@@ -24,7 +24,7 @@ setup(
     packages=["sim", *(f"sim.{name}" for name in find_packages(str(HERE))), *EXERCISES],
     package_data={
         "sim": ["worlds/*.toml", "scenarios/*/*.toml"],
-        **dict.fromkeys(EXERCISES, ["*.toml"]),
+        **{package: ["*.toml"] for package in EXERCISES},
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),

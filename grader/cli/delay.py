@@ -32,15 +32,16 @@ def delay(file: Path, exercise: str | None, report: Path | None, portable: bool)
     """
     from rich.console import Console  # noqa: PLC0415
 
+    from grader.course.exercises import exercise_for  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
     from grader.drive import drive_in  # noqa: PLC0415
-    from grader.drive.contracts import contract_of, exercise_for  # noqa: PLC0415
-    from grader.drive.delay import delays, reference_of  # noqa: PLC0415
+    from grader.drive.delay import delays  # noqa: PLC0415
     from grader.drive.delay_page import page, table  # noqa: PLC0415
+    from grader.exercises import driving_contract_of  # noqa: PLC0415
     from grader.report.terminal import printable  # noqa: PLC0415
 
     chosen = exercise_for(exercise, file.name)
-    contract_of(chosen)  # refuses exercises that do not drive, before anything starts
+    contract = driving_contract_of(chosen)  # or refuse, before anything starts
     submission = find_submission(file, chosen.files[0])
     check_writable(report)
     console = Console(file=sys.stderr, highlight=False)
@@ -54,7 +55,7 @@ def delay(file: Path, exercise: str | None, report: Path | None, portable: bool)
             lambda scenario: drive_in(submission, scenario, forkserver),
             on_drive=lambda done, of: status.update(f"{doing}: drive {done} of {of}"),
         )
-    reference = reference_of(chosen)
+    reference = contract.survives
     out = Console()
     for line in table(result, reference):
         click.echo(printable(line, out))

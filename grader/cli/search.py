@@ -54,9 +54,9 @@ def search(
 
     Exit code 0: nothing was found. 1: a world was found. 2: wrong usage.
     """
+    from grader.course.exercises import exercise_for  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
     from grader.drive import search as searching  # noqa: PLC0415
-    from grader.drive.contracts import exercise_for  # noqa: PLC0415
 
     chosen = exercise_for(exercise, file.name)
     arena = searching.arena_of(chosen, field=field)

@@ -99,6 +99,25 @@ def find_exercise(name: str) -> Exercise:
     raise InputError(f"unknown exercise {name!r}; {hint}")
 
 
+def exercise_for(name: str | None, file: str) -> Exercise:
+    """Return the exercise of that name or number; without one, that of the file's name.
+
+    Raises
+    ------
+    InputError
+        There is none of that name, or the file's name is no exercise's.
+    """
+    if name is not None:
+        return find_exercise(name)
+    for exercise in all_exercises():
+        if file in exercise.files:
+            return exercise
+    raise InputError(
+        f"{file}: its name is that of no exercise's file; expected --exercise N, such as "
+        "--exercise 1"
+    )
+
+
 def _read(file: Path) -> Exercise:
     try:
         return msgspec.convert(tomllib.loads(file.read_text("utf-8")), Exercise)

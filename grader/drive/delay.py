@@ -9,70 +9,35 @@ keeps clear of obstacles; with goals it is the time that is left.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-import msgspec
 import numpy as np
 from msgspec.structs import replace
 
+from grader.checks.contract import Contract, Survived
 from grader.course.exercises import Exercise
-from grader.drive.contracts import contract_of
 from grader.drive.mishaps import (
     ARRIVED,
     DIES,
     LOST,
     STANDS,
     TOUCHES,
-    Contract,
     Mishap,
     mishap_of,
 )
+from grader.exercises import driving_contract_of
 from grader.recording import Recording
 from sim.scenario import Scenario
-from sim.scenario_files import load_scenario, scenario_from_toml
+from sim.scenario_files import load_scenario
 
 HARM, ASTRAY = (DIES, TOUCHES), (DIES, TOUCHES, STANDS, LOST)
 SENSORS, COMMANDS = "sensors", "commands"
 AXES = (SENSORS, COMMANDS)
 DELAYS = tuple(range(0, 301, 25))  # [ms]
-REFERENCE = Path(__file__).with_name("delays.toml")
-WORLDS = {
-    1: ("avoid_wall", "avoid_cart", "avoid_corridor", "avoid_store"),
-    2: ("ml_drive_wall", "ml_drive_cart", "ml_drive_store"),
-    3: ("goal_across_the_seam", "goal_behind", "goal_beside"),
-    4: ("trend_wall", "trend_cart"),
-    7: ("safe_drive",),
-    8: ("format_drive_pickle", "format_drive_onnx"),
-}
-WALL = """
-title = "A wall ahead"
-duration = 9.0
-[world]
-walls = [{{ points = [[-1.5, -2.5], [3.0, -2.5], [3.0, 2.5], [-1.5, 2.5]], closed = true }}]
-[odometry]
-enabled = false
-[node.models."velocity_model.pkl"]
-probe = "slow"
-settings = {{ scale = 0.5, offset = -0.35, seconds = {seconds} }}
-"""
-WALLS = {5: WALL.format(seconds=0.2), 9: WALL.format(seconds=0.02)}  # their own worlds have none
 
 Drive = Callable[[Scenario], Recording]
 OnDrive = Callable[[int, int], None]  # drives that are over, of
-
-
-class Survived(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The largest delays that a node survives [ms]; -1: it fails without any."""
-
-    sensors: int
-    commands: int
-
-    def of(self, axis: str) -> int:
-        """Return that of an axis."""
-        return self.sensors if axis == SENSORS else self.commands
 
 
 @dataclass(frozen=True)
@@ -130,8 +95,8 @@ def delays(
     InputError
         The exercise's nodes do not drive, or this one can't be driven in virtual time.
     """
-    contract = contract_of(exercise)
-    worlds = worlds_of(exercise)
+    contract = driving_contract_of(exercise)
+    worlds = [load_scenario(name) for name in contract.delayed_in]
     total, done = len(worlds) * (2 * len(steps) - 1), 0
     tried: dict[str, tuple[Tried, ...]] = {}
     for axis in AXES:
@@ -148,14 +113,6 @@ def delays(
     return Delays(exercise, tried, "s" if contract.free is None else "m")
 
 
-def worlds_of(exercise: Exercise) -> list[Scenario]:
-    """Return the closed-loop worlds of an exercise."""
-    if exercise.number in WALLS:
-        scenario = scenario_from_toml(WALLS[exercise.number], "a wall ahead")
-        return [replace(scenario, name="a wall ahead")]
-    return [load_scenario(name) for name in WORLDS[exercise.number]]
-
-
 def delayed(scenario: Scenario, axis: str, delay: int) -> Scenario:
     """Return a scenario in which sensors or commands come that much later [ms]."""
     late = delay / 1000
@@ -163,12 +120,6 @@ def delayed(scenario: Scenario, axis: str, delay: int) -> Scenario:
     if axis == COMMANDS:
         return replace(scenario, faults=replace(faults, command_latency=late))
     return replace(scenario, faults=replace(faults, scan_latency=late, odom_latency=late))
-
-
-def reference_of(exercise: Exercise) -> Survived | None:
-    """Return what the reference solution survives, as `grader.authoring.delays` measured it."""
-    table = msgspec.convert(tomllib.loads(REFERENCE.read_text("utf-8")), dict[str, Survived])
-    return table.get(exercise.slug)
 
 
 def _judged(recording: Recording, contract: Contract, delay: int) -> Tried:

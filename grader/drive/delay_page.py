@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from html import escape
 
-from grader.drive.delay import AXES, DELAYS, SENSORS, Delays, Survived, Tried
+from grader.checks.contract import Survived
+from grader.drive.delay import AXES, DELAYS, SENSORS, Delays, Tried
 
 BAR = 20  # [characters]
 WIDTH, HEIGHT, GAP, LEFT, BOTTOM, TOP = 640, 220, 6, 46, 34, 16  # [px]

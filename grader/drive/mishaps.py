@@ -6,15 +6,15 @@ robot that stands though its way has long been free.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 
+from grader.checks.contract import Contract, Free, Limits
 from grader.checks.moments import first_contact
 from grader.errors import InputError
-from grader.recording import Recording, Scan
-from sim.scenario import Scenario
+from grader.recording import Recording
 
 DIES, TOUCHES, BREAKS, STANDS, LOST = "dies", "touches", "breaks", "stands", "lost"
 KINDS = (DIES, TOUCHES, BREAKS, STANDS, LOST)  # the worse of two at the same time comes first
@@ -25,8 +25,6 @@ LEAST_SCANS = 5  # that show a free way
 ARRIVED = 0.55  # [m] the contract says 0.5
 UNFIT = ("real_time", "missing", "unreadable")  # outcomes that say nothing about any world
 
-Free = Callable[[Scenario, Scan], bool]
-
 
 @dataclass(frozen=True)
 class Mishap:
@@ -35,26 +33,6 @@ class Mishap:
     kind: str
     at: float  # [s]
     text: str  # "the robot touches it"
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What a contract says of every command."""
-
-    slowest: float = 0.0  # [m/s]
-    fastest: float = 0.5  # [m/s]
-    turning: float = 0.0  # [rad/s] to either side
-    rise: float | None = None  # [m/s] of linear.x from one command to the next
-
-
-@dataclass(frozen=True)
-class Contract:
-    """What a node of an exercise does in any fair world."""
-
-    limits: Limits
-    free: Free | None = None  # may the robot drive, seeing this? None: there is a goal instead
-    patience: float = 3.0  # [s] that it may stand though its way is free
-    heeds_e_stop: bool = False
 
 
 def mishap_of(

@@ -1,15 +1,4 @@
-"""For each exercise that drives: the worlds to try.
-
-========  ========================================================
-exercise  worlds
-========  ========================================================
-1, 4      things that stand, a lidar and its faults
-2, 5, 9   the same, and a model that brakes before them
-8         the same, in a pickle or in ONNX
-3         goals, odometry and its faults
-7         as 1, and a model that never brakes, and emergency stops
-========  ========================================================
-"""
+"""The worlds in which an exercise's node is searched for mistakes, by its contract."""
 
 from __future__ import annotations
 
@@ -18,14 +7,11 @@ from dataclasses import dataclass
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
+from grader.checks.contract import Contract
 from grader.course.exercises import Exercise
-from grader.drive.contracts import contract_of
-from grader.drive.mishaps import Contract
 from grader.drive.search.worlds import driving_worlds, goal_worlds
-from sim.scenario import Model, NodeSpec, Scenario
-
-PICKLE, ONNX = "velocity_model.pkl", "policy.onnx"
-BRAKING = {"scale": 0.5, "offset": -0.35}  # 0 at 0.7 m, 0.5 m/s at 1.7 m: brakes in good time
+from grader.exercises import driving_contract_of
+from sim.scenario import Scenario
 
 
 @dataclass(frozen=True)
@@ -46,33 +32,16 @@ def arena_of(exercise: Exercise, *, field: bool = False) -> Arena:
     InputError
         Its nodes do not drive.
     """
-    contract = contract_of(exercise)
-    return Arena(_worlds(exercise.number, field=field), contract)
+    contract = driving_contract_of(exercise)
+    return Arena(_worlds(contract, field=field), contract)
 
 
-def _worlds(number: int, *, field: bool) -> SearchStrategy[Scenario]:
-    if number == 3:
+def _worlds(contract: Contract, *, field: bool) -> SearchStrategy[Scenario]:
+    if contract.goals:
         return goal_worlds(field=field)
-    if number == 7:
-        return driving_worlds(8.0, supervises=True, field=field)
-    nodes = _NODES.get(number, (NodeSpec(),))
-    return driving_worlds(8.0 if number == 1 else 9.0, nodes=st.sampled_from(nodes), field=field)
-
-
-def _braking(probe: str, **settings: float) -> NodeSpec:
-    return NodeSpec(models={PICKLE: Model(probe=probe, settings={**BRAKING, **settings})})
-
-
-_LINEAR = Model(
-    probe="linear",
-    settings={"weights": (BRAKING["scale"], 0.0, 0.0, 0.0, 0.0), "offset": BRAKING["offset"]},
-)
-_NODES = {
-    2: (_braking("echo"),),
-    5: (_braking("slow", seconds=0.2),),
-    8: (
-        NodeSpec(models={PICKLE: _LINEAR}),
-        NodeSpec(parameters={"model_path": ONNX}, models={ONNX: _LINEAR}),
-    ),
-    9: (_braking("slow", seconds=0.02),),
-}
+    return driving_worlds(
+        contract.search_for,
+        supervises=contract.supervises,
+        nodes=st.sampled_from(contract.nodes),
+        field=field,
+    )

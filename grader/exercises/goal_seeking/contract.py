@@ -8,6 +8,7 @@ from enum import Enum
 
 import numpy as np
 
+from grader.checks.contract import Contract, Limits, Survived
 from grader.recording import Recording
 
 TOLERANCE = 0.5  # [m] within this distance a goal is reached
@@ -16,6 +17,14 @@ MAX_TURN_RATE = 1.9  # [rad/s]
 SPEED_GAIN = 0.5  # [1/s]
 PERIOD = 0.1  # [s] of the control loop
 HAIR = 0.001  # [m] distances this near to the tolerance may fall on either side
+
+CONTRACT = Contract(
+    limits=Limits(fastest=0.3, turning=1.9),
+    period=0.1,
+    goals=True,
+    delayed_in=("goal_across_the_seam", "goal_behind", "goal_beside"),
+    survives=Survived(sensors=300, commands=300),
+)
 
 
 @dataclass(frozen=True)

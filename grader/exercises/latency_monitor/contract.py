@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from grader.checks.braking import braking, model_says_go
+from grader.checks.contract import Contract, Survived
 from grader.recording import Recording
 
 TOPIC = "/diagnostics"
@@ -30,6 +32,13 @@ HAIR = 0.001  # [s] a call that ends this near to a report may count or not
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
 THREE_DIGITS = 0.0006  # what rounding to three digits may change, in any unit
 OVERHEAD = 4.0  # [ms] that a call takes longer in real time: the link, waking up, Python's own
+
+CONTRACT = Contract(
+    free=model_says_go,
+    nodes=(braking("slow", seconds=0.02),),
+    delayed_in=("latency_wall",),
+    survives=Survived(sensors=300, commands=300),
+)
 
 
 @dataclass(frozen=True)

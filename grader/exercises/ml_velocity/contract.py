@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from grader.checks.braking import braking, model_says_go
+from grader.checks.contract import Contract, Survived
 from grader.checks.predictions import MODEL, SpeedInterval, max_speed, right_speeds
 from grader.models.features import FRONT_EDGE
 from grader.models.files import is_kept, probe
@@ -15,6 +17,13 @@ FOREST = ("sklearn",)
 TRAINING = ("sklearn", "skl2onnx", "onnxruntime")
 
 LEAST_WAY = 0.6  # [m] driven in each world, however the seed turns the robot
+
+CONTRACT = Contract(
+    free=model_says_go,
+    nodes=(braking("echo"),),
+    delayed_in=("ml_drive_wall", "ml_drive_cart", "ml_drive_store"),
+    survives=Survived(sensors=125, commands=125),
+)
 
 
 def right_speed(recording: Recording, scan: Scan, front: float = FRONT_EDGE) -> SpeedInterval:

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
+from grader.checks.braking import LINEAR, PICKLE, model_says_go
+from grader.checks.contract import Contract, Survived
 from grader.checks.predictions import MODEL, SpeedInterval, max_speed, right_speeds
 from grader.models.features import Floats
 from grader.models.files import is_kept, probe
 from grader.recording import Recording, Scan
-from sim.scenario import Scenario
+from sim.scenario import NodeSpec, Scenario
 
 LIBRARIES = {".pkl": "sklearn", ".onnx": "onnxruntime", ".pt2": "torch", ".keras": "keras"}
 
@@ -23,6 +25,17 @@ KERAS = ("torch", "keras")
 ORDER = (0, 1, 2, 3, 4)  # of the features
 # what there is in files that hold no model of a format
 BROKEN = ("garbage", "empty", "pickled", "foreign")
+
+POLICY = "policy.onnx"
+CONTRACT = Contract(
+    free=model_says_go,
+    nodes=(
+        NodeSpec(models={PICKLE: LINEAR}),
+        NodeSpec(parameters={"model_path": POLICY}, models={POLICY: LINEAR}),
+    ),
+    delayed_in=("format_drive_pickle", "format_drive_onnx"),
+    survives=Survived(sensors=300, commands=300),
+)
 
 
 def model_file(scenario: Scenario) -> str:

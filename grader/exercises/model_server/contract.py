@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from grader.checks.contract import Contract
 from grader.models.features import possible_features
 from grader.recording import Scan
 
@@ -24,6 +25,8 @@ STAMP_TOLERANCE = 1e-3  # [s]
 ROLES = ("navigation", "manipulation", "logging")
 
 Floats = NDArray[np.float64]
+
+CONTRACT = Contract(drives=False)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import math
 from functools import lru_cache
 
 from grader.checks.ahead import FRONT_HALF_ANGLE, HAIR, front_distance
+from grader.checks.contract import Contract, Survived, free_from
 from grader.recording import Scan
 
 STOP_DISTANCE = 0.5  # [m] nearer than this: stop
@@ -13,6 +14,13 @@ SLOW_DISTANCE = 1.0  # [m] nearer than this: slow
 FULL_SPEED = 0.5  # [m/s]
 SLOW_SPEED = 0.15  # [m/s]
 EDGE = 1.0  # [°] beams this near to the sector's edge may or may not count
+
+CONTRACT = Contract(
+    free=free_from(0.55),
+    search_for=8.0,
+    delayed_in=("avoid_wall", "avoid_cart", "avoid_corridor", "avoid_store"),
+    survives=Survived(sensors=300, commands=300),
+)
 
 
 def speed_for(distance: float | None) -> float:

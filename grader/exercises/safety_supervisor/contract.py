@@ -13,8 +13,10 @@ import numpy as np
 
 from grader.checks.ahead import HAIR, HALF_ANGLES, front_distance
 from grader.checks.commands import FIELDS, ZERO
+from grader.checks.contract import Contract, Limits, Survived, free_from
 from grader.recording import Recording, Scan
 from sim.messages import BOOL, CMD_VEL_RAW_TOPIC, E_STOP_TOPIC, TWIST, decode, twist_from_cdr
+from sim.scenario import Scenario
 
 LONGEST_SILENCE = 0.5  # [s]
 AGE_HAIR = 0.05  # [s] ages this near to the limit may fall on either side
@@ -41,6 +43,28 @@ LEVELS = {  # of diagnostic_msgs/DiagnosticStatus: 0 OK, 1 WARN, 2 ERROR
 
 STOPS = ("e_stop", "bad_command", "stale_command", "stale_scan")
 HOLDS = (*STOPS, "obstacle")
+
+MOVING = 0.1  # [m/s] what asks for less may stand
+
+
+def _asked_to_go(scenario: Scenario, scan: Scan) -> bool:
+    asked = [stream for stream in scenario.raw if stream.begin <= scan.t < stream.end]
+    pressed = [event.e_stop for event in scenario.script if event.at <= scan.t]
+    if not asked or not math.isfinite(asked[-1].linear_x) or (pressed and pressed[-1]):
+        return False
+    return asked[-1].linear_x >= MOVING and free_from(0.55)(scenario, scan)
+
+
+CONTRACT = Contract(
+    limits=Limits(slowest=-0.5, turning=1.9, rise=0.045),
+    period=0.05,
+    free=_asked_to_go,
+    heeds_e_stop=True,
+    supervises=True,
+    search_for=8.0,
+    delayed_in=("safe_drive",),
+    survives=Survived(sensors=300, commands=300),
+)
 
 
 @dataclass(frozen=True)
@@ -127,7 +151,7 @@ class Habit(NamedTuple):
     held: bool = False  # it decides when a scan comes, and until the next one repeats that
 
 
-CONTRACT = Habit()
+AS_ASKED = Habit()
 
 
 @dataclass(frozen=True)
@@ -216,7 +240,7 @@ def never_reverses(tick: Tick, recording: Recording) -> bool:
 
 @lru_cache(maxsize=32)  # nearly every check asks; 25 different questions in all
 def ticks(
-    recording: Recording, *, silences: bool = False, habit: Habit = CONTRACT
+    recording: Recording, *, silences: bool = False, habit: Habit = AS_ASKED
 ) -> tuple[Tick, ...]:
     """Return every command that the node published, with what was right.
 

@@ -15,7 +15,7 @@ from grader.checks.reading import published
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.exercises.safety_supervisor.contract import (
-    CONTRACT,
+    AS_ASKED,
     LEVELS,
     MAX_SPEED,
     MAX_TURN_RATE,
@@ -85,7 +85,7 @@ def require_commands(
     help: str,
     judged: Callable[[Tick], bool] = lambda tick: True,
     *,
-    habit: Habit = CONTRACT,
+    habit: Habit = AS_ASKED,
     forgiven: Callable[[Tick], bool] = lambda tick: False,
 ) -> None:
     """Fail unless the node ran to the end, with speed and turn rate right at the ticks judged.
@@ -125,7 +125,7 @@ def require_e_stop(recording: Recording) -> None:
     require_stops(recording, "e_stop", "Keep the last /e_stop: true holds until a false comes.")
 
 
-def require_stops(recording: Recording, reason: str, help: str, habit: Habit = CONTRACT) -> None:
+def require_stops(recording: Recording, reason: str, help: str, habit: Habit = AS_ASKED) -> None:
     """Fail unless the robot stands for as long as this reason holds, and moves when none does.
 
     How it moves then is for other checks to judge; and that it is slow to move after another
@@ -140,7 +140,7 @@ def require_stops(recording: Recording, reason: str, help: str, habit: Habit = C
     require_right(recording, list(_stops_and_moves(found, reason)), is_right, help)
 
 
-def require_standing(recording: Recording, reason: str, help: str, habit: Habit = CONTRACT) -> None:
+def require_standing(recording: Recording, reason: str, help: str, habit: Habit = AS_ASKED) -> None:
     """Fail unless the robot stands while this reason alone holds: under `obstacle` it may turn.
 
     Whether it moves when none does, and whether it lives on, is for other checks to judge.
@@ -150,7 +150,7 @@ def require_standing(recording: Recording, reason: str, help: str, habit: Habit 
         require_right(recording, judged, stands, help)
 
 
-def require_turning(recording: Recording, reason: str, help: str, habit: Habit = CONTRACT) -> None:
+def require_turning(recording: Recording, reason: str, help: str, habit: Habit = AS_ASKED) -> None:
     """Fail if the robot turns while this reason alone holds, and after a while no longer.
 
     That it pauses, as for another reason, is for other checks to judge.
@@ -163,7 +163,7 @@ def require_turning(recording: Recording, reason: str, help: str, habit: Habit =
             _fail_command(recording, tick, help)
 
 
-def require_no_delay(recording: Recording, help: str, habit: Habit = CONTRACT) -> None:
+def require_no_delay(recording: Recording, help: str, habit: Habit = AS_ASKED) -> None:
     """Fail if what the robot may do at once it does not, nor stands as after another reason."""
     judged = [
         tick
@@ -180,7 +180,7 @@ def require_no_delay(recording: Recording, help: str, habit: Habit = CONTRACT) -
 
 
 def require_moving_after(
-    recording: Recording, reason: str, help: str, habit: Habit = CONTRACT
+    recording: Recording, reason: str, help: str, habit: Habit = AS_ASKED
 ) -> None:
     """Fail if the robot still stands when nothing has held it for a while after this reason."""
     held, since, judged = False, 0.0, []
@@ -195,7 +195,7 @@ def require_moving_after(
         require_right(recording, judged, lambda tick: tick.moves, help)
 
 
-def standing(recording: Recording, reason: str, habit: Habit = CONTRACT) -> list[Tick]:
+def standing(recording: Recording, reason: str, habit: Habit = AS_ASKED) -> list[Tick]:
     """Return the ticks at which this reason alone is right."""
     return [
         tick for tick in ticks(recording, silences=True, habit=habit) if tick.reasons == {reason}
@@ -272,7 +272,7 @@ def require_reasons(
     help: str,
     *,
     alone: bool = False,
-    habit: Habit = CONTRACT,
+    habit: Habit = AS_ASKED,
 ) -> None:
     """Fail if a report gives a wrong reason; with `alone` only where no second rule matches.
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 from grader.checks.verdict import CheckFailed
-from grader.exercises.safety_supervisor.contract import CONTRACT, Habit, Tick, ticks
+from grader.exercises.safety_supervisor.contract import AS_ASKED, Habit, Tick, ticks
 from grader.exercises.safety_supervisor.evidence import require_e_stop
 from grader.recording import Recording
 
@@ -30,8 +30,8 @@ def _habit_in(shows: Recording) -> Habit:
     try:
         require_e_stop(shows)
     except CheckFailed:
-        return next((habit for habit in _WRONG if _explains(habit, shows)), CONTRACT)
-    return CONTRACT
+        return next((habit for habit in _WRONG if _explains(habit, shows)), AS_ASKED)
+    return AS_ASKED
 
 
 def button_of(recordings: Iterable[Recording]) -> Habit:

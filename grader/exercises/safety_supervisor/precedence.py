@@ -12,7 +12,7 @@ from itertools import groupby
 
 from grader.checks.commands import ZERO
 from grader.checks.verdict import fail
-from grader.exercises.safety_supervisor.contract import CONTRACT, Habit, Tick, ticks
+from grader.exercises.safety_supervisor.contract import AS_ASKED, Habit, Tick, ticks
 from grader.exercises.safety_supervisor.evidence import SETTLING, TOPIC, Report, reports
 from grader.recording import Recording
 
@@ -37,7 +37,7 @@ class _Contest:
 
 
 def require_first_match(
-    recording: Recording, help: str, habit: Habit = CONTRACT, *, least: int = LEAST
+    recording: Recording, help: str, habit: Habit = AS_ASKED, *, least: int = LEAST
 ) -> None:
     """Fail unless the node says the first of the rules that match, wherever it shows an order.
 

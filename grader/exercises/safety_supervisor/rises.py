@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from grader.checks.wiring import require_alive
-from grader.exercises.safety_supervisor.contract import CONTRACT, TOLERANCE, Habit, Tick, ticks
+from grader.exercises.safety_supervisor.contract import AS_ASKED, TOLERANCE, Habit, Tick, ticks
 from grader.exercises.safety_supervisor.evidence import require_right
 from grader.recording import Recording
 
@@ -15,7 +15,7 @@ HELP = (
 )
 
 
-def require_rises(recording: Recording, habit: Habit = CONTRACT) -> None:
+def require_rises(recording: Recording, habit: Habit = AS_ASKED) -> None:
     """Fail unless linear.x rises by exactly as much as it may, wherever it should get faster.
 
     A node that still stands after a reason to stop is in no hurry: that reason's check judges it.
@@ -25,7 +25,7 @@ def require_rises(recording: Recording, habit: Habit = CONTRACT) -> None:
     require_right(recording, found, lambda tick: tick.is_right, HELP)
 
 
-def require_no_jumps(recording: Recording, habit: Habit = CONTRACT) -> None:
+def require_no_jumps(recording: Recording, habit: Habit = AS_ASKED) -> None:
     """Fail if linear.x rises by more than it may, also after a stop.
 
     That it rises more slowly, or not at all, or falls silent or dies, is for other checks to say.

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from grader.checks.ahead import HAIR, HALF_ANGLES, front_distance
+from grader.checks.contract import Contract, Limits, Survived, free_from
 from grader.recording import Scan
 
 MEMORY_SIZE = 10  # readings
@@ -19,6 +20,14 @@ CLOSING_TOLERANCE = 1e-3  # [m/s]
 _NEAR_THE_LIMIT = 0.005  # [m] |distance - 2 s · closing speed| for which both speeds are right
 
 Readings = Sequence[tuple[float, float]]  # (stamp [s], distance [m])
+
+CONTRACT = Contract(
+    limits=Limits(fastest=0.3),
+    free=free_from(0.65),
+    patience=4.0,
+    delayed_in=("trend_wall", "trend_cart"),
+    survives=Survived(sensors=300, commands=300),
+)
 
 
 class Law(NamedTuple):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from grader.course.exercises import find_exercise
-from grader.drive.contracts import contract_of
+from grader.exercises import driving_contract_of as contract_of
 from grader.recording import Scan
 from sim.scenario import Scenario
 from sim.world import World

@@ -1,27 +1,26 @@
 """The largest delay that a node survives, with nodes that are functions, and a real one."""
 
 import re
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
 from driven import careful, drive_by, reckless
 
-from grader.authoring.delays import driving, main, text
+from grader.authoring.delays import driving, main
+from grader.checks.contract import Survived
 from grader.cli import cli
 from grader.course.exercises import find_exercise
 from grader.drive.delay import (
-    REFERENCE,
     Delays,
-    Survived,
     Tried,
     delayed,
     delays,
-    reference_of,
-    worlds_of,
 )
 from grader.drive.delay_page import page, said, table
 from grader.drive.mishaps import Mishap
 from grader.errors import InputError
+from grader.exercises import contract_of
 from grader.recording import Outcome
 from sim.scenario_files import load_scenario
 
@@ -35,7 +34,8 @@ def bold(scan):
 
 
 def of(policy, monkeypatch, worlds=("avoid_wall",)):
-    monkeypatch.setitem(delays.__globals__["WORLDS"], 1, worlds)
+    contract = replace(contract_of(FIRST), delayed_in=worlds)
+    monkeypatch.setitem(delays.__globals__, "driving_contract_of", lambda exercise: contract)
     return delays(FIRST, lambda scenario: drive_by(policy, scenario), steps=FEW)
 
 
@@ -146,16 +146,11 @@ def test_the_page_has_two_plots_and_escapes_what_a_node_says():
 # --- the reference's numbers ---------------------------------------------------------------------
 
 
-def test_every_exercise_that_drives_has_its_reference_in_the_table():
-    assert [one.number for one in driving()] == [1, 2, 3, 4, 5, 7, 8, 9]
-    made = {one.slug: reference_of(one) for one in driving()}
-    assert None not in made.values()
-    assert REFERENCE.read_text("utf-8") == text(made)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("number", ["1", "2", "3", "4", "5", "7", "9"])
-def test_every_exercise_that_drives_has_worlds(number):
-    assert worlds_of(find_exercise(number))
+@pytest.mark.parametrize("exercise", driving(), ids=lambda exercise: exercise.slug)
+def test_every_exercise_that_drives_has_worlds_and_its_references_delays(exercise):
+    contract = contract_of(exercise)
+    assert contract.survives is not None
+    assert [load_scenario(name).name for name in contract.delayed_in]
 
 
 @pytest.mark.long

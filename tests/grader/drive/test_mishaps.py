@@ -4,9 +4,9 @@ import pytest
 from driven import careful, drive_by, reckless, timid
 
 from grader.course.exercises import find_exercise
-from grader.drive.contracts import contract_of
 from grader.drive.mishaps import mishap_of
 from grader.drive.search.words import sentence, title
+from grader.exercises import driving_contract_of as contract_of
 from sim.scenario_files import scenario_from_toml
 
 ROOM = "walls = [{ points = [[-3, -3], [4, -3], [4, 3], [-3, 3]], closed = true }]"

@@ -16,9 +16,8 @@ from hypothesis import strategies as st
 
 from grader.authoring.mutants import find_mutant
 from grader.cli import cli
-from grader.course.exercises import find_exercise
+from grader.course.exercises import exercise_for, find_exercise
 from grader.drive import node
-from grader.drive.contracts import exercise_for
 from grader.drive.search import arena_of, search
 from grader.drive.search.fair import is_fair
 from grader.drive.search.finder import cut, smallness
