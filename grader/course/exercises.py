@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import tomllib
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
 
@@ -34,6 +35,14 @@ class Service(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     node: str = ""  # the node that serves or calls it, if the exercise has several
 
 
+class Essential(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What the exercise is about: while one of these checks fails, the score is capped."""
+
+    checks: tuple[str, ...]
+    why: str  # a sentence for students
+    cap: Annotated[int, msgspec.Meta(ge=0, le=100)] = 50  # [%] of the points that count
+
+
 class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One exercise."""
 
@@ -47,6 +56,7 @@ class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     topics: tuple[Topic, ...] = ()
     services: tuple[Service, ...] = ()
     libraries: tuple[str, ...] = ()  # modules that its nodes import and that import slowly
+    essential: Essential | None = None
 
     @property
     def folder(self) -> Path:

@@ -26,7 +26,5 @@ def driving_contract_of(exercise: Exercise) -> Contract:
     """
     contract = contract_of(exercise)
     if not contract.drives:
-        raise InputError(
-            f"exercise {exercise.number}, {exercise.slug}: its nodes do not drive by themselves"
-        )
+        raise InputError(f"exercise {exercise.number}: its nodes do not drive by themselves")
     return contract

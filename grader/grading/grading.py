@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import importlib.metadata
 import os
 import platform
@@ -13,6 +14,7 @@ from typing import Any
 
 import msgspec
 
+from grader.checks.case import Oracle
 from grader.course.exercises import Exercise
 from grader.course.installed import COURSE
 from grader.course.students import Seed, public_seed
@@ -164,6 +166,8 @@ def grade(
         on_progress=on_progress,
         first_failure=first_failure,
         suspect=suspect,
+        exercise=exercise.slug,
+        oracle=_oracle_of(exercise),
     )
     with _undisturbed():
         code = pytest.main(_arguments(exercise), plugins=[plugin])
@@ -192,6 +196,15 @@ def grade(
         trial_notes=tuple(trials.notes()),
         cause=cause,
     )
+
+
+def _oracle_of(exercise: Exercise) -> Oracle:
+    """Return the exercise's `cases`; one without says nothing of any occasion."""
+    contract = exercise.judge / "contract.py"
+    if not contract.is_file():
+        return lambda recording: ()
+    module = importlib.import_module(f"grader.exercises.{exercise.slug}.contract")
+    return getattr(module, "cases", lambda recording: ())
 
 
 def _cause(

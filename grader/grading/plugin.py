@@ -1,9 +1,9 @@
 """The pytest plugin that turns tests into checks: points, core and field, needs, six outcomes.
 
-A check is a test under `grader/checks/<exercise>/` with a `check` mark::
+A check is a test under `grader/exercises/<exercise>/` with the mark of `grader.checks.check`::
 
-    @pytest.mark.check(points=10, scenarios=("zones",), needs=("one_command_per_scan",))
-    def test_slow_zone(recordings):
+    @check(points=10, asks="decision", task=3, scenarios=("zones",), needs=("wiring",))
+    def test_slow_zone(runs):
         \"\"\"Between 0.5 m and 1.0 m the robot drives at 0.15 m/s.\"\"\"
 
 The first line of its docstring is what the student reads; it fails by `grader.checks.verdict.fail`.
@@ -19,6 +19,7 @@ from typing import Any
 
 import pytest
 
+from grader.checks.case import Oracle, Runs
 from grader.checks.verdict import CheckFailed, Inconclusive, inconclusive
 from grader.errors import GraderError, InputError
 from grader.grading.limits import cpu_limit
@@ -45,6 +46,9 @@ class Check:
     scenarios: tuple[str, ...]
     needs: tuple[str, ...]
     requires: tuple[str, ...] = ()  # modules of optional libraries
+    asks: str = ""  # one of grader.checks.check.ASKS
+    task: int = 0  # the README's number; 0: all
+    hint: str = ""  # where it stands in hints.md, "3.1": task and number
 
     @property
     def kind(self) -> str:
@@ -70,6 +74,9 @@ class CheckResult:
     scenario: str | None = None
     where: str = ""  # the student's lines that were being run, innermost first
     log: str = ""  # what the node said around that time
+    asks: str = ""
+    task: int = 0
+    hint: str = ""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the JSON object of this result."""
@@ -88,8 +95,12 @@ class CheckPlugin:
         on_progress: OnProgress = ignore,
         first_failure: bool = False,
         suspect: str = "",
+        exercise: str = "",
+        oracle: Oracle = lambda recording: (),
     ) -> None:
         self._trials = trials
+        self._exercise, self._oracle = exercise, oracle
+        self._returned: dict[str, Any] = {}  # by check id
         self._first_failure = first_failure  # of a check: it ends the run, so no trial runs ahead
         self._suspect = suspect  # the check that is judged first, after those that it needs
         self._field = field
@@ -106,7 +117,8 @@ class CheckPlugin:
     def pytest_configure(self, config: pytest.Config) -> None:
         """Register the mark."""
         config.addinivalue_line(
-            "markers", "check(points, field, scenarios, needs, requires): one check"
+            "markers",
+            "check(points, field, scenarios, needs, requires, asks, task, hint): one check",
         )
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
@@ -122,6 +134,22 @@ class CheckPlugin:
         items[:] = [by_id[check.id] for check in chosen]
         self._checks = {item.nodeid: checks[item.nodeid] for item in items}
         self._prepare(field=False)
+
+    @pytest.fixture
+    def runs(self, request: pytest.FixtureRequest, recordings: tuple[Recording, ...]) -> Runs:
+        """The recordings of the check's scenarios, with the exercise's oracle."""
+        check = self._checks[request.node.nodeid]
+        handed = {need: self._returned[need] for need in check.needs if need in self._returned}
+        return Runs(recordings, self._oracle, self._exercise, handed)
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> bool:
+        """Run the check, and keep what it returns for those that need it."""
+        names = pyfuncitem._fixtureinfo.argnames
+        arguments = {name: pyfuncitem.funcargs[name] for name in names}
+        returned = pyfuncitem.obj(**arguments)
+        self._returned[self._checks[pyfuncitem.nodeid].id] = returned
+        return True
 
     @pytest.fixture
     def recordings(self, request: pytest.FixtureRequest) -> tuple[Recording, ...]:
@@ -276,6 +304,9 @@ def _read_check(item: pytest.Item) -> Check:
         scenarios=tuple(mark.kwargs["scenarios"]),
         needs=tuple(mark.kwargs.get("needs", ())),
         requires=tuple(mark.kwargs.get("requires", ())),
+        asks=mark.kwargs.get("asks", ""),
+        task=mark.kwargs.get("task", 0),
+        hint=mark.kwargs.get("hint", ""),
     )
 
 
@@ -324,5 +355,8 @@ def _result(check: Check, outcome: str, **details: Any) -> CheckResult:
         points=check.points if outcome == PASS else 0,
         max_points=check.points,
         outcome=outcome,
+        asks=check.asks,
+        task=check.task,
+        hint=check.hint,
         **texts,
     )

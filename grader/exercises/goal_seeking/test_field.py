@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grader.checks.field import FieldSuite
+from grader.checks.old_field import FieldSuite
 from grader.exercises.goal_seeking.contract import quests, ready_at
 from grader.exercises.goal_seeking.evidence import (
     require_one_stop,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grader.checks.commands import require_one_command_each
-from grader.checks.field import FieldSuite
+from grader.checks.old_field import FieldSuite
 from grader.exercises.latency_monitor.contract import KEYS
 from grader.exercises.latency_monitor.evidence import (
     require_numbers,

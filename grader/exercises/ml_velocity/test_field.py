@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from grader.checks.commands import require_one_command_each
-from grader.checks.field import FieldSuite
 from grader.checks.model_commands import require_safe_drive
+from grader.checks.old_field import FieldSuite
 from grader.exercises.ml_velocity.contract import FOREST, LEAST_WAY
 from grader.exercises.ml_velocity.evidence import require_speeds
 from grader.recording import Recording

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from grader.checks.field import FieldSuite
+from grader.checks.old_field import FieldSuite
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.exercises.model_server.answers import require_contract

@@ -6,13 +6,16 @@ import math
 from functools import lru_cache
 
 from grader.checks.ahead import FRONT_HALF_ANGLE, HAIR, front_distance
+from grader.checks.case import Case, exactly
+from grader.checks.commands import answers
 from grader.checks.contract import Contract, Survived, free_from
-from grader.recording import Scan
+from grader.recording import Recording, Scan
 
 STOP_DISTANCE = 0.5  # [m] nearer than this: stop
 SLOW_DISTANCE = 1.0  # [m] nearer than this: slow
 FULL_SPEED = 0.5  # [m/s]
 SLOW_SPEED = 0.15  # [m/s]
+SPEEDS = (0.0, SLOW_SPEED, FULL_SPEED)  # [m/s]
 EDGE = 1.0  # [°] beams this near to the sector's edge may or may not count
 
 CONTRACT = Contract(
@@ -21,6 +24,21 @@ CONTRACT = Contract(
     delayed_in=("avoid_wall", "avoid_cart", "avoid_corridor", "avoid_store"),
     survives=Survived(sensors=300, commands=300),
 )
+
+
+def cases(recording: Recording) -> list[Case]:
+    """Return an occasion for each scan: the speed that its distance asks for."""
+    return [
+        Case(
+            at=answer.scan.t,
+            what=answer.what,
+            tags=frozenset(answer.tags),
+            allowed={"linear.x": exactly(*right_speeds(answer.scan))},
+            said={} if answer.speed is None else {"linear.x": answer.speed},
+            count=answer.count,
+        )
+        for answer in answers(recording)
+    ]
 
 
 def speed_for(distance: float | None) -> float:
@@ -44,6 +62,11 @@ def right_speeds(scan: Scan) -> frozenset[float]:
         if distance is not None and math.isfinite(distance) and _near_a_threshold(distance):
             speeds |= {speed_for(distance - HAIR), speed_for(distance + HAIR)}
     return frozenset(speeds)
+
+
+def is_free(scan: Scan) -> bool:
+    """Return whether the robot has to drive, seeing this."""
+    return 0.0 not in right_speeds(scan)
 
 
 def _near_a_threshold(distance: float) -> bool:

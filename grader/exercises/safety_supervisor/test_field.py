@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grader.checks.driving import require_no_contact
-from grader.checks.field import BY_ANGLE, FieldSuite
+from grader.checks.old_field import BY_ANGLE, FieldSuite
 from grader.exercises.safety_supervisor.contract import ticks
 from grader.exercises.safety_supervisor.evidence import (
     require_levels,

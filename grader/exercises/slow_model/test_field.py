@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grader.checks.field import FieldSuite
+from grader.checks.old_field import FieldSuite
 from grader.exercises.slow_model.contract import AGE_P95, LEAST_RATE
 from grader.exercises.slow_model.evidence import (
     require_ages,

@@ -43,6 +43,8 @@ class Failed(Protocol):
     def time(self) -> float | None: ...
     @property
     def scenario(self) -> str | None: ...
+    @property
+    def hint(self) -> str: ...
 
 
 ByName = Mapping[str, Recording]
@@ -121,8 +123,13 @@ def _flowing(markdown: str) -> str:
 def hint_for(exercise: Exercise, failed: Sequence[Failed]) -> Hint | None:
     """Return the hint for the first of the failed checks that has one."""
     places = _places().get(exercise.slug, {})
-    found = next((places[check.id] for check in failed if check.id in places), None)
+    own = {check.id: _place(check.hint) for check in failed if check.hint}
+    found = next((p for check in failed if (p := own.get(check.id) or places.get(check.id))), None)
     return hint_at(exercise, found)
+
+
+def _place(text: str) -> Place:
+    return Place(*map(int, text.split(".")))
 
 
 def anchor(heading: str) -> str:
@@ -136,6 +143,6 @@ def _places() -> dict[str, dict[str, Place]]:
     """Return where the hints for checks stand, by exercise and check."""
     table = convert(parse_toml(read_toml(PLACES), str(PLACES)), _Table, str(PLACES))
     return {
-        slug: {check: Place(*map(int, text.split("."))) for check, text in checks.items()}
+        slug: {check: _place(text) for check, text in checks.items()}
         for slug, checks in table.items()
     }

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from node_runs import RunNode, short
 
-from grader.checks.field import BY_ANGLE, FieldSuite
+from grader.checks.old_field import BY_ANGLE, FieldSuite
 from grader.checks.verdict import CheckFailed, fail
 from grader.course.exercises import all_exercises
 from grader.recording import Recording

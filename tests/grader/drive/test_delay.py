@@ -77,16 +77,15 @@ def test_a_command_beyond_the_limits_is_not_what_is_asked_here(monkeypatch):
     assert of(hasty, monkeypatch).survived == Survived(300, 300)
 
 
-def test_each_drive_is_told(monkeypatch):
+def test_each_drive_is_reported():
     told = []
-    monkeypatch.setitem(delays.__globals__["WORLDS"], 1, ("avoid_wall",))
     delays(
         FIRST,
         lambda scenario: drive_by(careful, scenario),
-        steps=(0, 100),
+        steps=(0,),
         on_drive=lambda done, of: told.append((done, of)),
     )
-    assert told == [(1, 3), (2, 3), (3, 3)]
+    assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
 
 
 def test_sensors_are_late_together_and_commands_alone():

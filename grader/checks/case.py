@@ -1,0 +1,129 @@
+"""An occasion on which a node had to say something: what its contract allows, and what it said."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, overload
+
+from grader.recording import Recording
+
+Interval = tuple[float, float]  # the least and the greatest
+Allowed = tuple[Interval, ...] | frozenset[str]  # any of these numbers, or of these words
+Said = float | str
+
+
+@dataclass(frozen=True)
+class Case:
+    """One occasion.
+
+    Fields are named as in the message: `linear.x` of a Twist, `data` of a Float64, `reason`.
+    """
+
+    at: float  # [s]
+    what: str  # in a student's words: "a wall 0.42 m ahead"
+    tags: frozenset[str] = frozenset()  # under which checks ask for it
+    allowed: Mapping[str, Allowed] = field(default_factory=dict)  # by field; none: silence
+    said: Mapping[str, Said] = field(default_factory=dict)  # in force at the end; none: nothing yet
+    count: int = 1  # messages that were sent on this occasion
+
+    def wrong(self, tolerance: float = 0.0) -> str:
+        """Return the first field in which it said something else; empty if it is right."""
+        for name, allowed in self.allowed.items():
+            if not _among(self.said.get(name), allowed, tolerance):
+                return name
+        return ""
+
+
+Oracle = Callable[[Recording], Sequence[Case]]
+
+
+class Runs(Sequence[Recording]):
+    """The recordings of a check's scenarios, in the order of its mark.
+
+    Parameters
+    ----------
+    recordings
+        In the order of the mark.
+    oracle
+        The exercise's `cases`.
+    exercise
+        Its slug.
+    handed
+        What the checks returned that this one needs, by their names.
+    """
+
+    def __init__(
+        self,
+        recordings: Sequence[Recording],
+        oracle: Oracle,
+        exercise: str = "",
+        handed: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._recordings = tuple(recordings)
+        self._oracle = oracle
+        self.exercise = exercise
+        self.handed = handed or {}
+
+    @overload
+    def __getitem__(self, key: int | str) -> Recording: ...
+
+    @overload
+    def __getitem__(self, key: slice) -> Runs: ...
+
+    def __getitem__(self, key: int | str | slice) -> Recording | Runs:
+        """Return a recording, by its place or its scenario's name; or some of them."""
+        if isinstance(key, slice):
+            return self.of(self._recordings[key])
+        if isinstance(key, int):
+            return self._recordings[key]
+        return next(run for run in self._recordings if run.name == key)
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self._recordings)
+
+    def only(self, *names: str) -> Runs:
+        """Return those of these scenarios."""
+        return self.of([run for run in self._recordings if run.name in names])
+
+    def driven(self) -> Runs:
+        """Return those of closed loops: what a bench shows does not depend on the commands."""
+        return self.of([run for run in self._recordings if not run.scenario.bench_scans])
+
+    def of(self, recordings: Sequence[Recording]) -> Runs:
+        """Return these recordings, with the same oracle."""
+        return Runs(recordings, self._oracle, self.exercise, self.handed)
+
+    def cases(self, *tags: str) -> Iterator[tuple[Recording, Case]]:
+        """Yield the occasions with one of these tags (all without), and their recordings."""
+        for recording in self._recordings:
+            for case in self._oracle(recording):
+                if not tags or not case.tags.isdisjoint(tags):
+                    yield recording, case
+
+
+def exactly(*numbers: float) -> tuple[Interval, ...]:
+    """Return the allowance of one of these numbers."""
+    return tuple((number, number) for number in numbers)
+
+
+def spell_allowed(allowed: Allowed, unit: str = "") -> str:
+    """Return an allowance in words: `0.00 m/s or 0.15 m/s`, `0.10 to 0.30 m/s`."""
+    unit = f" {unit}" if unit else ""
+    if isinstance(allowed, frozenset):
+        return " or ".join(f"“{word}”" for word in sorted(allowed))
+    spans = (
+        f"{low:.2f}{unit}" if low == high else f"{low:.2f} to {high:.2f}{unit}"
+        for low, high in sorted(allowed)
+    )
+    return " or ".join(spans)
+
+
+def _among(said: Said | None, allowed: Allowed, tolerance: float) -> bool:
+    if isinstance(allowed, frozenset):
+        return said in allowed
+    if not isinstance(said, float | int) or math.isnan(said):
+        return False
+    return any(low - tolerance <= said <= high + tolerance for low, high in allowed)
