@@ -1,6 +1,6 @@
 """`prepare` and the first cell: what lacks is installed, what pip hid is found, nothing restarts.
 
-`benchmarks/bare_notebook.py` does all of it on a real bare system Python.
+`test_bare_python.py` does all of it on a real bare system Python.
 """
 
 from __future__ import annotations
