@@ -38,7 +38,7 @@ lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the s
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/towncrier build --draft --version next > /dev/null
+	$(BIN)/towncrier build --draft --version next
 	$(BIN)/python -m grader.course.skeletons --check
 	$(BIN)/python -m grader.authoring.catalogue --check
 	$(BIN)/python -m grader.authoring.pitfalls --check
