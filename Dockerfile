@@ -1,5 +1,5 @@
 # One image for GitHub Codespaces, Binder and a JupyterHub: Jupyter with the course in it.
-# Never built by us: there was no Docker. benchmarks/bare_root.py runs its steps in a bare Debian.
+# Never built by us: there was no Docker. Its steps were run, in order, in a bare Debian.
 FROM python:3.12-slim-bookworm
 
 # Binder builds with these two, and mounts nothing; a hub may mount a volume over the home

@@ -11,7 +11,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench bench-notebook skeletons goldens constraints clean
+.PHONY: help setup grade test test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -38,6 +38,7 @@ lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the s
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/towncrier build --draft --version next
 	$(BIN)/python -m grader.course.skeletons --check
 	$(BIN)/python -m grader.authoring.catalogue --check
 	$(BIN)/python -m grader.authoring.pitfalls --check
@@ -74,7 +75,7 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lockstep.py
 	$(BIN)/python benchmarks/determinism.py obstacle_avoidance goal_seeking
 	$(BIN)/python benchmarks/runtimes.py
-	$(BIN)/python benchmarks/students.py obstacle_avoidance goal_seeking --students 20 --variants 0
+	$(BIN)/python benchmarks/batch.py
 
 attacks: $(VENV)/.dev ## every attack with all checks; what opens without each layer (docs/attacks.md)
 	COURSE_ATTACKS=full $(PYTEST) tests/attacks tests/grader/host/test_kernel_filters.py tests/grader/host/test_landlock.py
@@ -89,12 +90,8 @@ notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with 12 s
 	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks \
 	  tests/browser/test_jupyterlab.py tests/browser/test_formgrader.py
 
-students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour; goes on where it was)
-	mkdir -p build
-	$(BIN)/python benchmarks/students.py --keep build/students.jsonl
-
-bench-notebook: $(VENV)/.dev ## time the first check of a notebook on a bare system Python (needs root)
-	$(BIN)/python benchmarks/bare_notebook.py
+students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour)
+	COURSE_STUDENTS=200 $(PYTEST) tests/grader/authoring/test_fairness.py
 
 skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
 	$(BIN)/python -m grader.course.skeletons

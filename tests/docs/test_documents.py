@@ -13,17 +13,23 @@ import click
 import pytest
 from documents import ROOT, Document, documents, tracked
 
+from grader.authoring.mutants import mutants
 from grader.cli import cli
-from grader.course.exercises import all_exercises
+from grader.course.exercises import all_exercises, find_exercise
+from grader.course.submission import find_submission
+from grader.grading.grading import grade_submission
+from grader.link.hosts import ForkServer
+from sim.messages import EPOCH_NS
 
 COLUMNS = 100
-LONGEST = {"README.md": 100, "CONTRIBUTING.md": 130}  # [lines]
+LONGEST = {"README.md": 100, "CONTRIBUTING.md": 130, "SECURITY.md": 60}  # [lines]
 GENERATED = {  # and what writes them: their lines are as wide as what they quote
     "docs/mutants.md": "-m grader.authoring.catalogue",
     "docs/listing-style.md": "-m grader.authoring.listings",
-    "docs/tiers.md": "benchmarks/tiers.py",
 }
-OURS = documents("README.md", "CONTRIBUTING.md", "docs/", "notebooks/README.md")
+OURS = documents(
+    "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "docs/", "notebooks/README.md"
+)
 WRITTEN = [document for document in OURS if document.path not in GENERATED]
 # What nothing can break: options of MyST, a command in backticks, the target of a link
 ONE_LINE = re.compile(r"\s*(:alt:|\+\+\+ \{|`[^`]*`\S*$|\S*\]\(https?://\S+$)")
@@ -215,7 +221,7 @@ def test_every_course_command_is_in_a_document() -> None:
     assert [name for name in cli.commands if f"course {name}" not in code] == ["dataset"]
     documented = re.findall(r"(?m)^([a-z-]+):.*## ", (ROOT / "Makefile").read_text("utf-8"))
     unsaid = {name for name in documented if not re.search(rf"make {name}\b", code)}
-    assert unsaid == {"help", "format", "clean", "bench-notebook"}
+    assert unsaid == {"help", "format", "clean"}
 
 
 # --- what they say ---------------------------------------------------------------------------
@@ -231,11 +237,27 @@ def test_the_readme_lists_the_exercises() -> None:
     ]
 
 
+def _said(pattern: str) -> int:
+    """Return the number that the README says."""
+    said = re.search(pattern, " ".join(Document("README.md").prose.split()))
+    assert said is not None, pattern
+    return int(said[1])
+
+
 def test_the_proof_is_as_large_as_the_readme_says() -> None:
-    said = re.search(r"More than (\d+) deliberately wrong solutions", Document("README.md").prose)
-    assert said is not None
-    mutants = re.findall(r"\((\d+) mutants\)", (ROOT / "docs/mutants.md").read_text("utf-8"))
-    assert sum(map(int, mutants)) > int(said[1])
+    count = sum(len(mutants(exercise)) for exercise in all_exercises())
+    assert _said(r"More than (\d+) deliberately wrong solutions") == (count - 1) // 100 * 100
+
+
+def test_exercise_1_is_simulated_for_as_long_as_the_readme_says() -> None:
+    exercise = find_exercise("1")
+    (file,) = exercise.files
+    submission = find_submission(exercise.solutions / file, file, ())
+    with ForkServer(EPOCH_NS) as forkserver:
+        grading = grade_submission(exercise, submission, forkserver, file=file)
+    assert grading.score == 100  # as the quoted output says
+    seconds = sum(recording.scenario.duration for recording in grading.recordings)
+    assert _said(r"the (\d+) simulated seconds of exercise 1") == round(seconds)
 
 
 def test_no_sentence_stands_twice() -> None:

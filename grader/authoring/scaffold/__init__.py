@@ -164,11 +164,6 @@ LISTS = (
         r"^    (\"grader\.checks\.\w+\",? ?)+\n(?=\])",
         '    "grader.checks.{{slug}}",\n',
     ),
-    (
-        "CHANGELOG.md",
-        r"\A(?s:.*?)^For students\n\n",
-        "- Exercise {{number}} *{{title}}*: task, skeleton and hints.\n",
-    ),
 )  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """Right solutions get full marks in the worlds of a few students; `make students` asks 200."""
 
+import os
 from dataclasses import replace
 
 import msgspec
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 from grader.authoring.fairness import Shared, examine, fingerprint, is_own, right_solutions
+from grader.authoring.proof import Claim
 from grader.course.exercises import all_exercises
 from grader.recording import COMPLETED, Outcome, Recording
 from sim.messages import twist
@@ -16,6 +18,8 @@ from sim.simulation import Simulation
 EXERCISES = [exercise.slug for exercise in all_exercises()]
 QUICK = ("trend_memory",)  # in `make test`
 OTHER = 12_345  # a seed
+STUDENTS = int(os.environ.get("COURSE_STUDENTS", "0"))  # make students: 200 for each reference
+RIGHT = [claim for slug in EXERCISES for claim in right_solutions(slug)] if STUDENTS else []
 
 
 @pytest.mark.parametrize(
@@ -28,6 +32,16 @@ def test_a_student_gets_full_marks_in_worlds_of_their_own(slug: str) -> None:
     (verdict,) = examine(reference, [student])
     assert not verdict.against
     assert 0 < verdict.own <= verdict.runs
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("claim", RIGHT, ids=[claim.name for claim in RIGHT])
+def test_right_solutions_get_full_marks_in_everybodys_worlds(claim: Claim) -> None:
+    """Variants, and the field checks, meet a tenth of the students."""
+    few = max(1, STUDENTS // 10)
+    students = range(STUDENTS if claim.kind == "reference" else few)
+    verdicts = examine(claim, students, field=few)
+    assert {one.student: one.against for one in verdicts if one.against} == {}
 
 
 def test_variants_are_right_solutions_too() -> None:

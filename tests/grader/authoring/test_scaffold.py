@@ -87,9 +87,9 @@ def test_nothing_is_left_of_one_that_fails(root: Path, monkeypatch: pytest.Monke
         patch.setattr(module, "GENERATED", ("no_such_module",))
         scaffold("stop_line", root)
     assert files(root) == before
-    (root / "CHANGELOG.md").write_text("# Changelog\n")
+    (root / "README.md").write_text("# A course\n")
     before = files(root)
-    with pytest.raises(GraderError, match=r"CHANGELOG\.md: no place"):
+    with pytest.raises(GraderError, match=r"README\.md: no place"):
         scaffold("stop_line", root)
     assert files(root) == before
     assert not (root / "exercises" / "stop_line").exists()
