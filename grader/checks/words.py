@@ -20,6 +20,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NoReturn
 
 import numpy as np
 
@@ -118,24 +120,22 @@ def require_allowed(
         f"{name} = {spell_allowed(allowed, UNITS.get(name, ''))}"
         for name, allowed in case.allowed.items()
     )
-    where = {"at": case.at, "recording": recording}
+    fails: Callable[..., NoReturn] = partial(fail, at=case.at, recording=recording)
     if not case.allowed:
         if case.count:
-            fail(
+            fails(
                 f"{case.what}: a {noun} came",
                 expected=f"nothing on {topic}",
                 actual=f"{case.count} of them",
                 help=help,
-                **where,
             )
         return
     if not case.said:
-        fail(
+        fails(
             f"{case.what}: there was still no {noun}",
             expected=expected,
             actual=f"nothing on {topic}",
             help=PUBLISH_ONCE,
-            **where,
         )
     wrong = case.wrong(tolerance)
     if not wrong:
@@ -144,19 +144,17 @@ def require_allowed(
     shown = _shown(said) + (f" {unit}" if unit else "")
     wanted = f"{wrong} = {spell_allowed(case.allowed[wrong], unit)}"
     if not case.count:
-        fail(
+        fails(
             f"{case.what}: no {noun} came, and the last one still counts",
             expected=wanted,
             actual=f"none; it is still {wrong} = {shown}",
             help=PUBLISH_ONCE,
-            **where,
         )
-    fail(
+    fails(
         f"{case.what}: wrong {wrong}",
         expected=wanted,
         actual=f"{wrong} = {shown}",
         help=(garbage(said) if isinstance(said, float) else "") or help,
-        **where,
     )
 
 

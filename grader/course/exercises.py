@@ -85,7 +85,14 @@ def all_exercises() -> list[Exercise]:
     files = sorted(EXERCISES.glob("*/exercise.toml"))
     if not files:
         raise GraderError(f"{EXERCISES}: no exercises here; run `course` from a full checkout")
-    return sorted((_read(file) for file in files), key=lambda exercise: exercise.number)
+    found = sorted((_read(file) for file in files), key=lambda exercise: exercise.number)
+    for exercise in found:
+        if not (exercise.judge / "contract.py").is_file():
+            raise GraderError(
+                f"{exercise.judge}: expected the judge's folder of exercise {exercise.number}, "
+                "with contract.py, test_core.py and scenarios/"
+            )
+    return found
 
 
 def find_exercise(name: str) -> Exercise:

@@ -9,6 +9,7 @@ import os
 import platform
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import msgspec
 from grader.checks.case import Oracle
 from grader.course.exercises import Exercise
 from grader.course.installed import COURSE
+from grader.course.score import Score, score_of
 from grader.course.students import Seed, public_seed
 from grader.course.submission import Submission
 from grader.errors import DiskFull, GraderError, is_disk_full
@@ -27,7 +29,6 @@ from grader.grading.plugin import (
     INCONCLUSIVE,
     PASS,
     UNAVAILABLE,
-    UNJUDGED,
     CheckPlugin,
     CheckResult,
 )
@@ -68,16 +69,25 @@ class Grading:
     trial_notes: tuple[str, ...] = ()
     cause: Cause | None = None  # the most probable one of what failed
 
+    @cached_property
+    def result(self) -> Score:
+        """Points, before and after the cap."""
+        return score_of((check.as_dict() for check in self.checks), self.exercise.essential)
+
     @property
     def score(self) -> int:
-        """Core points won."""
-        return sum(check.points for check in self.checks)
+        """Core points won, after the cap."""
+        return int(self.result.points)
+
+    @property
+    def raw_score(self) -> int:
+        """Core points won, before the cap."""
+        return int(self.result.raw)
 
     @property
     def max_score(self) -> int:
         """Core points that could be won: checks that could not judge are left out."""
-        judged = (check for check in self.checks if check.outcome not in UNJUDGED)
-        return sum(check.max_points for check in judged)
+        return int(self.result.most)
 
     @property
     def field_ready(self) -> bool | None:
@@ -120,6 +130,8 @@ class Grading:
             "tier": self.tier,
             "score": self.score,
             "max_score": self.max_score,
+            "raw_score": self.raw_score,  # before the cap
+            "cap": self.result.note,  # why it is capped; empty if it isn't
             "provisional": self.faulty,  # a person has to look before the score counts
             "field_ready": self.field_ready,
             "isolation": self.isolation,
@@ -167,6 +179,7 @@ def grade(
         first_failure=first_failure,
         suspect=suspect,
         exercise=exercise.slug,
+        essential=exercise.essential.checks if exercise.essential else (),
         oracle=_oracle_of(exercise),
     )
     with _undisturbed():

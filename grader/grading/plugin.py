@@ -13,7 +13,7 @@ where these libraries are installed; elsewhere it is UNAVAILABLE, and its scenar
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -27,6 +27,7 @@ from grader.recording import Recording
 from grader.recording.words import words_of
 from grader.trial.progress import CHECK, OnProgress, Step, ignore
 from grader.trial.trials import NoRecording, TrialFault, Trials
+from sim.toml_input import nearest
 
 PASS, FAIL, SKIP, ERROR, INCONCLUSIVE = "pass", "fail", "skip", "error", "inconclusive"
 UNAVAILABLE = "unavailable"  # a library that the check requires is not installed here
@@ -96,10 +97,11 @@ class CheckPlugin:
         first_failure: bool = False,
         suspect: str = "",
         exercise: str = "",
+        essential: Sequence[str] = (),
         oracle: Oracle = lambda recording: (),
     ) -> None:
         self._trials = trials
-        self._exercise, self._oracle = exercise, oracle
+        self._exercise, self._oracle, self._essential = exercise, oracle, essential
         self._returned: dict[str, Any] = {}  # by check id
         self._first_failure = first_failure  # of a check: it ends the run, so no trial runs ahead
         self._suspect = suspect  # the check that is judged first, after those that it needs
@@ -252,6 +254,10 @@ class CheckPlugin:
         by_id = {check.id: check for check in checks}
         if len(by_id) != len(checks):
             raise GraderError("two checks of one exercise have the same name")
+        for name in self._essential:
+            if name not in by_id:
+                where = f"exercises/{self._exercise}/exercise.toml: essential.checks"
+                raise InputError(f"{where}: no check {name!r}{nearest(name, by_id)}")
         for wanted in self._only:
             if wanted not in by_id:
                 raise InputError(f"unknown check {wanted!r}; there are: {', '.join(by_id)}")

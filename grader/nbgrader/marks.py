@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from grader.course.exercises import find_exercise
+from grader.course.score import score_of
 from grader.nbgrader.cells import Wanted
 from grader.nbgrader.judge import Verdict
 from grader.report.terminal import UNJUDGED, cause_of
@@ -40,10 +42,12 @@ def mark_of(asked: Wanted, verdict: Verdict, max_points: float) -> Mark:
         return Mark(
             None, True, tuple(checks), "" if checks else "none of its checks exist any more"
         )
+    result = score_of(verdict.grading["checks"], find_exercise(asked.exercise).essential)
+    won *= result.share  # nbgrader adds up the cells' points, so those of a capped score are scaled
     points = float(won) if possible == max_points else max_points * won / possible
     failed = any(check["outcome"] == "fail" for check in checks)
     cause = tuple(cause_of(verdict.grading)) if failed else ()
-    return Mark(points, by_hand, tuple(checks), cause=cause)
+    return Mark(points, by_hand, tuple(checks), said=result.note, cause=cause)
 
 
 def _chosen(asked: Wanted, checks: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -19,6 +19,7 @@ from grader.report.terminal import (
     field_words,
     group_fact,
     plain,
+    points_by_question,
     points_of,
     score_notes,
     score_of,
@@ -217,6 +218,8 @@ def _score(grading: Mapping[str, Any], changed: str) -> str:
     lines = [_escaped(note) for note in score_notes(grading)]
     if grading.get("provisional"):
         lines.insert(0, f"<b>{PROVISIONAL}</b>{PROVISIONAL_WHY}")
+    if asked := points_by_question(grading):
+        lines.append(f'<span class="label">Asked</span> {_escaped(asked)}')
     if changed:
         lines.append(f'<span class="label">Change</span> <b>{_escaped(changed)}</b> ({SINCE})')
     badge = f"<b>★ {word}</b>" if word else ""

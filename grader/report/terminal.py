@@ -73,10 +73,13 @@ def render_terminal(grading: Mapping[str, Any], console: Console, changed: str =
             console.print(Padding(_table(group, console), (0, 0, 0, 1)), width=width)
     console.print()
     console.print(_score_line(grading, console, width), width=width)
+    if asked := points_by_question(grading):
+        console.print(Text(f" Asked  {asked}", style="dim"), width=width)
     if changed:
         console.print(_change_line(changed, console), width=width)
     for note in score_notes(grading):
-        console.print(Text(f"        {note}", style="yellow"), width=width)
+        said = Text(printable(note, console), style="yellow")
+        console.print(Padding(said, (0, 0, 0, 8)), width=width)
     console.print(_field_line(grading, console), width=width)
     for note in grading.get("notes", ()):
         console.print(
@@ -256,7 +259,19 @@ def score_notes(grading: Mapping[str, Any]) -> list[str]:
     checks = grading.get("checks", [])
     absent = sum(float(c["max_points"]) for c in checks if c["outcome"] == "unavailable")
     said = f"{spell_points(absent)} more points are about libraries that are not installed here"
-    return [said] if absent else []
+    capped = str(grading.get("cap") or "")
+    return [*([capped] if capped else []), *([said] if absent else [])]
+
+
+def points_by_question(grading: Mapping[str, Any]) -> str:
+    """Return the points by what the checks ask: `wiring 5/5, decision 40/45`."""
+    found: dict[str, list[float]] = {}
+    for check in grading.get("checks", []):
+        if check.get("asks") and check.get("kind") == "core" and check["outcome"] not in UNJUDGED:
+            sums = found.setdefault(check["asks"], [0.0, 0.0])
+            sums[0] += check["points"]
+            sums[1] += check["max_points"]
+    return ", ".join(f"{asks} {won:g}/{most:g}" for asks, (won, most) in found.items())
 
 
 def field_words(grading: Mapping[str, Any]) -> tuple[str, str]:
@@ -326,7 +341,8 @@ def _title(check: Check, console: Console) -> Text:
     style = "bold" if check["outcome"] in ("fail", "error") else ""
     title = Text(printable(check["title"], console), style=style)
     if check.get("id"):
-        title.append(f"  ({printable(check['id'], console)})", style="not bold dim")
+        place = f"task {check['task']}, " if check.get("task") else ""
+        title.append(f"  ({place}{printable(check['id'], console)})", style="not bold dim")
     return title
 
 

@@ -39,14 +39,18 @@ def main(arguments: list[str]) -> int:
 
 
 def as_reported(grading: dict[str, Any]) -> dict[str, Any]:
-    """Return a grading as GitHub Classroom's reporter reads it."""
+    """Return a grading as GitHub Classroom's reporter reads it.
+
+    It adds up the tests' points, so those of a capped score are scaled.
+    """
     core = [check for check in grading["checks"] if check["kind"] == "core"]
+    share = grading["score"] / grading["raw_score"] if grading.get("raw_score") else 1.0
     tests = [
         {
             "name": check["title"],
             "status": STATUS.get(check["outcome"], "error"),
-            "score": check["points"],
-            "message": check.get("message") or "",
+            "score": round(check["points"] * share, 2),
+            "message": check.get("message") or grading.get("cap") or "",
             "test_code": "",
             "filename": "",
             "line_no": 0,

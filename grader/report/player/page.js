@@ -76,7 +76,19 @@ function buildScore(grading, checks) {
       el('ul', { class: 'counts' }, counts.map(([outcome, n]) => el('li', { class: `is-${outcome}` },
         sign(outcome), `${n} ${OUTCOMES[outcome].toLowerCase()}`)))),
     buildBadge(grading, checks.filter((check) => !isCore(check))),
-    ...(grading.notes || []).map((note) => el('p', { class: 'score-note', dir: 'auto' }, text(note))));
+    ...[grading.cap, questions(checks), ...(grading.notes || [])].filter(Boolean).map((note) => el('p', { class: 'score-note', dir: 'auto' }, text(note))));
+}
+
+/** Points by what the checks ask: "Asked: wiring 5/5, decision 40/45". */
+function questions(checks) {
+  const sums = new Map();
+  for (const check of checks.filter((each) => isCore(each) && text(each.asks))) {
+    if (['error', 'inconclusive', 'unavailable'].includes(outcomeOf(check))) continue;
+    const [won, most] = sums.get(text(check.asks)) || [0, 0];
+    sums.set(text(check.asks), [won + (Number(check.points) || 0), most + (Number(check.max_points) || 0)]);
+  }
+  const said = [...sums].map(([asks, [won, most]]) => `${asks} ${isPoints(won)}/${isPoints(most)}`);
+  return said.length ? `Asked: ${said.join(', ')}` : '';
 }
 
 /** The bar has one segment a core check, as wide as its points, filled as far as it earned them. */
@@ -137,7 +149,8 @@ function buildCheck(check, links) {
   const head = [
     sign(outcome),
     el('span', { class: 'check-title' }, el('bdi', {}, text(check.title) || text(check.id)),
-      text(check.title) && text(check.id) ? [' ', el('code', { class: 'check-id', dir: 'ltr' }, text(check.id))] : null),
+      text(check.title) && text(check.id) ? [' ', el('code', { class: 'check-id', dir: 'ltr' }, text(check.id)),
+        Number(check.task) ? ` task ${Number(check.task)}` : null] : null),
     el('span', { class: 'check-points' }, pointsOf(check)),
     el('span', { class: `check-word is-${outcome}` }, OUTCOMES[outcome]),
   ];
@@ -208,7 +221,7 @@ function buildChecks(grading, checks, links) {
   const field = checks.filter((check) => !isCore(check));
   const passed = field.filter((check) => outcomeOf(check) === 'pass').length;
   return el('main', { class: 'grading' },
-    buildGroup('Core', `${isPoints(Number(grading.score))} of ${isPoints(Number(grading.max_score))} points`, core, links),
+    buildGroup('Core', `${isPoints(Number(grading.raw_score ?? grading.score))} of ${isPoints(Number(grading.max_score))} points`, core, links),
     buildGroup('Field', `${passed} of ${field.length} passed, no points`, field, links),
     checks.length ? null : el('p', { class: 'quiet' }, 'No check was run.'));
 }

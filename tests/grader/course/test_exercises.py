@@ -93,3 +93,11 @@ def test_without_a_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(exercises, "EXERCISES", tmp_path)
     with pytest.raises(GraderError, match="no exercises here"):
         all_exercises()
+
+
+def test_an_exercise_without_a_judge_is_named(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(exercises, "JUDGE", tmp_path)
+    with pytest.raises(GraderError, match=r"obstacle_avoidance: expected the judge's folder"):
+        all_exercises()

@@ -78,6 +78,9 @@ def test_what_a_result_says(run: Run) -> None:
         "scenario": None,
         "where": "",
         "log": "",
+        "asks": "",
+        "task": 0,
+        "hint": "",
     }
     assert skipped.message == "not judged, because “It is bad.” did not pass"
     assert broken.message == "the grader failed here: KeyError: 'key'"
@@ -89,6 +92,21 @@ def test_the_result_is_json(run: Run) -> None:
 
     assert {"exercise", "file", "tier", "score", "max_score", "versions"} <= set(result)
     assert result["checks"][0]["id"] == "good"
+
+
+def test_what_a_check_returns_is_handed_to_those_that_need_it(run: Run) -> None:
+    grading = run("""
+        @check(points=60, scenarios=("a",))
+        def test_one(runs):
+            '''One.'''
+            return "found"
+        @check(points=40, scenarios=("b",), needs=("one",))
+        def test_two(runs):
+            '''Two.'''
+            assert runs.handed == {"one": "found"}
+    """)
+
+    assert grading.score == 100
 
 
 def test_full_marks(run: Run) -> None:

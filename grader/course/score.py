@@ -1,0 +1,50 @@
+"""The score of an exercise: the points of its checks, capped while an essential one fails.
+
+Points are for tasks. Above them stands `[essential]` of `exercise.toml`: the point of the exercise,
+and the checks whose failure could hurt somebody.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from grader.course.exercises import Essential
+
+HOLDS = ("fail", "skip")  # outcomes of an essential check that cap the score
+UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a grading comes to."""
+
+    raw: float  # points of the checks
+    most: float  # that could be won: checks that could not judge are left out
+    points: float  # after the cap
+    note: str = ""  # why the score is capped; empty if it isn't
+
+    @property
+    def share(self) -> float:
+        """What is left of each check's points, where a platform knows points per check only."""
+        return self.points / self.raw if self.raw else 1.0
+
+
+def score_of(checks: Iterable[Mapping[str, Any]], essential: Essential | None) -> Score:
+    """Return the score of core checks, given as `CheckResult.as_dict` has them."""
+    core = [check for check in checks if check["kind"] == "core"]
+    raw = sum(check["points"] for check in core)
+    most = sum(check["max_points"] for check in core if check["outcome"] not in UNJUDGED)
+    if essential is None:
+        return Score(raw, most, raw)
+    failed = [c for c in core if c["id"] in essential.checks and c["outcome"] in HOLDS]
+    cap = essential.cap * most // 100
+    if not failed or raw <= cap:
+        return Score(raw, most, raw)
+    titles = " and ".join(f"“{check['title'].rstrip('.')}”" for check in failed[:2])
+    note = (
+        f"At most {cap:g} of {most:g} points as long as this fails: {titles}. {essential.why} "
+        f"Before this cap: {raw:g} points."
+    )
+    return Score(raw, most, cap, note)
