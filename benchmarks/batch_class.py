@@ -6,7 +6,7 @@ import shutil
 import zipfile
 from pathlib import Path
 
-from grader.authoring.proof import claims
+from grader.authoring.claims import claims
 from grader.course.exercises import Exercise, find_exercise
 
 NODE = """\

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import msgspec
 
-from grader.authoring.proof import Claim, claims, complete
+from grader.authoring.claims import Claim, claims, complete
 from grader.cli.results import write_report
 from grader.course.exercises import Exercise, find_exercise
 from grader.drive.search import arena_of, search_node

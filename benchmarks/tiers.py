@@ -17,7 +17,7 @@ from pathlib import Path
 
 import msgspec
 
-from grader.authoring.proof import Claim, claims, complete
+from grader.authoring.claims import Claim, claims, complete
 from grader.course.exercises import all_exercises, find_exercise
 from grader.grading.grading import grade_submission
 from grader.grading.plugin import ERROR, FAIL, INCONCLUSIVE, UNAVAILABLE

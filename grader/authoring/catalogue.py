@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections import defaultdict
 
-from grader.authoring.proof import Claim, claims
+from grader.authoring.claims import Claim, claims
 from grader.course.exercises import ROOT, Exercise, all_exercises
 from grader.course.generated import write_or_check
 

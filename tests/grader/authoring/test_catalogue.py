@@ -1,7 +1,7 @@
 """docs/mutants.md is in step with the mutants."""
 
 from grader.authoring.catalogue import PAGE, catalogue
-from grader.authoring.proof import claims
+from grader.authoring.claims import claims
 from grader.course.exercises import all_exercises
 
 
