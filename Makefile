@@ -39,7 +39,6 @@ lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the s
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m grader.course.skeletons --check
-	$(BIN)/python -m grader.authoring.catalogue --check
 	$(BIN)/python -m grader.authoring.pitfalls --check
 	$(BIN)/python lessons/figures.py --check
 	$(BIN)/python -m grader.notebook.build --check
@@ -95,10 +94,8 @@ students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (u
 bench-notebook: $(VENV)/.dev ## time the first check of a notebook on a bare system Python (needs root)
 	$(BIN)/python benchmarks/bare_notebook.py
 
-skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
+skeletons: $(VENV)/.dev ## make the skeletons, figures and notebooks anew
 	$(BIN)/python -m grader.course.skeletons
-	$(BIN)/python -m grader.authoring.catalogue
-	$(BIN)/python -m grader.authoring.listings
 	$(BIN)/python -m grader.authoring.pitfalls --made
 	$(BIN)/python lessons/figures.py
 	$(BIN)/python -m grader.notebook.build
