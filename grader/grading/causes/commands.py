@@ -28,8 +28,9 @@ APART = 0.1  # [m/s]
 ROBOTS_OWN = (0, 5)  # linear.x and angular.z
 
 NO_FEATURES = (
-    "It has loaded its model and never asks it. If there seem to be no features: are the limits of "
-    "the sectors in radians, as the beams' angles are?"
+    "It has loaded its model and never asks it. If there seem to be no features: is "
+    "extract_features filled in, and are the limits of its sectors in radians, as the beams' "
+    "angles are?"
 )
 GARBAGE = (
     "which is garbage. Did an int, an array or an np.float32 get into a float field? Write "
@@ -126,7 +127,7 @@ def _garbage(_: Exercise, ran: Sequence[Recording]) -> str:
         values = np.abs(twists.values)
         for row, column in np.argwhere((values > 0) & (values < DENORMAL)):
             value, at = twists.values[row, column], twists.t[row]
-            return f"{FIELDS[column]} is {value:.2g} at {at:.2f} s of {recording.name}, {GARBAGE}"
+            return f"at {at:.2f} s of {recording.name} {FIELDS[column]} is {value:.2g}, {GARBAGE}"
     return ""
 
 

@@ -68,7 +68,7 @@ def asked(speed: float, method: str = "predict") -> Inference:
     [
         ("obstacle_avoidance", Trial(), "publish() in the callback of /scan"),
         ("goal_seeking", Trial(), "its period is in seconds: 0.1"),
-        ("ml_velocity", Trial([ZERO, (GARBAGE, *ZERO[1:])]), "at 0.10 s of trial, which is"),
+        ("ml_velocity", Trial([ZERO, (GARBAGE, *ZERO[1:])]), "At 0.10 s of trial linear.x is"),
         ("goal_seeking", Trial([(0.3, 0.0, 0.0, 1.2, 0.0, 0.0)]), "sets angular.x, and angular.z"),
         ("goal_seeking", Trial([(0.0, 0.3, 0.0, 0.0, 0.0, 1.0)]), "sets linear.y, and linear.x"),
         ("obstacle_avoidance", Trial([(-0.5, *ZERO[1:]), ZERO]), "Forwards is positive"),

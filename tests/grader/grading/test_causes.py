@@ -188,8 +188,10 @@ rclpy.spin(Agent())
 
 def test_a_thread_that_died_is_named_with_its_line(run_node: RunNode) -> None:
     recording = run_node(DIES, load_scenario("avoid_zones"))
-    cause = find_cause(EXERCISE, [Check("clear_zone", scenario="avoid_zones")], [recording])
+    failed = [Check("clear_zone", scenario="avoid_zones"), Check("drives_on", scenario="another")]
+    cause = find_cause(EXERCISE, failed, [recording])
     assert cause is not None
+    assert cause.explains == ("clear_zone",)
     assert "A thread of the node died at 0.00 s" in cause.text
     assert "has no attribute 'wrok'" in cause.text
     assert cause.where.endswith("in work")
