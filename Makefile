@@ -40,9 +40,7 @@ lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the s
 	$(BIN)/lint-imports
 	$(BIN)/towncrier build --draft --version next
 	$(BIN)/python -m grader.course.skeletons --check
-	$(BIN)/python -m grader.authoring.catalogue --check
 	$(BIN)/python -m grader.authoring.pitfalls --check
-	$(BIN)/python -m grader.authoring.causes --check
 	$(BIN)/python lessons/figures.py --check
 	$(BIN)/python -m grader.notebook.build --check
 
@@ -93,10 +91,8 @@ notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with 12 s
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour)
 	COURSE_STUDENTS=200 $(PYTEST) tests/grader/authoring/test_fairness.py
 
-skeletons: $(VENV)/.dev ## make the skeletons and the pages in docs/ anew
+skeletons: $(VENV)/.dev ## make the skeletons, figures and notebooks anew
 	$(BIN)/python -m grader.course.skeletons
-	$(BIN)/python -m grader.authoring.catalogue
-	$(BIN)/python -m grader.authoring.listings
 	$(BIN)/python -m grader.authoring.pitfalls --made
 	$(BIN)/python lessons/figures.py
 	$(BIN)/python -m grader.notebook.build

@@ -18,7 +18,7 @@ from pathlib import Path
 import msgspec
 from lockstep import ECHO, SPIN
 
-from grader.authoring.proof import claims, grade_claim
+from grader.authoring.claims import claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
 from grader.course.submission import Submission
 from grader.errors import InputError

@@ -12,7 +12,7 @@ import argparse
 import msgspec
 import numpy as np
 
-from grader.authoring.proof import claims, complete
+from grader.authoring.claims import claims, complete
 from grader.course.exercises import find_exercise
 from grader.link.hosts import ForkServer
 from grader.recording import Recording

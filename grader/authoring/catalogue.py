@@ -1,29 +1,23 @@
-"""Write docs/mutants.md: which mistake is caught by which check.
+"""Print which mistake is caught by which check, as a page of Markdown.
 
 What stands there comes from `solutions/*/mutants.toml`; that it is true is what the proof proves.
-`python -m grader.authoring.catalogue` writes the page, `--check` tells whether it is up to date.
+It gives answers away, so it is not kept: `python -m grader.authoring.catalogue > build/mutants.md`.
 """
 
 from __future__ import annotations
 
-import sys
 from collections import defaultdict
 
-from grader.authoring.proof import Claim, claims
-from grader.course.exercises import ROOT, Exercise, all_exercises
-from grader.course.generated import write_or_check
+from grader.authoring.mutants import Mutant, mutants
+from grader.course.exercises import Exercise, all_exercises
 
-PAGE = ROOT / "docs" / "mutants.md"
 HEAD = """\
 # Which check catches which mistake
 
 Every check of the course is proven by wrong solutions, *mutants*: nodes with one realistic mistake
 each, written as an edit of a right one in `solutions/<exercise>/mutants.toml`. `make prove` grades
-them all; each has to fail exactly the checks named here. (Checks that are skipped because one that
-they need failed are not listed.) `python -m grader.authoring.mutants <exercise> <mutant>` prints
-the complete program of one.
-
-This page is made from those files by `python -m grader.authoring.catalogue`.
+them all; each has to fail the checks named here, and others may fail with it.
+`python -m grader.authoring.mutants <exercise> <mutant>` prints the complete program of one.
 """
 
 
@@ -33,22 +27,17 @@ def catalogue() -> str:
     return "\n".join([HEAD, *sections])
 
 
-def main(arguments: list[str]) -> int:
-    """Write the page, or with `--check` compare it; 1 if it is out of step."""
-    return write_or_check([(PAGE, catalogue())], "python -m grader.authoring.catalogue", arguments)
-
-
 def _section(exercise: Exercise) -> str:
-    mutants = [claim for claim in claims(exercise) if claim.kind == "mutant"]
-    by_check: dict[str, list[Claim]] = defaultdict(list)
-    for claim in mutants:
-        for check in sorted(claim.fails):
-            by_check[check].append(claim)
+    found = sorted(mutants(exercise), key=lambda mutant: mutant.name)
+    by_check: dict[str, list[Mutant]] = defaultdict(list)
+    for mutant in found:
+        for check in sorted(mutant.fails):
+            by_check[check].append(mutant)
     lines = [
-        f"## {exercise.number} · {exercise.title} ({len(mutants)} mutants)\n",
+        f"## {exercise.number} · {exercise.title} ({len(found)} mutants)\n",
         "| Mutant | The mistake | Caught by |",
         "|---|---|---|",
-        *(_row(claim) for claim in mutants),
+        *(_row(mutant) for mutant in found),
         "",
         "| Check | Killed by |",
         "|---|---|",
@@ -58,11 +47,11 @@ def _section(exercise: Exercise) -> str:
     return "\n".join(lines)
 
 
-def _row(claim: Claim) -> str:
-    caught = ", ".join(f"`{check}`" for check in sorted(claim.fails))
-    mistake = claim.about.replace("|", "\\|")
-    return f"| `{claim.stem}` | {mistake} | {caught} |"
+def _row(mutant: Mutant) -> str:
+    caught = ", ".join(f"`{check}`" for check in sorted(mutant.fails))
+    mistake = mutant.mistake.replace("|", "\\|")
+    return f"| `{mutant.name}` | {mistake} | {caught} |"
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    print(catalogue(), end="")

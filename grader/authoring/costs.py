@@ -1,7 +1,7 @@
-"""What a single mistake costs, and what its author is told: figures of the proof, and a file.
+"""What a single mistake costs: figures of the proof, and a file with a line for each claim.
 
-`python -m grader.authoring.proof --keep FILE` writes a line for each claim that it graded. Whether
-a cause in words of its own is the right one, only a person can say, so the file has both.
+`python -m grader.authoring.proof --keep FILE` writes it. Whether a cause is the right one, only a
+person can say, so the file has both the mistake and the cause.
 """
 
 from __future__ import annotations
@@ -12,11 +12,8 @@ from statistics import median
 
 import msgspec
 
-from grader.grading.causes.known import catalogue, told_as
 from grader.grading.grading import Grading
 from grader.grading.plugin import FAIL
-
-TOLD = 0.7  # of an exercise's mutants, at least, are told what is wrong
 
 
 class Row(msgspec.Struct, frozen=True):
@@ -50,11 +47,6 @@ class Row(msgspec.Struct, frozen=True):
         """Points that it costs."""
         return self.most - self.points
 
-    @property
-    def named(self) -> bool:
-        """Whether the cause says the mistake in the catalogue's own words."""
-        return told_as(self.mistake) in self.cause
-
 
 def keep(path: Path, rows: Iterable[Row]) -> None:
     """Write rows as JSON, one a line."""
@@ -63,38 +55,17 @@ def keep(path: Path, rows: Iterable[Row]) -> None:
 
 
 def print_costs(rows: Iterable[Row]) -> None:
-    """Print what the mutants of each exercise lose, and how many are told their mistake.
+    """Print what the mutants of each exercise lose.
 
     Those that only fail field checks lose nothing, and are not in the median.
     """
-    print(f"\n  {'':24} points lost       their mistake is told")
-    print(f"  {'exercise':24} median worst   by name  otherwise  not at all   the worst")
+    print(f"\n  {'':24} points lost by a mistake")
+    print(f"  {'exercise':24} median worst   the worst")
     for slug, theirs in _mutants(rows).items():
         costly = sorted((row for row in theirs if row.lost), key=lambda row: row.lost)
-        named = sum(row.named for row in theirs)
-        silent = sum(not row.cause for row in theirs)
         middle = f"{median(row.lost for row in costly):.0f}" if costly else "-"
         worst, name = (costly[-1].lost, costly[-1].name) if costly else (0, "")
-        print(
-            f"  {slug:24} {middle:>6} {worst:5} {named:9} "
-            f"{len(theirs) - named - silent:10} {silent:11}   {name}"
-        )
-
-
-def silences(rows: Iterable[Row]) -> list[str]:
-    """Return the exercises whose known mistakes no longer fit: their mutants are told nothing.
-
-    A check that says other figures changes the fingerprints by which mistakes are known.
-    """
-    found = []
-    for slug, theirs in _mutants(rows).items():
-        told = sum(bool(row.cause) for row in theirs)
-        if catalogue(slug) and told < TOLD * len(theirs):
-            found.append(
-                f"{slug}: {told} of {len(theirs)} mutants are told a cause, fewer than {TOLD:.0%}: "
-                f"run `python -m grader.authoring.causes {slug}`"
-            )
-    return found
+        print(f"  {slug:24} {middle:>6} {worst:5}   {name}")
 
 
 def _mutants(rows: Iterable[Row]) -> dict[str, list[Row]]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import msgspec
 
-from grader.authoring.proof import Claim, claims, grade_claim
+from grader.authoring.claims import Claim, claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
 from grader.link.hosts import ForkServer
 from grader.trial.kept import KeptRecordings

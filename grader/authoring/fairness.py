@@ -17,7 +17,8 @@ from functools import lru_cache
 
 import msgspec
 
-from grader.authoring.proof import Claim, claims, complete, objections
+from grader.authoring.claims import Claim, claims, complete
+from grader.authoring.proof import objections
 from grader.course.exercises import find_exercise
 from grader.course.students import student_key
 from grader.course.submission import Submission

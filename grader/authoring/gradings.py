@@ -9,15 +9,12 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import cache, partial
-from typing import TYPE_CHECKING
 
+from grader.authoring.claims import Claim, grade_claim
+from grader.grading.grading import Grading
 from grader.host.sandbox.kernel_filters import die_with_parent
 from grader.link.pool import ForkServerPool
 from grader.trial.kept import KeptRecordings
-
-if TYPE_CHECKING:
-    from grader.authoring.proof import Claim
-    from grader.grading.grading import Grading
 
 # Claims of a process; then others take over, and the memory is free. (The executor's own
 # max_tasks_per_child deadlocks in CPython 3.11: python/cpython#115634.)
@@ -59,8 +56,6 @@ def gradings(
 def _graded(
     claim: Claim, suspect: str, *, first_failure: bool, kept: KeptRecordings | None
 ) -> Grading:
-    from grader.authoring.proof import grade_claim  # noqa: PLC0415  (it imports this module)
-
     servers = _servers().of(claim.exercise.libraries)
     grading = grade_claim(claim, servers, first_failure=first_failure, suspect=suspect, kept=kept)
     return replace(grading, recordings=())

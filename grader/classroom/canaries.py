@@ -1,6 +1,6 @@
 """Known solutions graded along with the class: they show whether the grader still judges right.
 
-A right solution must pass, and a wrong one must fail exactly the checks it names. If one does not,
+A right solution must pass, and a wrong one must fail the checks it names. If one does not,
 everything graded since the last good round is suspect and is graded again (`trust`).
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from grader.authoring.proof import Claim, claims
+from grader.authoring.claims import Claim, claims
 from grader.classroom.store import Key
 from grader.classroom.work import Unit, unjudged
 from grader.course.exercises import Exercise
@@ -45,7 +45,8 @@ class Canary:
         if unsure:
             return f"could not judge {', '.join(sorted(unsure))}"
         expected = self.fails - by_outcome.get("unavailable", set())
-        wrong = by_outcome.get("fail", set()) ^ expected
+        failed = by_outcome.get("fail", set())
+        wrong = expected - failed if self.fails else failed
         if wrong:
             return f"had an unexpected outcome in {', '.join(sorted(wrong))}"
         return ""

@@ -28,6 +28,7 @@ from nbformat import NotebookNode, v4
 
 from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.course.generated import write_or_check
+from grader.course.promises import without_promises
 from grader.errors import GraderError
 from grader.nbgrader.cells import Wanted, definition, wanted
 from grader.nbgrader.points import points_of
@@ -221,7 +222,7 @@ def _contract(slug: str) -> str:
     found = re.search(r"(?ms)^(## .*?)(?=^## How to run it)", readme)
     if found is None:
         raise GraderError(f"exercises/{slug}/README.md: expected a part “How to run it”")
-    return _standing_alone(_deeper(found[1]))
+    return _standing_alone(_deeper(without_promises(found[1])))
 
 
 def _hints(slug: str) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from arena import HERE
 
-from grader.authoring.proof import claims
+from grader.authoring.claims import claims
 from grader.course.exercises import find_exercise
 
 COURSE = [sys.executable, "-m", "grader.cli", "autograde"]

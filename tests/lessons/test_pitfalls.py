@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from pitfall_runs import EVERY, Runs, each_pitfall, each_wrong
 
+from grader.authoring.claims import claims
 from grader.authoring.pitfalls import (
     MADE,
     NODES,
@@ -19,7 +20,6 @@ from grader.authoring.pitfalls import (
     grade,
     grade_mutant,
 )
-from grader.authoring.proof import claims
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, print_summary, scenario_for

@@ -34,7 +34,7 @@ from nbgrader_kit import (
     total,
 )
 
-from grader.authoring.proof import Claim, claims
+from grader.authoring.claims import Claim, claims
 from grader.course.exercises import Exercise, find_exercise
 from grader.course.skeletons import strip_solution
 from grader.course.submission import find_submission

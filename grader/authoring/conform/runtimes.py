@@ -16,7 +16,8 @@ from fnmatch import fnmatchcase
 import numpy as np
 from msgspec import structs
 
-from grader.authoring.proof import Claim, claims, grade_claim, objections
+from grader.authoring.claims import Claim, claims, grade_claim
+from grader.authoring.proof import objections
 from grader.course.exercises import Exercise
 from grader.errors import GraderError
 from grader.grading.grading import Grading

@@ -24,11 +24,11 @@ from pathlib import Path
 
 import msgspec
 
+from grader.authoring.claims import Claim, claims
 from grader.authoring.gradings import gradings
 from grader.authoring.mutate.equivalents import reviewed
 from grader.authoring.mutate.singles import singles
 from grader.authoring.mutate.wrappers import every
-from grader.authoring.proof import Claim, claims
 from grader.course.exercises import ROOT, Exercise, all_exercises, find_exercise
 from grader.errors import InputError
 from grader.grading.plugin import FAIL, UNJUDGED

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
+from grader.authoring.claims import Claim
 from grader.authoring.mutate import hooks, operators
-from grader.authoring.proof import Claim
 from grader.course.exercises import Exercise, Topic
 
 GUARD = re.compile(r"^if __name__ == ", re.MULTILINE)

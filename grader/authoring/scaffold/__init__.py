@@ -24,11 +24,7 @@ FILES = Path(__file__).resolve().parent / "files"
 SUFFIX = ".in"
 NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 LONGEST = 20  # [characters] of a name, so that lines stay within 100
-GENERATED = (  # what has to be in step with it
-    "grader.course.skeletons",
-    "grader.authoring.catalogue",
-    "grader.notebook.build",
-)
+GENERATED = ("grader.course.skeletons", "grader.notebook.build")  # have to be in step with it
 NEEDS = {"grader.notebook.build": "jupytext"}  # module: what it is made with
 
 
@@ -185,10 +181,9 @@ def _edits(words: Mapping[str, str], root: Path) -> Iterator[tuple[Path, str]]:
 
 
 def _generate(made: Made, root: Path) -> None:
-    """Make what is generated: skeletons, the list of mutants, notebooks."""
+    """Make what is generated: skeletons and notebooks."""
     slug = made.slug
     made.new.append(Path("exercises") / slug / f"{slug}_agent.py")
-    before = {path: path.read_text("utf-8") for path in (root / "docs").glob("*.md")}
     for module in GENERATED:
         if module in NEEDS and importlib.util.find_spec(NEEDS[module]) is None:
             made.left.append(f"python -m {module}  (needs {NEEDS[module]}: the extra notebooks)")
@@ -203,9 +198,6 @@ def _generate(made: Made, root: Path) -> None:
         if done.returncode:
             last = (done.stdout + done.stderr).strip().splitlines() or ["no words"]
             raise GraderError(f"python -m {module}: {last[-1]}")
-    for page, old in before.items():
-        if page.read_text("utf-8") != old:
-            made.edited[page.relative_to(root)] = old
 
 
 def _take_back(made: Made, root: Path) -> None:

@@ -1,16 +1,16 @@
-"""One cause for a failed grading: the most probable mistake, in the student's terms.
+"""One cause for a failed grading: what this recording shows, and what to ask of the code.
 
-From the surest to the least sure; the first that fits is told, and none rather than a wrong one:
+Each says what was seen and when, with any seed; what may lie behind it is a question. The first
+that fits is given, and none where there is no evidence:
 
 1. `ends`: the node died, hung, never spun, or is not wired. That explains itself.
 2. `commands`: there are none, or they are garbage, backwards, in a wrong field, too seldom.
 3. `perception`: which beams the node reacts to, from its answers to the scans it was sent.
-4. `habits`: bursts of commands, late ones, ages in the wrong unit, a memory that never fills.
+4. `habits`: bursts of commands, late ones, everything stale, a memory that never fills.
 5. `own_words`: an error of Python's that the node logs again and again.
-6. `commands` again: the node only ever stands, and there is evidence why.
-7. `known`: it fails exactly as a mistake that is known does, with the same figures.
+6. `commands` again: the node only ever stands, and its log or its model shows more.
 
-It explains; it never decides anything. Where two known mistakes fit, it says so.
+It explains; it never decides anything.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from grader.grading.causes.cause import Cause, Failed
 from grader.grading.causes.commands import cause_of_commands, cause_of_standing
 from grader.grading.causes.ends import cause_of_end
 from grader.grading.causes.habits import cause_of_habit
-from grader.grading.causes.known import known_cause
 from grader.grading.causes.own_words import logged_error
 from grader.grading.causes.perception import cause_of_perception
 from grader.recording import Recording
@@ -36,14 +35,13 @@ LOOKS = (
     cause_of_habit,
     logged_error,
     cause_of_standing,
-    known_cause,
 )
 
 
 def find_cause(
     exercise: Exercise, failed: Sequence[Failed], recordings: Sequence[Recording]
 ) -> Cause | None:
-    """Return the most probable cause of these failures; None if none is known.
+    """Return the cause of these failures; None if the recordings show none.
 
     Parameters
     ----------

@@ -34,8 +34,6 @@ class Failed(Protocol):
     @property
     def message(self) -> str: ...
     @property
-    def actual(self) -> str: ...
-    @property
     def help(self) -> str: ...
     @property
     def where(self) -> str: ...
@@ -59,7 +57,7 @@ class Hint(msgspec.Struct, frozen=True):
 
 
 class Cause(msgspec.Struct, frozen=True):
-    """The most probable mistake."""
+    """What was seen, and what to ask of the code."""
 
     text: str
     kind: str  # core or field, of the checks that it explains

@@ -1,6 +1,6 @@
 """Causes that the commands themselves show: none at all, garbage, a wrong sign, field or period.
 
-Each is a fact about what was published. Only what a fact can't tell is asked.
+Each is a fact about what was published. Only what a fact can't say is asked.
 """
 
 from __future__ import annotations
@@ -28,12 +28,13 @@ APART = 0.1  # [m/s]
 ROBOTS_OWN = (0, 5)  # linear.x and angular.z
 
 NO_FEATURES = (
-    "It has loaded its model and never asks it. If there seem to be no features: are the limits of "
-    "the sectors in radians, as the beams' angles are?"
+    "It has loaded its model and never asks it. If there seem to be no features: is "
+    "extract_features filled in, and are the limits of its sectors in radians, as the beams' "
+    "angles are?"
 )
 GARBAGE = (
-    "the node puts an int, an array or an np.float32 into a float field, and what goes out is "
-    "garbage. Write float(…) around what you assign to linear.x and angular.z."
+    "which is garbage. Did an int, an array or an np.float32 get into a float field? Write "
+    "float(…) around what you assign to linear.x and angular.z."
 )
 
 
@@ -76,12 +77,13 @@ def _cause(text: str, failed: Sequence[Failed], hint: Hint | None = None) -> Cau
 def _why_it_stands(recording: Recording) -> str:
     said = Counter(line.text for line in recording.log if line.level in ("warn", "error", "fatal"))
     asks = any(not each.is_load for each in recording.inferences)
-    for line, _ in said.most_common(1):
+    for line, often in said.most_common(1):
         quoted, words = " ".join(line.split()), plain_words_on(line)
-        told = f"every command is zero, and the node's log says why: “{quoted}”."
+        times = "once" if often == 1 else f"{often} times"
+        seen = f"every command is zero, and the node's log says {times}: “{quoted}”."
         if words:
-            return f"{told} Perhaps: {words}."
-        return told if asks or not recording.inferences else f"{told} {NO_FEATURES}"
+            return f"{seen} Perhaps: {words}."
+        return seen if asks or not recording.inferences else f"{seen} {NO_FEATURES}"
     if asks or not recording.inferences:
         return ""
     return (
@@ -92,14 +94,15 @@ def _why_it_stands(recording: Recording) -> str:
 
 
 def _unmoved(recording: Recording) -> str:
-    """One speed for all predictions: what the model says gets lost."""
+    """One speed for all predictions."""
     speeds = recording.twists().linear_x
     said = [each.said[0] for each in recording.inferences if not each.is_load and each.said]
     if len(said) < LEAST or np.ptp(speeds) > ZERO or not np.ptp(said) > APART:
         return ""
     return (
-        f"every command is {speeds[0]:.2f} m/s, whatever the model predicts. Is its answer used, "
-        "and is it clipped to both sides: min(max(speed, 0.0), self.max_speed)?"
+        f"every command is {speeds[0]:.2f} m/s, and the model says {min(said):.2f} to "
+        f"{max(said):.2f} m/s. Is its answer used, and is it clipped to both sides: "
+        "min(max(speed, 0.0), self.max_speed)?"
     )
 
 
@@ -113,14 +116,19 @@ def _mute(exercise: Exercise, ran: Sequence[Recording]) -> str:
             "before its publish(), and is what it waits for kept in attributes (self.… = …)?"
         )
     return (
-        "not one command comes on /cmd_vel, though the node has a publisher: the callback of /scan "
-        "never gets to publish(). Is it there, and does nothing return before it?"
+        "not one command comes on /cmd_vel, though the node has a publisher. Is there a publish() "
+        "in the callback of /scan, and does nothing return before it?"
     )
 
 
 def _garbage(_: Exercise, ran: Sequence[Recording]) -> str:
-    values = np.abs(_values(ran))
-    return GARBAGE if bool(((values > 0) & (values < DENORMAL)).any()) else ""
+    for recording in ran:
+        twists = recording.twists()
+        values = np.abs(twists.values)
+        for row, column in np.argwhere((values > 0) & (values < DENORMAL)):
+            value, at = twists.values[row, column], twists.t[row]
+            return f"at {at:.2f} s of {recording.name} {FIELDS[column]} is {value:.2g}, {GARBAGE}"
+    return ""
 
 
 def _other_field(_: Exercise, ran: Sequence[Recording]) -> str:

@@ -1,4 +1,4 @@
-"""Causes that a trial's end tells: an exception, a hang, a node that is not wired."""
+"""Causes that a trial's end shows: an exception, a hang, a node that is not wired."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def cause_of_end(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
             return _cause_of(exercise, death_of(recording.outcome.detail), check)
     first = failed[0]
     if WIRED in first.id or (first.kind == "core" and _ended(first, trials)):
-        return Cause.of(exercise, _told(first), [first], where=first.where)
+        return Cause.of(exercise, _said(first), [first], where=first.where)
     return None
 
 
@@ -28,19 +28,19 @@ def _ended(check: Failed, trials: ByName) -> bool:
     return recording is not None and not recording.outcome.completed
 
 
-def _told(check: Failed) -> str:
+def _said(check: Failed) -> str:
     return f"{check.message.rstrip('.')}. {check.help}".strip()
 
 
 def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
     if death is None:
-        return Cause.of(exercise, _told(check), [check], where=check.where)
+        return Cause.of(exercise, _said(check), [check], where=check.where)
     where = str(death.frames[0]) if death.frames else ""
-    who = "The node" if death.in_callback else "The program"
+    subject = "The node" if death.in_callback else "The program"
     if death.said:
-        text = f"{who} dies in {death.place}: {death.said}"
+        text = f"{subject} dies in {death.place}: {death.said}"
     else:
-        told = not death.loop or death.loop in check.help
-        loop = "" if told else f", in the loop of {death.loop}"
-        text = f"{who} hangs in {death.place}{loop}"
+        known = not death.loop or death.loop in check.help
+        loop = "" if known else f", in the loop of {death.loop}"
+        text = f"{subject} hangs in {death.place}{loop}"
     return Cause(f"{text.rstrip('.')}. {check.help}".strip(), check.kind, where)

@@ -1,4 +1,7 @@
-"""Habits that a recording shows whatever the exercise's figures are: bursts, ages, silence."""
+"""What a node does all the time: bursts of commands, late ones, silence, everything stale.
+
+What is said was seen; what may lie behind it is asked.
+"""
 
 from __future__ import annotations
 
@@ -15,18 +18,12 @@ from sim.messages import CMD_VEL_TOPIC
 BURST = 20  # commands at one moment: no timer does that
 SILENT = ("one_command_per_scan", "silent_until_ready")  # nothing before the first message
 ONCE = "one_command_per_scan"
-BLOCKS, ASKED = "never_blocks", "it had asked"  # a check of exercise 6, and what it saw
-WAITS = (
-    "a callback of the client waits for the answer to its request, and while it waits nothing can "
-    "deliver that answer: client.call(), a spin, a sleep or a loop until the future is done, or "
-    "one callback group for everything. Ask with call_async(), and let add_done_callback() tell."
-)
 STALE = "stale_"  # begins the reasons of exercise 7 for what is too old
 SETTLED = 0.6  # [s] after the start
 FULL = 12  # readings; a memory of ten is full
 ZERO = 1e-6  # [m/s]
 LOST = 5.0  # [s] without a command, of 30
-HAIR = 0.005  # [s]
+LATE = 0.005  # [s]
 LONG = 100_000_000  # [ns] of a model: two periods of the control loop
 
 
@@ -41,8 +38,6 @@ def cause_of_habit(exercise: Exercise, failed: Sequence[Failed], trials: ByName)
         return Cause.of(exercise, text, failed[:1])
     if failed[0].id == ONCE and (text := _not_once(recording)):
         return Cause.of(exercise, text, failed[:1])
-    if failed[0].id == BLOCKS and ASKED in failed[0].actual:
-        return Cause.of(exercise, WAITS, failed[:1])
     if exercise.slug not in LOOKS:
         return None
     look, place = LOOKS[exercise.slug]
@@ -51,7 +46,7 @@ def cause_of_habit(exercise: Exercise, failed: Sequence[Failed], trials: ByName)
 
 
 def _burst(recording: Recording) -> str:
-    """Many commands at the very same moment come from a loop inside one callback."""
+    """Many commands at the very same moment: in virtual time, within one callback or many."""
     times = recording.times(CMD_VEL_TOPIC)
     if not len(times):
         return ""
@@ -60,14 +55,15 @@ def _burst(recording: Recording) -> str:
     if recording.live is not None or counts[most] < BURST:
         return ""
     return (
-        f"the node publishes {counts[most]} commands within one callback, "
-        f"at {moments[most]:.2f} s: a loop in there goes on, though the message that it looks at "
-        "never changes. Publish once and return; the next message calls the callback again."
+        f"the node publishes {counts[most]} commands at one moment, {moments[most]:.2f} s. Does a "
+        "loop in a callback go on, though the message that it looks at never changes, or is a "
+        "timer made with each message? Publish once and return; the next message calls the "
+        "callback again."
     )
 
 
 def _at_start(recording: Recording) -> str:
-    """One command before anything came: it stands in the constructor, or in main()."""
+    """One command before anything came."""
     first = min((m.time for m in recording.delivered), default=0)
     early = [m for m in recording.published if m.topic == CMD_VEL_TOPIC and m.time < first]
     if len(early) != 1 or early[0].time or recording.live is not None:
@@ -85,7 +81,7 @@ def _not_once(recording: Recording) -> str:
     if recording.live is not None or len(scans) < FULL or not len(times):
         return ""
     late = float(times[0] - scans[0])
-    if late > HAIR and not recording.inferences and len(times) <= len(scans):
+    if late > LATE and not recording.inferences and len(times) <= len(scans):
         more = int((scans <= times[0]).sum()) - 1
         return (
             f"the first command comes {late:.2f} s after the first scan, when {more} more "
@@ -98,8 +94,8 @@ def _not_once(recording: Recording) -> str:
     if not np.isin(times, scans).any():
         step = float(np.median(np.diff(times)))
         return (
-            f"no command comes with a scan: they come every {step:.3f} s, from a timer. Publish in "
-            "the callback of /scan."
+            f"no command comes with a scan: one comes every {step:.3f} s. Does a timer or a thread "
+            "publish? Publish in the callback of /scan."
         )
     moments, counts = np.unique(times, return_counts=True)
     if np.array_equal(moments, scans) and (counts == 2).all():
@@ -123,9 +119,9 @@ def _always_stale(trials: ByName) -> str:
         return ""
     reason = texts[0].split()[0].rstrip(":")
     return (
-        f"the node calls everything stale ({reason}), though messages keep coming: "
-        "its ages are wrong. Are they in seconds? A Duration counts nanoseconds (divide by 1e9). "
-        "And is each arrival kept, by the clock that it is compared with?"
+        f"all {len(texts)} reports of safe_pass after {SETTLED} s begin with {STALE} ({reason} at "
+        "first), though messages keep coming. Are ages in seconds? A Duration counts nanoseconds "
+        "(divide by 1e9). And is each arrival kept, by the clock that it is compared with?"
     )
 
 
@@ -137,9 +133,9 @@ def _never_ten(trials: ByName) -> str:
     if len(recording.of("/closing_speed")):
         return ""
     return (
-        "the node never publishes a closing speed: either it waits for more than ten readings, "
-        "which a memory of ten never has, or its memory is emptied again and again. Is the stamp "
-        "in seconds, sec + nanosec * 1e-9? Otherwise it seems to jump with each scan."
+        f"not one closing speed comes in the {len(recording.scans())} scans of trend_approach. "
+        "Does the node wait for more than ten readings, which a memory of ten never has? Is its "
+        "memory emptied again and again, as the stamp is not in seconds, sec + nanosec * 1e-9?"
     )
 
 
@@ -157,8 +153,8 @@ def _stops(trials: ByName) -> str:
         return ""
     return (
         f"the control loop stops: its last command comes at {times[-1]:.2f} s, and then none for "
-        f"{recording.duration_s - times[-1]:.0f} s. Its callback waits for something that never "
-        "comes: a lock that nobody gives back (`with self.lock:` does), an empty queue, a join()."
+        f"{recording.duration_s - times[-1]:.0f} s. Does its callback wait for what never comes: a "
+        "lock that nobody gives back (`with self.lock:` does), an empty queue, a join()?"
     )
 
 
@@ -169,7 +165,7 @@ def _waits_for_the_model(trials: ByName) -> str:
         return ""
     times = recording.times(CMD_VEL_TOPIC)
     spans = [
-        (each.asked / 1e9 + HAIR, each.answered / 1e9 - HAIR)
+        (each.asked / 1e9 + LATE, each.answered / 1e9 - LATE)
         for each in recording.inferences
         if not each.is_load and each.took > LONG and each.answered / 1e9 < recording.duration_s
     ]
@@ -180,25 +176,26 @@ def _waits_for_the_model(trials: ByName) -> str:
     ):
         return ""
     return (
-        "not one command comes while the model computes: control waits for inference. Do both run "
-        "in one thread? Then they need two: callback groups of their own and a "
-        "MultiThreadedExecutor, both of them, or a worker thread for the model. Or do they share a "
-        "lock? Then predict first, and hold it for the assignment only."
+        f"not one command comes while the model computes, {len(spans)} times: control waits for "
+        "inference. Do both run in one thread? Then they need two: callback groups of their own "
+        "and a MultiThreadedExecutor, both of them, or a worker thread for the model. Or do they "
+        "share a lock? Then predict first, and hold it for the assignment only."
     )
 
 
 def _never_a_prediction(trials: ByName) -> str:
     """A node that stands still, though the model has answered."""
     recording = trials.get("slow_leader")
-    if recording is None or len(recording.inferences) < FULL:
+    answers = 0 if recording is None else sum(not each.is_load for each in recording.inferences)
+    if recording is None or answers < FULL:
         return ""
     speeds = recording.twists().linear_x
     if not len(speeds) or np.abs(speeds).max() > ZERO:
         return ""
     return (
-        "the model answers, and the node never uses it: every command is zero. Does inference keep "
-        "its prediction where control reads it? And is its age in seconds, from the scan's stamp "
-        "to the node's clock (get_clock(), not time.time())?"
+        f"the model answers {answers} times, and every command is zero. Does "
+        "inference keep its prediction where control reads it? And is its age in seconds, from the "
+        "scan's stamp to the node's clock (get_clock(), not time.time())?"
     )
 
 

@@ -6,6 +6,8 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
+import msgspec
+
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed
 from grader.host.plain_words import words_for
@@ -13,11 +15,12 @@ from grader.link.log import LogLine
 
 OFTEN = 3  # times in a trial: once may be a model of ours that raises
 MAX_LINE = 240  # [characters]
-# What a slip leads to. The models that raise on purpose raise RuntimeError.
+# What a slip leads to
 SLIPS = re.compile(
     r"\b(TypeError|AttributeError|NameError|UnboundLocalError|IndexError|KeyError"
-    r"|ZeroDivisionError|InvalidArgument|ValueError)\b(?!\('(no model|the model says))"
+    r"|ZeroDivisionError|InvalidArgument|ValueError)\b"
 )
+ON_PURPOSE = re.compile(r"the model can't say|the model says|no model")  # our models' own words
 DEAD_THREAD = "Exception in thread "  # Python's own words
 FRAME = re.compile(r'File "(?P<file>[^/"\n]{1,100})", line (?P<line>\d{1,6}), in (?P<function>\S+)')
 ENDS_WITH = re.compile(r"[A-Z]\w*(Error|Exception|Iteration|Interrupt)\b.*")
@@ -28,25 +31,36 @@ SHAPE = re.compile(r"shape|rank|dimension|2D array|1D array|features|reshape|not
 def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
     """Return the slip that the node logs again and again in the trial that failed first."""
     check = failed[0]
-    recording = trials.get(check.scenario or "")
-    if recording is None:
-        return None
-    if cause := _dead_thread(failed, recording.log):
-        return cause
-    said = Counter(
-        line.text
-        for line in recording.log
-        if line.level in ("error", "fatal", "warn") and SLIPS.search(line.text)
-    )
-    for text, times in said.most_common(1):
+    log = _log_of(check, trials)
+    if cause := _dead_thread(check, log):
+        same = [c.id for c in failed if _dead_thread(c, _log_of(c, trials))]
+        return msgspec.structs.replace(cause, explains=tuple(same))
+    for text, times in _slips(log).most_common(1):
         if times >= OFTEN and ("ValueError" not in text or SHAPE.search(text)):
             line = " ".join(text.split())[:MAX_LINE]
-            told = f"The node catches this error again and again: {line}"
-            return Cause(told + _advice(text), check.kind, explains=tuple(c.id for c in failed))
+            seen = f"The node logs this error {times} times in {check.scenario}: {line}"
+            same = [c.id for c in failed if _slips(_log_of(c, trials))[text] >= OFTEN]
+            return Cause(seen + _advice(text), check.kind, explains=tuple(same))
     return None
 
 
-def _dead_thread(failed: Sequence[Failed], log: Sequence[LogLine]) -> Cause | None:
+def _log_of(check: Failed, trials: ByName) -> Sequence[LogLine]:
+    recording = trials.get(check.scenario or "")
+    return () if recording is None else recording.log
+
+
+def _slips(log: Sequence[LogLine]) -> Counter[str]:
+    """Return how often each line was logged that names a slip."""
+    return Counter(
+        line.text
+        for line in log
+        if line.level in ("error", "fatal", "warn")
+        and SLIPS.search(line.text)
+        and not ON_PURPOSE.search(line.text)
+    )
+
+
+def _dead_thread(check: Failed, log: Sequence[LogLine]) -> Cause | None:
     """Return the exception that a thread of the node died of, with its innermost line."""
     where = ""
     begun = False
@@ -58,9 +72,9 @@ def _dead_thread(failed: Sequence[Failed], log: Sequence[LogLine]) -> Cause | No
         if begun and (frame := FRAME.match(text)):
             where = f"line {frame['line']} of {frame['file']}, in {frame['function']}"
         elif begun and (said := ENDS_WITH.match(text)):
-            told = f"A thread of the node died, and nothing does its work any more: {said[0]}"
-            told = f"{told[:MAX_LINE].rstrip('.')}{_advice(text)}"
-            return Cause(told, failed[0].kind, where, explains=tuple(c.id for c in failed))
+            seen = f"A thread of the node died at {line.t:.2f} s, and with it its work: {said[0]}"
+            seen = f"{seen[:MAX_LINE].rstrip('.')}{_advice(text)}"
+            return Cause(seen, check.kind, where)
     return None
 
 

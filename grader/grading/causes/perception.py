@@ -2,7 +2,7 @@
 
 A node that perceives rightly may still decide wrongly; but its speed never falls as the distance
 that it sees grows. So the right sector, and each wrong one, is tried: does the speed follow the
-smallest distance in it? Perception is judged before decisions: zones are not its business.
+smallest distance in it, in every scan? If several do, or the right one does, nothing is said.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Sector = Callable[[Floats], NDArray[np.bool_]]  # of the beams' angles [°], -18
 class Mistake(NamedTuple):
     """A wrong sector."""
 
-    text: str
+    text: str  # what the speed follows
     sees: tuple[Sector, ...]  # with and without the beam on an edge
 
 
@@ -49,64 +49,63 @@ def _right(degrees: Floats) -> NDArray[np.bool_]:
 
 MISTAKES = (
     Mistake(
-        "the node takes the first beam for straight ahead: it reacts to what is behind the robot, "
-        "and not to what is ahead. This lidar's first beam looks backwards (angle_min = -π).",
+        "thing behind the robot, and not ahead. This lidar's first beam looks backwards "
+        "(angle_min = -π): is it taken for straight ahead?",
         (lambda degrees: np.abs(degrees) >= 90,),
     ),
     Mistake(
-        "the node reacts to what is anywhere around the robot, also behind it; only ±90° of ahead "
-        "count. Is every beam's angle compared, and in radians (π/2, not 90)?",
+        "thing anywhere around the robot, also behind it; only ±90° of ahead count. Is every "
+        "beam's angle compared, and in radians (π/2, not 90)?",
         (np.isfinite,),
     ),
     Mistake(
-        "the node only reacts to what is on its left, ahead and behind: ahead is -90° … 90°, not "
-        "0° … 180°.",
+        "thing on the robot's left, ahead and behind: ahead is -90° … 90°, not 0° … 180°.",
         (lambda degrees: degrees >= -EDGE, lambda degrees: degrees >= EDGE),
     ),
     Mistake(
-        "the node only reacts to what is on its right, ahead and behind: ahead is -90° … 90°.",
+        "thing on the robot's right, ahead and behind: ahead is -90° … 90°.",
         (lambda degrees: degrees <= EDGE, lambda degrees: degrees <= -EDGE),
     ),
     Mistake(
-        "the node reacts to the left half of what is ahead, and not to the right.",
+        "thing in the left half of what is ahead, and not in the right.",
         (
             lambda degrees: (degrees >= -EDGE) & (degrees <= 90),
             lambda degrees: (degrees >= EDGE) & (degrees <= 90),
         ),
     ),
     Mistake(
-        "the node reacts to the right half of what is ahead, and not to the left.",
+        "thing in the right half of what is ahead, and not in the left.",
         (
             lambda degrees: (degrees <= EDGE) & (degrees >= -90),
             lambda degrees: (degrees <= -EDGE) & (degrees >= -90),
         ),
     ),
     Mistake(
-        "the node only looks at the first beam, which points backwards (angle_min = -π). Look at "
-        "every beam within ±90° of ahead.",
+        "thing in the first beam, which points backwards (angle_min = -π). Look at every beam "
+        "within ±90° of ahead.",
         (lambda degrees: np.abs(degrees) >= 180 - 2 * EDGE,),
     ),
     Mistake(
-        "the node reacts to all of the right side, also behind: is only angle > π/2 left out, and "
-        "not angle < -π/2?",
+        "thing ahead or anywhere on the right, also behind: is only angle > π/2 left out, and not "
+        "angle < -π/2?",
         (lambda degrees: degrees <= 90,),
     ),
     Mistake(
-        "the node reacts to all of the left side, also behind: is only angle < -π/2 left out, and "
-        "not angle > π/2?",
+        "thing ahead or anywhere on the left, also behind: is only angle < -π/2 left out, and not "
+        "angle > π/2?",
         (lambda degrees: degrees >= -90,),
     ),
 )
 STOP, SLOW = 0.5, 1.0  # [m] the limits of the zones
 STOPS = ("stop_zone", "sees_sides", "minus_infinity", "invalid_readings", "no_contact")
 NEVER_STOPS = (
-    "the node sees what is ahead, and never stops: nearer than 0.5 m it drives on as from 0.5 to "
-    "1.0 m. Is `distance < 1.0` asked first? It is true of 0.3, too: ask `distance < 0.5` before."
+    "nearer than 0.5 m the node drives on at {speed:.2f} m/s, as from 0.5 to 1.0 m. Is `distance < "
+    "1.0` asked first? It is true of 0.3, too: ask `distance < 0.5` before."
 )
 CONES = (2, 10, 15, 20, 22.5, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80)  # [°] half of it
 NARROW = (
-    "the node reacts to almost nothing but the beam straight ahead. Does it look at one beam only, "
-    "or compare degrees with radians? Everything within ±90° (π/2) counts."
+    "thing straight ahead, in hardly more than one beam. Does it look at one beam only, or compare "
+    "degrees with radians? Everything within ±90° (π/2) counts."
 )
 
 
@@ -117,45 +116,45 @@ def cause_of_perception(
     bench = trials.get(BENCH)
     if exercise.slug != EXERCISE or bench is None or not bench.outcome.completed:
         return None
-    told = [answer for answer in answers(bench) if answer.speed is not None]
-    if len(told) < LEAST:
+    answered = [answer for answer in answers(bench) if answer.speed is not None]
+    if len(answered) < LEAST:
         return None
-    if follows(told, _right):
-        return _never_stops(exercise, failed, told)
-    texts = [
-        mistake.text for mistake in MISTAKES if any(follows(told, sees) for sees in mistake.sees)
-    ]
+    if follows(answered, _right):
+        return _never_stops(exercise, failed, answered)
+    texts = [text for text, sees in MISTAKES if any(follows(answered, each) for each in sees)]
     if len(texts) > 1:
         return None
-    cones = [half for half in CONES if follows(told, _cone(half))]
+    cones = [half for half in CONES if follows(answered, _cone(half))]
     if cones and not texts:
-        narrow = f"the node only reacts to what is within about ±{cones[-1]:.0f}° of ahead"
-        texts = [NARROW if CONES[0] in cones else f"{narrow}; everything within ±90° counts."]
+        narrow = f"thing within about ±{cones[-1]:.0f}° of ahead; everything within ±90° counts."
+        texts = [NARROW if CONES[0] in cones else narrow]
     elif cones:
         return None
     if not texts:
         return None
     seen = [check for check in failed if check.id in SEEN]
     hint = hint_at(exercise, HINT)
-    return Cause.of(exercise, texts[0], seen, hint=hint, all_of_it=True) if seen else None
+    text = f"in all {len(answered)} scans of {BENCH} the speed follows the nearest {texts[0]}"
+    return Cause.of(exercise, text, seen, hint=hint, all_of_it=True) if seen else None
 
 
 def _never_stops(
-    exercise: Exercise, failed: Sequence[Failed], told: Sequence[Answer]
+    exercise: Exercise, failed: Sequence[Failed], answered: Sequence[Answer]
 ) -> Cause | None:
     """Return the order of the comparisons, if the slow speed is the slowest of all."""
-    near = {round(answer.speed or 0, 3) for answer in told if _nearest(answer, _right) < STOP}
-    slow = {round(each.speed or 0, 3) for each in told if STOP <= _nearest(each, _right) < SLOW}
+    near = {round(answer.speed or 0, 3) for answer in answered if _nearest(answer, _right) < STOP}
+    slow = {round(each.speed or 0, 3) for each in answered if STOP <= _nearest(each, _right) < SLOW}
     stop = [check for check in failed if check.id in STOPS]
     if not stop or len(near) != 1 or near != slow or near == {0.0}:
         return None
     hint = hint_at(exercise, Place(3, 2))
-    return Cause.of(exercise, NEVER_STOPS, stop, hint=hint, all_of_it=True)
+    text = NEVER_STOPS.format(speed=near.pop())
+    return Cause.of(exercise, text, stop, hint=hint, all_of_it=True)
 
 
-def follows(told: Sequence[Answer], sees: Sector) -> bool:
+def follows(answered: Sequence[Answer], sees: Sector) -> bool:
     """Tell whether the speed follows the smallest distance in a sector, and does change."""
-    rows = sorted((_nearest(answer, sees), answer.speed or 0.0) for answer in told)
+    rows = sorted((_nearest(answer, sees), answer.speed or 0.0) for answer in answered)
     distances, speeds = np.array(rows).T
     if np.ptp(speeds) < SAME:
         return False

@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
+from grader.authoring.claims import Claim, claims
 from grader.authoring.mutate import __main__ as mutate
 from grader.authoring.mutate.equivalents import Equivalent, Reviewed, reviewed
 from grader.authoring.mutate.singles import edits, singles
 from grader.authoring.mutate.wrappers import every, wrapped, wrappers
-from grader.authoring.proof import Claim, claims
 from grader.course.exercises import all_exercises, find_exercise
 from grader.errors import InputError
 from grader.grading.plugin import FAIL, PASS, UNAVAILABLE

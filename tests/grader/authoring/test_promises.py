@@ -1,45 +1,43 @@
-"""Each sentence of a README on what a node does is checked, or says that it is not graded."""
+"""Behind the sentences of a README stand the checks that hold a node to them."""
 
-from collections import Counter
 from pathlib import Path
 
 import pytest
 
-from grader.authoring.mutants import check_names
-from grader.authoring.promises import promises, sentences
+from grader.authoring.mutants import FIELD, check_names
 from grader.course.exercises import Exercise, all_exercises
+from grader.course.promises import promised, without_promises
+from grader.errors import InputError
 
-each = pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
-FIELD = "field_"  # field checks ask the same of other robots
+README = """\
+1. **Decide.** Stand below 0.5 m. <!-- checks: stop_zone,
+   blind --> Drive on.
+
+| Reading | What to do |
+|---|---|
+| `-inf` | distance 0 <!-- checks: minus_infinity --> |
+"""
+KNOWN = ("blind", "minus_infinity", "stop_zone")
 
 
-@each
-def test_every_sentence_of_the_readme_is_in_the_list(exercise: Exercise) -> None:
-    said, listed = sentences(exercise.folder / "README.md"), promises(exercise).sentences
-    assert [sentence for sentence in said if sentence not in listed] == [], "not in promises.toml"
-    assert [sentence for sentence in listed if sentence not in said] == [], "not in the README"
-    assert [s for s, times in Counter(listed).items() if times > 1] == [], "listed twice"
-
-
-@each
-def test_promises_name_checks_and_every_check_has_a_promise(exercise: Exercise) -> None:
+@pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
+def test_every_check_of_the_core_is_promised(exercise: Exercise) -> None:
     known = check_names(exercise)
-    named = {check for checks in promises(exercise).checked.values() for check in checks}
-    assert named - known == set(), "no such checks"
     core = {check for check in known if not check.startswith(FIELD)}
-    assert core - named == set(), "no sentence asks for these"
+    assert core - promised(exercise.folder / "README.md", known) == set(), "no sentence asks for it"
 
 
-@each
-def test_what_is_not_graded_says_so(exercise: Exercise) -> None:
-    assert [s for s in promises(exercise).not_graded if "not graded" not in s] == []
-
-
-def test_a_readme_falls_into_sentences_and_rows(tmp_path: Path) -> None:
+def test_comments_are_read_and_taken_out(tmp_path: Path) -> None:
     readme = tmp_path / "README.md"
-    readme.write_text(
-        "# Title\n\nNot this. Nor this.\n\n## Topics\n\n| Head | Type |\n|---|---|\n| `a` | b |\n"
-        "\n## Tasks\n\n1. **Wire.** Make\n   a timer. Spin it.\n2. Stop.\n\n    course grade it\n\n"
-        "```\nprint(1)\n```\n\n## How to run it\n\nNot this.\n"
-    )
-    assert sentences(readme) == ["| `a` | b |", "**Wire.** Make a timer.", "Spin it.", "Stop."]
+    readme.write_text(README)
+    assert promised(readme, KNOWN) == set(KNOWN)
+    text = without_promises(README)
+    assert "Stand below 0.5 m. Drive on.\n" in text
+    assert "| `-inf` | distance 0 |\n" in text
+
+
+def test_a_check_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    readme = tmp_path / "README.md"
+    readme.write_text(README.replace("minus_infinity", "minus_infinty"))
+    with pytest.raises(InputError, match=r"README\.md:6: no check 'minus_infinty'; did you mean"):
+        promised(readme, KNOWN)

@@ -11,21 +11,14 @@ from pathlib import Path
 import pytest
 
 from grader.authoring import proof
-from grader.authoring.proof import (
-    Claim,
-    claim_of,
-    claims,
-    complete,
-    grade_claim,
-    main,
-    objections,
-    unproven,
-)
+from grader.authoring.claims import Claim, claim_of, claims, complete, grade_claim
+from grader.authoring.proof import main, objections, unproven
 from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
 from grader.grading.grading import Grading
 from grader.grading.plugin import CheckResult
 from grader.link.pool import ForkServerPool
+from grader.trial.kept import KeptRecordings
 
 EVERY_CHECK = ("obstacle_avoidance",)  # the tests see each check kill a mutant
 VARIANTS = 2
@@ -175,9 +168,16 @@ def test_a_mutant_need_not_fail_what_can_not_be_judged(pair: Exercise) -> None:
     assert objections(mutant, grading) == ["should fail answers, and does not"]
 
 
+def test_a_mutant_may_fail_more_checks_than_it_names(pair: Exercise) -> None:
+    mutant = Claim(pair, "mutant", "a", {}, fails=frozenset({"answers"}))
+    assert objections(mutant, graded(mutant, answers="fail", asks="fail")) == []
+    against = objections(mutant, graded(mutant, answers="pass", asks="fail"))
+    assert against == ["should fail answers, and does not"]
+
+
 @pytest.mark.parametrize("second", ["fail", "pass", "inconclusive"])
 def test_what_a_stall_left_open_is_judged_again_alone(
-    second: str, pair: Exercise, monkeypatch: pytest.MonkeyPatch
+    second: str, pair: Exercise, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     mutant = Claim(pair, "mutant", "a", {}, fails=frozenset({"asks"}))
     first = graded(mutant, answers="pass", asks="inconclusive")
@@ -187,12 +187,12 @@ def test_what_a_stall_left_open_is_judged_again_alone(
 
     asked = []
 
-    def again(claims: list[Claim], workers: int) -> Iterator[Grading]:
+    def again(claims: list[Claim], workers: int, kept: KeptRecordings) -> Iterator[Grading]:
         asked.append((claims, workers))
         yield graded(mutant, answers="pass", asks=second)
 
     monkeypatch.setattr(proof, "gradings", again)
-    proof._prove_stalled(tally)
+    proof._prove_stalled(tally, KeptRecordings(tmp_path / "kept"))
     assert asked == [([mutant], 1)]
     assert bool(tally.uncaught) == (second != "fail")
     assert ("pair: asks" in tally.unneeded) == (second == "pass") or second == "inconclusive"

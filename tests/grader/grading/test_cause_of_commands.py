@@ -9,7 +9,6 @@ import pytest
 
 from grader.course.exercises import find_exercise
 from grader.grading.causes.commands import cause_of_commands, cause_of_standing, never_moves
-from grader.grading.causes.known import fingerprint, known_cause
 from grader.recording import Outcome
 from grader.recording.inferences import Inference
 
@@ -22,6 +21,7 @@ class Trial:
 
     commands: list[tuple[float, ...]] = field(default_factory=list)
     step: float = 0.1
+    name: str = "trial"
     log: tuple[Any, ...] = ()
     inferences: tuple[Inference, ...] = ()
     outcome: Outcome = field(default_factory=lambda: Outcome("completed"))
@@ -66,9 +66,9 @@ def asked(speed: float, method: str = "predict") -> Inference:
 @pytest.mark.parametrize(
     ("slug", "trial", "words"),
     [
-        ("obstacle_avoidance", Trial(), "never gets to publish()"),
+        ("obstacle_avoidance", Trial(), "publish() in the callback of /scan"),
         ("goal_seeking", Trial(), "its period is in seconds: 0.1"),
-        ("ml_velocity", Trial([(GARBAGE, *ZERO[1:]), ZERO]), "float(…)"),
+        ("ml_velocity", Trial([ZERO, (GARBAGE, *ZERO[1:])]), "At 0.10 s of trial linear.x is"),
         ("goal_seeking", Trial([(0.3, 0.0, 0.0, 1.2, 0.0, 0.0)]), "sets angular.x, and angular.z"),
         ("goal_seeking", Trial([(0.0, 0.3, 0.0, 0.0, 0.0, 1.0)]), "sets linear.y, and linear.x"),
         ("obstacle_avoidance", Trial([(-0.5, *ZERO[1:]), ZERO]), "Forwards is positive"),
@@ -107,11 +107,11 @@ def test_what_may_be_right_is_not_blamed(slug: str, trial: Trial) -> None:
         (Trial([ZERO] * 3, inferences=(asked(0.0, "load"),)), "never asks its model"),
         (
             Trial([ZERO] * 3, log=(said("blind"),), inferences=(asked(0.0, "load"),)),
-            "“blind”. It has loaded its model and never asks it",
+            "says once: “blind”. It has loaded its model and never",
         ),
         (
             Trial([SPEED] * 3, inferences=tuple(asked(0.1 * i) for i in range(8))),
-            "0.50 m/s, whatever the model predicts",
+            "0.50 m/s, and the model says 0.00 to 0.70 m/s",
         ),
         (Trial([ZERO] * 3, log=(said("started", "info"),)), ""),
         (Trial([SPEED] * 3, inferences=(asked(0.5),) * 8), ""),
@@ -124,28 +124,6 @@ def test_why_a_node_stands_is_told_only_with_evidence(trial: Trial, words: str) 
     assert words in (cause.text if cause else "")
 
 
-@pytest.mark.parametrize(("commands", "known"), [([ZERO] * 3, False), ([ZERO, SPEED], True)])
-def test_a_node_that_only_stands_is_no_known_mistake(
-    monkeypatch: pytest.MonkeyPatch, commands: list[tuple[float, ...]], known: bool
-) -> None:
-    trial: Any = Trial(commands)
-    trial.scenario = SimpleNamespace(bench_scans=())
-    prints = {fingerprint(FAILED, {"trial": trial}): ["Puts the np.float32 into linear.x."]}
-    monkeypatch.setattr("grader.grading.causes.known.catalogue", lambda _: prints)
-
-    cause = known_cause(find_exercise("ml_velocity"), FAILED, {"trial": trial})
-
-    assert (cause is not None) is known
-    assert never_moves({"trial": trial}) is not known
+def test_a_speed_that_is_no_number_is_one_that_moves() -> None:
+    assert never_moves({"trial": Trial([ZERO] * 3)})  # type: ignore[dict-item]
     assert not never_moves({"trial": Trial([(float("nan"), *ZERO[1:])])})  # type: ignore[dict-item]
-
-
-def test_where_no_robot_is_driven_standing_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Exercise 6 has no /cmd_vel: all its programs would stand."""
-    trial: Any = Trial([])
-    trial.scenario = SimpleNamespace(bench_scans=())
-    prints = {fingerprint(FAILED, {"trial": trial}): ["Forgets `success`."]}
-    monkeypatch.setattr("grader.grading.causes.known.catalogue", lambda _: prints)
-
-    assert known_cause(find_exercise("model_server"), FAILED, {"trial": trial}) is not None
-    assert known_cause(find_exercise("ml_velocity"), FAILED, {"trial": trial}) is None
