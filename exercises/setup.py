@@ -38,6 +38,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         shared("launch", "*.launch.py"),
+        *(shared(about.parent.name, about.name) for about in HERE.glob("*/exercise.toml")),
         shared("config", "*.yaml"),
         shared("rviz", "*.rviz"),
     ],

@@ -5,6 +5,7 @@
 The robot's own arguments (lidar, rate, seed, …; see sim.launch.py) can be given here too.
 """
 
+import tomllib
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
@@ -15,20 +16,12 @@ from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-CLIENTS = ("navigation_client", "manipulation_client", "logging_client")
-EXERCISES = {  # exercise: its programs, each with the name that its node gets ("": its own)
-    "obstacle_avoidance": [("obstacle_avoidance_agent", "")],
-    "ml_velocity": [("ml_velocity_controller", "")],
-    "goal_seeking": [("goal_seeking_agent", "")],
-    "trend_memory": [("trend_agent", "")],
-    "slow_model": [("decoupled_controller", "")],
-    "model_server": [("detection_server", ""), *(("detection_client", name) for name in CLIENTS)],
-    "safety_supervisor": [("safety_supervisor", "")],
-    "model_formats": [("policy_controller", "")],
-    "latency_monitor": [("profiled_controller", "")],
+SHARE = Path(get_package_share_directory("course_exercises"))
+EXERCISES = {  # what `exercise.toml` says of each; its table `launch` has what differs
+    path.parent.name: tomllib.loads(path.read_text("utf-8"))
+    for path in sorted(SHARE.glob("*/exercise.toml"))
 }
 SCENARIO = "demo_store"  # with lidar and odometry, so that RViz has a frame to show things in
-SCENARIOS = {"goal_seeking": "goal_origin_to_5_3", "safety_supervisor": "demo_full_speed"}
 SWITCHES = {  # argument: its default, and what it means
     "use_sim_time": ("false", "the nodes' time is the robot's /clock, which is published then"),
     "mock": ("true", "start the mock robot; false: a real one is there"),
@@ -39,9 +32,8 @@ SWITCHES = {  # argument: its default, and what it means
 def exercise(context: LaunchContext, *_: object) -> list[IncludeLaunchDescription | Node]:
     """Return the robot, the exercise's nodes, and RViz."""
     name = LaunchConfiguration("exercise").perform(context)
-    share = Path(get_package_share_directory("course_exercises"))
     sim_time = {"use_sim_time": LaunchConfiguration("use_sim_time").perform(context) == "true"}
-    parameters = [*parameter_file(context, share, name), sim_time]
+    parameters = [*parameter_file(context, name), sim_time]
     nodes = [
         Node(
             package="course_exercises",
@@ -50,23 +42,31 @@ def exercise(context: LaunchContext, *_: object) -> list[IncludeLaunchDescriptio
             parameters=parameters,
             output="screen",
         )
-        for program, node in EXERCISES[name]
+        for program, node in programs(name)
     ]
     rviz = Node(
         package="rviz2",
         executable="rviz2",
-        arguments=["-d", str(share / "rviz" / "course.rviz")],
+        arguments=["-d", str(SHARE / "rviz" / "course.rviz")],
         parameters=[sim_time],
         condition=IfCondition(LaunchConfiguration("rviz")),
     )
     return [mock_robot(context, name), *nodes, rviz]
 
 
+def programs(exercise: str) -> list[tuple[str, str]]:
+    """Return its programs, each with the name that its node gets; empty: its own."""
+    about = EXERCISES[exercise]
+    nodes = dict(about.get("launch", {}).get("nodes", []))
+    names = about.get("launch", {}).get("programs") or [Path(file).stem for file in about["files"]]
+    return [(program, node) for program in names for node in nodes.get(program, [""])]
+
+
 def mock_robot(context: LaunchContext, name: str) -> IncludeLaunchDescription:
     """Return the robot in the scenario that was asked for, or in the exercise's."""
     launch = Path(get_package_share_directory("course_sim")) / "launch" / "sim.launch.py"
     asked = LaunchConfiguration("scenario").perform(context)
-    scenario = asked or SCENARIOS.get(name, SCENARIO)
+    scenario = asked or EXERCISES[name].get("launch", {}).get("scenario", SCENARIO)
     return IncludeLaunchDescription(
         PythonLaunchDescriptionSource(str(launch)),
         launch_arguments={
@@ -77,7 +77,7 @@ def mock_robot(context: LaunchContext, name: str) -> IncludeLaunchDescription:
     )
 
 
-def parameter_file(context: LaunchContext, share: Path, name: str) -> list[str]:
+def parameter_file(context: LaunchContext, name: str) -> list[str]:
     """Return the file that was asked for, or the exercise's; none if it has no parameters.
 
     Raises
@@ -86,7 +86,7 @@ def parameter_file(context: LaunchContext, share: Path, name: str) -> list[str]:
         The file that was asked for is not there.
     """
     asked = LaunchConfiguration("params").perform(context)
-    file = Path(asked) if asked else share / "config" / f"{name}.yaml"
+    file = Path(asked) if asked else SHARE / "config" / f"{name}.yaml"
     if asked and not file.is_file():
         raise FileNotFoundError(f"params:={asked}: no such file, seen from {Path.cwd()}")
     return [str(file)] if file.is_file() else []

@@ -35,6 +35,14 @@ class Service(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     node: str = ""  # the node that serves or calls it, if the exercise has several
 
 
+class Launch(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What `exercise.launch.py` starts, where it isn't each file once beside a demo."""
+
+    scenario: str = ""  # of the mock robot
+    programs: tuple[str, ...] = ()  # of the files, those that are nodes; all if empty
+    nodes: tuple[tuple[str, tuple[str, ...]], ...] = ()  # a program, and the names of its nodes
+
+
 class Essential(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What the exercise is about: while one of these checks fails, the score is capped."""
 
@@ -57,6 +65,7 @@ class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     services: tuple[Service, ...] = ()
     libraries: tuple[str, ...] = ()  # modules that its nodes import and that import slowly
     essential: Essential | None = None
+    launch: Launch = Launch()
 
     @property
     def folder(self) -> Path:

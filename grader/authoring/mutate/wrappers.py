@@ -16,6 +16,7 @@ from typing import Any
 from grader.authoring.claims import Claim
 from grader.authoring.mutate import hooks, operators
 from grader.course.exercises import Exercise, Topic
+from grader.exercises import contract_of
 
 GUARD = re.compile(r"^if __name__ == ", re.MULTILINE)
 SECONDS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0, 10.0)
@@ -71,7 +72,6 @@ FIELDS: dict[str, tuple[str, ...]] = {  # the numbers of a message that mean som
     "nav_msgs/msg/Odometry": ("pose.pose.position.x", "pose.pose.orientation.z"),
     "geometry_msgs/msg/PoseStamped": ("pose.position.y",),
 }
-TURNS = ("goal_seeking", "safety_supervisor")  # elsewhere angular.z is always 0
 READINGS = {"sensor_msgs/msg/LaserScan": ("ranges",)}
 HAS_HEADER = ("sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry")
 
@@ -125,6 +125,7 @@ def repr_of(number: float) -> str:
 def wrappers(exercise: Exercise) -> Iterator[Wrapper]:
     """Return every operator that makes sense at each topic of an exercise."""
     seen: set[tuple[str, str]] = set()
+    turns = contract_of(exercise).limits.turning > 0.0  # elsewhere angular.z is always 0
     for topic in exercise.topics:
         file = _file_of(exercise, topic)
         last = topic.name.rpartition("/")[2]
@@ -135,7 +136,7 @@ def wrappers(exercise: Exercise) -> Iterator[Wrapper]:
         kinds = [("", ON_MESSAGES)]
         kinds += [("", HEARD)] if hears else []
         kinds += [("", STAMPED)] if topic.type in HAS_HEADER else []
-        fields = [f for f in FIELDS.get(topic.type, ()) if f != TURN or exercise.slug in TURNS]
+        fields = [f for f in FIELDS.get(topic.type, ()) if f != TURN or turns]
         kinds += [(field, ON_NUMBERS) for field in fields]
         kinds += [(field, ON_READINGS) for field in READINGS.get(topic.type, ())]
         for field, table in kinds:

@@ -21,9 +21,9 @@ from grader.course.exercises import Exercise
 from grader.grading.causes.cause import Cause, Failed
 from grader.grading.causes.commands import cause_of_commands, cause_of_standing
 from grader.grading.causes.ends import cause_of_end
-from grader.grading.causes.habits import cause_of_habit
+from grader.grading.causes.exercise import cause_of_exercise
 from grader.grading.causes.own_words import logged_error
-from grader.grading.causes.perception import cause_of_perception
+from grader.grading.causes.rhythm import cause_of_rhythm
 from grader.recording import Recording
 
 __all__ = ["Cause", "Failed", "find_cause"]
@@ -31,8 +31,8 @@ __all__ = ["Cause", "Failed", "find_cause"]
 LOOKS = (
     cause_of_end,
     cause_of_commands,
-    cause_of_perception,
-    cause_of_habit,
+    cause_of_exercise,
+    cause_of_rhythm,
     logged_error,
     cause_of_standing,
 )

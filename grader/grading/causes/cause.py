@@ -121,12 +121,13 @@ def _flowing(markdown: str) -> str:
 def hint_for(exercise: Exercise, failed: Sequence[Failed]) -> Hint | None:
     """Return the hint for the first of the failed checks that has one."""
     places = _places().get(exercise.slug, {})
-    own = {check.id: _place(check.hint) for check in failed if check.hint}
+    own = {check.id: place_of(check.hint) for check in failed if check.hint}
     found = next((p for check in failed if (p := own.get(check.id) or places.get(check.id))), None)
     return hint_at(exercise, found)
 
 
-def _place(text: str) -> Place:
+def place_of(text: str) -> Place:
+    """Return the place that "3.1" names: task and number."""
     return Place(*map(int, text.split(".")))
 
 
@@ -141,6 +142,6 @@ def _places() -> dict[str, dict[str, Place]]:
     """Return where the hints for checks stand, by exercise and check."""
     table = convert(parse_toml(read_toml(PLACES), str(PLACES)), _Table, str(PLACES))
     return {
-        slug: {check: _place(text) for check, text in checks.items()}
+        slug: {check: place_of(text) for check, text in checks.items()}
         for slug, checks in table.items()
     }

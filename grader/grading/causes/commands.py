@@ -12,14 +12,13 @@ import numpy as np
 
 from grader.checks.commands import FIELDS, ZERO
 from grader.course.exercises import Exercise
+from grader.exercises import contract_of
 from grader.grading.causes.cause import ByName, Cause, Failed, Hint, hint_for
 from grader.grading.causes.own_words import plain_words_on
 from grader.recording import Floats, Recording
 from sim.messages import CMD_VEL_TOPIC
 
-PERIODS = {"goal_seeking": 0.1, "slow_model": 0.05, "safety_supervisor": 0.05}  # [s] of the timer
 ACTS = ("one_command_per_scan", "only_linear_x", "control_rate", "control_period", "limits")
-REVERSES = ("safety_supervisor",)  # may command a negative speed
 DENORMAL = 1e-300  # [m/s] an int's or a np.float32's memory, read as a double
 STEADY = 0.01  # of a period
 FEW = 3  # commands, to see a period
@@ -109,10 +108,11 @@ def _unmoved(recording: Recording) -> str:
 def _mute(exercise: Exercise, ran: Sequence[Recording]) -> str:
     if any(recording.of(CMD_VEL_TOPIC) for recording in ran):
         return ""
-    if exercise.slug in PERIODS:
+    period = contract_of(exercise).period
+    if period is not None:
         return (
             "not one command comes on /cmd_vel, though the node has a publisher. Does its timer "
-            f"fire (its period is in seconds: {PERIODS[exercise.slug]}), does the callback return "
+            f"fire (its period is in seconds: {period:g}), does the callback return "
             "before its publish(), and is what it waits for kept in attributes (self.… = …)?"
         )
     return (
@@ -147,14 +147,15 @@ def _other_field(_: Exercise, ran: Sequence[Recording]) -> str:
 
 def _backwards(exercise: Exercise, ran: Sequence[Recording]) -> str:
     speeds = _values(ran)[:, 0]
-    if exercise.slug in REVERSES or not (speeds < -ZERO).any() or (speeds > ZERO).any():
+    reverses = contract_of(exercise).limits.slowest < 0.0
+    if reverses or not (speeds < -ZERO).any() or (speeds > ZERO).any():
         return ""
     return "the node only ever drives backwards: its linear.x is negative. Forwards is positive."
 
 
 def _slow_timer(exercise: Exercise, ran: Sequence[Recording]) -> str:
     """A timer of ten, a hundred, … times its period is a slip of units."""
-    right = PERIODS.get(exercise.slug)
+    right = contract_of(exercise).period
     gaps = [np.diff(each.twists().t) for each in ran if len(each.twists().t) >= FEW]
     if right is None or not gaps:
         return ""

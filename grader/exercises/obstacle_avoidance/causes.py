@@ -14,15 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.checks.commands import Answer, answers
-from grader.course.exercises import Exercise
-from grader.grading.causes.cause import ByName, Cause, Failed, Place, hint_at
+from grader.checks.evidence import Evidence, Trials
 from grader.recording import Floats
 
-EXERCISE, BENCH = "obstacle_avoidance", "avoid_zones"
+BENCH = "avoid_zones"
 SAME = 1e-3  # [m/s], [m]
 LEAST = 12  # scans with an answer
 EDGE = 0.25  # [°] a beam's angle is a float32
-HINT = Place(2, 1)
+HINT = "2.1"
 # checks whose scans a wrong sector reads wrongly
 SEEN = (
     "clear_zone", "slow_zone", "stop_zone", "ignores_behind", "sees_sides", "infinite_readings",
@@ -109,18 +108,16 @@ NARROW = (
 )
 
 
-def cause_of_perception(
-    exercise: Exercise, failed: Sequence[Failed], trials: ByName
-) -> Cause | None:
+def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
     """Return which wrong sector explains all the node's answers, if the right one doesn't."""
     bench = trials.get(BENCH)
-    if exercise.slug != EXERCISE or bench is None or not bench.outcome.completed:
+    if bench is None or not bench.outcome.completed:
         return None
     answered = [answer for answer in answers(bench) if answer.speed is not None]
     if len(answered) < LEAST:
         return None
     if follows(answered, _right):
-        return _never_stops(exercise, failed, answered)
+        return _never_stops(failed, answered)
     texts = [text for text, sees in MISTAKES if any(follows(answered, each) for each in sees)]
     if len(texts) > 1:
         return None
@@ -132,28 +129,23 @@ def cause_of_perception(
         return None
     if not texts:
         return None
-    seen = [check for check in failed if check.id in SEEN]
-    hint = hint_at(exercise, HINT)
+    explained = [check for check in failed if check in SEEN]
     text = f"in all {len(answered)} scans of {BENCH} the speed follows the nearest {texts[0]}"
-    return Cause.of(exercise, text, seen, hint=hint, all_of_it=True) if seen else None
+    return Evidence(text, hint=HINT, explains=explained) if explained else None
 
 
-def _never_stops(
-    exercise: Exercise, failed: Sequence[Failed], answered: Sequence[Answer]
-) -> Cause | None:
+def _never_stops(failed: Sequence[str], answered: Sequence[Answer]) -> Evidence | None:
     """Return the order of the comparisons, if the slow speed is the slowest of all."""
     near = {round(answer.speed or 0, 3) for answer in answered if _nearest(answer, _right) < STOP}
     slow = {round(each.speed or 0, 3) for each in answered if STOP <= _nearest(each, _right) < SLOW}
-    stop = [check for check in failed if check.id in STOPS]
+    stop = [check for check in failed if check in STOPS]
     if not stop or len(near) != 1 or near != slow or near == {0.0}:
         return None
-    hint = hint_at(exercise, Place(3, 2))
-    text = NEVER_STOPS.format(speed=near.pop())
-    return Cause.of(exercise, text, stop, hint=hint, all_of_it=True)
+    return Evidence(NEVER_STOPS.format(speed=near.pop()), hint="3.2", explains=stop)
 
 
 def follows(answered: Sequence[Answer], sees: Sector) -> bool:
-    """Tell whether the speed follows the smallest distance in a sector, and does change."""
+    """Return whether the speed follows the smallest distance in a sector, and does change."""
     rows = sorted((_nearest(answer, sees), answer.speed or 0.0) for answer in answered)
     distances, speeds = np.array(rows).T
     if np.ptp(speeds) < SAME:
@@ -163,7 +155,7 @@ def follows(answered: Sequence[Answer], sees: Sector) -> bool:
 
 
 def _same_for_same(distances: Floats, speeds: Floats) -> bool:
-    """Tell whether the same distance always gave the same speed."""
+    """Return whether the same distance always gave the same speed."""
     near = np.diff(distances) < SAME
     return bool(np.all(np.abs(np.diff(speeds)[near]) < SAME))
 
