@@ -86,9 +86,12 @@ def _check(name: str, root: Path) -> None:
     near = difflib.get_close_matches(name, slugs, n=1, cutoff=0.9)
     if near:
         raise InputError(f"{name!r} is too close to the exercise {near[0]}; choose another name")
-    taken = [*(root / "sim" / "scenarios").rglob("*.toml"), *(root / "sim" / "worlds").glob("*")]
+    taken = [
+        *(root / "sim" / "scenarios").rglob("*.toml"),
+        *(root / "grader" / "exercises").rglob("*.toml"),
+    ]
     for path in taken:
-        if path.stem in {name, f"{name}_ahead", f"{name}_best_effort", f"{name}_lane"}:
+        if path.stem in {name, f"{name}_ahead", f"{name}_best_effort"}:
             raise InputError(
                 f"{name!r}: {path.relative_to(root)} is called so; choose another name"
             )
@@ -150,16 +153,6 @@ LISTS = (
         "[The structure of an agent node](../node.md) |\n",
     ),
     ("lessons/exercises/index.md", r"^\w+/README\n", "{{slug}}/README\n"),
-    (
-        "exercises/launch/exercise.launch.py",
-        r"^    \"\w+\": \[.*\],\n(?=\})",
-        '    "{{slug}}": [("{{slug}}_agent", "")],\n',
-    ),
-    (
-        "pyproject.toml",
-        r"^    (\"grader\.checks\.\w+\",? ?)+\n(?=\])",
-        '    "grader.checks.{{slug}}",\n',
-    ),
 )  # fmt: skip
 
 
