@@ -29,20 +29,8 @@ from typing import Any, NamedTuple
 import msgspec
 
 from . import scripts, stand_ins
-from .frames import (
-    ENTERED,
-    LIVE,
-    NODES,
-    REFUSED,
-    TESTS,
-    Birth,
-    Clear,
-    Done,
-    Fault,
-    Furnish,
-    Hello,
-    Request,
-)
+from .frames import ENTERED, REFUSED, Birth, Clear, Done, Fault, Furnish, Hello, Request
+from .kinds import LIVE, NODES, TESTS
 from .virtual import kernel as kernel_module
 from .virtual import threads
 

@@ -24,7 +24,6 @@ MAX_QUESTIONS = 64  # to models of the judge's, at a time
 MAX_ROWS = 1_000  # of features in one question
 MAX_COLUMNS = 64  # features in a row
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
-NODES, SCRIPTS, LIVE, TESTS = "nodes", "scripts", "live", "tests"  # what a server's hosts do
 LENGTH = struct.Struct("<I")
 MARK = "\x1e"  # in stdout and stderr, followed by the time [ns]: what comes next was said then
 

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import msgspec
 
-from .frames import LENGTH, NODES, Request
+from .frames import LENGTH, Request
+from .kinds import NODES
 
 BINARY = getattr(os, "O_BINARY", 0)  # Windows: no other line ends
 

@@ -19,18 +19,8 @@ from pathlib import Path
 import msgspec
 
 from grader.errors import GraderError
-from grader.host.frames import (
-    LIVE,
-    NODES,
-    SCRIPTS,
-    Birth,
-    Clear,
-    Done,
-    Fault,
-    Furnish,
-    Hello,
-    Request,
-)
+from grader.host.frames import Birth, Clear, Done, Fault, Furnish, Hello, Request
+from grader.host.kinds import LIVE, NODES, SCRIPTS
 from grader.host.sandbox.kernel_filters import NEWEST, hide_memory
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
 from grader.host.sandbox.users import USERS, closed_ancestor, prefer

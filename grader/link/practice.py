@@ -22,7 +22,8 @@ from typing import IO
 import msgspec
 
 from grader.errors import GraderError
-from grader.host.frames import LENGTH, MAX_FRAME, NODES, SCRIPTS, Request
+from grader.host.frames import LENGTH, MAX_FRAME, Request
+from grader.host.kinds import NODES, SCRIPTS
 from grader.link import real_clock
 from grader.link.exchange import Cost, HostDied, HostForged, HostHung
 from grader.link.link import Link

@@ -17,7 +17,8 @@ from typing import Any, Literal
 import pytest
 
 from grader.errors import GraderError, InputError
-from grader.host.frames import TESTS, Ended, Reported, RunTest, decode_from_test, encode
+from grader.host.frames import Ended, Reported, RunTest, decode_from_test, encode
+from grader.host.kinds import TESTS
 from grader.link import real_clock
 from grader.link.exchange import HostDied, HostForged, HostHung, decoded
 from grader.link.host_process import HostProcess
