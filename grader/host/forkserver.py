@@ -30,6 +30,7 @@ import msgspec
 
 from . import scripts, stand_ins
 from .frames import ENTERED, REFUSED, Birth, Clear, Done, Fault, Furnish, Hello, Request
+from .kinds import LIVE, NODES, TESTS
 from .virtual import kernel as kernel_module
 from .virtual import threads
 
@@ -66,7 +67,6 @@ TYPE_SUPPORT = (  # the types of every node and of the exercises: their C librar
 )
 
 
-NODES, SCRIPTS, LIVE, TESTS = "nodes", "scripts", "live", "tests"
 MAX_REASON = 300  # [bytes] of why a host could not begin
 
 

@@ -16,8 +16,8 @@ from pathlib import Path
 import msgspec
 
 from .frames import LENGTH, Request
+from .kinds import NODES
 
-NODES = "nodes"
 BINARY = getattr(os, "O_BINARY", 0)  # Windows: no other line ends
 
 

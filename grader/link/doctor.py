@@ -20,7 +20,7 @@ from grader.host.sandbox.amounts import (
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
 from grader.link import system
 from grader.link.hosts import ForkServer
-from grader.link.link import PATROL
+from grader.link.pipes import PATROL
 from grader.link.trouble import trouble
 from sim.messages import EPOCH_NS
 

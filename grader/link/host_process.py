@@ -6,17 +6,13 @@ import contextlib
 import os
 import select
 import signal
-import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from grader.errors import GraderError
 from grader.host.frames import ENTERED, REFUSED
+from grader.link import real_clock
 from grader.link.run_queue import is_ready
 from grader.link.workplace import Watch
-
-if TYPE_CHECKING:
-    from grader.link.link import Link
 
 
 @dataclass
@@ -69,21 +65,15 @@ class HostProcess:
         """Wait for the end of the host, at most `patience` [s]; then kill it."""
         poll = select.poll()
         poll.register(self.status, select.POLLIN)
-        deadline = time.monotonic() + patience
+        deadline = real_clock.monotonic() + patience
         while not self._said.endswith(b"\n"):
-            if not poll.poll(max(0.0, deadline - time.monotonic()) * 1e3):
+            if not poll.poll(max(0.0, deadline - real_clock.monotonic()) * 1e3):
                 self.kill()
                 poll.poll()
             chunk = os.read(self.status, 4096)
             if not chunk:
                 return
             self._said += chunk
-
-    def link(self) -> Link:
-        """Open the judge's end of the link."""
-        from grader.link.link import Link  # noqa: PLC0415  (which is about hosts)
-
-        return Link(self)
 
     def close(self) -> None:
         """Close the judge's ends of the pipes."""

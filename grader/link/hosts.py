@@ -20,19 +20,21 @@ import msgspec
 
 from grader.errors import GraderError
 from grader.host.frames import Birth, Clear, Done, Fault, Furnish, Hello, Request
+from grader.host.kinds import LIVE, NODES, SCRIPTS
 from grader.host.sandbox.kernel_filters import NEWEST, hide_memory
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
 from grader.host.sandbox.users import USERS, closed_ancestor, prefer
 from grader.link.host_process import HostProcess
 from grader.link.interpreter import left_out, with_needs
+from grader.link.link import Link
 from grader.link.locks import held
+from grader.link.pipes import Pipes
 from grader.link.ros_environment import RosEnvironment, find_ros
-from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS
+from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS, TRAINING_LIBRARIES
 from grader.link.shared_memory import remove_half_made_ports, shared_memory_of
 from grader.link.workplace import Watch, Workplace
 
 ROOT = Path(__file__).resolve().parents[2]
-TRAINING_LIBRARIES = ("numpy", "sklearn.ensemble", "skl2onnx", "onnxruntime")
 LAYER_TEXTS = {
     LIMITS: "resource limits",
     USER: "a user of its own for each run",
@@ -41,7 +43,6 @@ LAYER_TEXTS = {
     FILES: "no files but its own (Landlock)",
     CALLS: "no programs, processes or sockets (seccomp)",
 }
-NODES, SCRIPTS, LIVE, TESTS = "nodes", "scripts", "live", "tests"  # what a fork server's hosts do
 VIRTUAL_DDS = {  # it never leaves the process
     "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
     "FASTDDS_BUILTIN_TRANSPORTS": "SHM",
@@ -212,7 +213,15 @@ class ForkServer:
                     self._control.sendall(msgspec.json.encode(Clear(str(folder))))
 
     @contextlib.contextmanager
-    def host(self, place: Path | Workplace, *, priority: bool = False) -> Iterator[HostProcess]:
+    def host(self, place: Path | Workplace, *, priority: bool = False) -> Iterator[Link]:
+        """Fork a host, and link it with the judge (see `host_process`)."""
+        with self.host_process(place, priority=priority) as host:
+            yield Link(Pipes(host))
+
+    @contextlib.contextmanager
+    def host_process(
+        self, place: Path | Workplace, *, priority: bool = False
+    ) -> Iterator[HostProcess]:
         """Fork a host that works in a place; it is dead when the block ends.
 
         Each host is another user, unless several share a `Workplace`. One with `priority` goes

@@ -58,3 +58,10 @@ class Output:
         match = ROS_LINE.match(text)
         level, said = (match[1].lower(), match[3]) if match else (self.stream, text)
         self.lines.append(LogLine(self.clock, level, said.rstrip("\r")[:2_000]))
+
+
+def in_order(stdout: Output, stderr: Output) -> tuple[LogLine, ...]:
+    """Return the lines of both, in order of time; the last may be unfinished."""
+    for output in (stdout, stderr):
+        output.finish()
+    return tuple(sorted(stdout.lines + stderr.lines, key=lambda line: line.time))

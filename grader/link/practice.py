@@ -14,50 +14,30 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO
 
 import msgspec
 
 from grader.errors import GraderError
-from grader.host.frames import (
-    LENGTH,
-    MAX_FRAME,
-    Ended,
-    FromScript,
-    LoadModels,
-    Predict,
-    Request,
-    Run,
-    Script,
-    Settled,
-    Slept,
-    Start,
-    ToHost,
-    ToJudge,
-    decode_from_script,
-    decode_to_judge,
-    encode,
-)
-from grader.link.exchange import Answer, Cost, HostDied, HostForged, HostHung, decoded
+from grader.host.frames import LENGTH, MAX_FRAME, Request
+from grader.host.kinds import NODES, SCRIPTS
+from grader.link import real_clock
+from grader.link.exchange import Cost, HostDied, HostForged, HostHung
+from grader.link.link import Link
 from grader.link.log import LogLine
-from grader.link.output import MAX_OUTPUT, Output
+from grader.link.output import MAX_OUTPUT, Output, in_order
 from grader.link.ros_environment import portable_ros
-from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS
+from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS, TRAINING_LIBRARIES
 from grader.link.workplace import Workplace
 
 ROOT = Path(__file__).resolve().parents[2]
-NODES, SCRIPTS = "nodes", "scripts"
 PRACTICE = "practice: your instructor's grade comes from the real rclpy on Linux"
 NO_ISOLATION = "none: the node may do what you may do"
-TRAINING_LIBRARIES = ("numpy", "sklearn.ensemble", "skl2onnx", "onnxruntime")
 PRELUDE = ""  # Python that a host runs before anything else; tests take Linux's means away here
 START = 120.0  # [s] for the imports of a cold machine
-NAN = float("nan")
-READ_EVERY = 16  # exchanges, what the host has printed
 MOST_PRINTED = 64 * MAX_OUTPUT  # [bytes] after which a host is ended
 KEPT = (  # of this process's environment: what programs need to run at all
     "PATH", "SYSTEMROOT", "SYSTEMDRIVE", "WINDIR", "PATHEXT", "COMSPEC", "NUMBER_OF_PROCESSORS",
@@ -142,7 +122,7 @@ class PracticeServer:
         yield Workplace(folder, folder, 0)
 
     @contextlib.contextmanager
-    def host(self, place: Path | Workplace, *, priority: bool = False) -> Iterator[PracticeHost]:
+    def host(self, place: Path | Workplace, *, priority: bool = False) -> Iterator[Link]:
         """Start a host that works in a folder; it is dead when the block ends.
 
         There is no other user for it, and no priority.
@@ -153,7 +133,7 @@ class PracticeServer:
             self._prepare()
         try:
             host.begin(folder)
-            yield host
+            yield Link(host)
         finally:
             host.close()
 
@@ -182,10 +162,12 @@ class PracticeHost:
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
         self._printed = Path(tempfile.mkdtemp(prefix=f"course-{os.getpid()}-"))
-        self.outputs = {n: self._printed / n for n in ("stdout", "stderr")}
-        with self.outputs["stderr"].open("wb") as stderr:
+        self._files = {n: self._printed / n for n in ("stdout", "stderr")}
+        self._taken = dict.fromkeys(self._files, 0)  # [bytes] of each
+        self.stdout, self.stderr = map(Output, self._files)
+        with self._files["stderr"].open("wb") as stderr:
             self._process = subprocess.Popen(
-                [*command, *map(str, self.outputs.values())],
+                [*command, *map(str, self._files.values())],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=stderr,
@@ -207,48 +189,45 @@ class PracticeHost:
             It could not start.
         """
         try:
-            self.receive(START)
+            self._receive(START)
         except (HostDied, HostHung, HostForged) as error:
             raise GraderError(f"no host for the node: {self._last_words()}") from error
         body = msgspec.json.encode(Request(str(folder), 0, ()))
         self._orders.put(LENGTH.pack(len(body)) + body)
 
-    def link(self) -> PracticeLink:
-        """Open the judge's end of the link."""
-        return PracticeLink(self)
+    def expect_silence(self) -> None:
+        """Make sure that it has not answered before it was asked."""
+        if not self._said.empty():
+            self._receive(0.0)  # the end of the process is no answer
+            raise HostForged("an answer before the question")
 
-    def send(self, data: bytes) -> None:
-        """Send a frame."""
+    def exchange(self, data: bytes, limit: float) -> tuple[bytes, Cost]:
+        """Send a frame; return the body of the answer (see `Transport`)."""
+        begun, cpu = real_clock.perf_counter(), self._cpu()
         self._orders.put(data)
+        body = self._receive(limit)
+        return body, Cost(real_clock.perf_counter() - begun, self._cpu() - cpu)
 
-    def receive(self, limit: float) -> bytes:
-        """Return the body of the next frame.
+    def read_output(self) -> None:
+        """Take in what it has printed, up to `MOST_PRINTED`; HostForged if there is more."""
+        for output in (self.stdout, self.stderr):
+            path = self._files[output.stream]
+            with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
+                if path.stat().st_size > MOST_PRINTED:
+                    raise HostForged(f"more than {MOST_PRINTED:,} bytes of output")
+                file.seek(self._taken[output.stream])
+                while data := file.read(MAX_OUTPUT):
+                    self._taken[output.stream] += len(data)
+                    output.feed(data)
 
-        Raises
-        ------
-        HostDied, HostHung, HostForged
-            The process ended, did not answer within `limit` [s], or sent nonsense.
-        """
-        try:
-            said = self._said.get(timeout=max(limit, 0.0))
-        except queue.Empty:
-            raise HostHung("") from None
-        if isinstance(said, HostForged):
-            raise said
-        if said is None:
-            raise HostDied
-        return said
+    def log(self) -> tuple[LogLine, ...]:
+        """Return what it has printed so far, in order of time."""
+        self.read_output()
+        return in_order(self.stdout, self.stderr)
 
-    def cpu(self) -> float:
-        """Return the CPU time that it has used [s]; nan where the system doesn't tell."""
-        try:
-            return time.clock_gettime(~self._process.pid << 3 | 2)  # Linux: clock_getcpuclockid
-        except (AttributeError, OSError):
-            return NAN
-
-    def is_silent(self) -> bool:
-        """Tell whether it has said nothing that was not read."""
-        return self._said.empty()
+    def stacks(self) -> str:
+        """Return nothing: without signals nobody can ask."""
+        return ""
 
     def wait(self, patience: float = 0.0) -> str:
         """Wait for its end; return its exit status. After `patience` [s] it is killed."""
@@ -262,11 +241,26 @@ class PracticeHost:
         """End it, and what is left of it."""
         self.wait()
         self._orders.put(None)
-        for path in self.outputs.values():
+        for path in self._files.values():
             with contextlib.suppress(OSError):
                 path.unlink()
         with contextlib.suppress(OSError):
             self._printed.rmdir()
+
+    def _receive(self, limit: float) -> bytes:
+        """Return the body of the next frame, after `limit` [s] at most."""
+        try:
+            said = self._said.get(timeout=max(limit, 0.0))
+        except queue.Empty:
+            raise HostHung("") from None
+        if isinstance(said, HostForged):
+            raise said
+        if said is None:
+            raise HostDied
+        return said
+
+    def _cpu(self) -> float:
+        return real_clock.cpu_time(self._process.pid)
 
     def _read(self, pipe: IO[bytes]) -> None:
         with pipe:
@@ -288,73 +282,5 @@ class PracticeHost:
                 pipe.flush()
 
     def _last_words(self) -> str:
-        lines = self.outputs["stderr"].read_text("utf-8", "replace").strip().splitlines()
+        lines = self._files["stderr"].read_text("utf-8", "replace").strip().splitlines()
         return lines[-1] if lines else "it said nothing"
-
-
-class PracticeLink:
-    """Frames to and from one host, in turns."""
-
-    def __init__(self, host: PracticeHost) -> None:
-        self._host = host
-        self.stdout = Output("stdout")
-        self.stderr = Output("stderr")
-        self._read = {"stdout": 0, "stderr": 0}  # [bytes] of each
-        self._exchanges = 0
-
-    def start(self, frame: Start, limit: float) -> tuple[ToJudge, Cost]:
-        """Run the student's file up to the point where it waits; limit [s] of wall time."""
-        return self._exchange(frame, 0, limit, decode_to_judge)
-
-    def go_on(self, frame: Run, limit: float) -> tuple[ToJudge, Cost]:
-        """Let a start-up go on that had a question; it raises as `run` does."""
-        return self._exchange(frame, frame.until, limit, decode_to_judge)
-
-    def run(self, frame: Run, limit: float) -> tuple[Settled | Ended, Cost]:
-        """Let the node go on; limit [s] of wall time."""
-        answer, cost = self._exchange(frame, frame.until, limit, decode_to_judge)
-        if isinstance(answer, Slept):
-            raise HostForged("a start in the middle of the trial")
-        return answer, cost
-
-    def ask(self, frame: Script | LoadModels | Predict, limit: float) -> tuple[FromScript, Cost]:
-        """Give an order to a host that runs scripts."""
-        return self._exchange(frame, 0, limit, decode_from_script)
-
-    def stacks(self) -> str:
-        """Return nothing: without signals nobody can ask."""
-        return ""
-
-    def log(self) -> tuple[LogLine, ...]:
-        """Return what the node said so far, in order of time."""
-        self._take_output()
-        for output in (self.stdout, self.stderr):
-            output.finish()
-        return tuple(sorted(self.stdout.lines + self.stderr.lines, key=lambda line: line.time))
-
-    def _exchange(
-        self, frame: ToHost, until: int, limit: float, decode: Callable[[bytes], Answer]
-    ) -> tuple[Answer, Cost]:
-        if not self._host.is_silent():
-            self._host.receive(0.0)  # the end of the process is no answer
-            raise HostForged("an answer before the question")
-        self.stdout.limit = self.stderr.limit = until
-        begun, cpu = time.perf_counter(), self._host.cpu()
-        self._host.send(encode(frame))
-        body = self._host.receive(limit)
-        wall, cpu = time.perf_counter() - begun, self._host.cpu() - cpu
-        self._exchanges += 1
-        if self._exchanges % READ_EVERY == 0:
-            self._take_output()
-        return decoded(body, decode), Cost(wall, cpu)
-
-    def _take_output(self) -> None:
-        for output in (self.stdout, self.stderr):
-            path = self._host.outputs[output.stream]
-            with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
-                if path.stat().st_size > MOST_PRINTED:
-                    raise HostForged(f"more than {MOST_PRINTED:,} bytes of output")
-                file.seek(self._read[output.stream])
-                while data := file.read(MAX_OUTPUT):
-                    self._read[output.stream] += len(data)
-                    output.feed(data)

@@ -1,9 +1,10 @@
-"""Environment variables of hosts, whoever starts them: the same run on every machine."""
+"""Environment variables and libraries of hosts, whoever starts them."""
 
 from __future__ import annotations
 
 import os
 
+TRAINING_LIBRARIES = ("numpy", "sklearn.ensemble", "skl2onnx", "onnxruntime")
 NO_GPU = {"CUDA_VISIBLE_DEVICES": ""}  # the same run on every machine
 LEARNING = {  # for whoever imports Keras
     "KERAS_BACKEND": "torch",

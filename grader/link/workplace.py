@@ -11,12 +11,12 @@ import errno
 import itertools
 import os
 import stat
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from grader.host.sandbox.amounts import MAX_FILE, MAX_FOLDER, MAX_FOLDER_FILES, MAX_PROCESSES
+from grader.link import real_clock
 
 BLOCK = 512  # [bytes] the unit of st_blocks, on any file system
 THREADS = 17  # where /proc/PID/stat counts them, after the process's name
@@ -70,7 +70,7 @@ class Watch:
     def patrol(self) -> None:
         """Do so while it works, as far as the kernel doesn't; it raises as `look` does."""
         if not self.place.limited:
-            now = time.monotonic()
+            now = real_clock.monotonic()
             if now - self._asked >= MAPS_EVERY:
                 self._mapped, self._asked = mapped_of(self.pid), now
             check_folder(self.place.folder, self._mapped + unlinked_of(self.pid))

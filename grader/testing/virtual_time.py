@@ -12,17 +12,18 @@ import os
 import re
 import select
 import sys
-import time
 from typing import Any, Literal
 
 import pytest
 
 from grader.errors import GraderError, InputError
-from grader.host.frames import Ended, Reported, RunTest, decode_from_test
+from grader.host.frames import Ended, Reported, RunTest, decode_from_test, encode
+from grader.host.kinds import TESTS
+from grader.link import real_clock
 from grader.link.exchange import HostDied, HostForged, HostHung, decoded
 from grader.link.host_process import HostProcess
-from grader.link.hosts import TESTS, ForkServer
-from grader.link.link import Channel
+from grader.link.hosts import ForkServer
+from grader.link.pipes import Channel
 from grader.link.scratch import fresh_folder
 from grader.trial.endings import GRACE, died_text
 from sim.messages import EPOCH_NS
@@ -71,7 +72,7 @@ class TestHosts:
             order, patience = _order(item)
             if self._forkserver is None:
                 self._forkserver = ForkServer(EPOCH_NS, kind=TESTS, layers=())
-            with fresh_folder() as folder, self._forkserver.host(folder) as host:
+            with fresh_folder() as folder, self._forkserver.host_process(folder) as host:
                 return _TestLink(host, item).conduct(order, patience)
         except (InputError, GraderError) as error:
             return [_failure(item, f"virtual_time: {error}")]
@@ -106,8 +107,8 @@ class _TestLink(Channel):
 
     def _wait(self, order: RunTest, patience: float) -> str:
         """Take reports until the test is over; return what went wrong."""
-        deadline = time.perf_counter() + patience
-        self._write(order, time.perf_counter() + START)
+        deadline = real_clock.perf_counter() + patience
+        self._write(encode(order), real_clock.perf_counter() + START)
         ready = select.poll()
         for fd in (self._host.link_in, self._host.stdout, self._host.stderr):
             ready.register(fd, select.POLLIN)
@@ -118,7 +119,7 @@ class _TestLink(Channel):
                         self._reports.append(_report(self._item, report))
                     case Ended() as end:
                         return (end.detail or end.text) if end.kind != "returned" else ""
-            remaining = deadline - time.perf_counter()
+            remaining = deadline - real_clock.perf_counter()
             if remaining <= 0:
                 raise HostHung("")
             for fd, event in ready.poll(remaining * 1e3):

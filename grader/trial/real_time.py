@@ -8,7 +8,6 @@ other.
 from __future__ import annotations
 
 import contextlib
-import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -17,6 +16,7 @@ import msgspec
 from grader.course.submission import Submission
 from grader.host.frames import Delivery
 from grader.host.sandbox.users import priority
+from grader.link import real_clock
 from grader.link.domains import own_domain
 from grader.link.exchange import HostForged
 from grader.link.hosts import ForkServer
@@ -160,7 +160,9 @@ class _LiveTrial:
             stall = f"a message of the robot left {self._lateness:.3f} s late"
         elif self._starved > limit:
             stall = f"the node had to wait {self._starved:.3f} s for a CPU"
-        live = Live(hosts.epoch or time.time_ns(), reason, self._lateness, self._starved, stall)
+        live = Live(
+            hosts.epoch or real_clock.time_ns(), reason, self._lateness, self._starved, stall
+        )
         log.sort(key=lambda line: line.time)
         folder = self._stage.folder
         log = [line_without_folder(line, folder) for line in log]

@@ -9,7 +9,6 @@ import contextlib
 import math
 import select
 import tempfile
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -38,12 +37,14 @@ from grader.host.frames import (
     TuneIn,
     decode_from_live,
     decode_from_radio,
+    encode,
 )
 from grader.host.sandbox.users import prefer
+from grader.link import real_clock
 from grader.link.exchange import HostDied, HostHung, decoded
 from grader.link.host_process import HostProcess
 from grader.link.hosts import ForkServer
-from grader.link.link import Channel
+from grader.link.pipes import Channel
 from grader.link.run_queue import RunQueue
 from grader.link.scratch import prefix
 from grader.link.workplace import Workplace
@@ -90,7 +91,7 @@ class LiveLink(Channel):
 
     def send(self, frame: ToHost) -> None:
         """Send a frame; HostDied if nobody is there."""
-        self._write(frame, time.perf_counter() + SEND_LIMIT)
+        self._write(encode(frame), real_clock.perf_counter() + SEND_LIMIT)
 
     def hear(self) -> list[Any]:
         """Return the frames that have come; Excess if the host takes too much of the machine."""
@@ -102,7 +103,7 @@ class LiveLink(Channel):
             pass
         except HostDied:
             self.gone = True
-        self._drain_all()
+        self.read_output()
         frames = []
         while (body := self._take_frame()) is not None:
             frames.append(decoded(body, self._decode))
@@ -190,7 +191,7 @@ class LiveHosts:
     def open(self) -> None:
         """Start the radio and the programs that run from the beginning."""
         place = self._all.enter_context(tempfile.TemporaryDirectory(prefix=prefix()))
-        self._radio_host = self._all.enter_context(self._forkserver.host(Path(place)))
+        self._radio_host = self._all.enter_context(self._forkserver.host_process(Path(place)))
         self.radio = LiveLink(self._radio_host, decode_from_radio)
         self._register(self.radio)
         self._tell_radio(TuneIn(self._domain, (*self._stage.offers, GO)))
@@ -202,7 +203,7 @@ class LiveHosts:
         while self._waiting and self._waiting[0].start <= now:
             program = self._waiting.pop(0)
             host = self._all.enter_context(
-                self._forkserver.host(self._place, priority=self.epoch > 0)
+                self._forkserver.host_process(self._place, priority=self.epoch > 0)
             )
             link = LiveLink(host, decode_from_live)
             self._register(link)
@@ -232,22 +233,22 @@ class LiveHosts:
 
     def meet(self) -> None:
         """Wait until the programs spin and all ends have found each other; time begins then."""
-        limit = time.monotonic() + START_LIMIT
-        while not all(program.ready(time.monotonic()) for program in self.programs):
+        limit = real_clock.monotonic() + START_LIMIT
+        while not all(program.ready(real_clock.monotonic()) for program in self.programs):
             self.listen(TURN)
-            if time.monotonic() > limit:
+            if real_clock.monotonic() > limit:
                 raise NotReady(HUNG_AT_START)
         if not any(program.pulse.spinning for program in self.programs):  # some just do a job
             raise NotReady(NEVER_SPUN)
-        limit = time.monotonic() + MEETING_LIMIT
+        limit = real_clock.monotonic() + MEETING_LIMIT
         while not self._all_met():
             self.listen(TURN)
-            if time.monotonic() > limit:
+            if real_clock.monotonic() > limit:
                 raise TimeoutError("DDS did not bring the node and the robot together in time")
         for host in (self._radio_host, *(program.host for program in self.programs)):
             prefer(host.pid)
-        self.epoch = time.time_ns()
-        self._models.begin(time.monotonic_ns())
+        self.epoch = real_clock.time_ns()
+        self._models.begin(real_clock.monotonic_ns())
         self.transmit([Delivery(GO.topic, empty())])
         self._heard = [said for said in self._heard if self._counts(said)]
 
@@ -275,7 +276,7 @@ class LiveHosts:
 
     def now(self) -> int:
         """Return the time since the scenario's start [ns]."""
-        return time.time_ns() - self.epoch if self.epoch else 0
+        return real_clock.time_ns() - self.epoch if self.epoch else 0
 
     def transmit(self, deliveries: Sequence[Delivery]) -> None:
         """Let the radio send messages of the robot."""
@@ -309,11 +310,11 @@ class LiveHosts:
         """Wait for the hosts to say something, `patience` [s] at most, and take it in."""
         due = self._models.next_due
         if due is not None:
-            patience = min(patience, max(0.0, (due - time.monotonic_ns()) / 1e9))
+            patience = min(patience, max(0.0, (due - real_clock.monotonic_ns()) / 1e9))
         for descriptor, event in self._poll.poll(max(1, math.ceil(patience * 1e3))):
             if not event & select.POLLIN:  # closed, for ever: it would end each wait at once
                 self._poll.unregister(descriptor)
-        time.sleep(min(REST, patience))
+        real_clock.sleep(min(REST, patience))
         self._answer()
         now = self.now()
         for queue in self._queues.values():
@@ -338,7 +339,7 @@ class LiveHosts:
 
     def _answer(self) -> None:
         """Tell the programs what their models say, when it is time."""
-        for program, told in self._models.due(time.monotonic_ns()):
+        for program, told in self._models.due(real_clock.monotonic_ns()):
             with contextlib.suppress(HostDied, HostHung):
                 program.link.send(Answers((told,)))
 
@@ -359,7 +360,7 @@ class LiveHosts:
                         self._tell_radio(Meet(tuple(frame.endpoints)))
                 case Asking():
                     for question in frame.asked:
-                        self._models.ask(question, time.monotonic_ns(), program)
+                        self._models.ask(question, real_clock.monotonic_ns(), program)
                 case Ended():
                     program.ended = frame
         stopped = program.start.stop is not None and program.start.stop <= self.now()

@@ -11,10 +11,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
-import time
 import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,11 +21,13 @@ import numpy as np
 from grader.course.submission import Submission, read_regular_file
 from grader.errors import GraderError
 from grader.host.frames import Ended, Loaded, LoadModels, Predict, Predicted, Script
+from grader.link import real_clock
 from grader.link.exchange import HostDied, HostForged, HostHung
-from grader.link.launcher import Dialogue, Host, Launcher
+from grader.link.launcher import Launcher
+from grader.link.link import Link
 from grader.link.log import LogLine
 from grader.link.scratch import fresh_folder
-from grader.link.workplace import Excess, Workplace
+from grader.link.workplace import Excess
 from grader.models.dataset import PROFILE, Dataset, make_dataset
 from grader.models.features import features
 from grader.recording import (
@@ -147,10 +146,10 @@ def _run_script(
         seed = zlib.crc32(repr((names, spec)).encode())  # another in each run, as in real life
         order = Script(str(folder / spec.script), arguments, seed)
         with workshop.workplace(folder) as place:
-            with _link(workshop, place) as (link, host):
-                began = time.perf_counter()
-                outcome = _conduct(link, host, order, spec.time_limit)
-                wall = time.perf_counter() - began
+            with workshop.host(place) as link:
+                began = real_clock.perf_counter()
+                outcome = _conduct(link, order, spec.time_limit)
+                wall = real_clock.perf_counter() - began
                 log = link.log()
             files = {name: _take_file(place.seen / name) for name in names}
         outcome = without_folder(outcome, folder)
@@ -160,13 +159,13 @@ def _run_script(
         return run, kept, tuple(line_without_folder(line, folder) for line in log)
 
 
-def _conduct(link: Dialogue, host: Host, order: Script, limit: float) -> Outcome:
+def _conduct(link: Link, order: Script, limit: float) -> Outcome:
     try:
         answer, _ = link.ask(order, limit)
     except HostHung as hung:
         return Outcome("hung", f"the script was not done after {limit:.0f} s", detail=hung.stacks)
     except HostDied:
-        status = status_text(host.wait(GRACE))
+        status = status_text(link.wait(GRACE))
         return Outcome("died", f"the script's process ended by itself ({status})")
     except Excess as error:
         return Outcome("flooded", f"the script took more of the machine than it may: {error}")
@@ -197,7 +196,7 @@ def _question(
     with fresh_folder() as folder:
         for file, content in files.items():
             (folder / file).write_bytes(content)
-        with _link(workshop, folder) as (link, _):
+        with workshop.host(folder) as link:
             try:
                 return _interview(link, seen, training)
             except (HostHung, HostDied, HostForged, Excess) as error:
@@ -205,7 +204,7 @@ def _question(
                 return msgspec.structs.replace(training, pickle=ModelAnswers(problem[:300]))
 
 
-def _interview(link: Dialogue, seen: Floats, training: Training) -> Training:
+def _interview(link: Link, seen: Floats, training: Training) -> Training:
     loaded, _ = link.ask(LoadModels((PICKLE, AGAIN_PICKLE), ONNX), LOAD_LIMIT)
     if not isinstance(loaded, Loaded):
         raise HostForged("no list of models")
@@ -228,12 +227,12 @@ def _interview(link: Dialogue, seen: Floats, training: Training) -> Training:
     )
 
 
-def _answers(link: Dialogue, file: str, seen: Floats) -> ModelAnswers:
+def _answers(link: Link, file: str, seen: Floats) -> ModelAnswers:
     said = _ask(link, file, seen)
     return ModelAnswers(said.problem, True, said.shape, said.values)
 
 
-def _ask(link: Dialogue, file: str, seen: Floats) -> Predicted:
+def _ask(link: Link, file: str, seen: Floats) -> Predicted:
     said, _ = link.ask(Predict(file, seen.tobytes()), PREDICT_LIMIT)
     if not isinstance(said, Predicted) or len(said.values) % 8:
         raise HostForged("no predictions")
@@ -242,7 +241,7 @@ def _ask(link: Dialogue, file: str, seen: Floats) -> Predicted:
     return said
 
 
-def _time_singles(link: Dialogue, seen: Floats) -> tuple[Floats, Floats]:
+def _time_singles(link: Link, seen: Floats) -> tuple[Floats, Floats]:
     """Return wall and CPU time [s] of predictions for one scan each, measured from outside."""
     costs = []
     slow = 0
@@ -254,9 +253,3 @@ def _time_singles(link: Dialogue, seen: Floats) -> tuple[Floats, Floats]:
             break
     wall, cpu = np.array(costs).T.copy()
     return wall, cpu
-
-
-@contextmanager
-def _link(workshop: Launcher, place: Path | Workplace) -> Iterator[tuple[Dialogue, Host]]:
-    with workshop.host(place) as host:
-        yield host.link(), host

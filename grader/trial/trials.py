@@ -6,7 +6,6 @@ import contextlib
 import os
 import shutil
 import threading
-import time
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -18,6 +17,7 @@ from grader.course import installed
 from grader.course.students import Seed
 from grader.course.submission import Submission
 from grader.errors import GraderError, is_disk_full
+from grader.link import real_clock
 from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Outcome, Recording, bag
@@ -293,7 +293,7 @@ class NodeTrials:
             return self._run_in_real_time(scenario, self._why_real or "")
         limits = HURRIED if self._slow else self.limits
         limits = IMPATIENT if self._hung else limits
-        began = time.perf_counter()
+        began = real_clock.perf_counter()
         recording = run_trial(
             self.submission,
             scenario,
@@ -302,7 +302,7 @@ class NodeTrials:
             limits=limits,
             files=files,
         )
-        self._took.append(time.perf_counter() - began)
+        self._took.append(real_clock.perf_counter() - began)
         if self.forkserver.practice:
             return recording  # there is no real time: the node hangs, or can't run
         if recording.outcome.kind == "real_time":

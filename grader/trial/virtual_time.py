@@ -6,7 +6,6 @@ message, the simulation follows with the commands that came out, and hands over 
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +13,10 @@ from pathlib import Path
 from grader.course.students import host_seed
 from grader.course.submission import Submission
 from grader.host.frames import Delivery, Ended, Run, Settled, Slept, Start, ToJudge
+from grader.link import real_clock
 from grader.link.exchange import Cost, HostDied, HostForged, HostHung
-from grader.link.launcher import Host, Launcher
+from grader.link.launcher import Launcher
+from grader.link.link import Conversation, Link
 from grader.link.workplace import Excess
 from grader.models.service import ModelService, TooManyQuestions
 from grader.recording import COMPLETED, Outcome, Recording
@@ -96,9 +97,9 @@ def run_trial(
         simulation = Simulation(scenario, seed)
         with (
             stage(submission, scenario, arguments, files) as staged,
-            forkserver.host(staged.folder) as host,
+            forkserver.host(staged.folder) as link,
         ):
-            trial = _Trial(simulation, Recorder(stamped=stamped), host, charged=charge_compute)
+            trial = _Trial(simulation, Recorder(stamped=stamped), link, charged=charge_compute)
             start = Start(
                 staged.programs,
                 EPOCH_NS,
@@ -109,7 +110,7 @@ def run_trial(
                 stdin=stdin,
             )
             try:
-                outcome = trial.conduct(start, limits or Limits())
+                outcome = link.converse(trial.conversation(start, limits or Limits()))
             except _Early as early:
                 lead = early.lead
                 continue
@@ -128,32 +129,31 @@ class _Trial:
     """A trial under way."""
 
     def __init__(
-        self, simulation: Simulation, recorder: Recorder, host: Host, *, charged: bool
+        self, simulation: Simulation, recorder: Recorder, link: Link, *, charged: bool
     ) -> None:
         self._simulation = simulation
         self._recorder = recorder
-        self._host = host
         self._charged = charged  # computing takes virtual time
-        self._link = host.link()
+        self._link = link
         self._models = ModelService(simulation.scenario, simulation.seed)
         self._at = 0.0  # [s] the time that the node has come to
         self._spun = False
         self._waited = 0.0  # [s] for a CPU, by the node or the judge
         self._stuck: float | None = None  # [s] since when nothing in the node can ever run again
 
-    def conduct(self, start: Start, limits: Limits) -> Outcome:
-        """Run the trial to its end; say how it ended."""
+    def conversation(self, start: Start, limits: Limits) -> Conversation[Outcome]:
+        """Run the trial to its end, frame by frame; return how it ended."""
         recorder, simulation, end = self._recorder, self._simulation, self._simulation.end
-        began_at = time.perf_counter()
+        began_at = real_clock.perf_counter()
         try:
-            first, cost = self._start(start, limits.start)
+            first, cost = yield from self._start(start, limits.start)
             if isinstance(first, Slept):
                 raise HostForged("a second early start") if start.lead else _Early(first.lead)
             answer: Settled | Ended = first
             pending = self._take(answer, cost, began=0, agreed=0)
             while isinstance(answer, Settled) and simulation.now < end:
                 waited = min(self._waited, BUSY * limits.total)
-                if time.perf_counter() > began_at + limits.total + waited:
+                if real_clock.perf_counter() > began_at + limits.total + waited:
                     return self._outcome("hung", _too_slow(limits, self._simulation))
                 began = simulation.now
                 self._at = began / 1e9
@@ -161,13 +161,16 @@ class _Trial:
                 until = min(simulation.next_event() or end, self._models.next_due or end, end)
                 frame = Run(until, tuple(Delivery(m.topic, m.data) for m in pending), told)
                 recorder.delivered += pending
-                answer, cost = self._link.run(frame, limits.step)
+                said, cost = yield frame, limits.step
+                if isinstance(said, Slept):
+                    raise HostForged("a start in the middle of the trial")
+                answer = said
                 pending = self._take(answer, cost, began, until)
         except HostHung as hung:
             text = "the node did not come back from a callback (or from its start-up)"
             return self._outcome("hung", text, hung.stacks)
         except HostDied:
-            status = self._host.wait(GRACE)
+            status = self._link.wait(GRACE)
             return self._outcome("died", died_text(status))
         except (HostForged, Flood, Excess, TooManyQuestions) as error:
             return self._outcome(*misbehaviour(error))
@@ -179,19 +182,19 @@ class _Trial:
             return Outcome("stuck", STUCK, self._stuck)
         return self._outcome(COMPLETED, "")
 
-    def _start(self, start: Start, limit: float) -> tuple[ToJudge, Cost]:
+    def _start(self, start: Start, limit: float) -> Conversation[tuple[ToJudge, Cost]]:
         """Run the file up to the point where it waits; answer what it asks its models till then.
 
         However often it asks: limit [s] is for all of the start-up.
         """
-        deadline = time.perf_counter() + limit
-        first, cost = self._link.start(start, limit)
+        deadline = real_clock.perf_counter() + limit
+        first, cost = yield start, limit
         while isinstance(first, Settled) and first.starting:
             if not first.asked or first.published:
                 raise HostForged("a start-up without a question")
             told = tuple(self._models.at_once(question) for question in first.asked)
-            left = deadline - time.perf_counter()
-            first, more = self._link.go_on(Run(0, told=told), left)
+            left = deadline - real_clock.perf_counter()
+            first, more = yield Run(0, told=told), left
             cost = Cost(cost.wall + more.wall, cost.cpu + more.cpu, cost.queued + more.queued)
         return first, cost
 

@@ -33,7 +33,7 @@ from grader.host.frames import (
     encode,
 )
 from grader.link.exchange import HostForged, decoded
-from grader.link.link import Channel
+from grader.link.pipes import Channel
 
 DECODERS: dict[str, tuple[Callable[[bytes], Any], tuple[type, ...]]] = {
     "nodes": (decode_to_judge, (Settled, Ended)),

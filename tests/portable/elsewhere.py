@@ -37,7 +37,7 @@ MODULES = {"fcntl", "grp", "pty", "pwd", "resource", "spwd", "syslog", "termios"
 LINUX_OURS = (
     "grader.host.sandbox.kernel_filters", "grader.host.sandbox.layers",
     "grader.host.sandbox.limits", "grader.host.sandbox.users", "grader.host.sandbox.workplaces",
-    "grader.link.hosts", "grader.link.link", "grader.trial.real_",
+    "grader.link.hosts", "grader.link.pipes", "grader.trial.real_",
 )  # fmt: skip
 ROS_BRINGS = re.compile(r"ros_.*|lark_parser|empy")  # distributions
 MODULE_IN_RECORD = re.compile(r"^(?:[^,]*-packages/)?(\w+)(?:/__init__)?\.py,", re.MULTILINE)

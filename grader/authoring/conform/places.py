@@ -44,14 +44,13 @@ def run_inside(
     progress: Progress = lambda: 0,
 ) -> Ran:
     """Run programs in a host, without a robot, until `seconds` [s] have gone by since progress."""
-    with forkserver.workplace(folder, limited=False) as place, forkserver.host(place) as host:
-        link = Link(host)
+    with forkserver.workplace(folder, limited=False) as place, forkserver.host(place) as link:
         try:
             kind, text = _conduct(link, programs, round(seconds), progress)
         except HostHung as hung:
             kind, text = "hung", hung.stacks
         except HostDied:
-            kind, text = "died", host.wait(1.0)
+            kind, text = "died", link.wait(1.0)
         except HostForged as forged:
             kind, text = "forged", str(forged)
         return Ran(kind, text, "\n".join(line.text for line in link.log()))
@@ -61,7 +60,7 @@ def _conduct(
     link: Link, programs: Sequence[ProgramStart], seconds: int, progress: Progress
 ) -> tuple[str, str]:
     start = Start(tuple(programs), EPOCH_NS, seed=1, offers=(), lead=1)
-    answer: object = link.start(start, STEP_LIMIT)[0]
+    answer: object = link.run(start, STEP_LIMIT)[0]
     now, left, seen = 0, seconds, progress()
     while isinstance(answer, Settled):
         if progress() > seen:

@@ -154,6 +154,7 @@ KILLED_JUDGE = """
     from grader.host.frames import Start
     from grader.link.hosts import ForkServer
     from grader.link.link import Link
+    from grader.link.pipes import Pipes
     from grader.trial.staging import stage
     from grader.course.submission import Submission
     from sim.messages import EPOCH_NS
@@ -162,10 +163,10 @@ KILLED_JUDGE = """
     with (
         ForkServer(EPOCH_NS) as forkserver,
         stage(Submission(Path({file!r})), load_scenario("demo_wall")) as staged,
-        forkserver.host(staged.folder) as host,
+        forkserver.host_process(staged.folder) as host,
     ):
         print(host.pid, flush=True)
-        Link(host).start(Start(staged.programs, EPOCH_NS, 1, staged.offers), 60.0)
+        Link(Pipes(host)).run(Start(staged.programs, EPOCH_NS, 1, staged.offers), 60.0)
 """
 
 

@@ -24,11 +24,12 @@ from grader.host.frames import (
     Start,
     encode,
 )
-from grader.link import link as link_module
+from grader.link import pipes
 from grader.link.exchange import MAX_REASON, HostDied, HostForged, HostHung
 from grader.link.link import Link
 from grader.link.log import LogLine
 from grader.link.output import MAX_LINES, MAX_OUTPUT, Output
+from grader.link.pipes import Pipes
 
 START = Start(programs=(ProgramStart("agent.py"),), epoch=0, seed=1, offers=())
 LIMIT = 20.0  # [s] for answers that come
@@ -37,7 +38,7 @@ SOON = 0.05  # [s] for answers that don't
 
 @pytest.fixture(autouse=True)
 def no_patience_for_stacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(link_module, "STACK_TIME", 0.1)
+    monkeypatch.setattr(pipes, "STACK_TIME", 0.1)
 
 
 @contextmanager
@@ -45,13 +46,13 @@ def linked(
     *answers: bytes, hang_up: bool = True, deaf: bool = False
 ) -> Iterator[tuple[Link, FakeHost]]:
     with FakeHost(answers, hang_up=hang_up, deaf=deaf) as host:
-        yield Link(host), host
+        yield Link(Pipes(host)), host
 
 
 def test_an_answer_arrives_whole() -> None:
     message = Published(5, "/cmd_vel", "geometry_msgs/msg/Twist", bytes(range(256)) * 4_000)
     with linked(settled(), settled(9, published=[message])) as (link, _):
-        first, _ = link.start(START, LIMIT)
+        first, _ = link.run(START, LIMIT)
         second, cost = link.run(Run(9, (Delivery("/scan", bytes(300_000)),)), LIMIT)
 
     assert first == Settled(0, True, False, [])
@@ -63,21 +64,21 @@ def test_an_answer_arrives_whole() -> None:
 def test_an_end_arrives() -> None:
     end = Ended(0, "exception", "ValueError: no", "Traceback …", [])
     with linked(encode(end)) as (link, _):
-        assert link.start(START, LIMIT)[0] == end
+        assert link.run(START, LIMIT)[0] == end
 
 
 @settings(derandomize=True, deadline=None, max_examples=150)
 @given(st.binary(max_size=400))
 def test_arbitrary_bytes(noise: bytes) -> None:
     with linked(noise) as (link, _), pytest.raises((HostDied, HostForged)):
-        link.start(START, LIMIT)
+        link.run(START, LIMIT)
 
 
 @settings(derandomize=True, deadline=None, max_examples=150)
 @given(st.binary(max_size=400))
 def test_arbitrary_bodies(noise: bytes) -> None:
     with linked(frame(noise)) as (link, _), pytest.raises((HostDied, HostForged)):
-        link.start(START, LIMIT)
+        link.run(START, LIMIT)
 
 
 BOMB = b"\x82\xa4type\xa7settled\xa9published"
@@ -105,7 +106,7 @@ FORGERIES = {
 @pytest.mark.parametrize("what", FORGERIES)
 def test_forgeries(what: str) -> None:
     with linked(FORGERIES[what], hang_up=False) as (link, _), pytest.raises(HostForged) as caught:
-        link.start(START, LIMIT)
+        link.run(START, LIMIT)
 
     assert len(str(caught.value)) <= MAX_REASON
 
@@ -115,7 +116,7 @@ def test_forgeries_do_not_fill_the_memory(what: str) -> None:
     with linked(FORGERIES[what], hang_up=False) as (link, _):
         tracemalloc.start()
         with pytest.raises(HostForged):
-            link.start(START, LIMIT)
+            link.run(START, LIMIT)
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
 
@@ -125,23 +126,23 @@ def test_forgeries_do_not_fill_the_memory(what: str) -> None:
 def test_a_stream_without_end_is_not_collected() -> None:
     """The judge reads a frame at most, however much is there to be read."""
     with linked(settled(), hang_up=False) as (link, host):
-        link.start(START, LIMIT)
+        link.run(START, LIMIT)
         with talking(host.their_out, bytes(65536)):
             with pytest.raises(HostForged):
                 link.run(Run(1), LIMIT)
-            assert len(link._buffer) < 2 * link_module.CHUNK
+            assert len(link._host._buffer) < 2 * pipes.CHUNK
 
 
 @pytest.mark.parametrize("size", [1, LENGTH.size, LENGTH.size + 1, -1])
 def test_a_truncated_frame_is_a_death(size: int) -> None:
     with linked(settled()[:size]) as (link, _), pytest.raises(HostDied):
-        link.start(START, LIMIT)
+        link.run(START, LIMIT)
 
 
 @pytest.mark.parametrize("size", [0, 1, LENGTH.size, -1])
 def test_half_an_answer_is_waited_for_until_the_limit(size: int) -> None:
     with linked(settled()[:size], hang_up=False) as (link, _), pytest.raises(HostHung) as caught:
-        link.start(START, SOON)
+        link.run(START, SOON)
 
     assert caught.value.stacks == '  File "agent.py", line 7 in on_scan'
 
@@ -155,28 +156,28 @@ def test_a_host_that_a_busy_machine_keeps_waiting_has_not_hung(
         write_all(host.their_out, settled())
         yield True
 
-    monkeypatch.setattr(link_module, "STARVED", 1e6)
+    monkeypatch.setattr(pipes, "STARVED", 1e6)
     with linked(hang_up=False) as (link, host):
         host.ready = starved(host)
-        answer, _ = link.start(START, SOON)
+        answer, _ = link.run(START, SOON)
 
     assert isinstance(answer, Settled)
 
 
 def test_a_host_that_computes_on_and_on_has_hung(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(link_module, "STARVED", 1e6)
+    monkeypatch.setattr(pipes, "STARVED", 1e6)
     used = chain([0.0, 0.5 * SOON], repeat(SOON))
-    monkeypatch.setattr(Link, "cpu", lambda _: next(used))
+    monkeypatch.setattr(Pipes, "cpu", lambda _: next(used))
     with linked(hang_up=False) as (link, host), pytest.raises(HostHung):
         host.ready = repeat(True)
-        link.start(START, SOON)
+        link.run(START, SOON)
 
 
 def test_nobody_is_waited_for_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Link, "cpu", lambda _: float("nan"))
+    monkeypatch.setattr(Pipes, "cpu", lambda _: float("nan"))
     with linked(hang_up=False) as (link, host), pytest.raises(HostHung):
         host.ready = repeat(True)
-        link.start(START, SOON)
+        link.run(START, SOON)
 
 
 def test_a_host_that_is_gone_is_a_death() -> None:
@@ -184,12 +185,12 @@ def test_a_host_that_is_gone_is_a_death() -> None:
         os.close(host.their_in)
         host.their_in = -1
         with pytest.raises(HostDied):
-            link.start(START, LIMIT)
+            link.run(START, LIMIT)
 
 
 def test_an_answer_before_the_question_is_forged() -> None:
     with linked(settled() + settled(9), hang_up=False) as (link, _):
-        link.start(START, LIMIT)
+        link.run(START, LIMIT)
         with pytest.raises(HostForged, match="before the question"):
             link.run(Run(9), LIMIT)
 
@@ -214,7 +215,7 @@ def test_endless_output_does_not_keep_the_judge(stream: str) -> None:
         talking(getattr(host, stream), b"x" * 65535 + b"\n"),
     ):
         with pytest.raises(HostHung):
-            link.start(START, SOON)
+            link.run(START, SOON)
         link.log()
 
     assert len(link.stdout.lines) + len(link.stderr.lines) < MAX_LINES
@@ -226,7 +227,7 @@ def test_closed_output_pipes_do_not_matter() -> None:
             os.write(getattr(host, name), b"last words")
             os.close(getattr(host, name))
             setattr(host, name, -1)
-        link.start(START, LIMIT)
+        link.run(START, LIMIT)
         link.run(Run(1), LIMIT)
 
         assert [line.text for line in link.log()] == ["last words"] * 2
@@ -234,7 +235,7 @@ def test_closed_output_pipes_do_not_matter() -> None:
 
 def test_the_log_is_in_order_of_time() -> None:
     with linked(settled(), settled(30)) as (link, host):
-        link.start(START, LIMIT)
+        link.run(START, LIMIT)
         link.run(Run(30), LIMIT)
         os.write(host.their_stdout, f"a\n{MARK}20\nd\n".encode())
         os.write(host.their_stderr, f"b\n{MARK}10\nc\n".encode())

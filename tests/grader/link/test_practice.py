@@ -16,6 +16,8 @@ from grader.grading.grading import grade_submission
 from grader.host.frames import Ended, ProgramStart, Run, Settled, Start
 from grader.link import practice
 from grader.link.exchange import HostDied, HostForged, HostHung
+from grader.link.link import Link
+from grader.link.output import Output
 from grader.link.practice import PRACTICE, PracticeHost, PracticeServer
 from grader.trial.trials import NodeTrials
 from sim.messages import EPOCH_NS
@@ -52,9 +54,8 @@ def start_of(folder: Path, source: str) -> Start:
 def test_a_node_runs_to_a_time_and_its_words_have_times(
     server: PracticeServer, tmp_path: Path
 ) -> None:
-    with server.host(tmp_path) as host:
-        link = host.link()
-        first, _ = link.start(start_of(tmp_path, SPINS), LIMIT)
+    with server.host(tmp_path) as link:
+        first, _ = link.run(start_of(tmp_path, SPINS), LIMIT)
         assert isinstance(first, Settled)
         assert first.now == 0
         answer, cost = link.run(Run(1_200_000_000), LIMIT)
@@ -68,8 +69,8 @@ def test_a_node_runs_to_a_time_and_its_words_have_times(
 
 
 def test_a_program_that_ends_says_how(server: PracticeServer, tmp_path: Path) -> None:
-    with server.host(tmp_path) as host:
-        answer, _ = host.link().start(start_of(tmp_path, "1 / 0"), LIMIT)
+    with server.host(tmp_path) as link:
+        answer, _ = link.run(start_of(tmp_path, "1 / 0"), LIMIT)
     assert isinstance(answer, Ended)
     assert (answer.kind, answer.text.partition(" (")[0]) == (
         "exception", "ZeroDivisionError: division by zero",
@@ -77,17 +78,17 @@ def test_a_program_that_ends_says_how(server: PracticeServer, tmp_path: Path) ->
 
 
 def test_a_process_that_goes_is_gone(server: PracticeServer, tmp_path: Path) -> None:
-    with server.host(tmp_path) as host:
+    with server.host(tmp_path) as link:
         with pytest.raises(HostDied):
-            host.link().start(start_of(tmp_path, "import os; os._exit(7)"), LIMIT)
-        assert host.wait(LIMIT) == "7"
+            link.run(start_of(tmp_path, "import os; os._exit(7)"), LIMIT)
+        assert link.wait(LIMIT) == "7"
 
 
 def test_a_process_that_says_nothing_hangs(server: PracticeServer, tmp_path: Path) -> None:
-    with server.host(tmp_path) as host:
+    with server.host(tmp_path) as link:
         with pytest.raises(HostHung):
-            host.link().start(start_of(tmp_path, "while True: pass"), 0.5)
-        assert host.wait() != "0"  # killed
+            link.run(start_of(tmp_path, "while True: pass"), 0.5)
+        assert link.wait() != "0"  # killed
 
 
 @pytest.mark.parametrize(
@@ -98,16 +99,17 @@ def test_what_a_program_says_in_the_hosts_place_is_refused(
 ) -> None:
     source = f"import os\nfor fd in range(3, 20):\n    try: os.write(fd, {bytes_})\n"
     source += "    except OSError: pass\n"
-    with server.host(tmp_path) as host, pytest.raises(HostForged):
-        host.link().start(start_of(tmp_path, source), LIMIT)
+    with server.host(tmp_path) as link, pytest.raises(HostForged):
+        link.run(start_of(tmp_path, source), LIMIT)
 
 
 def test_an_answer_before_the_question_is_refused(server: PracticeServer, tmp_path: Path) -> None:
     host = PracticeHost.__new__(PracticeHost)
     host._said = practice.queue.Queue()
     host._said.put(msgspec.msgpack.encode("early"))
+    host.stdout, host.stderr = Output("stdout"), Output("stderr")
     with pytest.raises(HostForged, match="before the question"):
-        host.link().run(Run(1), 1.0)
+        Link(host).run(Run(1), 1.0)
 
 
 def test_a_host_that_can_not_start_says_why(

@@ -268,6 +268,7 @@ from pathlib import Path
 from grader.host.frames import Start
 from grader.link.hosts import ForkServer
 from grader.link.link import Link
+from grader.link.pipes import Pipes
 from grader.trial.staging import stage
 from grader.course.submission import Submission
 from sim.messages import EPOCH_NS
@@ -276,12 +277,12 @@ from sim.scenario_files import load_scenario
 with (
     ForkServer(EPOCH_NS) as forkserver,
     stage(Submission(Path({file!r})), load_scenario("demo_wall")) as staged,
-    forkserver.host(staged.folder) as host,
+    forkserver.host_process(staged.folder) as host,
 ):
-    link = Link(host)
+    link = Link(Pipes(host))
     print(forkserver._process.pid, host.pid, flush=True)
     try:
-        link.start(Start(staged.programs, EPOCH_NS, 1, staged.offers), 60.0)
+        link.run(Start(staged.programs, EPOCH_NS, 1, staged.offers), 60.0)
     except BaseException as error:
         print(type(error).__name__, flush=True)
     print(host.wait(1.0), flush=True)

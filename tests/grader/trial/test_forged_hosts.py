@@ -19,7 +19,9 @@ from grader.host.frames import (
     Slept,
     encode,
 )
-from grader.link import link
+from grader.link import pipes
+from grader.link.link import Link
+from grader.link.pipes import Pipes
 from grader.recording import Recording
 from grader.trial import recorder, virtual_time
 from grader.trial.virtual_time import Limits, run_trial
@@ -38,15 +40,15 @@ class FakeForkServer:
         self._answers, self._hang_up = answers, hang_up
 
     @contextmanager
-    def host(self, folder: Path) -> Iterator[FakeHost]:
+    def host(self, folder: Path) -> Iterator[Link]:
         with FakeHost(self._answers, hang_up=self._hang_up) as host:
-            yield host
+            yield Link(Pipes(host))
 
 
 @pytest.fixture
 def forge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
     """Run a trial in which the host gives these answers, one after the other."""
-    monkeypatch.setattr(link, "STACK_TIME", 0.1)
+    monkeypatch.setattr(pipes, "STACK_TIME", 0.1)
     monkeypatch.setattr(virtual_time, "GRACE", 0.01)
     file = tmp_path / "node.py"
     file.write_text("pass")

@@ -11,7 +11,7 @@ import pytest
 from node_runs import RunNode, short
 
 from grader.course.submission import Submission
-from grader.link import link as link_module
+from grader.link import pipes
 from grader.recording import Recording
 from grader.trial import virtual_time as trial_module
 from grader.trial.virtual_time import Limits, run_trial
@@ -222,7 +222,7 @@ def test_what_a_busy_machine_keeps_from_a_trial_does_not_count(
     run_node: RunNode, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(trial_module, "BUSY", 1e9)
-    monkeypatch.setattr(link_module, "UNEXPLAINED", -1.0)
-    monkeypatch.setattr(link_module.Link, "_queued", lambda _: 1e3)
+    monkeypatch.setattr(pipes, "UNEXPLAINED", -1.0)
+    monkeypatch.setattr(pipes.Pipes, "_queued", lambda _: 1e3)
 
     assert drive(run_node, "0.3", limits=NO_TIME).outcome.completed
