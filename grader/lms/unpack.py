@@ -13,9 +13,9 @@ from collections.abc import Generator, Iterable
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
-from grader.classroom.intake.names import may_enter
 from grader.course.submission import open_regular_file
 from grader.errors import is_disk_full
+from grader.lms.names import may_enter
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 # Recognised and not unpacked. A 7z's header chooses how much memory its decoder takes, up to 4 GiB,
@@ -62,10 +62,7 @@ def archive_stem(name: str) -> str:
 def unpack(archive: Path, room: Path) -> list[Odd]:
     """Unpack a student's archive into `room`; return what is odd in it.
 
-    Raises
-    ------
-    Refused
-        It is locked, or a trap.
+    Raises Refused: it is locked, or a trap.
     """
     size = min(MAX_UNPACKED, max(SMALL, MAX_RATIO * archive.stat().st_size))
     left = _Allowance(size, MAX_MEMBERS)
@@ -78,10 +75,7 @@ def unpack_class(archive: Path, room: Path) -> list[Odd]:
     Files that are too long are cut off, and those with impossible names left out: nobody's can keep
     out the others.
 
-    Raises
-    ------
-    Refused
-        It is locked, or a trap.
+    Raises Refused: it is locked, or a trap.
     """
     left = _Allowance(MANY * MAX_UNPACKED, MANY * MAX_MEMBERS)
     return _unpack(archive, room, left, MAX_DEPTH + 3, CUT)

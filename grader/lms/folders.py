@@ -6,9 +6,10 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from grader.classroom.intake.entries import Entry, Read, SetAside, Who
-from grader.classroom.intake.names import may_enter
-from grader.classroom.intake.unpack import archive_stem, is_archive, is_unread_archive
+from grader.lms.entries import Entry, Read, SetAside, Who
+from grader.lms.names import may_enter
+from grader.lms.platform import Platform
+from grader.lms.unpack import archive_stem, is_archive, is_unread_archive
 
 FILE = (
     "a file of nobody's: expected a folder or an archive per student, or files with the prefix of "
@@ -16,6 +17,7 @@ FILE = (
 )
 RESULTS = "results of `course autograde`, no student's; move them elsewhere"
 GRADED_CLASS = ("store.sqlite", "class.html")
+TIMES = ("%d/%m/%Y %H:%M", "%d.%m.%Y %H:%M")  # by spreadsheets
 LITTER = {"Thumbs.db", "desktop.ini", "__MACOSX", "__pycache__"}
 
 
@@ -34,3 +36,6 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
         else:
             found.set_aside.append(SetAside(name, FILE))
     return found
+
+
+PLATFORM = Platform("", read)

@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
-from grader.classroom.results.clean import cell
+from grader.lms.clean import cell
 
 
 class Verbatim(str):

@@ -1,9 +1,12 @@
-"""nbgrader's exchange, as `nbgrader submit` fills it, and what `nbgrader collect` makes of it.
+"""nbgrader: its exchange, what `nbgrader collect` makes of it, its export, its own gradebook.
 
-Source: jupyter/nbgrader, nbgrader/exchange/default/submit.py and collect.py: a folder
-`USER+ASSIGNMENT+TIMESTAMP`, perhaps with `+RANDOM`, in `inbound`; user names may hold `+`, so the
-parts are taken from the right. Collected work is `submitted/USER/ASSIGNMENT`, with its time in
-`timestamp.txt`.
+Sources, in jupyter/nbgrader:
+
+- nbgrader/exchange/default/submit.py and collect.py: a folder `USER+ASSIGNMENT+TIMESTAMP`, perhaps
+  with `+RANDOM`, in `inbound`; user names may hold `+`, so the parts are taken from the right.
+  Collected work is `submitted/USER/ASSIGNMENT`, with its time in `timestamp.txt`.
+- nbgrader/plugins/export.py, `CsvExportPlugin`. Unlike there, who handed in nothing has no row: a
+  zero would be a score.
 """
 
 from __future__ import annotations
@@ -13,8 +16,11 @@ from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from grader.classroom.intake.entries import Entry, Read, SetAside, Who
 from grader.course.submission import read_regular_file
+from grader.lms.book import Book, Mark, Task
+from grader.lms.entries import Entry, Read, SetAside, Who, several
+from grader.lms.platform import Files, Platform
+from grader.lms.tables import Cell, Verbatim, csv_text
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
 ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)
@@ -22,6 +28,10 @@ SIDES = {
     "inbound": ("outbound", "feedback"),
     "submitted": ("source", "release", "autograded", "feedback", "gradebook.db"),
 }
+COLUMNS = (
+    "assignment", "duedate", "timestamp", "student_id", "last_name", "first_name", "email",
+    "raw_score", "late_submission_penalty", "score", "max_score",
+)  # fmt: skip
 
 
 def read(folder: Path, paths: Sequence[Path]) -> Read:
@@ -92,24 +102,64 @@ def _microseconds(time: str) -> int:
 
 
 def _latest(found: Read) -> Read:
+    """Keep the latest attempt of each student at each assignment."""
     last: dict[tuple[str, str], Entry] = {}
     for entry in found.entries:
-        key = (entry.who.id, _assignment(entry.path))
+        match = ATTEMPT.fullmatch(entry.path.name)
+        key = (entry.who.id, match["assignment"] if match else entry.path.name)
         if key not in last or last[key].version < entry.version:
             last[key] = entry
-    older = [entry for entry in found.entries if last[_key(entry)] is not entry]
+    kept = {id(entry) for entry in last.values()}
     found.set_aside.extend(
         SetAside(entry.path.name, "an older attempt; the latest counts", fault=False)
-        for entry in older
+        for entry in found.entries
+        if id(entry) not in kept
     )
-    found.entries[:] = [entry for entry in found.entries if last[_key(entry)] is entry]
+    found.entries[:] = [entry for entry in found.entries if id(entry) in kept]
     return found
 
 
-def _key(entry: Entry) -> tuple[str, str]:
-    return entry.who.id, _assignment(entry.path)
+def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
+    """Return the points as nbgrader exports them, if the work came from there."""
+    if "nbgrader" not in book.systems:
+        return {}
+    rows: list[Sequence[Cell]] = [COLUMNS]
+    for task in tasks:
+        for mark, points in book.marks(task):
+            first, _, last = mark.name.rpartition(" ")
+            rows.append(
+                [task.slug, None, Verbatim(mark.handed.time), Verbatim(_id(mark)), last, first,
+                 Verbatim(mark.row.ids.get("email", "")), points + mark.penalty, mark.penalty,
+                 points, task.points]
+            )  # fmt: skip
+    return {"nbgrader.csv": csv_text(rows)}
 
 
-def _assignment(path: Path) -> str:
-    match = ATTEMPT.fullmatch(path.name)
-    return match["assignment"] if match else path.name
+def write_into(db: Path, book: Book, tasks: Sequence[Task]) -> None:
+    """Write the points into nbgrader's own gradebook."""
+    from grader.nbgrader.class_scores import Score, write_scores  # noqa: PLC0415  (an extra)
+
+    scores = [
+        Score(
+            _id(mark), task.slug, points, task.points, mark.row.name,
+            mark.row.ids.get("email", ""),
+        )
+        for task in tasks
+        for mark, points in book.marks(task)
+    ]  # fmt: skip
+    write_scores(db, scores)
+
+
+def _id(mark: Mark) -> str:
+    """Return what nbgrader calls a student."""
+    id_ = mark.handed.id if mark.handed.system == "nbgrader" else mark.row.ids.get("login", "")
+    return id_ or mark.student
+
+
+PLATFORM = Platform(
+    "nbgrader",
+    read,
+    lambda names: several(names, ATTEMPT, who="user"),
+    gradebook=gradebook,
+    what={"nbgrader.csv": "as nbgrader exports"},
+)

@@ -15,7 +15,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from grader.classroom.roster.people import (
+from grader.course.submission import read_regular_file
+from grader.errors import InputError
+from grader.lms import PLATFORMS
+from grader.lms.people import (
     CANVAS,
     EMAIL,
     GITHUB,
@@ -28,8 +31,6 @@ from grader.classroom.roster.people import (
     Roster,
     Sheet,
 )
-from grader.course.submission import read_regular_file
-from grader.errors import InputError
 
 MAX_SHEET = 20 * 1024 * 1024  # [bytes]
 MAX_ROWS = 20_000
@@ -56,10 +57,7 @@ HELP = (
 def read_roster(files: Sequence[Path]) -> Roster:
     """Return everybody in these files; one person may be in several.
 
-    Raises
-    ------
-    InputError
-        A file is none of the known kinds, or has two people with one id.
+    Raises InputError: a file is none of the known kinds, or has two people with one id.
     """
     people: list[Person] = []
     sheets = []
@@ -176,18 +174,9 @@ def _rows(text: str) -> Iterator[list[str]]:
 
 def _kind(header: Sequence[str]) -> str:
     small = [heading.casefold() for heading in header]
-    if small[:2] == ["student", "id"] or small[:3] == ["lastname", "firstname", "id"]:
-        return "canvas"
-    if "identifier" in small and "grade" in small:
-        return "worksheet"
-    if "github_username" in small and "identifier" in small:
-        return "github"
-    named = any(name in small for name in (*NAMES, *FIRST, *LAST))
-    if "sid" in small and named:
-        return "gradescope"
-    if "last downloaded from this course" in small or ("id number" in small and named):
-        return "moodle"
-    return "csv" if named or any(heading in IDS for heading in small) else ""
+    kind = next(filter(None, (platform.sheet(small) for platform in PLATFORMS[::-1])), "")
+    named = any(each in IDS or each in (*NAMES, *FIRST, *LAST) for each in small)
+    return kind or ("csv" if named else "")
 
 
 def _is_person(kind: str, header: Sequence[str], row: Sequence[str]) -> bool:

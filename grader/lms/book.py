@@ -4,41 +4,90 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
-from grader.classroom.results.clean import one_line
-from grader.classroom.results.marks import Task, points_of
-from grader.classroom.roster import NOBODY, Person, Roster, Sheet, folded
-from grader.classroom.row import Handed, StoredResult, StudentRow
-from grader.errors import InputError
+from grader.lms.clean import one_line
+from grader.lms.people import NOBODY, Person, Roster, Sheet, folded
 
 MOST_NAMED = 10  # students in a remark
-UNKNOWN = Handed("folder")
 LOGIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")  # a name that a platform may give a user
+ANYWHERE = {"folder", "csv"}  # systems that say nothing of the gradebook
+
+
+@dataclass(frozen=True)
+class Task:
+    """An exercise as the results name it."""
+
+    slug: str
+    number: int
+    title: str
+    points: float
+    folder: str = ""  # of the feedback page
+
+    @property
+    def heading(self) -> str:
+        """Number and title."""
+        return f"{self.number} · {self.title}" if self.number else self.title
+
+
+@dataclass(frozen=True)
+class Handed:
+    """How a learning platform knows what somebody handed in for one exercise."""
+
+    system: str  # "canvas", "moodle", …; "folder" if it was none
+    name: str = ""  # of the student, as in the download
+    id: str = ""
+    email: str = ""
+    entry: str = ""  # the folder or file in the download
+    late: bool = False  # says the platform
+    time: str = ""  # when, as the platform writes it; "" if it doesn't say
+
+
+@dataclass(frozen=True)
+class StudentRow:
+    """What is known of a student besides the work."""
+
+    student: str  # the name of the folder
+    name: str = ""  # in the roster; "" without one
+    section: str = ""
+    ids: dict[str, str] = field(default_factory=dict)  # kind: id, of the roster
+    participants: tuple[str, ...] = ()  # Moodle's ids, one per assignment
+    handed: dict[str, Handed] = field(default_factory=dict)  # by exercise
 
 
 @dataclass(frozen=True)
 class Mark:
-    """One student's points in one exercise."""
+    """What one student's work for one exercise came to."""
 
-    student: str
+    exercise: str  # slug
     row: StudentRow
-    points: float
+    points: float | None  # that count; None while there are none
     penalty: float = 0.0  # for lateness, which is off already
+    notes: tuple[str, ...] = ()  # how a person has changed them
+    checks: Sequence[Mapping[str, Any]] = ()  # as the student may see them
+    seconds: float = 0.0  # that the grading took [s]
 
-    def handed(self, slug: str) -> Handed:
-        """Return how the platform knows the submission."""
-        return self.row.handed.get(slug, UNKNOWN)
+    @property
+    def student(self) -> str:
+        """The student's folder."""
+        return self.row.student
 
     @property
     def name(self) -> str:
         """The name for people."""
         return self.row.name or self.student
 
-    def login(self, slug: str) -> str:
-        """Return the folder's name if, without a roster, it may be the user's at the platform."""
-        is_folder = self.handed(slug).system == "folder"
+    @property
+    def handed(self) -> Handed:
+        """How the platform knows the submission."""
+        return self.row.handed.get(self.exercise, Handed("folder"))
+
+    @property
+    def login(self) -> str:
+        """The folder's name if, without a roster, it may be the user's at the platform."""
+        is_folder = self.handed.system == "folder"
         return self.student if is_folder and LOGIN.fullmatch(self.student) else ""
 
 
@@ -46,26 +95,30 @@ class Mark:
 class Book:
     """A graded class as the gradebooks see it; takes down what a person should know."""
 
-    results: Sequence[StoredResult]
+    entries: Sequence[Mark]  # of all that was handed in, by student
     students: Mapping[str, StudentRow] = field(default_factory=dict)
     roster: Roster = NOBODY
     titles: Mapping[str, str] = field(default_factory=dict)  # slug: the instructor's column
     remarks: list[str] = field(default_factory=list)
 
-    def marks(self, task: Task) -> list[Mark]:
-        """Return who has points that count; nobody else is in any gradebook."""
-        found = []
-        for result in self.results:
-            if result.exercise == task.slug and (points := points_of(result, task)) is not None:
-                row = self.students.get(result.student, StudentRow(result.student))
-                penalty = result.amended.penalty if result.amended else 0.0
-                found.append(Mark(result.student, row, points, penalty))
-        return sorted(found, key=lambda mark: mark.student)
+    def marks(self, task: Task) -> list[tuple[Mark, float]]:
+        """Return who has points that count, with them; nobody else is in any gradebook."""
+        found = [
+            (mark, mark.points)
+            for mark in self.entries
+            if mark.exercise == task.slug and mark.points is not None
+        ]
+        return sorted(found, key=lambda each: each[0].student)
 
+    @property
     def systems(self) -> set[str]:
-        """Return the platforms that the work came from, and whose sheets the roster was."""
+        """The platforms that the work came from, and whose sheets the roster was."""
         used = {each.system for row in self.students.values() for each in row.handed.values()}
         return used | {sheet.kind for sheet in self.roster.sheets}
+
+    def may_be(self, *systems: str) -> bool:
+        """Tell whether the class may be one of these platforms'."""
+        return self.systems <= ANYWHERE or not self.systems.isdisjoint(systems)
 
     def sheets(self, kind: str) -> list[Sheet]:
         """Return the roster's sheets of that kind."""
@@ -95,11 +148,25 @@ class Book:
 
     def remark(self, text: str, students: Iterable[str] = ()) -> None:
         """Note something for the report, with the students it is about."""
-        names = [one_line(student, 60) for student in students]
-        if names:
-            more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-            text = f"{text}: {', '.join(names[:MOST_NAMED])}{more}"
-        self.remarks.append(f"{text}.")
+        self.remarks.append(f"{about(text, students)}.")
+
+    def leaves_out(self, file: str, why: str, marks: Sequence[Mark]) -> None:
+        """Note whom a file leaves out, if there is anybody."""
+        if marks:
+            self.remark(f"{file} leaves out who {why}", [mark.student for mark in marks])
+
+
+def named(students: Iterable[str], most: int = MOST_NAMED) -> str:
+    """Return the first of some students in words."""
+    names = [one_line(student, 60) for student in students]
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
+
+
+def about(text: str, students: Iterable[str]) -> str:
+    """Return a sentence with the students it is about."""
+    names = named(dict.fromkeys(students))
+    return f"{text}: {names}" if names else text
 
 
 def bare(heading: str) -> str:
@@ -119,29 +186,8 @@ def scaled(points: float, task: Task, most: str) -> float:
     return points if not 0 < full < 1e6 else round(points / task.points * full, 2)
 
 
-def column_titles(columns: Sequence[str]) -> dict[str, str]:
-    """Return the titles by slug of what was told as "EXERCISE=TITLE".
-
-    Raises
-    ------
-    InputError
-        It has another form, or there is no such exercise.
-    """
-    from grader.course.exercises import find_exercise  # noqa: PLC0415  (only if asked for)
-
-    titles = {}
-    for told in columns:
-        name, sign, title = told.partition("=")
-        if not sign or not title.strip():
-            raise InputError(
-                f"--column {told!r}: expected EXERCISE=TITLE, such as '1=Homework 1 (4711)'"
-            )
-        titles[find_exercise(name.strip()).slug] = title.strip()
-    return titles
-
-
 def missing_columns(titles: Mapping[str, str], roster: Roster) -> list[str]:
-    """Return a sentence for each title that was told and that no gradebook of the roster has."""
+    """Return a sentence for each title that was given and that no gradebook of the roster has."""
     books = [sheet for sheet in roster.sheets if sheet.kind in ("canvas", "moodle")]
     headings = [each for sheet in books for each in sheet.header]
     return [
@@ -163,11 +209,3 @@ def _is(person: Person, row: StudentRow) -> bool:
     if person.participants:
         return set(person.participants) == set(row.participants)
     return person.label == row.name
-
-
-def each_sheet(sheets: Sequence[Sheet], heading: str) -> Iterator[tuple[Sheet, int]]:
-    """Return the sheets that have a heading, and where."""
-    for sheet in sheets:
-        small = [each.casefold() for each in sheet.header]
-        if heading in small:
-            yield sheet, small.index(heading)

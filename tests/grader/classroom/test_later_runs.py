@@ -1,4 +1,4 @@
-"""A later run into the same folder: what it knows of the one before, and what it refuses."""
+"""A later run into the same folder: what it says of the one before, and what it refuses."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import pytest
 from fake_class import FILE, SLUG, fair
 from marked_class import points, scores
 
-from grader.classroom.amendments import Publish, Score, Whom
+from grader.classroom.amendments import Score
 from grader.classroom.marking import marking
-from grader.classroom.roster import Roster, read_roster
-from grader.classroom.row import GRADED
 from grader.errors import InputError
+from grader.lms.people import Roster
+from grader.lms.sheets import read_roster
 
 SECRET = b"0123456789abcdef"
 GRADEBOOK = """Student,ID,SIS Login ID,Section,Homework (71)
@@ -31,22 +31,6 @@ def roster(tmp_path: Path) -> Roster:
     return read_roster([tmp_path / "gradebook.csv"])
 
 
-def test_the_roster_and_the_column_stay(grade_class: Any, tmp_path: Path, roster: Roster) -> None:
-    out = tmp_path / "out"
-    grade_class(roster=roster, columns=(f"{SLUG}=Homework",))
-    with marking(out) as class_:
-        class_.add(Publish((), Whom(section="A")), "prof", "looked at")
-        class_.add(Score(SLUG, 30, Whom(("Nob Zed",))), "prof", "told")
-    before = (out / f"canvas/{SLUG}.csv").read_text("utf-8-sig")
-    assert '"Lee, Ann",1,ann,A,50' in before and "Homework (71)" in before
-    _, _, quiet = grade_class(fair, regrade=True, only=("ann",))
-    assert "as before: --roster gradebook.csv, --column" in quiet.lines
-    assert (out / f"canvas/{SLUG}.csv").read_text("utf-8-sig") == before
-    assert (out / "published/ann/index.html").is_file()
-    assert len(list((out / "sections").glob("*.html"))) == 2
-    assert points(out)["Nob Zed"] == "30"
-
-
 def test_a_column_that_is_not_there_is_said(
     grade_class: Any, tmp_path: Path, roster: Roster
 ) -> None:
@@ -55,21 +39,27 @@ def test_a_column_that_is_not_there_is_said(
         "--column: no column 'Homewerk' in gradebook.csv, so importing makes a new one; did you "
         "mean 'Homework (71)'?"
     ) in said
-    assert not any(
-        "--column: no" in line for line in grade_class(columns=(f"{SLUG}=Homework",))[2].lines
-    )
+    said = grade_class(roster=roster, columns=(f"{SLUG}=Homework",))[2].lines
+    assert not any("--column: no" in line for line in said)
 
 
-def test_settings_stay_and_can_be_changed(grade_class: Any, tmp_path: Path) -> None:
-    grade_class(field=True, hide="details")
-    assert grade_class()[1].students == []
-    grade_class(fair, regrade=True, only=("ann",))
-    results, workers, quiet = grade_class()
-    assert {r.state for r in results.values()} == {GRADED}  # nothing was thrown away
+def test_what_a_later_run_lacks_is_said(grade_class: Any, roster: Roster) -> None:
+    grade_class(field=True, roster=roster, columns=(f"{SLUG}=Homework",))
+    _, workers, quiet = grade_class(field=True)
     assert workers.students == []
-    assert "as before: --field, --hide details" in quiet.lines
-    assert grade_class(field=False, hide="nothing")[1].students == ["ann", "bob", "eve"]
-    assert not any("--field" in line or "--hide" in line for line in grade_class()[2].lines)
+    assert "the last run into this folder had --roster, --column, too" in quiet.lines
+    _, workers, quiet = grade_class()
+    assert workers.students == ["ann", "bob", "eve"]
+    assert "the last run into this folder had --field, too" in quiet.lines
+    assert not any("the last run" in line for line in grade_class()[2].lines)
+
+
+def test_what_was_hidden_is_not_shown_by_a_slip(grade_class: Any) -> None:
+    grade_class(hide="details")
+    with pytest.raises(InputError, match="give --hide details again, or --hide nothing"):
+        grade_class()
+    grade_class(hide="nothing")
+    assert not any("--hide" in line for line in grade_class()[2].lines)
 
 
 def test_a_secret_that_is_left_out_or_another_is_refused(grade_class: Any) -> None:
@@ -87,13 +77,14 @@ def test_another_class_is_refused_and_who_is_gone_is_said(
 ) -> None:
     grade_class(roster=roster)  # who handed in nothing is the same in any download
     shutil.move(handed_in / "bob", handed_in / "bo")
-    assert any("no longer there: bob. A run with all" in line for line in grade_class()[2].lines)
+    said = grade_class(roster=roster)[2].lines
+    assert any("no longer there: bob. A run with all" in line for line in said)
     for each in ("ann", "bo", "eve"):
         shutil.rmtree(handed_in / each)
     (handed_in / "zoe").mkdir()
     (handed_in / "zoe" / FILE).write_text("# mine\n")
     with pytest.raises(InputError, match=r"of its 3 students \(ann, bo, eve\) nobody is in"):
-        grade_class()
+        grade_class(roster=roster)
 
 
 def test_a_mark_follows_who_hands_in_later(

@@ -11,7 +11,8 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from grader.classroom.intake.entries import Entry, Read, Who, is_clone
+from grader.lms.entries import Entry, Read, Who
+from grader.lms.platform import Platform
 
 ENDING = "-submissions"
 
@@ -42,3 +43,18 @@ def _prefix(folder: Path, names: Sequence[str]) -> str:
 
 def _who(user: str) -> Who:
     return Who(user, "github", user.casefold())
+
+
+def is_clone(path: Path) -> bool:
+    """Tell whether a folder is a repository, as far as it can be read."""
+    return not path.is_symlink() and path.is_dir() and os.path.exists(path / ".git")  # noqa: PTH110
+
+
+def sheet(header: Sequence[str]) -> str:
+    """Return the kind of GitHub Classroom's `classroom_roster.csv`."""
+    return "github" if {"github_username", "identifier"} <= set(header) else ""
+
+
+PLATFORM = Platform(
+    "GitHub Classroom", read, lambda names: sum(each.endswith("/.git") for each in names) > 1, sheet
+)

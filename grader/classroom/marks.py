@@ -6,10 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from grader.classroom.results.clean import one_line
-from grader.classroom.row import ABSENT, GRADED, HELD, TWICE, StoredResult
+from grader.classroom.row import ABSENT, GRADED, HELD, TWICE, StoredResult, as_graded
 from grader.course.exercises import all_exercises
 from grader.errors import GraderError
+from grader.lms.book import Task
+from grader.lms.clean import one_line
 from grader.report.terminal import UNJUDGED
 
 Check = Mapping[str, Any]
@@ -17,22 +18,6 @@ Check = Mapping[str, Any]
 TO_HOLD = ("error", "inconclusive")
 PROVISIONAL = "provisional"
 FULL = 100.0  # points of an exercise that no longer exists
-
-
-@dataclass(frozen=True)
-class Task:
-    """An exercise as the results name it."""
-
-    slug: str
-    number: int
-    title: str
-    points: float
-    folder: str = ""  # of the feedback page
-
-    @property
-    def heading(self) -> str:
-        """Number and title."""
-        return f"{self.number} · {self.title}" if self.number else self.title
 
 
 def tasks_of(results: Iterable[StoredResult]) -> list[Task]:
@@ -114,6 +99,18 @@ def points_of(result: StoredResult, task: Task) -> float | None:
     return round(min(1.0, max(0.0, score / most)) * task.points, 2)
 
 
+def judged_ones(results: Iterable[StoredResult]) -> list[StoredResult]:
+    """Return what the judge said: a check that a person has waived is as hard as it was."""
+    return [one for one in map(as_graded, results) if is_graded(one)]
+
+
+def passed(result: StoredResult) -> str:
+    """Say how many core checks passed."""
+    core = [check for check in checks_of(result) if check.get("kind") != "field"]
+    count = sum(check.get("outcome") == "pass" for check in core)
+    return f"{count} of {len(core)} passed" if core else ""
+
+
 def raw_points(result: StoredResult) -> tuple[float, float]:
     """Return the points won and the points that could be won, unscaled."""
     grading = result.grading or {}
@@ -156,10 +153,7 @@ def why_held(result: StoredResult) -> Held:
             "only what is new.",
         )
     if result.problem:
-        return Held(
-            one_line(result.problem, 400),
-            f"Read the submission first; then {again}.",
-        )
+        return Held(one_line(result.problem, 400), f"Read the submission first; then {again}.")
     return Held("No result came back.", f"{again[0].upper()}{again[1:]}.")
 
 
