@@ -24,9 +24,9 @@ sys.path.insert(0, str(ROOT))
 from grader.classroom.amendments import Late, Score, Undo, Waive, Whom  # noqa: E402
 from grader.classroom.folder import STORE, opened, write_class  # noqa: E402
 from grader.classroom.marking import marking  # noqa: E402
-from grader.classroom.results.options import OPTIONS, kept_options, kept_text  # noqa: E402
-from grader.classroom.marks import checks_of  # noqa: E402
-from grader.lms.book import StudentRow  # noqa: E402
+from grader.classroom.results.kept import OPTIONS, kept_options, kept_text  # noqa: E402
+from grader.classroom.results.marks import checks_of  # noqa: E402
+from grader.classroom.row import StudentRow  # noqa: E402
 from grader.classroom.store import Store  # noqa: E402
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
