@@ -21,7 +21,9 @@ from sim.scenario_files import EXTENDS
 from sim.toml_input import parse_toml
 
 # The grader's packages and modules for instructors and contributors; not in the students' copy.
-INSTRUCTORS = ("authoring", "classroom", "nbgrader", "build.py", "generated.py", "skeletons.py")
+INSTRUCTORS = (
+    "authoring", "classroom", "lms", "nbgrader", "build.py", "generated.py", "skeletons.py",
+)  # fmt: skip
 PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # suffixes of the files of a ROS package
 MARKER = "resource"  # folder with a ROS package's marker file, which has no suffix
 LESSONS = "lessons"

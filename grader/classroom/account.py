@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from grader.classroom.intake import SetAside, Student
+from grader.classroom.intake import Student
+from grader.lms.entries import SetAside
+from grader.lms.tables import csv_text
 
 GRADED = "to be graded"
 OLDER = "older version"
@@ -28,6 +28,7 @@ CONTRARY = (
     "was one of them handed in to the wrong assignment?"
 )
 
+SUSPECT = "may be an exercise that is missing; no exercise has a file of this name"
 HEADER = ("entry", "file", "student", "exercise", "state", "reason", "look at it")
 
 
@@ -66,15 +67,16 @@ class Account:
         found = Counter(line.state for line in self.lines)
         return {state: found[state] for state in STATES if found[state]}
 
-    def csv(self, clean: Callable[[str], str]) -> str:
-        """Return the account as a table; `clean` makes text harmless in a spreadsheet."""
-        target = io.StringIO()
-        writer = csv.writer(target, lineterminator="\r\n")
-        writer.writerow(HEADER)
-        for line in self.lines:
-            cells = (line.entry, line.file, line.student, line.exercise, line.state, line.reason)
-            writer.writerow([*map(clean, cells), "yes" if line.fault or line.held else ""])
-        return target.getvalue()
+    def csv(self) -> str:
+        """Return the account as a table."""
+        return csv_text(
+            [HEADER]
+            + [
+                (line.entry, line.file, line.student, line.exercise, line.state, line.reason,
+                 "yes" if line.fault or line.held else "")
+                for line in self.lines
+            ]
+        )  # fmt: skip
 
     def summary(self) -> list[str]:
         """Return the lines for the terminal."""
@@ -85,46 +87,32 @@ class Account:
         return lines
 
 
-def student_lines(
-    student: Student, graded: dict[int, str], other: dict[int, str], older: dict[int, str],
-    suspects: Iterable[int], contrary: Collection[int] = (),
-) -> list[Line]:  # fmt: skip
-    """Return a line for each of a student's files.
+@dataclass(frozen=True)
+class Fate:
+    """What became of a file."""
 
-    Parameters
-    ----------
-    graded, other, older
-        The exercise by a file's place among the student's: what is graded, what belongs to an
-        exercise that is not wanted, and versions that don't count.
-    suspects
-        Files that may be a missing exercise under another name.
-    contrary
-        Of `older` those that are another work, from another download than what is graded.
-    """
-    wrong = set(suspects)
+    state: str  # one of STATES
+    exercise: str = ""
+    reason: str = ""
+    fault: bool = False
+
+
+def student_lines(student: Student, fates: Mapping[int, Fate]) -> list[Line]:
+    """Return a line for each of a student's files, whose fates are given by `id(file)`."""
     lines = []
-    line_of = partial(Line, entry="; ".join(student.entries), student=student.id)
-    for place, file in enumerate(student.files):
-        line = partial(Line, entry=file.entry.path.name, file=file.name, student=student.id)
-        if place in graded:
-            lines.append(line(GRADED, exercise=graded[place]))
-        elif place in older:
-            reason = CONTRARY if place in contrary else "a newer one counts"
-            fault = place in contrary
-            lines.append(line(OLDER, exercise=older[place], reason=reason, fault=fault))
-        elif place in other:
-            lines.append(line(OTHER, exercise=other[place]))
-        elif place in wrong:
-            reason = "may be an exercise that is missing; no exercise has a file of this name"
-            lines.append(line(UNKNOWN, reason=reason, fault=True))
-        else:
-            lines.append(line(EXTRA))
+    for file in student.files:
+        fate = fates.get(id(file), Fate(EXTRA))
+        lines.append(
+            Line(fate.state, file.entry.path.name, file.name, student.id, fate.exercise,
+                 fate.reason, fate.fault)
+        )  # fmt: skip
+    line = partial(Line, entry="; ".join(student.entries), student=student.id)
     if student.problem:  # the student is held for it
-        lines.append(line_of(UNREADABLE, reason=student.problem, held=True))
+        lines.append(line(UNREADABLE, reason=student.problem, held=True))
     elif not student.files and student.links:
-        lines.append(line_of(UNREADABLE, reason=LINKS, held=True))
+        lines.append(line(UNREADABLE, reason=LINKS, held=True))
     elif not student.files:
-        lines.append(line_of(NOTHING))
+        lines.append(line(NOTHING))
     return lines
 
 

@@ -10,10 +10,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from msgspec.structs import replace as copied
+
+from grader.classroom.account import Account
 from grader.classroom.codes import codes_of
+from grader.classroom.folder import alike_of
 from grader.classroom.marking import Marking
-from grader.classroom.results.alike import Alike, Alikes
-from grader.classroom.results.write import ALIKE, write_pages
+from grader.classroom.results.similarity import Alike
+from grader.classroom.results.write import write_pages
 from grader.classroom.row import StoredResult
 from grader.errors import InputError
 
@@ -21,10 +25,7 @@ from grader.errors import InputError
 def write_anonymous(class_: Marking, into: Path) -> list[Path]:
     """Write class.html and scores.csv; return them.
 
-    Raises
-    ------
-    InputError
-        The folder is that of the class, or lies in it.
+    Raises InputError: the folder is that of the class, or lies in it.
     """
     if into.resolve().is_relative_to(class_.out.resolve()):
         raise InputError(f"--into {into}: expected a folder outside {class_.out}, to hand on")
@@ -35,9 +36,9 @@ def write_anonymous(class_: Marking, into: Path) -> list[Path]:
         class_.options,
         notes=[],
         students={},
-        account=type(class_.options.account)(),
+        account=Account(),
         anonymous=True,
-        alikes=Alikes.known(_alike_coded(Alikes(class_.out / ALIKE).all(), codes)),
+        alike=_alike_coded(alike_of(class_.store), codes),
     )
     into.mkdir(parents=True, exist_ok=True)
     return write_pages(results, into, options)
@@ -53,15 +54,10 @@ def _coded(result: StoredResult, codes: Mapping[str, str]) -> StoredResult:
 
 def _alike_coded(known: Mapping[str, Alike], codes: Mapping[str, str]) -> dict[str, Alike]:
     """Return the groups of nearly the same submissions without names."""
-    return {
-        slug: Alike(
-            each.made_of,
-            each.count,
-            tuple(
-                replace(group, students=tuple(sorted(codes.get(s, "") for s in group.students)))
-                for group in each.groups
-            ),
-            tuple(replace(own, student=codes.get(own.student, "")) for own in each.own),
-        )
-        for slug, each in known.items()
-    }
+    found = {}
+    for slug, each in known.items():
+        coded = [tuple(sorted(codes.get(s, "") for s in group.students)) for group in each.groups]
+        groups = tuple(map(lambda g, names: copied(g, students=names), each.groups, coded))
+        own = tuple(copied(match, student=codes.get(match.student, "")) for match in each.own)
+        found[slug] = Alike(each.count, groups, own)
+    return found

@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grader.classroom.intake import Student, find_files, student_id, take_in
-from grader.classroom.results.gradescope import results_json
-from grader.classroom.results.marks import Task, is_held, tasks_of, why_held
+from grader.classroom.intake import Student, find_files, take_in
+from grader.classroom.marks import is_held, tasks_of, why_held
+from grader.classroom.results.scores import mark_of
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.work import Unit, UnitResult, grade_unit, unjudged
 from grader.course.exercises import Exercise, find_exercise
@@ -33,6 +33,8 @@ from grader.grading.handed_in import layers_here
 from grader.grading.trying import why_none_runs
 from grader.host.sandbox.layers import FILES, USER
 from grader.link.scratch import fresh_folder
+from grader.lms.gradescope import results_json
+from grader.lms.names import student_id
 from grader.report.page import json_text
 
 SETTINGS = "autograder.json"  # written by grader.authoring.gradescope
@@ -91,10 +93,7 @@ def keep_out(*folders: Path) -> None:
 def judged(root: Path) -> dict[str, Any] | str:
     """Return the contents of `results.json`, or why a person has to look first.
 
-    Raises
-    ------
-    GraderError, InputError
-        Nothing can be judged here.
+    Raises GraderError, InputError: nothing can be judged here.
     """
     if not {FILES, USER} & set(layers_here()):
         raise GraderError(
@@ -137,8 +136,10 @@ def composed(
     """Return `results.json` of what was graded, with a failed test for what is not there."""
     made: dict[str, Any] | None = {"score": 0.0, "output": "", "tests": []}
     if results:
-        tasks: list[Task] = tasks_of(results)
-        made = results_json(results, tasks, hidden)
+        tasks = tasks_of(results)
+        by_slug = {task.slug: task for task in tasks}
+        marks = [mark_of(one, by_slug[one.exercise], hidden=hidden) for one in results]
+        made = results_json(marks, tasks)
     if made is None:
         return "a check could not be judged"
     lines = [made["output"]] if made["output"] else []
@@ -163,10 +164,7 @@ def composed(
 def handed_in(submission: Path, room: Path) -> Student:
     """Return the student whose files lie in `submission`; archives and notebooks are opened.
 
-    Raises
-    ------
-    InputError
-        The folder can't be read.
+    Raises InputError: the folder can't be read.
     """
     mine = room / "in" / "submission"
     mine.mkdir(parents=True)

@@ -7,26 +7,27 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import msgspec
+
 from grader.classroom.account import Account
-from grader.classroom.amendments import active
 from grader.classroom.amendments.people import the_student
 from grader.classroom.candidates import Class, enter_candidates, find_class
-from grader.classroom.folder import STORE, locked, write_class
+from grader.classroom.folder import ALIKE, STORE, locked, write_class
 from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
-from grader.classroom.options import Options
-from grader.classroom.progress import Progress, listing
+from grader.classroom.options import Options, compare_with_last
+from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import RegradeRun
-from grader.classroom.remembered import as_before, keep_settings
-from grader.classroom.results import Missing, ResultOptions, Written, column_titles
-from grader.classroom.results.gradebook import missing_columns
-from grader.classroom.results.kept import OPTIONS, kept_text
-from grader.classroom.row import GRADED, HELD, StoredResult
+from grader.classroom.results import ResultOptions, Written, column_titles
+from grader.classroom.results.options import OPTIONS, kept_text
+from grader.classroom.results.similarity import compared
+from grader.classroom.row import StoredResult
 from grader.classroom.store import Store
 from grader.errors import InputError, naming_a_full_disk
 from grader.link.scratch import sweep
+from grader.lms.book import missing_columns
 
 NO_SPACE = (
     "the disk is full, so the batch has stopped. Free some space where {out} is, and in "
@@ -44,22 +45,18 @@ class GradedClass:
     """What a batch came to."""
 
     results: list[StoredResult]
-    missing: list[Missing]  # parts of the report that could not be made
+    missing: list[str]  # parts of the results that could not be made
     account: Account = field(default_factory=Account)  # of what was handed in
 
 
-def look_at(submissions: Sequence[Path], options: Options) -> tuple[str, int]:
-    """Return who handed in what, for the terminal, and how many things wait for a person.
+@contextlib.contextmanager
+def looked_at(submissions: Sequence[Path], options: Options) -> Iterator[Class]:
+    """Return who handed in what; nothing is graded, and nothing is written.
 
-    Nothing is graded, and nothing is written.
-
-    Raises
-    ------
-    InputError
-        The submissions can't be read.
+    Raises InputError: the submissions can't be read.
     """
     with tempfile.TemporaryDirectory(prefix="course-") as scratch:
-        return listing(find_class(submissions, Path(scratch), options))  # while the files are there
+        yield find_class(submissions, Path(scratch), options)
 
 
 def autograde(
@@ -75,14 +72,9 @@ def autograde(
     May be killed at any moment and called again: it continues where it stopped. With `regrade` only
     the stored recordings are judged again, and no student code runs.
 
-    Raises
-    ------
-    InputError
-        The submissions can't be read, or code would run without isolation.
-    GraderError
-        Another batch works on `out`, or no worker can be started.
-    DiskFull
-        No space was left; what is graded is stored, and what is written is whole.
+    Raises InputError: the submissions can't be read, or code would run without isolation.
+    Raises GraderError: another batch works on `out`, or no worker can be started.
+    Raises DiskFull: no space was left; what is graded is stored, and what is written is whole.
     """
     with naming_a_full_disk(NO_SPACE.format(out=out, temporary=tempfile.gettempdir())):
         return _autograde(submissions, out, options, progress, regrade=regrade)
@@ -95,15 +87,12 @@ def _autograde(
     scratch, parts = out / UNPACKED, out / RECORDINGS / PARTS
     with locked(out), Store(out / STORE) as store, _emptied(scratch), _emptied(parts):
         sweep()
-        active(store.log.entries())  # one that was changed by hand is refused before the work
         store.requeue_running()
-        options, known = as_before(options, store)
-        if known:
-            progress.say(known)
+        if without := compare_with_last(options, store):
+            progress.say(without)
         for wrong in missing_columns(column_titles(options.columns), options.roster):
             progress.say(wrong)
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
-        keep_settings(options, store)
         if taken_in.gone:
             progress.say(taken_in.gone)
         only = _students(options.only if regrade else options.again, store, taken_in)
@@ -134,10 +123,7 @@ def _autograde(
 def _students(words: Sequence[str], store: Store, taken_in: Class) -> set[str]:
     """Return the students who are meant; none if nobody is named.
 
-    Raises
-    ------
-    InputError
-        Nobody is called so.
+    Raises InputError: nobody is called so.
     """
     everybody = sorted({student for student, _ in taken_in.candidates})
     rows = store.students()
@@ -167,14 +153,13 @@ class _Writer:
     ) -> tuple[list[StoredResult], Written]:
         """Write all results; submissions are compared with each other only when all is over."""
         begun = now()
-        sources = {
-            key: candidate.read_if_possible()
-            for key, candidate in self._taken_in.candidates.items()
-            if over and not candidate.absent
-        }
         wanted = self._wanted(notes)
         self._store.keep(OPTIONS, kept_text(wanted))
-        done = write_class(self._store, self._out, replace(wanted, sources=sources))
+        if over:
+            every = self._taken_in.candidates.items()
+            sources = {key: each.read_if_possible() for key, each in every if not each.absent}
+            self._store.keep(ALIKE, msgspec.json.encode(compared(sources)).decode())
+        done = write_class(self._store, self._out, wanted)
         self._written = now()
         self._took = self._written - begun
         return done
@@ -182,7 +167,7 @@ class _Writer:
     def _wanted(self, notes: Sequence[str]) -> ResultOptions:
         return ResultOptions(
             hide=self._options.hide or "nothing",
-            notes=[*self._store.notes(), *notes, *_version_notes(self._store.results())],
+            notes=[*self._store.notes(), *notes],
             workers=self._options.workers,
             account=self._taken_in.account,
             students=self._store.students(),
@@ -200,17 +185,3 @@ def _emptied(folder: Path) -> Iterator[None]:
         yield
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def _version_notes(results: Sequence[StoredResult]) -> list[str]:
-    """Say so if workers with different versions graded parts of the class."""
-    seen = {
-        tuple(sorted(result.grading["versions"].items()))
-        for result in results
-        if result.grading is not None and result.state in (GRADED, HELD)
-    }
-    if len(seen) < 2:
-        return []
-    names = {name for versions in seen for name, _ in versions}
-    differ = sorted(n for n in names if len({dict(v).get(n, "none") for v in seen}) > 1)
-    return [f"The class was graded with different versions of {', '.join(differ)}."]

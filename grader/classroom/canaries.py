@@ -1,21 +1,25 @@
 """Known solutions graded along with the class: they show whether the grader still judges right.
 
-A right solution must pass, and a wrong one must fail the checks it names. If one does not,
-everything graded since the last good round is suspect and is graded again (`trust`).
+A right solution must pass, and a wrong one must fail the checks it names. They are graded
+before an exercise's class, every so often, and after it. A round that comes out otherwise may be a
+neighbour's doing, so it is repeated with nothing beside it. If that one is good, what was graded
+since the last good round is graded again; if not, it is left to a person, with the rest of the
+exercise. A stall of the machine is no verdict: such a round confirms nothing.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from grader.authoring.claims import Claim, claims
-from grader.classroom.store import Key
-from grader.classroom.work import Unit, unjudged
+from grader.classroom.engine import WorkerDied
+from grader.classroom.options import Options
+from grader.classroom.store import Key, Store
+from grader.classroom.work import Unit, UnitResult, stalled
 from grader.course.exercises import Exercise
 
 REFERENCE, MUTANT = ".reference", ".mutant"  # no student's id begins with a dot
-MAX_STRIKES = 2  # bad rounds in a row; then the exercise is left to a person
 
 
 @dataclass(frozen=True)
@@ -25,21 +29,12 @@ class Canary:
     unit: Unit
     fails: frozenset[str]  # checks; none for a right solution
 
-    @property
-    def name(self) -> str:
-        """What the instructor reads."""
-        return self.unit.student.lstrip(".")
-
-    def unjudged(self, grading: dict[str, Any] | None) -> bool:
-        """Tell whether the grader or the machine failed, so that there is no verdict."""
-        return grading is None or bool(unjudged(grading))
-
-    def drift(self, grading: dict[str, Any] | None, problem: str) -> str:
+    def drift(self, result: UnitResult) -> str:
         """Say how the outcome differs from the one it must have; "" if it doesn't."""
-        if grading is None:
-            return problem
+        if result.grading is None:
+            return result.problem
         by_outcome: dict[str, set[str]] = {}
-        for check in grading["checks"]:
+        for check in result.grading["checks"]:
             by_outcome.setdefault(check["outcome"], set()).add(check["id"])
         unsure = by_outcome.get("error", set()) | by_outcome.get("inconclusive", set())
         if unsure:
@@ -47,61 +42,160 @@ class Canary:
         expected = self.fails - by_outcome.get("unavailable", set())
         failed = by_outcome.get("fail", set())
         wrong = expected - failed if self.fails else failed
-        if wrong:
-            return f"had an unexpected outcome in {', '.join(sorted(wrong))}"
-        return ""
+        return f"had an unexpected outcome in {', '.join(sorted(wrong))}" if wrong else ""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What follows from a round."""
+
+    again: Sequence[Key] = ()  # units to grade again
+    held: Sequence[Key] = ()  # units to leave to a person
+    why: str = ""  # they are
+    note: str = ""
 
 
 @dataclass
-class CanaryRounds:
+class _Rounds:
     """The canaries of one exercise during a run."""
 
     canaries: list[Canary]
-    every: int  # units between two rounds
     trusted: bool = False  # the last round was good
     graded: int = 0  # units since the last round
-    strikes: int = 0  # bad rounds in a row
-    unconfirmed: bool = False  # the machine stalled in the last round, even with nothing else on it
-    requested: bool = False  # a unit could not be judged: the grader may be at fault
+    doubted: bool = False  # a unit could not be judged: the grader may be at fault
+    unconfirmed: bool = False  # the machine stalled in the last round, with nothing beside it
+    given_up: str = ""  # why, if a person has to look
+    alone: bool = False  # this round repeats a bad one, with nothing beside it
+    suspect: str = ""  # how that was wrong, if it did not only stall
     waiting: list[Canary] = field(default_factory=list)  # in this round
     running: dict[Key, Canary] = field(default_factory=dict)  # in this round
-    confirms: list[Key] = field(default_factory=list)  # units that a good round will confirm
+    confirms: list[Key] = field(default_factory=list)  # units that a good round confirms
     drifts: list[str] = field(default_factory=list)  # in this round
+    stalls: bool = False  # in this round
 
-    @property
-    def in_round(self) -> bool:
-        """A round has begun and is not over."""
-        return bool(self.waiting or self.running)
-
-    @property
-    def due(self) -> bool:
-        """A round should begin before the next unit does."""
-        return not self.trusted or self.requested or self.graded >= self.every
-
-    def begin(self, confirms: list[Key]) -> None:
+    def begin(self, confirms: list[Key], *, alone: bool = False) -> None:
         """Begin a round; if it is good, it confirms these units."""
-        self.waiting, self.confirms, self.drifts = [], confirms, []
-        for canary in self.canaries:
-            if self.strikes:  # was it what ran beside it?
-                self.again(canary)
-            else:
-                self.waiting.append(canary)
-        self.graded, self.requested, self.unconfirmed = 0, False, False
-
-    @property
-    def alone(self) -> bool:
-        """The next canary has to wait until nothing else runs."""
-        return bool(self.waiting) and self.waiting[0].unit.alone
-
-    def again(self, canary: Canary) -> None:
-        """Have a canary judged with nothing else running."""
-        self.waiting.append(replace(canary, unit=replace(canary.unit, alone=True)))
+        self.waiting = [replace(c, unit=replace(c.unit, alone=alone)) for c in self.canaries]
+        self.confirms, self.drifts, self.stalls, self.alone = confirms, [], False, alone
+        self.graded, self.doubted, self.unconfirmed = 0, False, False
 
     def next(self) -> Unit:
         """Return the next canary of the round."""
         canary = self.waiting.pop(0)
         self.running[canary.unit.key] = canary
         return canary.unit
+
+
+class Canaries:
+    """The canaries of all exercises during a run."""
+
+    def __init__(self, store: Store, exercises: Mapping[str, Exercise], options: Options) -> None:
+        self._store = store
+        self._every = options.canaries  # units between two rounds
+        self._rounds: dict[str, _Rounds] = {}
+        for slug, exercise in exercises.items() if options.canaries else ():
+            sample = Unit("", slug, {}, field=options.field, tier=options.tier, trust=options.trust)
+            found = canaries_of(exercise, sample)
+            if not found:
+                store.note(f"{slug}: without its solutions, no canaries were graded.")
+            self._rounds[slug] = _Rounds(found, trusted=not found)
+
+    @property
+    def wants_quiet(self) -> bool:
+        """The next canary has to wait until nothing else runs."""
+        return any(rounds.alone and rounds.waiting for rounds in self._rounds.values())
+
+    def allows(self, slug: str) -> bool:
+        """Tell whether submissions to an exercise may be graded now."""
+        return slug not in self._rounds or self._rounds[slug].trusted
+
+    def notes(self) -> list[str]:
+        """Say which gradings no good canary has confirmed."""
+        counts = {slug: len(self._store.unverified(slug)) for slug in self._rounds}
+        return [
+            f"{slug}: no known solution confirms {count} gradings, because the machine stalled "
+            "while it was graded, even with nothing else running. They count; the next run tries "
+            "again."
+            for slug, count in counts.items()
+            if count and self._rounds[slug].unconfirmed
+        ]
+
+    def next(self, waiting: Collection[Key], running: Collection[Key]) -> Unit | None:
+        """Return the canary to run next, if there is one to run now."""
+        for slug, rounds in self._rounds.items():
+            if rounds.waiting:
+                return rounds.next()
+            if rounds.running or not rounds.canaries:
+                continue
+            queued = any(key[1] == slug for key in waiting)
+            busy = any(key[1] == slug for key in running)
+            due = not rounds.trusted or rounds.doubted or rounds.graded >= self._every
+            unverified = [] if rounds.unconfirmed else self._store.unverified(slug)
+            if (queued and due) or (unverified and not queued and not busy):
+                rounds.begin(self._store.unverified(slug))
+                return rounds.next()
+        return None
+
+    def graded(self, key: Key) -> str:
+        """Count a submission; say why it has to be held, if the grader has failed meanwhile."""
+        rounds = self._rounds.get(key[1])
+        if rounds is None:
+            return ""
+        rounds.graded += 1
+        rounds.unconfirmed = False
+        return rounds.given_up
+
+    def doubt(self, slug: str) -> None:
+        """A submission could not be judged: the next canaries tell whether it is the grader."""
+        if slug in self._rounds:
+            self._rounds[slug].doubted = True
+
+    def done(
+        self, unit: Unit, result: UnitResult | WorkerDied, waiting: Collection[Key]
+    ) -> Verdict:
+        """Take in the result of a canary; return what follows."""
+        rounds = self._rounds[unit.exercise]
+        if isinstance(result, WorkerDied):
+            result = UnitResult(None, f"could not be graded: {result}")
+        drift = rounds.running.pop(unit.key).drift(result)
+        if stalled(result.grading):
+            rounds.stalls = True
+        else:
+            self._store.canary(unit.key, result.grading, drift, result.cpu_s)
+            if drift:
+                rounds.drifts.append(f"the known solution {unit.student.lstrip('.')} {drift}")
+        if rounds.waiting or rounds.running:
+            return Verdict()
+        return self._verdict(unit.exercise, rounds, waiting)
+
+    def _verdict(self, slug: str, rounds: _Rounds, waiting: Collection[Key]) -> Verdict:
+        """Return what follows from a round that is over."""
+        why = "; ".join(rounds.drifts)
+        if (why or rounds.stalls) and not rounds.alone:
+            rounds.trusted, rounds.suspect = False, why
+            rounds.begin(self._store.unverified(slug), alone=True)
+            return Verdict()
+        if why:
+            rounds.canaries = []
+            rounds.given_up = f"the grader could not be trusted: {why}"
+            held = [*self._store.unverified(slug), *(key for key in waiting if key[1] == slug)]
+            note = f"{slug}: {why}, twice in a row; held for a person."
+            return Verdict(held=held, why=rounds.given_up, note=note)
+        suspect = rounds.confirms if rounds.suspect else []
+        again = [key for key in suspect if not self._store.counts(key).quarantines]
+        note = (
+            f"{slug}: {rounds.suspect}, but not with nothing beside it. The {len(again)} "
+            "submissions graded since the last good canary were quarantined and graded again."
+        )
+        rounds.trusted, rounds.suspect, rounds.alone = True, "", False
+        rounds.unconfirmed = rounds.stalls
+        if rounds.stalls:
+            return Verdict(
+                note=f"{slug}: the machine stalled while a known solution was graded, with nothing "
+                "else running. It confirms nothing."
+            )
+        self._store.verify(key for key in rounds.confirms if key not in again)
+        return Verdict(again, note=note if again else "")
 
 
 def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
@@ -111,20 +205,23 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
     """
     if not (exercise.solutions / exercise.files[0]).is_file():
         return []
-    found = []
     known = list(claims(exercise))
     right = next(claim for claim in known if claim.kind == "reference")
     wrong = next((claim for claim in known if _is_plain_mutant(claim)), None)
-    for name, claim in ((REFERENCE, right), (MUTANT, wrong)):
-        if claim is None:
-            continue
-        texts = {file: text.encode() for file, text in claim.files.items()}
-        unit = Unit(
-            name, exercise.slug, texts, field=sample.field,
-            tier=sample.tier, bags=False, trust=sample.trust, canary=True,
-        )  # fmt: skip
-        found.append(Canary(unit, claim.fails))
-    return found
+    return [
+        Canary(
+            replace(
+                sample,
+                student=name,
+                files={file: text.encode() for file, text in claim.files.items()},
+                bags=False,
+                canary=True,
+            ),
+            claim.fails,
+        )
+        for name, claim in ((REFERENCE, right), (MUTANT, wrong))
+        if claim is not None
+    ]
 
 
 def _is_plain_mutant(claim: Claim) -> bool:

@@ -7,23 +7,29 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.classroom.account import (
+    CONTRARY,
+    GRADED,
+    OLDER,
+    OTHER,
     STRANGER,
+    SUSPECT,
     UNKNOWN,
     Account,
+    Fate,
     Line,
     set_aside_lines,
     student_lines,
-)
+)  # fmt: skip
 from grader.classroom.conditions import HASHED, fingerprint, submission_hash
 from grader.classroom.intake import Found, Intake, Student, find_files, left_over, take_in
 from grader.classroom.options import Options
-from grader.classroom.results.clean import one_line
-from grader.classroom.row import ABSENT, Handed, StudentRow
+from grader.classroom.row import ABSENT
 from grader.classroom.store import Key, Store
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
+from grader.lms.book import Handed, StudentRow, named
 
 MOST_NAMED = 5  # students in a sentence
 OTHER_CLASS = (
@@ -45,10 +51,7 @@ class Candidate:
     def read(self) -> dict[str, bytes]:
         """Return the files' contents by name.
 
-        Raises
-        ------
-        OSError
-            One can't be read.
+        Raises OSError: one can't be read.
         """
         return {name: read_regular_file(path) for name, path in self.found.files.items()}
 
@@ -73,7 +76,7 @@ class Candidate:
     def input_hash(self, files: Mapping[str, bytes], options: Options) -> str:
         """Return a hash of all that the grading of these files depends on."""
         submitted = submission_hash(
-            self.exercise, files, seed=self.seed, field=bool(options.field), tier=options.tier
+            self.exercise, files, seed=self.seed, field=options.field, tier=options.tier
         )
         return f"{submitted}{self.conditions}"
 
@@ -95,10 +98,7 @@ def enter_candidates(
 
     A changed grader counts as a change too, except where recordings are to be judged again.
 
-    Raises
-    ------
-    InputError
-        Nobody handed in a file of any exercise, or `submissions` can't be read.
+    Raises InputError: nobody handed in a file of any exercise, or `submissions` can't be read.
     """
     found = find_class(submissions, scratch, options)
     slugs = {slug for _, slug in found.candidates}
@@ -135,18 +135,13 @@ def enter_candidates(
 
 
 def _some(students: Collection[str]) -> str:
-    names = [one_line(student, 60) for student in sorted(students)]
-    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-    return ", ".join(names[:MOST_NAMED]) + more
+    return named(sorted(students), MOST_NAMED)
 
 
 def find_class(submissions: Sequence[Path], scratch: Path, options: Options) -> Class:
     """Find everybody's files of every exercise that counts.
 
-    Raises
-    ------
-    InputError
-        Nobody handed in a file of any exercise, or `submissions` can't be read.
+    Raises InputError: nobody handed in a file of any exercise, or `submissions` can't be read.
     """
     intake = take_in(submissions, scratch, options.roster)
     everything = {exercise.slug: exercise for exercise in all_exercises()}
@@ -223,27 +218,31 @@ def _account(
         sheets = ", ".join(str(sheet.file) for sheet in options.roster.sheets)
         lines.append(Line(UNKNOWN, entry=sheets, reason=OTHER_CLASS, fault=True))
     for student in intake.students:
-        places = {id(file): place for place, file in enumerate(student.files)}
-        graded: dict[int, str] = {}
-        other: dict[int, str] = {}
-        older: dict[int, str] = {}
-        contrary: set[int] = set()
-        for slug in slugs:
-            each = found[student.id, slug]
-            contrary |= {places[id(file)] for file in each.contrary}
-            for file in each.used:
-                (graded if slug in wanted else other)[places[id(file)]] = slug
-            older |= {places[id(file)]: slug for file in each.older}
-        missing = any(not found[student.id, slug].files for slug in wanted)
-        known = [student.files[place] for place in {**graded, **other, **older}]
-        held = not student.problem and not graded and not other  # then the unit itself says it
-        suspects = [] if held or not missing else left_over(student, known)
-        wrong = [places[id(file)] for file in suspects]
-        lines += student_lines(student, graded, other, older, wrong, contrary)
+        mine = {slug: found[student.id, slug] for slug in slugs}
+        lines += student_lines(student, _fates(student, mine, wanted))
         if options.roster.people and student.person is None:
             why = options.roster.why_not(student.who[0].name if student.who else student.id)
             lines.append(Line(STRANGER, student=student.id, reason=why, fault=not unknown))
     return Account((*lines, *set_aside_lines(intake.set_aside)))
+
+
+def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) -> dict[int, Fate]:
+    """Return what became of a student's files."""
+    fates: dict[int, Fate] = {}
+    contrary = {id(file) for each in found.values() for file in each.contrary}
+    for slug, each in found.items():
+        for file in each.older:
+            is_other = id(file) in contrary
+            reason = CONTRARY if is_other else "a newer one counts"
+            fates[id(file)] = Fate(OLDER, slug, reason, fault=is_other)
+    for slug, each in sorted(found.items(), key=lambda pair: pair[0] in wanted):
+        fates |= {id(file): Fate(GRADED if slug in wanted else OTHER, slug) for file in each.used}
+    held = not student.problem and not any(each.used for each in found.values())
+    if not held and any(not found[slug].files for slug in wanted):  # else the unit itself says it
+        known = [file for file in student.files if id(file) in fates]
+        fates |= {id(file): Fate(UNKNOWN, reason=SUSPECT, fault=True)
+                  for file in left_over(student, known)}  # fmt: skip
+    return fates
 
 
 def _row(student: Student, found: Mapping[Key, Found], wanted: Sequence[str]) -> StudentRow:

@@ -62,10 +62,7 @@ def open_workers(count: int, dask: str = "") -> Iterator[Workers]:
     dask
         A scheduler's address or file; then `count` is ignored.
 
-    Raises
-    ------
-    InputError
-        There is no such scheduler, or Dask is not installed.
+    Raises InputError: there is no such scheduler, or Dask is not installed.
     """
     workers: Workers = DaskWorkers(dask) if dask else LocalWorkers(count)
     try:

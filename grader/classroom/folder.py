@@ -9,23 +9,24 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
+
 from grader.classroom.amendments import active, amended, published
 from grader.classroom.results import ResultOptions, Written, write_results
+from grader.classroom.results.similarity import Alike
 from grader.classroom.row import StoredResult
 from grader.classroom.store import Store
 from grader.errors import GraderError, InputError
 
 STORE = "store.sqlite"
+ALIKE = "alike"  # what the store calls it
 
 
 @contextlib.contextmanager
 def locked(out: Path) -> Iterator[None]:
     """Lock the folder against others who write; the lock ends with the process at the latest.
 
-    Raises
-    ------
-    GraderError
-        Somebody else has it.
+    Raises GraderError: somebody else has it.
     """
     fd = os.open(out / ".lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
     try:
@@ -46,10 +47,7 @@ def locked(out: Path) -> Iterator[None]:
 def opened(out: Path) -> Iterator[Store]:
     """Open the store of a class that was graded.
 
-    Raises
-    ------
-    InputError
-        There is none here.
+    Raises InputError: there is none here.
     """
     require_class(out)
     with Store(out / STORE) as store:
@@ -59,10 +57,7 @@ def opened(out: Path) -> Iterator[Store]:
 def require_class(out: Path) -> None:
     """Make sure that a class was graded into this folder.
 
-    Raises
-    ------
-    InputError
-        None was.
+    Raises InputError: no class was.
     """
     if not (out / STORE).is_file():
         raise InputError(
@@ -71,16 +66,16 @@ def require_class(out: Path) -> None:
         )
 
 
+def alike_of(store: Store) -> dict[str, Alike]:
+    """Return which submissions were nearly the same when all were compared the last time."""
+    text = store.kept(ALIKE)
+    return msgspec.json.decode(text, type=dict[str, Alike]) if text else {}
+
+
 def write_class(
     store: Store, out: Path, options: ResultOptions
 ) -> tuple[list[StoredResult], Written]:
-    """Write all results as they count now; return them, and what was written.
-
-    Raises
-    ------
-    InputError
-        The log of marks was changed by hand.
-    """
+    """Write all results as they count now; return them, and what was written."""
     log = store.log.entries()
     counting = active(log)
     results, remarks = amended(store.results(), counting, options.students)
@@ -88,6 +83,7 @@ def write_class(
     wanted = replace(
         options,
         notes=[*options.notes, *remarks],
+        alike=alike_of(store),
         log=log,
         published=published(counting, results, options.students),
     )

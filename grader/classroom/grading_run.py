@@ -6,17 +6,17 @@ import io
 import shutil
 import tarfile
 import tempfile
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from grader.classroom import engine
+from grader.classroom.canaries import Canaries, Verdict
 from grader.classroom.candidates import Candidate
 from grader.classroom.engine import WorkerDied
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
 from grader.classroom.row import STALLS, TWICE
 from grader.classroom.store import Key, Store
-from grader.classroom.trust import Trust
 from grader.classroom.work import Unit, UnitResult, stalled, unjudged
 from grader.errors import DiskFull, InputError, is_disk_full
 from grader.link.scratch import has_space
@@ -52,68 +52,52 @@ class GradingRun:
         self._expected: set[Key] = set()  # units that progress counts
         self._stalled: set[Key] = set()  # units that wait for a second judgement
         self._in_vain = 0  # second judgements in a row that stalled, too
-        self._trust: Trust
+        self._canaries: Canaries
 
     def run(self) -> list[str]:
         """Grade what waits; return what the report should say of this run.
 
-        Raises
-        ------
-        InputError
-            Code would run without isolation.
+        Raises InputError: code would run without isolation.
         """
-        waiting = self.waiting()
+        waiting = self._waiting()
         self._expected = set(waiting)
         self._progress.begin(len(waiting))
         unverified = any(self._store.unverified(slug) for slug in self._exercises)
         if not waiting and not (self._options.canaries and unverified):
             return []
-        self._trust = Trust(self._store, self, self._exercises, self._options)
+        self._canaries = Canaries(self._store, self._exercises, self._options)
         with engine.open_workers(self._options.workers, self._options.dask) as workers:
             if not self._options.trust and (problem := engine.refusal(workers)):
                 raise InputError(problem)
             engine.run(workers, self._next, self._done)
-        return self._trust.notes()
+        return self._canaries.notes()
 
-    # --- what the canaries need ------------------------------------------------------------------
-
-    def waiting(self) -> list[Key]:
+    def _waiting(self) -> list[Key]:
         """Return what is queued and does not run."""
         known = (key for key in self._store.waiting() if key in self._candidates)
         return [key for key in known if key not in self._running]
 
-    def hold(self, key: Key, problem: str) -> None:
+    def _hold(self, key: Key, problem: str) -> None:
         """Leave a unit to a person."""
         self._store.hold(key, problem)
         self._progress.done(*key, f"held: {problem}")
-
-    def expect(self, keys: Collection[Key]) -> None:
-        """Count units that an earlier run had graded and that are graded again."""
-        new = set(keys) - self._expected
-        self._expected |= new
-        if new:
-            self._progress.more(len(new))
-
-    def say(self, text: str) -> None:
-        """Tell the person at the terminal."""
-        self._progress.say(text)
 
     # --- what runs next --------------------------------------------------------------------------
 
     def _next(self, busy: bool) -> Unit | None:
         """Return what to run next, canaries first; None if nothing may start now."""
-        if busy and self._trust.wants_quiet:
+        if busy and self._canaries.wants_quiet:
             return None
-        waiting = self.waiting()
-        canary = self._trust.next(waiting, self._running)
+        waiting = self._waiting()
+        canary = self._canaries.next(waiting, self._running)
         return canary or self._next_submission(waiting, busy)
 
     def _next_submission(self, waiting: list[Key], busy: bool) -> Unit | None:
         for key in waiting:
-            if not self._trust.allows(key[1]):
+            if not self._canaries.allows(key[1]):
                 continue
             if self._in_vain >= MAX_IN_VAIN and key in self._stalled:
-                self.hold(key, f"{STALLS}; not judged again, since {MAX_IN_VAIN} others stalled "
+                self._hold(key, f"{STALLS}; not judged again, since {MAX_IN_VAIN} others stalled "
                                "even with nothing beside them")  # fmt: skip
                 continue
             counts = self._store.counts(key)
@@ -130,7 +114,7 @@ class GradingRun:
         try:
             files = candidate.read()
         except OSError as error:
-            self.hold(key, f"a file that can't be read any more ({error.strerror})")
+            self._hold(key, f"a file that can't be read any more ({error.strerror})")
             return None
         bag_folder = ""
         if self._options.bags and not self._options.dask:
@@ -138,7 +122,7 @@ class GradingRun:
         self._running.add(key)
         self._store.claim(key, candidate.input_hash(files, self._options), files)
         return Unit(
-            *key, files, seed=candidate.seed, field=bool(self._options.field),
+            *key, files, seed=candidate.seed, field=self._options.field,
             tier=self._options.tier, bags=self._options.bags, bag_folder=bag_folder,
             trust=self._options.trust, alone=alone,
         )  # fmt: skip
@@ -147,7 +131,7 @@ class GradingRun:
         if unit.canary:
             if isinstance(result, UnitResult) and result.disk_full:
                 self._stop_if_disk_full(unit)
-            self._trust.done(unit, result)
+            self._follow(self._canaries.done(unit, result, self._waiting()))
             return
         self._running.discard(unit.key)
         try:
@@ -155,8 +139,22 @@ class GradingRun:
         except Exception as error:  # of one result; the others are not held up
             if is_disk_full(error):
                 raise
-            self.hold(unit.key, f"the result could not be stored ({type(error).__name__}: {error})")
+            why = f"{type(error).__name__}: {error}"
+            self._hold(unit.key, f"the result could not be stored ({why})")
         self._look()
+
+    def _follow(self, verdict: Verdict) -> None:
+        """Do what follows from a round of canaries."""
+        if verdict.note:
+            self._store.note(verdict.note)
+            self._progress.say(verdict.note)
+        self._store.quarantine(verdict.again)
+        new = {*verdict.again, *verdict.held} - self._expected  # of an earlier run
+        self._expected |= new
+        if new:
+            self._progress.more(len(new))
+        for key in dict.fromkeys(verdict.held):
+            self._hold(key, verdict.why)
 
     def _submission_done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
         if isinstance(result, WorkerDied):
@@ -169,7 +167,7 @@ class GradingRun:
             problem = f"{STALLS}; {problem}"
             self._in_vain += unit.alone
         elif problem:
-            self._trust.doubt(unit.exercise)  # was it the submission, or the grader?
+            self._canaries.doubt(unit.exercise)  # was it the submission, or the grader?
         elif unit.alone:
             self._in_vain = 0
         again = bool(problem) and self._store.counts(unit.key).unsure + 1 < MAX_UNSURE
@@ -179,16 +177,13 @@ class GradingRun:
         if again:
             self._stalled |= {unit.key} if stalled(result.grading) else set()
             self._tell(unit, f"will retry, alone, at the end: {problem}", over=False)
-        else:
-            self._trust.graded(unit.key)
+        elif why := self._canaries.graded(unit.key):
+            self._hold(unit.key, why)
 
     def _stop_if_disk_full(self, unit: Unit) -> None:
         """Stop if there is still no space; else the unit itself may have taken it.
 
-        Raises
-        ------
-        DiskFull
-            The disk is full with the unit over: the next one would end as it did.
+        Raises DiskFull: the disk is full with the unit over: the next one would end as it did.
         """
         if not self._options.dask and not has_space(self._out, Path(tempfile.gettempdir())):
             if not unit.canary:
@@ -217,7 +212,7 @@ class GradingRun:
         if counts.deaths < MAX_DEATHS:
             self._tell(unit, f"will retry: {why}", over=False)
             return
-        self.hold(unit.key, f"{why}, {counts.deaths} times, at last with no other unit running")
+        self._hold(unit.key, f"{why}, {counts.deaths} times, at last with no other unit running")
 
     def _store_bags(self, unit: Unit, result: UnitResult) -> str | None:
         """Move the recordings to their place, which comes before the result is stored."""

@@ -12,26 +12,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from grader.classroom.amendments import (
-    Change,
-    Entry,
-    Undo,
-    Whom,
-    active,
-    amended,
-    broken,
-    undone_by,
-)
+from grader.classroom.amendments import Change, Entry, Undo, Whom, active, amended, undone_by
 from grader.classroom.amendments.apply import version_of
 from grader.classroom.amendments.people import find_student, nearest, the_student
 from grader.classroom.codes import codes_of
 from grader.classroom.folder import locked, opened, require_class, write_class
-from grader.classroom.results import Missing, ResultOptions
-from grader.classroom.results.kept import OPTIONS, kept_options
-from grader.classroom.results.marks import Task, checks_of, points_of, state_of, tasks_of
-from grader.classroom.row import StoredResult, StudentRow, as_graded
+from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
+from grader.classroom.results import ResultOptions
+from grader.classroom.results.options import OPTIONS, kept_options
+from grader.classroom.row import StoredResult, as_graded
 from grader.classroom.store import Store
 from grader.errors import InputError, naming_a_full_disk
+from grader.lms.book import StudentRow, Task
 
 NO_SPACE = (
     "the disk is full: what is in the log of marks stays there (`course report {out}` prints it), "
@@ -41,41 +33,22 @@ TWICE = "Entry {0} says the same as entry {1}, which counts already; to take it 
 
 
 @dataclass(frozen=True)
-class Shift:
-    """One student's points before and after a change."""
-
-    student: str
-    exercise: str
-    before: str
-    after: str
-
-    def __str__(self) -> str:
-        """Return the line for the terminal."""
-        return f"{self.student}  {self.exercise}  {self.before} \N{RIGHTWARDS ARROW} {self.after}"
-
-
-@dataclass(frozen=True)
 class Marked:
     """What a change came to."""
 
     entry: Entry | None  # of the log
-    shifts: list[Shift]
+    shifts: list[str]  # a line for each student whose points change
     remarks: list[str]  # what a person should know
-    missing: list[Missing]  # parts of the results that could not be written
+    missing: list[str]  # parts of the results that could not be written
 
 
 @contextlib.contextmanager
 def marking(out: Path) -> Iterator[Marking]:
     """Open a graded class to change its marks; nobody else may write meanwhile.
 
-    Raises
-    ------
-    InputError
-        No class was graded here, or the store is of another version.
-    GraderError
-        Somebody else is writing.
-    DiskFull
-        No space was left.
+    Raises InputError: no class was graded here, or the store is of another version.
+    Raises GraderError: somebody else is writing.
+    Raises DiskFull: no space was left.
     """
     require_class(out)
     with locked(out), opened(out) as store, naming_a_full_disk(NO_SPACE.format(out=out)):
@@ -86,10 +59,7 @@ def marking(out: Path) -> Iterator[Marking]:
 def reading(out: Path) -> Iterator[Marking]:
     """Open a graded class, also while it is graded, only to read.
 
-    Raises
-    ------
-    InputError
-        No class was graded here, or the store is of another version.
+    Raises InputError: no class was graded here, or the store is of another version.
     """
     with opened(out) as store:
         yield Marking(store, out)
@@ -130,10 +100,7 @@ class Marking:
     def student(self, word: str) -> str:
         """Return the student whom a word means, which may be a code.
 
-        Raises
-        ------
-        InputError
-            Nobody or more than one can be meant.
+        Raises InputError: nobody or more than one can be meant.
         """
         codes = {code: student for student, code in codes_of(self.store, self.students).items()}
         return codes.get(word) or the_student(word, self.students, self.rows)
@@ -157,10 +124,7 @@ class Marking:
     def exercise(self, name: str) -> Task:
         """Return the exercise that is meant; "": the only one.
 
-        Raises
-        ------
-        InputError
-            There are several, or it is none of this class's.
+        Raises InputError: there are several, or it is none of this class's.
         """
         tasks = tasks_of(self.results)
         slugs = [task.slug for task in tasks]
@@ -178,10 +142,7 @@ class Marking:
     ) -> Whom:
         """Return whom a change is about; of students with the submission that it is made for.
 
-        Raises
-        ------
-        InputError
-            Nobody was named, or nobody is called so.
+        Raises InputError: nobody was named, or nobody is called so.
         """
         if bool(words) + bool(section) + everybody != 1:
             raise InputError("expected whom it is about: --student ID, --section NAME or --all")
@@ -198,10 +159,7 @@ class Marking:
     def check(self, task: Task, name: str, whom: Whom) -> float:
         """Return the points that a check can give.
 
-        Raises
-        ------
-        InputError
-            There is no such check, or a student who is named has no grading.
+        Raises InputError: there is no such check, or a student who is named has no grading.
         """
         mine = [r for r in self.results if r.exercise == task.slug]
         found = {str(check.get("id")): check for one in mine for check in checks_of(one)}
@@ -220,20 +178,14 @@ class Marking:
     def add(self, change: Change, who: str, why: str) -> Marked:
         """Log a change, and write all results as they count now.
 
-        Raises
-        ------
-        InputError
-            There is no reason, or the log was changed by hand.
+        Raises InputError: there is no reason.
         """
         log = self.store.log
         entries = log.entries()
         if isinstance(change, Undo):
             _check_undo(change, entries)
-            readable = not broken(entries)
-        else:
-            readable = True
-        before, known = self._amended(entries) if readable else (None, [])
-        twice = [e.number for e in active(entries) if e.change == change] if readable else []
+        before, known = self._amended(entries)
+        twice = [entry.number for entry in active(entries) if entry.change == change]
         entry = log.append(change, who, why)
         after, missing = self._written()
         remarks = [each for each in self._amended(log.entries())[1] if each not in known]
@@ -247,28 +199,23 @@ class Marking:
 
     def counting(self) -> list[StoredResult]:
         """Return the results as they count now."""
-        return self._counting(self.store.log.entries())
-
-    def _counting(self, entries: Sequence[Entry]) -> list[StoredResult]:
-        return self._amended(entries)[0]
+        return self._amended(self.store.log.entries())[0]
 
     def _amended(self, entries: Sequence[Entry]) -> tuple[list[StoredResult], list[str]]:
         return amended(self.results, active(entries), self.rows)
 
-    def _written(self) -> tuple[list[StoredResult], list[Missing]]:
+    def _written(self) -> tuple[list[StoredResult], list[str]]:
         results, written = write_class(self.store, self.out, self.options)
         return [result for result in results if not result.canary], written.missing
 
-    def _shifts(
-        self, before: Sequence[StoredResult] | None, after: Sequence[StoredResult]
-    ) -> list[Shift]:
+    def _shifts(self, before: Sequence[StoredResult], after: Sequence[StoredResult]) -> list[str]:
         tasks = {task.slug: task for task in tasks_of(after)}
-        old = [_shown(each, tasks[each.exercise]) for each in before or ()]
-        new = [_shown(each, tasks[each.exercise]) for each in after]
+        pairs = zip(before, after, strict=False)
+        words = [(_shown(a, tasks[a.exercise]), b, _shown(b, tasks[b.exercise])) for a, b in pairs]
         return [
-            Shift(result.student, result.exercise, was, is_)
-            for result, was, is_ in zip(after, old, new, strict=False)
-            if was != is_
+            f"{one.student}  {one.exercise}  {was} \N{RIGHTWARDS ARROW} {now}"
+            for was, one, now in words
+            if was != now
         ]
 
 
@@ -293,7 +240,7 @@ def _check_undo(change: Undo, entries: Sequence[Entry]) -> None:
 def is_about(entry: Entry, student: str, rows: Mapping[str, StudentRow]) -> bool:
     """Tell whether an entry is about a student."""
     change = entry.change
-    if change is None or isinstance(change, Undo):
+    if isinstance(change, Undo):
         return True
     named = (find_student(word, [student], rows) for word in change.whom.students)
     return change.whom.includes(student, rows) or any(named)

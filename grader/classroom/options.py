@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
+import hmac
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.roster import NOBODY, Roster
+from grader.classroom.results.options import OPTIONS
+from grader.classroom.store import Store
+from grader.errors import InputError
+from grader.lms.people import NOBODY, Roster
 
 CANARY_INTERVAL = 25  # units of an exercise between two rounds of canaries
+SETTINGS = "settings"  # what the store calls those of the last run
 
 
 @dataclass(frozen=True)
@@ -18,15 +25,49 @@ class Options:
     workers: int = 1
     dask: str = ""  # a scheduler's address or file, instead of local workers
     secret: bytes | None = None  # with it every student gets different worlds
-    field: bool | None = None  # None: as before, at first not
+    field: bool = False
     tier: int = 1
     bags: bool = True
     trust: bool = False
     canaries: int = CANARY_INTERVAL  # 0: none
-    hide: str = ""  # of what students see; "": nothing, or what was hidden before
+    hide: str = ""  # of what students see; "": nothing was said, so nothing is hidden
     retry_held: bool = False
     again: tuple[str, ...] = ()  # students whose nodes run once more
     only: tuple[str, ...] = ()  # students whose recordings are judged again; (): all
     roster: Roster = NOBODY  # with it everybody in it has a row
     nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
     columns: tuple[str, ...] = ()  # "EXERCISE=TITLE": the gradebook's column of an exercise
+
+
+def compare_with_last(options: Options, store: Store) -> str:
+    """Say what the last run was given and this one lacks; keep this one's secret and `field`.
+
+    Raises InputError: the class has a secret, and this is none or another; or something was hidden
+    from students, and nothing is said of that now.
+    """
+    last = json.loads(store.kept(SETTINGS) or "{}")
+    kept = json.loads(store.kept(OPTIONS) or "{}")  # with which the results were written
+    secret = options.secret
+    # what tells one secret from another and nothing else of it
+    mark = hmac.new(secret, b"this class", hashlib.sha256).hexdigest()[:16] if secret else ""
+    if last.get("secret", "") not in ("", mark):
+        raise InputError(
+            "--secret: expected the file that this class was graded with, in whose worlds all its "
+            f"results are, but there is {'another' if secret else 'none'}; for other worlds give "
+            "another --out"
+        )
+    hidden = kept.get("hide", "nothing")
+    if not options.hide and hidden != "nothing":
+        raise InputError(
+            f"--hide: the last run hid {hidden} from students; give --hide {hidden} again, or "
+            "--hide nothing"
+        )
+    store.keep(SETTINGS, json.dumps({"secret": mark, "field": options.field}))
+    pairs = {
+        "--field": (last.get("field"), options.field),
+        "--roster": (kept.get("roster", {}).get("sheets"), options.roster.sheets),
+        "--column": (kept.get("columns"), options.columns),
+        "--nbgrader": (kept.get("nbgrader"), options.nbgrader),
+    }
+    without = [name for name, (before, now) in pairs.items() if before and not now]
+    return f"the last run into this folder had {', '.join(without)}, too" if without else ""

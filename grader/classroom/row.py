@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -56,28 +56,3 @@ class Amended:
 def as_graded(result: StoredResult) -> StoredResult:
     """Return the result as the judge made it, without what a person has changed."""
     return result if result.amended is None else result.amended.graded
-
-
-@dataclass(frozen=True)
-class Handed:
-    """How a learning platform knows what somebody handed in for one exercise."""
-
-    system: str  # "canvas", "moodle", …; "folder" if it was none
-    name: str = ""  # of the student, as in the download
-    id: str = ""
-    email: str = ""
-    entry: str = ""  # the folder or file in the download
-    late: bool = False  # says the platform
-    time: str = ""  # when, as the platform writes it; "" if it doesn't say
-
-
-@dataclass(frozen=True)
-class StudentRow:
-    """What is known of a student besides the work."""
-
-    student: str  # as in `StoredResult`
-    name: str = ""  # in the roster; "" without one
-    section: str = ""
-    ids: dict[str, str] = field(default_factory=dict)  # kind: id, of the roster
-    participants: tuple[str, ...] = ()  # Moodle's ids, one per assignment
-    handed: dict[str, Handed] = field(default_factory=dict)  # by exercise

@@ -18,17 +18,10 @@ from typing import Any
 
 import msgspec
 
-from grader.classroom.amendments.log import Log
-from grader.classroom.row import (
-    ABSENT,
-    GRADED,
-    HELD,
-    RUNNING,
-    WAITING,
-    StoredResult,
-    StudentRow,
-)
+from grader.classroom.amendments import log
+from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, WAITING, StoredResult
 from grader.errors import InputError, is_disk_full
+from grader.lms.book import StudentRow
 
 SCHEMA = 2
 READABLE = (0, 1, SCHEMA)  # an empty file; one without a log of marks, which is added
@@ -52,6 +45,11 @@ CREATE TABLE IF NOT EXISTS notes (id INTEGER PRIMARY KEY, text TEXT NOT NULL UNI
 CREATE TABLE IF NOT EXISTS kept (name TEXT PRIMARY KEY, text TEXT NOT NULL) STRICT;
 """
 
+# as if nothing had gone wrong
+AFRESH = (
+    f"state='{WAITING}', problem='', deaths=0, unsure=0, quarantines=0, verified=0, finished=''"
+)
+
 Key = tuple[str, str]  # student, exercise
 
 
@@ -67,15 +65,12 @@ class Counts:
 class Store:
     """The file of one class.
 
-    Raises
-    ------
-    InputError
-        The file is something else, or another version of the course made it.
+    Raises InputError: the file is something else, or another version of the course made it.
     """
 
     def __init__(self, path: Path) -> None:
         self._db = sqlite3.connect(path, isolation_level=None)
-        self.log = Log(self._db, self._change)  # of what people change
+        self.log = log.Log(self._db, self._change)  # of what people change
         try:
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=FULL")
@@ -86,9 +81,8 @@ class Store:
                     "the course that made it, or give another --out"
                 )
             with self._change():
-                for statement in filter(str.strip, TABLES.split(";")):
+                for statement in (*filter(str.strip, TABLES.split(";")), log.TABLE):
                     self._db.execute(statement)
-                self.log.prepare()
                 self._db.execute(f"PRAGMA user_version={SCHEMA}")
         except sqlite3.DatabaseError as error:
             self._db.close()
@@ -160,9 +154,15 @@ class Store:
         """Put what is held after an attempt back into the queue."""
         with self._change():
             self._db.execute(
-                "UPDATE units SET state=?, problem='', deaths=0, unsure=0, quarantines=0,"
-                " verified=0, finished='' WHERE state=? AND attempts>0 AND canary=0",
-                (WAITING, HELD),
+                f"UPDATE units SET {AFRESH} WHERE state=? AND attempts>0 AND canary=0", (HELD,)
+            )
+
+    def again(self, keys: Iterable[Key]) -> None:
+        """Put graded and held units back into the queue, as if nothing had gone wrong."""
+        with self._change():
+            self._db.executemany(
+                f"UPDATE units SET {AFRESH} WHERE student=? AND exercise=? AND state IN (?, ?)",
+                [(*key, GRADED, HELD) for key in keys],
             )
 
     def claim(self, key: Key, input_hash: str, file_names: Iterable[str]) -> None:
@@ -187,18 +187,14 @@ class Store:
         worker: str = "",
     ) -> None:
         """Store a result; one with a problem is held, or goes `again` into the queue."""
-        with self._change():
-            self._db.execute(
-                "UPDATE units SET state=?, unsure=unsure+?, grading=?, problem=?, recordings=?,"
-                " cpu_s=?, wall_s=?, worker=?, finished=?, verified=0"
-                " WHERE student=? AND exercise=?",
-                (
-                    WAITING if again else HELD if problem else GRADED,
-                    int(again),
-                    None if grading is None else json.dumps(grading),
-                    _text(problem), recordings, cpu_s, wall_s, worker, _now(), *key,
-                ),
-            )  # fmt: skip
+        self._set(
+            [key],
+            state=WAITING if again else HELD if problem else GRADED,
+            unsure=self.counts(key).unsure + again,
+            grading=None if grading is None else json.dumps(grading),
+            problem=_text(problem), recordings=recordings, cpu_s=cpu_s, wall_s=wall_s,
+            worker=worker, finished=_now(), verified=0,
+        )  # fmt: skip
 
     def requeue(self, key: Key, *, death: bool = False) -> Counts:
         """Put a unit back into the queue, because its worker died or there was no room."""
@@ -211,22 +207,14 @@ class Store:
 
     def hold(self, key: Key, problem: str) -> None:
         """Leave a unit to a person; its last grading is kept."""
-        with self._change():
-            self._db.execute(
-                "UPDATE units SET state=?, problem=?, finished=?, verified=1"
-                " WHERE student=? AND exercise=?",
-                (HELD, _text(problem), _now(), *key),
-            )
+        self._set([key], state=HELD, problem=_text(problem), finished=_now(), verified=1)
 
     def regraded(self, key: Key, grading: dict[str, Any], problem: str, input_hash: str) -> None:
         """Replace a grading by a new one of the same recordings."""
-        with self._change():
-            self._db.execute(
-                "UPDATE units SET state=?, grading=?, problem=?, input_hash=?, finished=?"
-                " WHERE student=? AND exercise=?",
-                (HELD if problem else GRADED, json.dumps(grading), _text(problem), input_hash,
-                 _now(), *key),
-            )  # fmt: skip
+        self._set(
+            [key], state=HELD if problem else GRADED, grading=json.dumps(grading),
+            problem=_text(problem), input_hash=input_hash, finished=_now(),
+        )  # fmt: skip
 
     def canary(self, key: Key, grading: dict[str, Any] | None, problem: str, cpu_s: float) -> None:
         """Store the latest grading of a known solution."""
@@ -247,10 +235,7 @@ class Store:
 
     def verify(self, keys: Iterable[Key]) -> None:
         """Mark units as confirmed by a good canary after them."""
-        with self._change():
-            self._db.executemany(
-                "UPDATE units SET verified=1 WHERE student=? AND exercise=?", list(keys)
-            )
+        self._set(keys, verified=1)
 
     def quarantine(self, keys: Iterable[Key]) -> None:
         """Put graded units back into the queue: the grader that judged them can't be trusted."""
@@ -293,15 +278,6 @@ class Store:
         """Return the remarks."""
         return [row[0] for row in self._db.execute("SELECT text FROM notes ORDER BY id")]
 
-    def again(self, keys: Iterable[Key]) -> None:
-        """Put graded and held units back into the queue, as if nothing had gone wrong."""
-        with self._change():
-            self._db.executemany(
-                "UPDATE units SET state=?, problem='', deaths=0, unsure=0, quarantines=0,"
-                " verified=0, finished='' WHERE student=? AND exercise=? AND state IN (?, ?)",
-                [(WAITING, *key, GRADED, HELD) for key in keys],
-            )
-
     def waiting(self) -> list[Key]:
         """Return the queue, by exercise; what killed a worker or could not be judged comes last."""
         return self._keys(f"state='{WAITING}' AND canary=0", "deaths, unsure, exercise, student")
@@ -337,6 +313,15 @@ class Store:
             )
             for row in rows
         ]  # fmt: skip
+
+    def _set(self, keys: Iterable[Key], **columns: str | float | None) -> None:
+        """Set these columns of these units."""
+        names = ", ".join(f"{name}=?" for name in columns)
+        with self._change():
+            self._db.executemany(
+                f"UPDATE units SET {names} WHERE student=? AND exercise=?",
+                [(*columns.values(), *key) for key in keys],
+            )
 
     def _keys(self, where: str, order: str = "exercise, student") -> list[Key]:
         rows = self._db.execute(

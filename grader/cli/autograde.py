@@ -53,8 +53,7 @@ EVERYBODY = "\0everybody"  # no student is called so
     type=click.Path(path_type=Path),
     help="File with the course's secret: each student gets different worlds.",
 )
-@click.option("--field/--no-field", default=None,
-              help="Run the field checks too (badge, no points).")  # fmt: skip
+@click.option("--field", is_flag=True, help="Run the field checks too (badge, no points).")
 @click.option(
     "--regrade",
     is_flag=False,
@@ -89,8 +88,7 @@ def autograde(
     code 0: all graded. 1: some are held, or not understood: a person should look. 2: wrong usage,
     or the grader's fault.
 
-    Later runs into the same folder know --roster, --column, --hide, --field and --nbgrader; say
-    them again only to change them.
+    Give later runs into the same folder the same options: what they lack of the last one is said.
     """
     from rich.console import Console  # noqa: PLC0415
 
@@ -107,12 +105,13 @@ def autograde(
     if no_class and not only_list:
         raise InputError(no_class)
     from grader.classroom.batch import autograde as grade_class  # noqa: PLC0415
-    from grader.classroom.batch import look_at  # noqa: PLC0415
+    from grader.classroom.batch import looked_at  # noqa: PLC0415
     from grader.classroom.options import Options  # noqa: PLC0415
-    from grader.classroom.progress import ConsoleProgress, say, summary  # noqa: PLC0415
+    from grader.classroom.progress import Progress, say  # noqa: PLC0415
     from grader.classroom.results import ResultOptions, column_titles  # noqa: PLC0415
-    from grader.classroom.roster import read_roster  # noqa: PLC0415
+    from grader.cli.batch import listing, summary  # noqa: PLC0415
     from grader.course.students import read_secret  # noqa: PLC0415
+    from grader.lms.sheets import read_roster  # noqa: PLC0415
 
     ResultOptions(hide=options["hide"] or "nothing")  # refuses unknown words before the work
     column_titles(options["columns"])
@@ -129,10 +128,11 @@ def autograde(
     )
     console = Console()
     if only_list or out is None:
-        text, waiting = look_at(submissions, chosen)
+        with looked_at(submissions, chosen) as found:
+            text, waiting = listing(found)
         say(console, text)
         return LESS if waiting else FULL
-    with ConsoleProgress(console) as progress:
+    with Progress(console) as progress:
         graded = grade_class(submissions, out, chosen, progress, regrade=bool(regrade))
     lines, held = summary(graded, out)
     say(console, lines)

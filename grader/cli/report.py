@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from grader.cli.results import FAULT, FULL, JSON_STDOUT
+from grader.cli.results import FULL, JSON_STDOUT
 
 if TYPE_CHECKING:
     from grader.classroom.amendments import Entry
@@ -28,19 +28,14 @@ Examples:
 @click.option("--student", default="", metavar="ID", help="Only what is about this one, in full.")
 @click.option("--json", "json_", metavar="PATH|-", help="Write the log as JSON; -: to stdout.")
 def report(folder: Path, student: str, json_: str | None) -> int:
-    """Print the log of marks of a graded class: who changed what, when and why.
-
-    Exit code 2: the log was changed by hand; until that is cleared up, nothing is written.
-    """
+    """Print the log of marks of a graded class: who changed what, when and why."""
     from rich.console import Console  # noqa: PLC0415
 
-    from grader.classroom.amendments import broken  # noqa: PLC0415
     from grader.classroom.marking import is_about, reading  # noqa: PLC0415
     from grader.classroom.progress import say  # noqa: PLC0415
 
     with reading(folder) as class_:
         entries = class_.entries
-        to_clear = broken(entries)
         who = class_.student(student) if student else ""
         if who:
             entries = [entry for entry in entries if is_about(entry, who, class_.rows)]
@@ -53,7 +48,7 @@ def report(folder: Path, student: str, json_: str | None) -> int:
         else:
             lines = _about(class_, who) if who else [class_.summary()]
             say(Console(), "\n".join([*lines, *_log(class_, entries)]))
-    return FAULT if to_clear else FULL
+    return FULL
 
 
 def _about(class_: Marking, student: str) -> list[str]:
@@ -79,21 +74,16 @@ def _log(class_: Marking, entries: list[Entry]) -> list[str]:
     lines = ["The log of marks:"]
     for entry in entries:
         after = f"  [undone by {undone[entry.number]}]" if entry.number in undone else ""
-        after += f"  [{entry.problem}]" if entry.problem else ""
-        if not entry.at:
-            lines.append(f"{entry.number:4}{after}")
-            continue
         lines.append(f"{entry.number:4}  {moment(entry.at)}  {entry.who}{after}")
-        lines.append(f"      {described(entry.change) if entry.change else entry.text}")
+        lines.append(f"      {described(entry.change)}")
         lines.append(f"      why: {entry.why}")
     return lines
 
 
 def _plain(entry: Entry) -> dict[str, Any]:
-    what = None
-    if entry.change is not None:
-        what = json.loads(entry.text)
+    import msgspec  # noqa: PLC0415
+
+    what = msgspec.to_builtins(entry.change)
     return {
         "number": entry.number, "at": entry.at, "who": entry.who, "what": what, "why": entry.why,
-        "problem": entry.problem,
     }  # fmt: skip

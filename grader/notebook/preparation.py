@@ -28,8 +28,8 @@ from grader.notebook.show import Progress
 ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"
 # What a notebook needs, as in pyproject.toml: module that proves it is installed, distribution.
-BASE = {"click": "click", "hypothesis": "hypothesis", "msgspec": "msgspec", "numpy": "numpy",
-        "pymunk": "pymunk", "pytest": "pytest", "yaml": "pyyaml", "rich": "rich",
+BASE = {"click": "click", "hypothesis": "hypothesis", "jinja2": "jinja2", "msgspec": "msgspec",
+        "numpy": "numpy", "pymunk": "pymunk", "pytest": "pytest", "yaml": "pyyaml", "rich": "rich",
         "rosbags.rosbag2": "rosbags", "time_machine": "time-machine"}  # fmt: skip
 ML = {"sklearn": "scikit-learn", "onnxruntime": "onnxruntime", "onnx": "onnx",
       "skl2onnx": "skl2onnx"}  # fmt: skip

@@ -6,6 +6,7 @@ import random
 from typing import Any
 
 from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.similarity import compared
 from grader.classroom.row import GRADED, HELD, StoredResult
 
 HOSTILE = (
@@ -130,7 +131,7 @@ def whole_class() -> tuple[list[StoredResult], ResultOptions]:
         "check at 09:31 that it must fail, since the machine stalled.",
         HOSTILE,
     ]
-    return results, ResultOptions(title="Robotics 2, summer", notes=notes, sources=sources)
+    return results, ResultOptions(title="Robotics 2, summer", notes=notes, alike=compared(sources))
 
 
 def program(index: int) -> bytes:

@@ -14,7 +14,8 @@ import pytest
 
 from grader.classroom.amendments import Entry, Undo, Waive
 from grader.classroom.results import ResultOptions, write_results
-from grader.classroom.row import StoredResult, StudentRow
+from grader.classroom.row import StoredResult
+from grader.lms.book import StudentRow
 from grader.report.page import page_html
 
 SLUG = "obstacle_avoidance"

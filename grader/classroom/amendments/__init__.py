@@ -15,9 +15,9 @@ from grader.classroom.amendments.change import (
     Waive,
     Whom,
 )
-from grader.classroom.amendments.log import Entry, Log, active, broken, described, undone_by
+from grader.classroom.amendments.log import Entry, Log, active, described, undone_by
 
 __all__ = [
     "Change", "Entry", "Late", "Log", "Publish", "Score", "SetCheck", "Undo", "Waive", "Whom",
-    "active", "amended", "broken", "described", "published", "undone_by",
+    "active", "amended", "described", "published", "undone_by",
 ]  # fmt: skip

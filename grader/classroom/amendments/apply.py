@@ -8,33 +8,15 @@ from typing import Any
 
 from msgspec.structs import replace as replace_struct
 
-from grader.classroom.amendments.change import (
-    Late,
-    Publish,
-    Score,
-    SetCheck,
-    Undo,
-    Waive,
-    Whom,
-)
+from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Undo, Waive, Whom
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import find_student
-from grader.classroom.results.clean import one_line
-from grader.classroom.results.marks import Task, points_of, tasks_of
-from grader.classroom.row import (
-    ABSENT,
-    GRADED,
-    HELD,
-    STALLS,
-    UNJUDGED,
-    Amended,
-    StoredResult,
-    StudentRow,
-)
+from grader.classroom.marks import points_of, tasks_of
+from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended, StoredResult
+from grader.lms.book import StudentRow, Task, about
 
 Remarks = dict[str, list[str]]  # a sentence, and whom it is about
-MOST_NAMED = 10  # students in a remark
 UNSURE = ("error", "inconclusive")  # outcomes that hold a grading
 
 
@@ -61,13 +43,7 @@ def amended(
         if mine:
             result = _amended(result, mine, tasks[result.exercise], rows, remarks)  # noqa: PLW2901
         found.append(result)
-    return found, [_listed(text, students) for text, students in remarks.items()]
-
-
-def _listed(text: str, students: Sequence[str]) -> str:
-    names = [one_line(student, 60) for student in dict.fromkeys(students)]
-    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-    return f"{text}: {', '.join(names[:MOST_NAMED])}{more}"
+    return found, [about(text, students) for text, students in remarks.items()]
 
 
 def _of_this_class(
@@ -85,8 +61,8 @@ def _of_this_class(
     found = []
     for entry in entries:
         change = entry.change
-        whom = Whom() if change is None or isinstance(change, Undo) else change.whom
-        if change is None or here.issuperset(whom.students):
+        whom = Whom() if isinstance(change, Undo) else change.whom
+        if isinstance(change, Undo) or here.issuperset(whom.students):
             found.append(entry)
             continue
         now = {old: old if old in here else find_student(old, students, rows)
@@ -273,16 +249,14 @@ def _penalty(
     assert isinstance(rule, Late)
     row = rows.get(result.student)
     handed = row.handed.get(result.exercise) if row else None
-    late = lateness(rule, result.student, handed)
-    if late.problem:
-        remarks.setdefault(f"{task.heading}: {late.problem}", []).append(result.student)
-    if not late.days:
-        return 0.0
-    share = min(late.days * rule.per_day, rule.cap)
+    late, guess = lateness(rule, result.student, handed)
+    if guess:
+        remarks.setdefault(f"{task.heading}: {guess}", []).append(result.student)
+    share = min(late * rule.per_day, rule.cap)
     penalty = round(min(points, task.points * share / 100), 2)
     if not penalty:
         return 0.0
-    days = "1 day" if late.days == 1 else f"{late.days} days"
+    days = "1 day" if late == 1 else f"{late} days"
     steps.append(
         f"{days} late: {share:g} % of {task.points:g} points less, which leaves "
         f"{round(points - penalty, 2):g} of {points:g}."

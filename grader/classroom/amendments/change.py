@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import msgspec
 
-from grader.classroom.row import StudentRow
+from grader.lms.book import StudentRow
 
 
 class Whom(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):

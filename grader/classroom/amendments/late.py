@@ -9,24 +9,21 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime, tzinfo
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
 from grader.classroom.amendments.change import Late
 from grader.classroom.amendments.people import find_student
-from grader.classroom.roster import read_roster
-from grader.classroom.row import Handed, StudentRow
 from grader.errors import InputError
+from grader.lms import TIMES
+from grader.lms.book import Handed, StudentRow
+from grader.lms.sheets import read_roster
 
 DAY = 86400  # [s]
 HEADINGS = (
     "time", "submitted", "submitted at", "submission time", "handed in", "timestamp",
     "last modified (submission)",
-)  # fmt: skip
-WRITTEN = (  # by Moodle in English, and by spreadsheets
-    "%A, %d %B %Y, %I:%M %p", "%A, %d %B %Y, %H:%M", "%d/%m/%Y %H:%M", "%d.%m.%Y %H:%M",
 )  # fmt: skip
 EXPECTED = "expected a time such as 2026-05-04T23:59, with or without an offset (+02:00)"
 SPAN = re.compile(r"(\d+(?:\.\d+)?)\s*(s|min|m|h|d)?")
@@ -34,39 +31,30 @@ DAY_ALONE = re.compile(r"\d{4}-?\d\d-?\d\d")
 UNITS = {"s": 1, "min": 60, "m": 60, "h": 3600, "d": DAY, None: 60}
 
 
-@dataclass(frozen=True)
-class Lateness:
-    """How late one submission is."""
+def lateness(rule: Late, student: str, handed: Handed | None) -> tuple[int, str]:
+    """Return how many days have begun since the deadline, and why that is a guess, if it is one.
 
-    days: int = 0  # begun
-    problem: str = ""  # why that is a guess; "" if it is known
-
-
-def lateness(rule: Late, student: str, handed: Handed | None) -> Lateness:
-    """Return how late somebody was, by a file's time, else the platform's, else its word LATE."""
+    A file's time counts, else the platform's, else its word LATE.
+    """
     told = rule.times.get(student, "")
-    zone = _zone(rule.zone)
-    moment = parsed(told, zone) if told else None
+    moment = parsed(told, _zone(rule.zone)) if told else None
     if moment is None and handed is not None and handed.time:
         moment = parsed(handed.time, UTC)
     if moment is not None and rule.deadline:
         over = (moment - datetime.fromisoformat(rule.deadline)).total_seconds()
-        return Lateness(math.ceil(over / DAY) if over > rule.grace else 0)
+        return (math.ceil(over / DAY) if over > rule.grace else 0), ""
     if handed is not None and handed.late:
-        return Lateness(
-            1, "the platform says only that it is late; counted as one day (--times knows more)"
-        )
-    if handed is not None and handed.system == "canvas":
-        return Lateness()  # it marks what is late
-    if rule.deadline and handed is not None:
-        return Lateness(0, "no time is known of when it was handed in; not counted as late")
-    return Lateness()
+        why = "the platform says only that it is late; counted as one day (--times knows more)"
+        return 1, why
+    if handed is None or not rule.deadline or handed.system == "canvas":  # it marks what is late
+        return 0, ""
+    return 0, "no time is known of when it was handed in; not counted as late"
 
 
 def parsed(text: str, zone: tzinfo) -> datetime | None:
     """Return the moment that a text means, in this zone if it names none; None if it is no time."""
     plain = re.sub(r"\s+UTC$", "+00:00", " ".join(text.split()))
-    for pattern in ("", *WRITTEN):
+    for pattern in ("", *TIMES):
         try:
             found = datetime.strptime(plain, pattern) if pattern else _iso(plain)
         except ValueError:
@@ -83,10 +71,7 @@ def _iso(text: str) -> datetime:
 def moment_of(text: str, zone: str) -> str:
     """Return a deadline as it is stored, with its offset.
 
-    Raises
-    ------
-    InputError
-        It is no time, or there is no such zone.
+    Raises InputError: it is no time, or there is no such zone.
     """
     found = parsed(text, _zone(zone))
     if found is None:
@@ -102,10 +87,7 @@ def moment_of(text: str, zone: str) -> str:
 def span_of(text: str) -> float:
     """Return a time span, such as 15min, 2h or 1d [s]; a bare number is minutes.
 
-    Raises
-    ------
-    InputError
-        It is none.
+    Raises InputError: it is no time span.
     """
     match = SPAN.fullmatch(text.strip())
     if match is None:
@@ -118,10 +100,7 @@ def times_of(
 ) -> dict[str, str]:
     """Return the times of a CSV by student: Moodle's grading worksheet, or columns id and time.
 
-    Raises
-    ------
-    InputError
-        It has no such columns, a time is none, or a row is of nobody in the class.
+    Raises InputError: it has no such columns, a time is none, or a row is of nobody in the class.
     """
     roster = read_roster([file])
     (sheet,) = roster.sheets

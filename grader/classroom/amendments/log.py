@@ -1,20 +1,15 @@
 """The log of changed marks: who changed what, when and why. It only grows.
 
-It is a table of the class's store. Each entry is sealed with a hash of itself and of the seal
-before it, so that an entry that was edited, removed or put in with another program is noticed. The
-seal is no signature: who can write the file and knows this code can make new seals.
+It is a table of the class's store.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 import sqlite3
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
 
 import msgspec
 
@@ -24,16 +19,9 @@ from grader.errors import InputError
 TABLE = """
 CREATE TABLE IF NOT EXISTS amendments (
     number INTEGER PRIMARY KEY AUTOINCREMENT, at TEXT NOT NULL, who TEXT NOT NULL,
-    what TEXT NOT NULL, why TEXT NOT NULL, seal TEXT NOT NULL
+    what TEXT NOT NULL, why TEXT NOT NULL, seal TEXT NOT NULL DEFAULT ''  -- of earlier versions
 ) STRICT"""
-FREEZE = (
-    "CREATE TRIGGER IF NOT EXISTS amendments_{0} BEFORE {0} ON amendments"
-    " BEGIN SELECT RAISE(ABORT, 'the log of marks only grows'); END"
-)
 MAX_WORDS = 2000  # [characters] of a reason
-
-BROKEN = "this entry was changed after it was made"
-GONE = "this entry was removed"
 
 
 @dataclass(frozen=True)
@@ -43,10 +31,8 @@ class Entry:
     number: int
     at: str  # UTC, ISO 8601
     who: str
-    change: Change | None  # None: it can't be read
+    change: Change
     why: str
-    problem: str = ""  # BROKEN or GONE; "" if it is as it was made
-    text: str = ""  # as it is stored
 
 
 class Log:
@@ -58,19 +44,10 @@ class Log:
         self._db = db
         self._transaction = transaction
 
-    def prepare(self) -> None:
-        """Make the table, and let nobody change its rows."""
-        self._db.execute(TABLE)
-        for verb in ("UPDATE", "DELETE"):
-            self._db.execute(FREEZE.format(verb))
-
     def append(self, change: Change, who: str, why: str) -> Entry:
         """Add an entry; it is on disk when this returns.
 
-        Raises
-        ------
-        InputError
-            There is no reason, or it is too long.
+        Raises InputError: there is no reason, or it is too long.
         """
         why, who = " ".join(_text(why).split()), " ".join(_text(who).split())
         if not why or len(why) > MAX_WORDS:
@@ -78,73 +55,40 @@ class Log:
                 f"--why: expected the reason, at most {MAX_WORDS} characters; it stays in the log"
             )
         text = _text(msgspec.json.encode(change).decode())
-        if _change(text) is None:  # such as a number that JSON has not
-            raise InputError(f"expected a change that can be read again, got {described(change)}")
+        try:
+            _change(text)
+        except msgspec.MsgspecError:  # such as a number that JSON has not
+            raise InputError(
+                f"expected a change that can be read again, got {described(change)}"
+            ) from None
         at = datetime.now(UTC).isoformat(timespec="seconds")
         with self._transaction():
-            last = self._db.execute(
-                "SELECT number, seal FROM amendments ORDER BY number DESC LIMIT 1"
-            ).fetchone()
-            number = max(last[0] if last else 0, self._given()) + 1
-            seal = _seal(last[1] if last else "", number, at, who, text, why)
-            self._db.execute(
-                "INSERT INTO amendments (number, at, who, what, why, seal)"
-                " VALUES (?, ?, ?, ?, ?, ?)",
-                (number, at, who, text, why, seal),
-            )
-        return Entry(number, at, who, change, why, text=text)
+            number = self._db.execute(
+                "INSERT INTO amendments (at, who, what, why, seal) VALUES (?, ?, ?, ?, '')",
+                (at, who, text, why),
+            ).lastrowid
+        return Entry(number or 0, at, who, change, why)
 
     def entries(self) -> list[Entry]:
-        """Return all entries, the oldest first; one that is gone has its place."""
-        rows = self._db.execute(
-            "SELECT number, at, who, what, why, seal FROM amendments ORDER BY number"
-        ).fetchall()
-        found: list[Entry] = []
-        before = ""
-        for number, at, who, text, why, seal in rows:
-            removed = range(len(found) + 1, number)
-            found += [Entry(each, "", "", None, "", GONE) for each in removed]
-            # after one that is gone, the seal before is not known
-            good = seal == _seal(before, number, at, who, text, why) or bool(removed)
-            change = _change(text)
-            problem = "" if good and change is not None else BROKEN
-            found.append(Entry(number, at, who, change, why, problem, text))
-            before = seal
-        found += [
-            Entry(each, "", "", None, "", GONE) for each in range(len(found) + 1, self._given() + 1)
-        ]
-        return found
+        """Return all entries, the oldest first.
 
-    def _given(self) -> int:
-        """Return the highest number that was ever given."""
-        row = self._db.execute("SELECT seq FROM sqlite_sequence WHERE name='amendments'").fetchone()
-        return int(row[0]) if row else 0
+        Raises InputError: one can't be read.
+        """
+        rows = self._db.execute(
+            "SELECT number, at, who, what, why FROM amendments ORDER BY number"
+        ).fetchall()
+        try:
+            return [Entry(row[0], row[1], row[2], _change(row[3]), row[4]) for row in rows]
+        except msgspec.MsgspecError as error:
+            raise InputError(f"the log of marks can't be read ({error})") from None
 
 
 def active(entries: Sequence[Entry]) -> list[Entry]:
-    """Return the entries that count, which are not undone.
-
-    Raises
-    ------
-    InputError
-        One was changed or removed by hand, and nobody has undone it.
-    """
-    undone: set[int] = set()
-    kept = []
-    for entry in reversed(entries):
-        if entry.number in undone:
-            continue
-        if entry.problem:
-            raise InputError(
-                f"entry {entry.number} of the log of marks: {entry.problem}. No score may hang on "
-                "it: bring store.sqlite back from a copy, or say that it does not count, with "
-                f"`course marks undo FOLDER {entry.number} --why REASON`"
-            )
-        if isinstance(entry.change, Undo):
-            undone.add(entry.change.number)
-        else:
-            kept.append(entry)
-    return kept[::-1]
+    """Return the entries that count, which are not undone."""
+    undone = dict(undone_by(entries))
+    return [
+        each for each in entries if each.number not in undone and not isinstance(each.change, Undo)
+    ]
 
 
 def undone_by(entries: Sequence[Entry]) -> list[tuple[int, int]]:
@@ -156,13 +100,7 @@ def undone_by(entries: Sequence[Entry]) -> list[tuple[int, int]]:
     return sorted(found.items())
 
 
-def broken(entries: Sequence[Entry]) -> list[Entry]:
-    """Return the entries that were changed or removed by hand and that nobody has undone."""
-    undone = {number for number, _ in undone_by(entries)}
-    return [entry for entry in entries if entry.problem and entry.number not in undone]
-
-
-def described(change: Change | None) -> str:
+def described(change: Change) -> str:
     """Return in words what a change is."""
     match change:
         case SetCheck():
@@ -177,8 +115,6 @@ def described(change: Change | None) -> str:
             words = f"feedback published: {', '.join(change.exercises) or 'all exercises'}"
         case Undo():
             return f"entry {change.number} is undone"
-        case _:
-            return "not readable"
     return f"{words} ({change.whom})"
 
 
@@ -198,17 +134,10 @@ def duration(seconds: float) -> str:
     return f"{seconds:g} s"
 
 
-def _change(text: str) -> Change | None:
-    try:
-        found: Change = msgspec.json.decode(text, type=Change)
-    except (msgspec.MsgspecError, ValueError):
-        return None
+def _change(text: str) -> Change:
+    found: Change = msgspec.json.decode(text, type=Change)
     return found
 
 
-def _seal(*parts: Any) -> str:
-    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
-
-
-def _text(told: str) -> str:
-    return told.encode("utf-8", "replace").decode("utf-8")
+def _text(words: str) -> str:
+    return words.encode("utf-8", "replace").decode("utf-8")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
 
-from grader.classroom.results.clean import one_line
-from grader.classroom.roster import folded
-from grader.classroom.row import StudentRow
 from grader.errors import InputError
+from grader.lms.book import StudentRow
+from grader.lms.clean import one_line
+from grader.lms.people import folded
 
 NEAR = 3  # names in an error
 
@@ -28,10 +28,7 @@ def find_student(word: str, students: Sequence[str], rows: Mapping[str, StudentR
 def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRow]) -> str:
     """Return the student whom a word means.
 
-    Raises
-    ------
-    InputError
-        Nobody or more than one can be meant; the message names the nearest.
+    Raises InputError: nobody or more than one can be meant; the message names the nearest.
     """
     found = find_student(word, students, rows)
     if found is not None:

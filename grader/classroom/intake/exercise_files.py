@@ -7,10 +7,11 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from grader.classroom.intake.entries import Entry, HandedIn, Student
-from grader.classroom.intake.names import copy_number, plain
-from grader.classroom.intake.unpack import is_archive, is_unread_archive
+from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.course.submission import read_regular_file
+from grader.lms.entries import Entry
+from grader.lms.names import copy_number, plain
+from grader.lms.unpack import is_archive, is_unread_archive
 
 WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name
 
@@ -103,12 +104,9 @@ def _base(file: HandedIn) -> str:
 
 
 def _inventory(student: Student) -> str:
-    return _listed(student.files) + (" (links are not followed)" if student.links else "")
-
-
-def _listed(files: Sequence[HandedIn]) -> str:
+    files, links = student.files, " (links are not followed)" if student.links else ""
     if not files:
-        return "there are no files"
+        return f"there are no files{links}"
     names = [file.name for file in sorted(files, key=lambda file: (file.depth, file.name))]
     python = [name for name in names if name.lower().endswith(".py")] or names
     shown = ", ".join(ascii(name)[1:-1] if not name.isprintable() else name for name in python[:5])
@@ -117,7 +115,7 @@ def _listed(files: Sequence[HandedIn]) -> str:
         text += " (archives inside are not unpacked)"
     if any(name.lower().endswith(".ipynb") for name in names):
         text += " (no %%node cell of a notebook writes it, or it is still the skeleton)"
-    return text
+    return text + links
 
 
 def _content(path: Path) -> bytes:

@@ -18,10 +18,7 @@ def node_files(notebook: Path, room: Path) -> list[Path]:
     Of several cells for one file the last counts, as for nbgrader. What is still the skeleton was
     not worked on, and is no file.
 
-    Raises
-    ------
-    Unreadable
-        It is no notebook.
+    Raises Unreadable: it is no notebook.
     """
     skeletons = _skeletons()
     cells = [(cell.kind, cell.source) for cell in read_cells(notebook)]

@@ -1,4 +1,4 @@
-"""From downloads to students: read the layouts, unpack archives, bring together what is one's."""
+"""From downloads to students: read them, unpack archives, bring together what is one's."""
 
 from __future__ import annotations
 
@@ -9,27 +9,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.classroom.intake import (
-    canvas,
-    folders,
-    github,
-    gradescope,
-    moodle,
-    nbgrader,
-    notebooks,
-)
-from grader.classroom.intake.downloads import platform_of
-from grader.classroom.intake.entries import (
-    Entry,
-    HandedIn,
-    Layout,
-    Read,
-    SetAside,
-    Student,
-    Who,
-)
-from grader.classroom.intake.names import may_enter, student_id, unique
-from grader.classroom.intake.unpack import (
+from grader.classroom.intake import notebooks
+from grader.classroom.intake.handed_in import HandedIn, Student
+from grader.errors import InputError, is_disk_full
+from grader.lms import PLATFORMS, platform_of
+from grader.lms.entries import Entry, Read, SetAside, Who
+from grader.lms.names import may_enter, student_id, unique
+from grader.lms.people import NOBODY, Person, Roster, folded
+from grader.lms.unpack import (
     ARCHIVES,
     MAX_DEPTH,
     Refused,
@@ -38,14 +25,8 @@ from grader.classroom.intake.unpack import (
     unpack,
     unpack_class,
 )
-from grader.classroom.roster import NOBODY, Person, Roster, folded
-from grader.errors import InputError, is_disk_full
 from grader.nbgrader.intake import Unreadable
 
-# Each leaves what it does not know for the next; the last takes the rest.
-LAYOUTS: tuple[Layout, ...] = (
-    gradescope.read, nbgrader.read, moodle.read, canvas.read, github.read, folders.read,
-)  # fmt: skip
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NOTEBOOKS = 50  # of a student that are opened
 LINK = "a link, which is not followed; expected a folder or an archive"
@@ -76,8 +57,7 @@ class _Pile:
     files: list[HandedIn] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
     links: bool = False
-    who: list[Who] = field(default_factory=list)
-    entries: list[str] = field(default_factory=list)
+    entries: list[tuple[int, Entry]] = field(default_factory=list)  # with their downloads
 
 
 def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> Intake:
@@ -86,31 +66,28 @@ def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> 
     Archives are unpacked below `scratch`; a folder of a source that holds it is nobody's. Everybody
     in the roster is a student.
 
-    Raises
-    ------
-    InputError
-        A source can't be read, or there is nothing in them, or only downloads.
+    Raises InputError: a source can't be read, or there is nothing in them, or only downloads.
     """
     set_aside: list[SetAside] = []
     read: list[tuple[int, Entry]] = []
     for number, source in enumerate(sources):
         folder = _opened(source, scratch / ".downloads" / str(number), set_aside)
-        found = _layouts(folder, roster, scratch)
+        found = _entries(folder, roster, scratch)
         read += [(number, entry) for entry in found.entries]
         set_aside += found.set_aside
     if not read and not roster.people:
         raise InputError(_nothing(sources, set_aside))
     _refuse_downloads([entry for _, entry in read])
-    piles = _piles(read, roster)
     students = []
-    for name, (pile, entries) in _named(piles, roster).items():
-        for number, entry in entries:
-            _collect(pile, entry, number, scratch / name / str(len(pile.who)), set_aside)
+    for name, pile in _named(_piles(read, roster), roster).items():
+        for place, (number, entry) in enumerate(pile.entries):
+            _collect(pile, entry, number, scratch / name / str(place), set_aside)
         _open_notebooks(pile, scratch / name / "notebooks")
         students.append(
             Student(
                 name, tuple(pile.files), "; ".join(pile.problems), pile.links, pile.person,
-                tuple(pile.who), tuple(pile.entries),
+                tuple(entry.who for _, entry in pile.entries),
+                tuple(entry.path.name for _, entry in pile.entries),
             )
         )  # fmt: skip
     return Intake(sorted(students, key=lambda student: student.id), set_aside)
@@ -146,9 +123,9 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
 def _wrapped(room: Path) -> Path | None:
     """Return the one folder that holds all of an unpacked download, as people pack it."""
     there = list(room.iterdir())
-    if len(there) != 1 or not there[0].is_dir() or any(e.who.id for e in _layouts(room).entries):
+    if len(there) != 1 or not there[0].is_dir() or any(e.who.id for e in _entries(room).entries):
         return None
-    return there[0] if _layouts(there[0]).entries else None
+    return there[0] if _entries(there[0]).entries else None
 
 
 def _refuse_downloads(entries: Sequence[Entry]) -> None:
@@ -166,8 +143,8 @@ def _is_plain(entry: Entry) -> bool:
     return entry.who.system == "folder" and not entry.path.is_symlink()
 
 
-def _layouts(folder: Path, roster: Roster = NOBODY, scratch: Path | None = None) -> Read:
-    """Let each layout take what it knows."""
+def _entries(folder: Path, roster: Roster = NOBODY, scratch: Path | None = None) -> Read:
+    """Let each platform take what it knows."""
     total, left = Read(), sorted(folder.iterdir())
     left = [path for path in left if not roster.is_from(path)]
     if scratch is not None:
@@ -175,8 +152,8 @@ def _layouts(folder: Path, roster: Roster = NOBODY, scratch: Path | None = None)
         left = [
             path for path in left if path.is_symlink() or not here.is_relative_to(path.resolve())
         ]
-    for layout in LAYOUTS:
-        found = layout(folder, left)
+    for platform in PLATFORMS:
+        found = platform.read(folder, left)
         total.entries.extend(found.entries)
         total.set_aside.extend(found.set_aside)
         left = found.left
@@ -196,16 +173,14 @@ def _nothing(sources: Sequence[Path], set_aside: Sequence[SetAside]) -> str:
 # --- whose is it ---------------------------------------------------------------------------------
 
 
-def _piles(
-    read: Sequence[tuple[int, Entry]], roster: Roster
-) -> dict[Key, tuple[_Pile, list[tuple[int, Entry]]]]:
+def _piles(read: Sequence[tuple[int, Entry]], roster: Roster) -> list[_Pile]:
     """Bring together the entries of each student."""
     same_name = Counter(
         (number, entry.who.name.casefold())
         for number, entry in {(n, e.who.name, e.who.id): (n, e) for n, e in read}.values()
     )
     folders_called: Counter[tuple[int, str]] = Counter()
-    piles: dict[Key, tuple[_Pile, list[tuple[int, Entry]]]] = {}
+    piles: dict[Key, _Pile] = {}
     for number, entry in read:
         who = entry.who
         person = roster.find(who.system, who.name, who.id, who.email)
@@ -215,9 +190,9 @@ def _piles(
         original = entry.path.name if who.system == "folder" else f"{who.name}+{who.id}"
         if person is not None:
             key, original = ("person", person.key), person.key
-        _, entries = piles.setdefault(key, (_Pile(_label(who), original, person), []))
-        entries.append((number, entry))
-    return piles
+        pile = piles.setdefault(key, _Pile(_label(who), original, person))
+        pile.entries.append((number, entry))
+    return list(piles.values())
 
 
 def _key(number: int, who: Who, ambiguous: bool, nth: int) -> Key:
@@ -243,23 +218,21 @@ def _is_blind(who: Who) -> bool:
     return who.system == "moodle" and who.name.casefold() == "participant"
 
 
-def _named(
-    piles: dict[Key, tuple[_Pile, list[tuple[int, Entry]]]], roster: Roster
-) -> dict[str, tuple[_Pile, list[tuple[int, Entry]]]]:
+def _named(piles: Sequence[_Pile], roster: Roster) -> dict[str, _Pile]:
     """Give each student an id of their own; those in the roster who handed in nothing come last."""
-    named: dict[str, tuple[_Pile, list[tuple[int, Entry]]]] = {}
-    taken: set[str] = set()
-    here = {pile.person.key for pile, _ in piles.values() if pile.person is not None}
-    unclear = {folded(pile.name) for pile, _ in piles.values() if pile.person is None}
-    absent: list[tuple[_Pile, list[tuple[int, Entry]]]] = [
-        (_Pile(person.label, person.key, person), [])
+    here = {pile.person.key for pile in piles if pile.person is not None}
+    unclear = {folded(pile.name) for pile in piles if pile.person is None}
+    absent = [
+        _Pile(person.label, person.key, person)
         for person in roster.people
         if person.key not in here and not unclear.intersection(person.names)
     ]
-    for pile, entries in [*piles.values(), *absent]:
+    named: dict[str, _Pile] = {}
+    taken: set[str] = set()
+    for pile in [*piles, *absent]:
         name = unique(student_id(pile.name), pile.original, taken)
         taken.add(name.casefold())
-        named[name] = (pile, entries)
+        named[name] = pile
     return named
 
 
@@ -268,8 +241,6 @@ def _named(
 
 def _collect(pile: _Pile, entry: Entry, number: int, room: Path, set_aside: list[SetAside]) -> None:
     """Add an entry's files to its student's."""
-    pile.who.append(entry.who)
-    pile.entries.append(entry.path.name)
     called = entry.called or entry.path.name
     if entry.path.is_symlink():
         pile.problems.append(LINK)

@@ -2,36 +2,52 @@
 
 from __future__ import annotations
 
+import functools
+import hashlib
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from grader.classroom.results import words
-from grader.classroom.results.clean import one_line
-from grader.classroom.results.marks import (
-    Task,
-    checks_of,
-    is_absent,
-    is_graded,
-    is_held,
-    points_of,
-)
-from grader.classroom.results.page import Element, document, el, name, table
+from grader.classroom.marks import points_of
+from grader.classroom.results.files import write_text
+from grader.classroom.results.page import render
 from grader.classroom.results.withheld import for_students, hides_worlds, runs_for_students
 from grader.classroom.row import StoredResult
 from grader.errors import InputError
+from grader.lms.book import Task
+from grader.lms.clean import one_line
 from grader.recording import Recording
 from grader.report.page import page_html, page_payload
 from grader.report.replay import moments_of
 
-WAITING = "Not graded yet."
-ABSENT = "Nothing handed in."
 LOST = (
-    "The grader could not make the page with your checks. That is its own fault, and your points "
-    "count. Ask your instructor for the details."
+    "The grader could not make these pages. That is its own fault, and your points count. Ask your "
+    "instructor for the details."
 )
-HELD = "A person has to look at this one; it has no score yet, and nothing is lost."
+LONGEST_STAMP = 200  # [bytes]
+
+Replays = list[dict[str, Any]]
+
+
+def write_page(
+    path: Path, result: StoredResult, task: Task, hidden: frozenset[str], bags: Path | None
+) -> Path:
+    """Write the page of one grading, unless the one that is there was made of the same.
+
+    A replay takes half a second to make, and a class has thousands: while the recordings are the
+    same, those of the page are kept.
+    """
+    if hides_worlds(hidden) or bags is None or not bags.is_dir():
+        bags = None
+    changed = result.amended and (result.amended.points, result.amended.steps)
+    runs = _digest(_look(), sorted(hidden), _files_of(bags))
+    all_ = _digest(runs, result.student, task.title, result.grading, result.file_names, changed)
+    stamp, before = f"<!-- {all_} {runs} -->\n", _stamp_of(path)
+    if stamp != before:
+        kept = _replays_of(path) if bags and f" {runs} " in before else None
+        write_text(path, exercise_page(result, task, hidden, bags, kept) + stamp)
+    return path
 
 
 def exercise_page(
@@ -39,21 +55,22 @@ def exercise_page(
     task: Task,
     hidden: Collection[str],
     bags: Path | None,
-    before: Path | None = None,
+    replays: Replays | None = None,
 ) -> str:
     """Return the page of one grading, as its student may see it.
 
-    Replays take half a second to make. They are taken from the page `before`, if there is one; the
-    moments in them follow the grading.
+    Replays that are given are shown instead of those of the bags; the moments in them follow the
+    grading.
     """
-    if result.grading is None:
-        return unjudged_page(result, task)
+    title = f"{task.title}: {one_line(result.student, 60)}"
+    steps = result.amended.steps if result.amended else ()
+    if result.grading is None:  # a person gave the points
+        return render("words.html", title, heading=task.heading, sentences=steps)
     grading = for_students(result.grading, result.file_names, hidden)
     if result.amended is not None and (points := points_of(result, task)) is not None:
-        notes = [*(grading.get("notes") or ()), *result.amended.steps]
+        notes = [*(grading.get("notes") or ()), *steps]
         grading |= {"score": points, "max_score": task.points, "notes": notes}
-    title = f"{task.title}: {one_line(result.student, 60)}"
-    if before is not None and (replays := _replays_of(before)):
+    if replays:
         for replay in replays:
             replay["moments"] = moments_of(grading["checks"], replay["scenario"])
         return page_html({**page_payload(grading, [], title), "replays": replays})
@@ -61,80 +78,18 @@ def exercise_page(
     return page_html(page_payload(grading, recordings, title))
 
 
-def _replays_of(page: Path) -> list[dict[str, Any]]:
-    """Return the replays of a page that was made before; [] if they can't be read."""
-    try:
-        text = page.read_text("utf-8").partition('id="payload">')[2].partition("</script>")[0]
-        found = json.loads(text)["replays"]
-        return [dict(replay) for replay in found]
-    except (OSError, ValueError, KeyError, TypeError):
-        return []
-
-
-def unjudged_page(result: StoredResult, task: Task) -> str:
-    """Return the page of one who has points and no grading: a person gave them."""
-    steps = result.amended.steps if result.amended else ()
-    return document(
-        f"{task.title}: {one_line(result.student, 60)}",
-        el("main", el("h1", task.heading), [el("p", step, class_="lead") for step in steps]),
-    )
-
-
-def lost_page(result: StoredResult, task: Task) -> str:
-    """Return what takes the place of a page that could not be made."""
-    return document(
-        f"{task.title}: {one_line(result.student, 60)}",
-        el(
-            "main",
-            el("h1", task.heading),
-            el("p", LOST, class_="lead"),
-            el("p", "Your points: ", words.points(points_of(result, task)), "."),
-        ),
-    )
-
-
-def wants_bags(hidden: Collection[str]) -> bool:
-    """Tell whether the pages show recordings."""
-    return not hides_worlds(hidden)
-
-
 def index_page(
-    student: str, results: Sequence[StoredResult], tasks: Sequence[Task], course: str
+    student: str, results: Sequence[StoredResult], tasks: Mapping[str, Task], course: str
 ) -> str:
     """Return the page that a student opens first."""
-    by_slug = {result.exercise: result for result in results}
-    rows = [_row(by_slug[task.slug], task) for task in tasks if task.slug in by_slug]
-    headings = [("Exercise", ""), ("Points", "number"), ("Checks", ""), ("Field", "")]
-    return document(
-        f"{course}: {one_line(student)}",
-        el(
-            "header",
-            el("p", one_line(course), class_="eyebrow"),
-            el("h1", name(student, 80)),
-            el("p", "Your results. Each exercise links to its checks.", class_="lead"),
-            class_="top",
-        ),
-        el("main", el("section", table("Your results", headings, rows), class_="block")),
-    )
+    mine = [(result, tasks[result.exercise]) for result in results]
+    title = f"{course}: {one_line(student)}"
+    return render("index.html", title, course=course, student=student, results=mine)
 
 
-def _row(result: StoredResult, task: Task) -> Element:
-    if not is_graded(result):
-        words = ABSENT if is_absent(result) else HELD if is_held(result) else WAITING
-        return el("tr", el("th", task.heading, scope="row"), el("td", words, colspan=3))
-    checks = [check for check in checks_of(result) if check.get("kind") != "field"]
-    passed = sum(check.get("outcome") == "pass" for check in checks)
-    points = points_of(result, task)
-    ready = (result.grading or {}).get("field_ready")
-    changed = el("p", " ".join(result.amended.steps), class_="often") if result.amended else None
-    return el(
-        "tr",
-        el("th", el("a", task.heading, href=f"{task.folder}.html"), scope="row"),
-        el("td", "not counted" if points is None else f"{points:g} / {task.points:g}",
-           class_="number"),
-        el("td", f"{passed} of {len(checks)} passed" if checks else "", changed),
-        el("td", "" if ready is None else "field-ready" if ready else "not field-ready yet"),
-    )  # fmt: skip
+def lost_page(student: str) -> str:
+    """Return what takes the place of pages that could not be made."""
+    return render("words.html", one_line(student), heading=one_line(student), sentences=[LOST])
 
 
 def _recordings(bags: Path) -> list[Recording]:
@@ -144,4 +99,41 @@ def _recordings(bags: Path) -> list[Recording]:
     try:
         return load_all(bags)
     except (InputError, OSError):
+        return []
+
+
+@functools.cache
+def _look() -> str:
+    """Return what a new player changes."""
+    return page_html({})
+
+
+def _digest(*parts: object) -> str:
+    text = json.dumps(parts, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+
+
+def _files_of(bags: Path | None) -> list[tuple[str, int, int]]:
+    """Return names, sizes and times of the recordings' files, which show whether any changed."""
+    files = sorted(path for path in bags.rglob("*") if path.is_file()) if bags else []
+    stats = [(path.name, path.stat()) for path in files]
+    return [(name, stat.st_size, stat.st_mtime_ns) for name, stat in stats]
+
+
+def _stamp_of(page: Path) -> str:
+    """Return the last line of a page, which says what it was made of; "" if there is none."""
+    try:
+        with page.open("rb") as file:
+            file.seek(max(0, page.stat().st_size - LONGEST_STAMP))
+            return file.read().decode("utf-8", "replace").splitlines(keepends=True)[-1]
+    except (OSError, IndexError):
+        return ""
+
+
+def _replays_of(page: Path) -> Replays:
+    """Return the replays of a page; [] if they can't be read."""
+    try:
+        text = page.read_text("utf-8").partition('id="payload">')[2].partition("</script>")[0]
+        return [dict(replay) for replay in json.loads(text)["replays"]]
+    except (OSError, ValueError, KeyError, TypeError):
         return []

@@ -12,9 +12,10 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.classroom.results.clean import one_line
-from grader.classroom.results.marks import Check, Task, checks_of, points_of
+from grader.classroom.marks import Check, checks_of, points_of
 from grader.classroom.row import StoredResult
+from grader.lms.book import Task
+from grader.lms.clean import one_line
 from grader.report.terminal import UNJUDGED
 
 BINS = 10
@@ -32,7 +33,6 @@ class Item:
     id: str
     title: str
     kind: str  # "core" or "field"
-    points: float
     judged: int  # submissions in which it passed, failed or was skipped
     failed: int
     skipped: int
@@ -41,6 +41,13 @@ class Item:
     often: str  # the most frequent failure message; "" if none occurs twice
     times: int  # how often it occurs
     hint: str
+
+    @property
+    def counts(self) -> str:
+        """How many did not pass."""
+        said = [f"{self.failed} failed" if self.failed else ""]
+        said += [f"{self.skipped} skipped" if self.skipped else ""]
+        return ", ".join(filter(None, said)) or "none"
 
 
 @dataclass(frozen=True)
@@ -69,6 +76,17 @@ class Distribution:
             return None
         low, _, high = statistics.quantiles(self.scores, n=4, method="inclusive")
         return low, high
+
+    @property
+    def in_words(self) -> str:
+        """The bins, for a screen reader."""
+        tenth = self.points / BINS
+        found = [
+            f"{count} from {i * tenth:g} to {(i + 1) * tenth:g}"
+            for i, count in enumerate(self.bins)
+            if count
+        ]
+        return ", ".join(found) or "none"
 
 
 def distribution(results: Sequence[StoredResult], task: Task) -> Distribution:
@@ -112,7 +130,6 @@ def _item(id_: str, all_of_it: list[Check], checks: list[dict[str, Check]]) -> I
         id=id_,
         title=_usual_title(id_, all_of_it),
         kind=kind,
-        points=float(first.get("max_points") or 0),
         judged=judged,
         failed=outcomes["fail"],
         skipped=outcomes["skip"],

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import difflib
+import json
+import os
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
+
+import msgspec
 
 from grader.classroom.account import Account
 from grader.classroom.amendments.log import Entry
-from grader.classroom.results.alike import Alikes
-from grader.classroom.roster import NOBODY, Roster
-from grader.classroom.row import StudentRow
+from grader.classroom.results.similarity import Alike
+from grader.course.exercises import find_exercise
 from grader.errors import InputError
+from grader.lms.book import StudentRow
+from grader.lms.people import NOBODY, Roster
 
 HIDE = {
     "nothing": "students see everything",
@@ -20,17 +26,8 @@ HIDE = {
     "worlds": "no seeds and no replays, so that hidden worlds stay hidden",
     "details": "like worlds; of a failed check only its title and where to look next",
 }
-
-Sources = Mapping[tuple[str, str], Mapping[str, bytes]]
-
-
-@dataclass(frozen=True)
-class Linked:
-    """A file or a folder of the results, as the report names it."""
-
-    name: str
-    what: str
-    paths: tuple[str, ...]  # of the files, relative to the report
+OPTIONS = "options"  # what the store calls what is kept of these
+KEPT = ("hide", "title", "notes", "account", "roster", "nbgrader", "columns")
 
 
 @dataclass(frozen=True)
@@ -40,10 +37,9 @@ class ResultOptions:
     hide: str = "nothing"  # one of HIDE, or several with commas: "field,worlds"
     title: str = "Bridging Python agents with rclpy"  # of the course
     notes: list[str] = field(default_factory=list)  # the batch's notes, a sentence each
-    # (student, exercise): file name → content; without them there is no search for similar files
-    sources: Sources = field(default_factory=dict)
-    replays: bool = True  # put replays into the feedback pages (where there are recordings)
-    files: Sequence[Linked] = ()  # what else is written
+    alike: Mapping[str, Alike] = field(default_factory=dict)  # by exercise, if compared
+    # what else is written: a file or a folder, what it is, and the files' paths from the report
+    files: Sequence[tuple[str, str, tuple[str, ...]]] = ()
     workers: int = 1  # processes that make the feedback pages
     account: Account = field(default_factory=Account)  # what became of each file
     students: Mapping[str, StudentRow] = field(default_factory=dict)  # by `StoredResult.student`
@@ -52,17 +48,13 @@ class ResultOptions:
     columns: Mapping[str, str] = field(default_factory=dict)  # slug: title in the gradebook
     log: Sequence[Entry] = ()  # of what people have changed
     published: Collection[tuple[str, str]] | None = None  # pages; None: nothing was published yet
-    alikes: Alikes = field(default_factory=Alikes)
     section: str = ""  # the report is of this section; "": of the whole class
     anonymous: bool = False  # students are codes, and no page is about one of them
 
     def __post_init__(self) -> None:
         """Check the words of `hide`.
 
-        Raises
-        ------
-        InputError
-            One is unknown.
+        Raises InputError: one is unknown.
         """
         for word in self.hidden:
             if word not in HIDE:
@@ -84,3 +76,53 @@ class ResultOptions:
     def hidden(self) -> frozenset[str]:
         """The words of `hide`."""
         return frozenset(word.strip() for word in self.hide.split(",") if word.strip())
+
+
+def kept_text(options: ResultOptions) -> str:
+    """Return what the store keeps of these: marks change after the batch is over."""
+    found = {name: getattr(options, name) for name in KEPT}
+    return json.dumps(msgspec.to_builtins(found, enc_hook=str))  # names of files may be no text
+
+
+def kept_options(text: str, students: Mapping[str, StudentRow]) -> ResultOptions:
+    """Return the options of what was kept.
+
+    Raises InputError: nothing was, by an older version of the course.
+    """
+    try:
+        kept = {name: value for name, value in json.loads(text).items() if value}
+        nbgrader = kept.pop("nbgrader", "")
+        options = msgspec.convert(kept, ResultOptions, dec_hook=_read)
+    except (msgspec.MsgspecError, ValueError):
+        raise InputError(
+            "this class was graded by an earlier version of the course: run `course autograde` "
+            "once more with the same submissions; it grades only what is new"
+        ) from None
+    return replace(
+        options,
+        nbgrader=Path(nbgrader) if nbgrader else None,
+        students=students,
+        workers=os.cpu_count() or 1,  # on any system
+    )
+
+
+def column_titles(columns: Sequence[str]) -> dict[str, str]:
+    """Return the titles by slug of what was given as "EXERCISE=TITLE".
+
+    Raises InputError: it has another form, or there is no such exercise.
+    """
+    titles = {}
+    for told in columns:
+        name, sign, title = told.partition("=")
+        if not sign or not title.strip():
+            raise InputError(
+                f"--column {told!r}: expected EXERCISE=TITLE, such as '1=Homework 1 (4711)'"
+            )
+        titles[find_exercise(name.strip()).slug] = title.strip()
+    return titles
+
+
+def _read(type_: type, value: Any) -> Any:
+    if type_ is Path:
+        return Path(value)
+    raise NotImplementedError

@@ -9,49 +9,41 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
 
-from grader.classroom.results.clean import folder_name
+from grader.classroom.marks import is_graded
 from grader.classroom.results.feedback import index_page
 from grader.classroom.results.files import replacing, write_text
-from grader.classroom.results.marks import Task, is_graded
-from grader.classroom.results.missing import Parts
 from grader.classroom.row import StoredResult
-
-PUBLISHED = "published"
-
-Keys = Collection[tuple[str, str]]  # student, exercise
+from grader.lms.book import Task
+from grader.lms.clean import folder_name
 
 
 def write_published(
     results: Sequence[StoredResult],
-    tasks: Sequence[Task],
+    tasks: Mapping[str, Task],
     out: Path,
-    published: Keys,
+    published: Collection[tuple[str, str]],
     title: str,
-    parts: Parts,
 ) -> list[Path]:
     """Bring the folder into step: what is published is there as it is now, and nothing else."""
-    folder = out / PUBLISHED
-    by_slug: Mapping[str, Task] = {task.slug: task for task in tasks}
     wanted: list[Path] = []
     shown = [each for each in results if (each.student, each.exercise) in published]
-    for student, mine in groupby(shown, key=lambda result: result.student):
-        with parts.part(f"the published feedback of {student}"):
-            theirs, theirs_to_be = list(mine), folder / folder_name(student)
-            text = index_page(student, theirs, tasks, title)
-            wanted.append(write_text(theirs_to_be / "index.html", text))
-            for result in filter(is_graded, theirs):
-                page = f"{by_slug[result.exercise].folder}.html"
-                wanted.append(_copied(out / "feedback" / folder_name(student), theirs_to_be, page))
-    _remove_others(folder, set(wanted))
+    for student, each in groupby(shown, key=lambda result: result.student):
+        mine, folder = list(each), folder_name(student)
+        index = index_page(student, mine, tasks, title)
+        wanted.append(write_text(out / "published" / folder / "index.html", index))
+        for result in filter(is_graded, mine):
+            page = out / "feedback" / folder / f"{tasks[result.exercise].folder}.html"
+            if page.is_file():  # else it could not be made
+                wanted.append(_copied(page, out / "published" / folder / page.name))
+    _remove_others(out / "published", set(wanted))
     return wanted
 
 
-def _copied(source: Path, target: Path, page: str) -> Path:
-    new = target / page
-    if not (new.is_file() and filecmp.cmp(source / page, new, shallow=False)):
-        with replacing(new) as file, (source / page).open("rb") as old:
+def _copied(source: Path, target: Path) -> Path:
+    if not (target.is_file() and filecmp.cmp(source, target, shallow=False)):
+        with replacing(target) as file, source.open("rb") as old:
             shutil.copyfileobj(old, file)
-    return new
+    return target
 
 
 def _remove_others(folder: Path, wanted: Collection[Path]) -> None:

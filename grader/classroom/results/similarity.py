@@ -1,8 +1,11 @@
-"""Find submissions that are nearly the same: winnowing over Python's tokens.
+"""Find submissions that are nearly the same, or hold the course's own code: winnowing over tokens.
 
 Source: Schleimer, Wilkerson & Aiken, "Winnowing: Local Algorithms for Document Fingerprinting",
 SIGMOD 2003, the method of MOSS. Names, the values of numbers and strings, comments and layout don't
-count, so renaming changes nothing. A match is a reason to ask two people, never a proof.
+count, so renaming changes nothing. A match is a reason to ask, never a proof.
+
+Students have the checks, because their practice needs them. An oracle that is pasted into a node
+passes local checks and the instructor's; it is not the student's work, which a person has to say.
 """
 
 from __future__ import annotations
@@ -13,23 +16,33 @@ import keyword
 import tokenize
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations, islice
+from pathlib import Path
+from typing import TypeAlias
+
+import msgspec
+
+from grader.course.exercises import EXERCISES, JUDGE, ROOT, SOLUTIONS
 
 NOISE = 12  # tokens of a k-gram: shorter matches are chance
 WINDOW = 9  # k-grams: any match of NOISE + WINDOW - 1 = 20 tokens is found
 MOST = 50_000  # tokens of a file that are compared; the longest program of the course has 1,323
 LONGEST = 1_000  # [bytes] of a line that are compared: tokenize takes a line's length squared
 SIMILAR = 0.7  # share of the smaller one's fingerprints; the course's own solutions share 0.3
+PASTED = 0.35  # share of a file that the checks hold, too; of right solutions at most 0.19
 FEW = 8  # fingerprints; a submission with fewer is too short to compare
 COMMON = 10  # submissions at least; a fingerprint that more than half of them have is common
+CHECKS = ROOT / "grader" / "checks"
+SHARED = (ROOT / "grader" / "models" / "features.py", ROOT / "grader" / "recording" / "views.py")
 
 _LAYOUT = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.ENCODING, tokenize.ENDMARKER)
 _WORDS = frozenset(keyword.kwlist)
 
+Texts: TypeAlias = Mapping[str, Mapping[str, bytes]]  # student: the files by name
+Prints: TypeAlias = frozenset[int]
 
-@dataclass(frozen=True)
-class Group:
+
+class Group(msgspec.Struct, frozen=True):
     """Students whose files are nearly the same."""
 
     file: str
@@ -38,24 +51,66 @@ class Group:
     identical: bool  # all of them, but for names, comments and layout
 
 
-def similar_groups(
-    texts: Mapping[str, Mapping[str, bytes]], given: Mapping[str, bytes]
-) -> list[Group]:
+class OwnCode(msgspec.Struct, frozen=True):
+    """A submission that holds code of the course's."""
+
+    student: str
+    file: str
+    source: str  # the course's file that most of it is in
+    similarity: float  # 0 … 1, of the submission's own code
+
+
+class Alike(msgspec.Struct, frozen=True):
+    """What comparing the submissions to one exercise came to."""
+
+    count: int  # submissions
+    groups: tuple[Group, ...]
+    own: tuple[OwnCode, ...]
+
+
+def compared(sources: Mapping[tuple[str, str], Mapping[str, bytes]]) -> dict[str, Alike]:
+    """Compare the submissions to each exercise: the files of (student, slug)."""
+    found = {}
+    for slug in sorted({slug for _, slug in sources}):
+        texts = {student: files for (student, each), files in sources.items() if each == slug}
+        given = {file.name: file.read_bytes() for file in sorted((EXERCISES / slug).glob("*.py"))}
+        groups, own = similar_groups(texts, given), own_code(texts, given, slug)
+        found[slug] = Alike(len(texts), tuple(groups), tuple(own))
+    return found
+
+
+def similar_groups(texts: Texts, given: Mapping[str, bytes]) -> list[Group]:
     """Return the groups of near-identical submissions to one exercise, the closest first.
 
-    Parameters
-    ----------
-    texts
-        The files by name, for each student.
-    given
-        The skeletons by name: their lines don't count as similar.
+    The lines of what was `given`, the skeletons, don't count as similar.
     """
     groups = []
     for file in sorted({name for files in texts.values() for name in files}):
-        handed_out = fingerprints(tokens(given.get(file, b"")))
         words = {student: tokens(files[file]) for student, files in texts.items() if file in files}
-        groups += _groups_of(file, words, handed_out)
+        groups += _groups_of(file, words, prints_of(given.get(file, b"")))
     return sorted(groups, key=lambda group: (-group.similarity, group.file, group.students))
+
+
+def own_code(texts: Texts, given: Mapping[str, bytes], exercise: str) -> list[OwnCode]:
+    """Return the submissions to an exercise that hold the course's code, the most first."""
+    handed_out = Prints().union(*map(prints_of, given.values()))
+    checks = _prints([*CHECKS.glob("*.py"), *(JUDGE / exercise).glob("*.py"), *SHARED], handed_out)
+    solutions = _prints((SOLUTIONS / exercise).rglob("*.py"), handed_out)
+    every = Prints().union(*checks.values())
+    found = []
+    for student, files in texts.items():
+        for file, text in files.items():
+            own = prints_of(text) - handed_out
+            if len(own) < FEW:
+                continue
+            pasted = len(own & every) / len(own)
+            if pasted >= PASTED:
+                found.append(OwnCode(student, file, _most(own, checks), pasted))
+            source = _most(own, solutions)
+            copied = _shared(own, solutions.get(source, Prints()))
+            if copied >= SIMILAR:
+                found.append(OwnCode(student, file, source, copied))
+    return sorted(found, key=lambda match: (-match.similarity, match.student, match.file))
 
 
 def tokens(source: bytes) -> list[str]:
@@ -71,13 +126,18 @@ def tokens(source: bytes) -> list[str]:
     return found
 
 
-def fingerprints(words: Sequence[str]) -> frozenset[int]:
+def fingerprints(words: Sequence[str]) -> Prints:
     """Return the hashes that winnowing keeps: the smallest of each window."""
     grams = [_hash(words[i : i + NOISE]) for i in range(len(words) - NOISE + 1)]
     if len(grams) <= WINDOW:
         return frozenset(grams)
     windows = (grams[i : i + WINDOW] for i in range(len(grams) - WINDOW + 1))
     return frozenset(min(window) for window in windows)
+
+
+def prints_of(source: bytes) -> Prints:
+    """Return a file's fingerprints."""
+    return fingerprints(tokens(source))
 
 
 def _word(token: tokenize.TokenInfo) -> str:
@@ -93,23 +153,31 @@ def _hash(words: Sequence[str]) -> int:
     return int.from_bytes(digest, "big")
 
 
-def _groups_of(
-    file: str, words: Mapping[str, list[str]], handed_out: frozenset[int]
-) -> list[Group]:
+def _prints(files: Iterable[Path], handed_out: Prints) -> dict[str, Prints]:
+    return {
+        file.relative_to(ROOT).as_posix(): prints_of(file.read_bytes()) - handed_out
+        for file in sorted(files)
+    }
+
+
+def _most(own: Prints, sources: Mapping[str, Prints]) -> str:
+    return max(sources, key=lambda source: len(own & sources[source]), default="")
+
+
+def _shared(mine: Prints, theirs: Prints) -> float:
+    """Return the share of the smaller one that both have; 0 if it is too short."""
+    smaller = min(len(mine), len(theirs))
+    return len(mine & theirs) / smaller if smaller >= FEW else 0.0
+
+
+def _groups_of(file: str, words: Mapping[str, list[str]], handed_out: Prints) -> list[Group]:
     own = {student: fingerprints(text) - handed_out for student, text in words.items()}
     holders = Counter(print_ for prints in own.values() for print_ in prints)
     most = max(COMMON, len(own)) / 2
-    shared = frozenset(print_ for print_, n in holders.items() if n > most)
+    common = frozenset(print_ for print_, n in holders.items() if n > most)
     links: dict[tuple[str, str], float] = {}
-    for a, b in combinations(sorted(own), 2):
-        if len(own[a]) < FEW or len(own[b]) < FEW:
-            continue
-        if words[a] == words[b]:
-            links[a, b] = 1.0
-            continue
-        mine, theirs = own[a] - shared, own[b] - shared
-        smaller = min(len(mine), len(theirs))
-        alike = len(mine & theirs) / smaller if smaller >= FEW else 0.0
+    for a, b in combinations(sorted(s for s in own if len(own[s]) >= FEW), 2):
+        alike = 1.0 if words[a] == words[b] else _shared(own[a] - common, own[b] - common)
         if alike >= SIMILAR:
             links[a, b] = alike
     return [
@@ -125,19 +193,8 @@ def _groups_of(
 
 def _connected(links: Iterable[tuple[str, str]]) -> list[set[str]]:
     """Return the connected groups of the graph with these links."""
-    near: dict[str, set[str]] = defaultdict(set)
-    for a, b in links:
-        near[a].add(b)
-        near[b].add(a)
-    groups, seen = [], set[str]()
-    for start in sorted(near):
-        if start in seen:
-            continue
-        group, edge = {start}, [start]
-        while edge:
-            for student in near[edge.pop()] - group:
-                group.add(student)
-                edge.append(student)
-        seen |= group
-        groups.append(group)
-    return groups
+    groups: dict[str, set[str]] = defaultdict(set)
+    for pair in links:
+        together = set(pair).union(*(groups[student] for student in pair))
+        groups |= dict.fromkeys(together, together)
+    return list({min(group): group for group in groups.values()}.values())

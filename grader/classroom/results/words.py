@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import UTC, datetime
 
-from grader.classroom.results.clean import one_line
+from grader.lms.clean import one_line
 
 NOTHING = "\N{EN DASH}"
 

@@ -4,7 +4,12 @@ import importlib.util
 from pathlib import Path
 from typing import Any
 
+from grader.classroom.marks import tasks_of
+from grader.classroom.results import ResultOptions
+from grader.classroom.results.scores import book_of, mark_of
 from grader.classroom.row import StoredResult
+from grader.lms.book import Book, Task
+from grader.lms.gradescope import results_json
 
 _CLASSES = Path(__file__).resolve().parents[2] / "browser" / "classes.py"
 _spec = importlib.util.spec_from_file_location("classes", _CLASSES)
@@ -37,3 +42,15 @@ def result(student: str, *checks: dict[str, Any], **parts: Any) -> StoredResult:
         "versions": {"python": "3.11.2"},
     }
     return classes.stored(student, OBSTACLES, grading if checks else None, **parts)
+
+
+def book(results: list[StoredResult], **options: Any) -> Book:
+    """The class as the gradebooks see it."""
+    return book_of(results, tasks_of(results), ResultOptions(**options))
+
+
+def for_gradescope(results: list[StoredResult], tasks: list[Task]) -> Any:
+    """One student's results.json."""
+    by_slug = {task.slug: task for task in tasks}
+    handed_in = [one for one in results if one.state != "not handed in" or one.amended]
+    return results_json([mark_of(one, by_slug[one.exercise]) for one in handed_in], tasks)

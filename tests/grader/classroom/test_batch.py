@@ -11,12 +11,12 @@ from fake_class import FILE, SLUG, fair, grading
 
 from grader.classroom import candidates, folder
 from grader.classroom.engine import DaskWorkers
-from grader.classroom.roster import read_roster
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, TWICE
 from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
 from grader.course.students import student_key
 from grader.errors import GraderError, InputError
+from grader.lms.sheets import read_roster
 
 
 def test_everybody_is_graded_once(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:

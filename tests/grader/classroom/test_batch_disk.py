@@ -83,7 +83,7 @@ def test_a_disk_that_fills_while_results_are_written(
     grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as disk:
-        disk.setattr("grader.classroom.results.write.exercise_page", full)
+        disk.setattr("grader.classroom.results.feedback.exercise_page", full)
         with pytest.raises(DiskFull, match="run the same command again"):
             grade_class()
     assert (tmp_path / "out" / "class.html").is_file()

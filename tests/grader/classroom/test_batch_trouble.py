@@ -11,7 +11,7 @@ from rich.console import Console
 
 from grader.classroom import grading_run
 from grader.classroom.grading_run import MAX_IN_VAIN
-from grader.classroom.progress import ConsoleProgress
+from grader.classroom.progress import Progress
 from grader.classroom.row import GRADED, HELD, TWICE, WAITING
 from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
@@ -52,7 +52,7 @@ def test_a_stall_begins_no_round_of_canaries(grade_class: Any) -> None:
 
 
 @pytest.mark.parametrize("canary", ["reference", "mutant"])
-def test_a_canary_that_stalls_is_judged_again_and_is_no_strike(
+def test_a_canary_that_stalls_is_judged_again_and_nothing_else_is(
     canary: str, grade_class: Any
 ) -> None:
     results, workers, quiet = grade_class(Machine(**{canary: 1}), canaries=25)
@@ -158,8 +158,8 @@ def filled(_: Unit) -> UnitResult:
 
 
 @pytest.mark.parametrize("trouble", [died, failed, filled])
-@pytest.mark.parametrize("times", [1, 2, 3])
-def test_trouble_beside_a_canary_is_no_strike_but_what_lasts_is(
+@pytest.mark.parametrize("times", [1, 2])
+def test_trouble_beside_a_canary_is_forgiven_but_what_lasts_is_not(
     trouble: Judge, times: int, grade_class: Any
 ) -> None:
     left = [""] * times
@@ -170,16 +170,13 @@ def test_trouble_beside_a_canary_is_no_strike_but_what_lasts_is(
             return trouble(unit)
         return fair(unit)
 
-    results, workers, quiet = grade_class(judge, canaries=25)
+    results, workers, _ = grade_class(judge, canaries=25)
     mutants = [unit.alone for unit in workers.seen if unit.student == ".mutant"]
-    strikes = [line for line in quiet.lines if "quarantine" in line]
-    assert {r.state for r in results.values()} == ({HELD} if times == 3 else {GRADED})
-    assert len(strikes) == (times > 1)
-    assert mutants[:times] == [False, True, True][:times]
-    assert mutants[-1] == (times == 3)  # after a good round they need not be alone
+    assert {r.state for r in results.values()} == ({HELD} if times == 2 else {GRADED})
+    assert mutants == ([False, True] if times == 2 else [False, True, False])
 
 
-def test_the_round_after_a_strike_has_nothing_beside_it(grade_class: Any) -> None:
+def test_the_round_after_a_bad_one_has_nothing_beside_it(grade_class: Any) -> None:
     rounds: list[str] = []
 
     def disturbed(unit: Unit) -> UnitResult:
@@ -237,7 +234,7 @@ def test_progress_counts_each_unit_once_and_to_its_total(
         return fair(unit)
 
     out = io.StringIO()
-    with ConsoleProgress(Console(file=out, width=200)) as progress:
+    with Progress(Console(file=out, width=200)) as progress:
         monkeypatch.setattr("fake_class.Quiet", lambda: progress)
         _, workers, _ = grade_class(drifting, canaries=25)
     assert workers.students == ["ann", "bob", "eve"] * 2
@@ -264,7 +261,7 @@ def test_progress_counts_what_an_earlier_run_had_graded(
     with pytest.raises(KeyboardInterrupt):
         grade_class(killed, canaries=25)
     out = io.StringIO()
-    with ConsoleProgress(Console(file=out, width=200)) as progress:
+    with Progress(Console(file=out, width=200)) as progress:
         monkeypatch.setattr("fake_class.Quiet", lambda: progress)
         _, workers, _ = grade_class(drifting, canaries=25)
     assert workers.students == ["ann", "bob", "eve"]  # eve was to be graded, the others again
@@ -275,7 +272,7 @@ def test_progress_counts_what_is_held_too(
     grade_class: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = io.StringIO()
-    with ConsoleProgress(Console(file=out, width=200)) as progress:
+    with Progress(Console(file=out, width=200)) as progress:
         monkeypatch.setattr("fake_class.Quiet", lambda: progress)
         grade_class(lambda unit: UnitResult(grading("wiring", outcome="error")), canaries=25)
     assert shown(out)[-1] == "3/3"
@@ -283,7 +280,7 @@ def test_progress_counts_what_is_held_too(
 
 def test_progress_prints_whatever_a_student_wrote(capsys: pytest.CaptureFixture[str]) -> None:
     out = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
-    with ConsoleProgress(Console(file=out, width=200)) as progress:
+    with Progress(Console(file=out, width=200)) as progress:
         progress.begin(1)
         progress.done("Zoë\udcff", "goal_seeking", "held: \x1b[31mred\n1/1 \udcff ünsafe")
         progress.say("note: \udcff \x1b]0;title\x07")

@@ -8,7 +8,8 @@ from pathlib import Path
 from made_results import OBSTACLES, check, result
 
 from grader.classroom.results import ResultOptions, write_results
-from grader.classroom.row import StoredResult, StudentRow
+from grader.classroom.row import StoredResult
+from grader.lms.book import StudentRow
 
 HOSTILE = "</style><script>x</script> \u202e"
 

@@ -12,9 +12,9 @@ from grader.classroom.account import Account, Line
 from grader.classroom.candidates import OTHER_CLASS, Class, find_class
 from grader.classroom.intake import Intake, find_files, take_in
 from grader.classroom.options import Options
-from grader.classroom.progress import listing
-from grader.classroom.roster import read_roster
+from grader.cli.batch import listing
 from grader.errors import InputError
+from grader.lms.sheets import read_roster
 
 AGENT = "obstacle_avoidance_agent.py"
 GOAL = "goal_seeking_agent.py"

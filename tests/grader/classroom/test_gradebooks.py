@@ -13,19 +13,22 @@ from pathlib import Path
 
 import pytest
 from importers import Canvas, Moodle, MoodleAssignment
+from made_results import book as book_of
 from made_results import check, result
 
+from grader.classroom.marks import tasks_of
 from grader.classroom.results import ResultOptions, column_titles, write_results
-from grader.classroom.results.canvas import canvas_csv
-from grader.classroom.results.gradebook import Book
-from grader.classroom.results.marks import tasks_of
-from grader.classroom.results.moodle import grades_csv, worksheet_csv
-from grader.classroom.roster import Person, Roster, read_roster
-from grader.classroom.row import ABSENT, Handed, StoredResult, StudentRow
+from grader.classroom.row import ABSENT, StoredResult
 from grader.errors import InputError
+from grader.lms.book import Book, Handed, StudentRow
+from grader.lms.canvas import canvas_csv
+from grader.lms.moodle import grades_csv, worksheet_csv
+from grader.lms.people import Person, Roster
+from grader.lms.sheets import read_roster
 from grader.nbgrader.class_scores import write_scores
 
 SLUG = "obstacle_avoidance"
+TASK = replace(tasks_of([result("ann")])[0], folder=SLUG)
 
 
 def graded(student: str, points: int = 60) -> StoredResult:
@@ -75,12 +78,12 @@ def canvas_book(canvas: Canvas, tmp_path: Path, **options: object) -> Book:
     results = [graded(student) for student in students]
     results[3] = absent("leecarla_14")
     titles = column_titles(options.get("columns", ()))  # type: ignore[arg-type]
-    return Book(results, students, roster, titles)
+    return book_of(results, students=students, roster=roster, columns=titles)
 
 
 def test_canvas_changes_what_was_graded_and_nothing_else(canvas: Canvas, tmp_path: Path) -> None:
     book = canvas_book(canvas, tmp_path)
-    (task,) = tasks_of(book.results)
+    task = TASK
     text = canvas_csv(book, task)
     assert text is not None
     canvas.load(text)
@@ -99,7 +102,7 @@ def test_canvas_changes_what_was_graded_and_nothing_else(canvas: Canvas, tmp_pat
 
 def test_canvas_points_are_scaled_to_the_column(canvas: Canvas, tmp_path: Path) -> None:
     book = canvas_book(canvas, tmp_path, columns=["1=Goal seeking"])
-    (task,) = tasks_of(book.results)
+    task = TASK
     canvas.load(canvas_csv(book, task) or "")
     assert canvas.changes[11, 72] == canvas.changes[12, 72] == "6"
     assert not canvas.new_points
@@ -109,7 +112,7 @@ def test_canvas_points_are_scaled_to_the_column(canvas: Canvas, tmp_path: Path) 
 def test_canvas_makes_an_assignment_it_has_not(canvas: Canvas, tmp_path: Path) -> None:
     canvas.assignments = {72: ("Goal seeking", "10")}
     book = canvas_book(canvas, tmp_path)
-    (task,) = tasks_of(book.results)
+    task = TASK
     canvas.load(canvas_csv(book, task) or "")
     assert canvas.new_assignments == ["Obstacle avoidance"]
     assert canvas.new_points == {-1: "100"}
@@ -124,9 +127,9 @@ def test_canvas_ids_of_the_download_do_without_a_roster(canvas: Canvas) -> None:
         )
         for id_, name in NAMES.items()
     }
-    book = Book([graded(student) for student in students], students)
+    book = book_of([graded(student) for student in students], students=students)
     canvas.assignments = {71: ("Obstacle avoidance", "100")}
-    canvas.load(canvas_csv(book, tasks_of(book.results)[0]) or "")
+    canvas.load(canvas_csv(book, TASK) or "")
     assert {user for user, _ in canvas.changes} == {11, 12, 13, 14, 15}
     assert not (canvas.new_users or canvas.new_assignments or canvas.new_points)
 
@@ -166,14 +169,15 @@ def moodle_book(tmp_path: Path, *sheets: str) -> Book:
     roster = read_roster(files)
     ids = {"a1": "71", "a2": "72", "bob": "73", "cy": "74"}
     students = {s: row(roster, "moodle", s, NAMED[id_], id_) for s, id_ in ids.items()}
-    return Book([graded("a1"), absent("a2"), graded("bob", 37), graded("cy")], students, roster)
+    results = [graded("a1"), absent("a2"), graded("bob", 37), graded("cy")]
+    return book_of(results, students=students, roster=roster)
 
 
 def test_moodle_imports_grades_of_those_who_have_some(
     tmp_path: Path, assignment: MoodleAssignment
 ) -> None:
     book = moodle_book(tmp_path, GRADES, assignment.worksheet(NAMED))
-    text = grades_csv(book, tasks_of(book.results)[0])
+    text = grades_csv(book, TASK)
     moodle = Moodle({"ann@uni.edu": "ann", "bob@uni.edu": "bob", "cy@uni.edu": "cy"})
     moodle.load(text or "")
     assert moodle.grades == {"ann": 30.0, "bob": 18.5, "cy": 30.0}  # of 50, says the worksheet
@@ -186,7 +190,7 @@ def test_moodle_imports_grades_of_those_who_have_some(
 
 def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     book = moodle_book(tmp_path, GRADES)  # without the worksheet nothing tells the two apart
-    text = grades_csv(book, tasks_of(book.results)[0]) or ""
+    text = grades_csv(book, TASK) or ""
     assert "ann" not in text
     assert any("has no Email address in the roster: a1" in remark for remark in book.remarks)
     assert ",60," in text and any("is out of 100 points" in remark for remark in book.remarks)
@@ -197,8 +201,8 @@ def test_two_with_one_number_are_in_no_import() -> None:
     people = tuple(Person(name, ids={"idnumber": number}) for name, number in numbers.items())
     students = {name: StudentRow(name, name, ids={"idnumber": numbers[name]}) for name in numbers}
     results = [graded("bob"), graded("cy", 40), graded("ann", 50)]
-    book = Book(results, students, Roster(people))
-    text = grades_csv(book, tasks_of(book.results)[0]) or ""
+    book = book_of(results, students=students, roster=Roster(people))
+    text = grades_csv(book, TASK) or ""
     assert "711" not in text and "712,50" in text
     assert any("shares their ID number: bob, cy" in remark for remark in book.remarks)
 
@@ -209,7 +213,7 @@ def test_moodle_takes_its_worksheet_back(
 ) -> None:
     sheets = [assignment.worksheet(NAMED, locked=("cy",))] if with_sheet else []
     book = moodle_book(tmp_path, *sheets)
-    text = worksheet_csv(book, tasks_of(book.results)[0])
+    text = worksheet_csv(book, TASK)
     if not with_sheet:
         assignment.maximum, assignment.grades = 100.0, {}
     assignment.load(text or "")
@@ -227,7 +231,7 @@ def test_moodle_gets_no_points_for_a_scale(
     tmp_path: Path, assignment: MoodleAssignment, maximum: str
 ) -> None:
     book = moodle_book(tmp_path, GRADES, assignment.worksheet(NAMED).replace("50.00", maximum))
-    (task,) = tasks_of(book.results)
+    task = TASK
     assert worksheet_csv(book, task) is None
     assert grades_csv(book, task) is None
     said = f"the assignment's maximum grade is '{maximum}', so Moodle grades it on a scale"
@@ -237,7 +241,7 @@ def test_moodle_gets_no_points_for_a_scale(
 def test_a_locked_grade_is_in_no_import(tmp_path: Path, assignment: MoodleAssignment) -> None:
     book = moodle_book(tmp_path, GRADES, assignment.worksheet(NAMED, locked=("cy",)))
     moodle = Moodle({"4001": "ann", "4003": "bob"})
-    moodle.load(grades_csv(book, tasks_of(book.results)[0]) or "")
+    moodle.load(grades_csv(book, TASK) or "")
     assert moodle.grades == {"ann": 30.0, "bob": 18.5}
     assert any("has a grade that can't be changed: cy" in remark for remark in book.remarks)
 
@@ -245,7 +249,8 @@ def test_a_locked_grade_is_in_no_import(tmp_path: Path, assignment: MoodleAssign
 def test_moodle_takes_the_feedback_back(tmp_path: Path, assignment: MoodleAssignment) -> None:
     book = moodle_book(tmp_path, assignment.worksheet(NAMED))
     options = ResultOptions(students=book.students, roster=book.roster)
-    write_results(book.results, tmp_path / "out", options)
+    results = [graded("a1"), absent("a2"), graded("bob", 37), graded("cy")]
+    write_results(results, tmp_path / "out", options)
     archive = tmp_path / "out" / "moodle" / f"{SLUG}-feedback.zip"
     assignment.load_feedback(archive)
     assert assignment.skipped == []
@@ -253,7 +258,7 @@ def test_moodle_takes_the_feedback_back(tmp_path: Path, assignment: MoodleAssign
     page = (tmp_path / "out" / "feedback" / "bob" / f"{SLUG}.html").read_bytes()
     assert assignment.files["bob"] == {f"{SLUG}.html": page}
     before = archive.read_bytes()
-    write_results(book.results, tmp_path / "out", options)
+    write_results(results, tmp_path / "out", options)
     assert archive.read_bytes() == before
 
 

@@ -11,9 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.intake import Student, find_files, student_id, take_in, unpack
+from grader.classroom.intake import Student, find_files, take_in
 from grader.course.submission import MAX_SIZE, read_regular_file
 from grader.errors import InputError
+from grader.lms import unpack
+from grader.lms.names import student_id
 
 AGENT = "agent.py"
 

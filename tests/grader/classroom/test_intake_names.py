@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from grader.classroom.intake import Student, find_files, take_in
-from grader.classroom.results.clean import folder_name
+from grader.lms.clean import folder_name
 
 AGENT = "agent.py"
 PIECES = (

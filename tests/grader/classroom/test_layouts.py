@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.intake import Intake, find_files, take_in, unpack
-from grader.classroom.roster import read_roster
+from grader.classroom.intake import Intake, find_files, take_in
 from grader.course.exercises import EXERCISES
 from grader.errors import InputError
+from grader.lms import unpack
+from grader.lms.sheets import read_roster
 
 AGENT = "obstacle_avoidance_agent.py"
 

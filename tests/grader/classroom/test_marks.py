@@ -30,10 +30,11 @@ from grader.classroom.amendments import (
 from grader.classroom.amendments.late import moment_of, span_of, times_of
 from grader.classroom.amendments.people import the_student
 from grader.classroom.marking import marking, reading
-from grader.classroom.results.marks import points_of, tasks_of
-from grader.classroom.row import GRADED, HELD, StudentRow
+from grader.classroom.marks import points_of, tasks_of
+from grader.classroom.row import GRADED, HELD
 from grader.classroom.store import Store
 from grader.errors import InputError
+from grader.lms.book import StudentRow
 
 # --- what changes come to --------------------------------------------------------------------
 

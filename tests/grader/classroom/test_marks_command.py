@@ -136,24 +136,6 @@ def test_an_anonymous_page_names_nobody(course: Course, graded: Path, tmp_path: 
         course("marks anonymous", "--into", graded / "shown")
 
 
-def test_a_log_edited_by_hand_is_said(course: Course, graded: Path) -> None:
-    import sqlite3  # noqa: PLC0415
-
-    course("marks score", 85, "--student", "ann", "--why", "x")
-    db = sqlite3.connect(graded / "store.sqlite")
-    db.execute("DROP TRIGGER amendments_UPDATE")
-    db.execute("UPDATE amendments SET who='somebody else'")
-    db.commit()
-    db.close()
-    code, said = course("report")
-    assert code == 2
-    assert "[this entry was changed after it was made]" in said
-    with pytest.raises(InputError, match="course marks undo"):
-        course("marks write")
-    course("marks undo", 1, "--why", "edited")
-    assert course("report")[0] == 0  # it is cleared up
-
-
 def test_the_same_mark_twice_is_said(course: Course) -> None:
     words = ("score", 85, "--student", "ann", "--why", "x")
     assert "says the same" not in course(f"marks {words[0]}", *words[1:])[1]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader.classroom.results.own_code import own_code
+from grader.classroom.results.similarity import own_code
 from grader.course.exercises import ROOT, Exercise, all_exercises
 
 NODE = b"""

@@ -12,22 +12,18 @@ import statistics
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import pytest
-from made_results import check, classes, result
+from made_results import book, check, classes, for_gradescope, result
 
+from grader.classroom.marks import points_of, tasks_of, why_held
 from grader.classroom.results import ResultOptions, write, write_results
-from grader.classroom.results.canvas import canvas_csv
-from grader.classroom.results.clean import cell, folder_name, one_line, visible
-from grader.classroom.results.gradebook import Book
-from grader.classroom.results.gradebooks import scores_csv
-from grader.classroom.results.gradescope import results_json
 from grader.classroom.results.items import distribution, item_analysis, point_biserial
-from grader.classroom.results.junit import junit_xml
-from grader.classroom.results.marks import points_of, tasks_of, why_held
-from grader.classroom.results.moodle import grades_csv
+from grader.classroom.results.scores import scores_csv
 from grader.classroom.row import ABSENT, HELD, RUNNING, StoredResult
+from grader.lms.canvas import canvas_csv
+from grader.lms.clean import cell, folder_name, one_line, visible
+from grader.lms.moodle import grades_csv
 
 FORMULAS = (
     "=1+1", "+1+1", "-A1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "  =1", "\uff1d1", "\u202e=1",
@@ -98,9 +94,9 @@ def test_held_gradings_have_no_points_anywhere() -> None:
     everyone = [stalled, broken, died, running, nothing, right("zoe")]
     for one in everyone[:-1]:
         assert points_of(one, tasks[0]) is None
-        assert results_json([one], tasks, frozenset()) is None
-    assert [row[0] for row in rows(canvas_csv(Book(everyone), tasks[0]) or "")[2:]] == ["zoe"]
-    assert [row[0] for row in rows(grades_csv(Book(everyone), tasks[0]) or "")[1:]] == ["zoe"]
+        assert for_gradescope([one], tasks) is None
+    assert [row[0] for row in rows(canvas_csv(book(everyone), tasks[0]) or "")[2:]] == ["zoe"]
+    assert [row[0] for row in rows(grades_csv(book(everyone), tasks[0]) or "")[1:]] == ["zoe"]
     table = csv.DictReader(io.StringIO(scores_csv(everyone, tasks)))
     states = {row["student"]: (row["state"], row["points"]) for row in table}
     assert states["ada"] == states["chen"] == states["eve"] == ("held", "")
@@ -113,11 +109,9 @@ def test_what_was_not_handed_in_is_no_fault() -> None:
     absent = replace(result("ada"), state=ABSENT)
     everyone = [other, absent, replace(result("ben"), state=ABSENT)]
     tasks = tasks_of(everyone)
-    assert canvas_csv(Book(everyone), tasks[0]) is None
-    assert results_json([other, absent], tasks, frozenset())["score"] == 100.0  # type: ignore[index]
-    assert results_json(everyone[2:], tasks, frozenset()) is None
-    root = ET.fromstring(junit_xml(everyone, tasks))
-    assert (root.get("skipped"), root.get("errors"), root.get("failures")) == ("2", "0", "0")
+    assert canvas_csv(book(everyone), tasks[0]) is None
+    assert for_gradescope([other, absent], tasks)["score"] == 100.0  # type: ignore[index]
+    assert for_gradescope(everyone[2:], tasks) is None
     states = {
         (row["student"], row["exercise"]): row["state"]
         for row in csv.DictReader(io.StringIO(scores_csv(everyone, tasks)))
@@ -170,7 +164,7 @@ def test_gradescope_reads_its_results() -> None:
         check("f", "skip", 0, kind="field"),
         wall_s=2.4,
     )
-    made = results_json([one], tasks_of([one]), frozenset())
+    made = for_gradescope([one], tasks_of([one]))
     assert made is not None
     assert (made["score"], made["execution_time"], made["visibility"]) == (60.0, 2, "visible")
     assert [test["name"] for test in made["tests"]] == [
@@ -195,27 +189,11 @@ def test_gradescope_reads_its_results() -> None:
 def test_gradescope_waits_until_every_exercise_counts() -> None:
     other = replace(right("ada"), exercise="goal_seeking")
     tasks = tasks_of([right("ada"), other])
-    both = results_json([right("ada"), other], tasks, frozenset())
+    both = for_gradescope([right("ada"), other], tasks)
     assert both is not None
     assert both["score"] == 200.0
     assert both["tests"][2]["name"].startswith("Goal seeking: ")
-    assert results_json([right("ada"), replace(other, state=HELD)], tasks, frozenset()) is None
-
-
-def test_junit_counts_and_survives_any_text() -> None:
-    nasty = ']]> \x00\x08 \x1b[31m \ufffe \ud800 <x> & "quoted"'
-    everyone = [
-        result(nasty, check("a", "fail", message=nasty, expected=nasty), check("b", "skip")),
-        result("ben", check("a", "inconclusive", message=nasty), check("b", "unavailable")),
-        result("chen", state=HELD, problem="died"),
-        right("dan"),
-    ]
-    root = ET.fromstring(junit_xml(everyone, tasks_of(everyone)))
-    counts = {key: root.get(key) for key in ("tests", "failures", "errors", "skipped")}
-    assert counts == {"tests": "7", "failures": "1", "errors": "2", "skipped": "2"}
-    suites = {suite.get("name"): suite for suite in root}
-    assert suites["chen / obstacle_avoidance"].find("testcase/error").get("message") == "died"  # type: ignore[union-attr]
-    assert all(suite.get("time") == "1.500" for suite in root)
+    assert for_gradescope([right("ada"), replace(other, state=HELD)], tasks) is None
 
 
 def test_nothing_written_is_nan() -> None:
@@ -300,7 +278,7 @@ def test_everything_is_written_below_out(whole: tuple[Path, list[Path]]) -> None
     assert all(path.resolve().is_relative_to(out.resolve()) for path in written)
     there = {path for path in out.rglob("*") if path.is_file() and path.name[0] != "."}
     assert there == set(written)
-    for name in ("class.html", "scores.csv", "junit.xml", *GRADEBOOKS):
+    for name in ("class.html", "scores.csv", *GRADEBOOKS):
         assert out / name in there
     assert not any("canary" in path.read_text("utf-8") for path in written if path.suffix == ".csv")
     assert not (out / "gradescope" / "ben").exists()  # one of his is held
@@ -372,7 +350,7 @@ def test_pages_are_made_again_only_for_another_result(tmp_path: Path) -> None:
     assert not written_again(right("ada"))
     assert written_again(result("ada", check("a", "fail", 100)))
     assert written_again(result("ada", check("a", "fail", 100)), hide="details")
-    (tmp_path / ".pages.json").write_text("nonsense")
+    page.write_text("nonsense")
     assert written_again(result("ada", check("a", "fail", 100)), hide="details")
 
 

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.roster import Roster, read_roster
 from grader.errors import InputError
+from grader.lms.people import Roster
+from grader.lms.sheets import read_roster
 
 CANVAS = (
     "Student,ID,SIS User ID,SIS Login ID,Section,Goal seeking (7),Current Score\n"

@@ -11,19 +11,20 @@ from pathlib import Path
 
 import pytest
 from importers import Canvas, Moodle, MoodleAssignment
-from made_results import check, result
+from made_results import book, check, result
 from sixty import AGENTS, FORMATS, Download, Someone, everybody
 
 from grader.classroom import account as fates
 from grader.classroom.candidates import Class, find_class
+from grader.classroom.marks import tasks_of
 from grader.classroom.options import Options
-from grader.classroom.results.canvas import canvas_csv
-from grader.classroom.results.gradebook import Book
-from grader.classroom.results.gradebooks import nbgrader_csv, scores_csv
-from grader.classroom.results.marks import Task, tasks_of
-from grader.classroom.results.moodle import grades_csv, worksheet_csv
-from grader.classroom.roster import read_roster
+from grader.classroom.results.scores import scores_csv
 from grader.classroom.row import ABSENT, HELD, StoredResult
+from grader.lms import nbgrader
+from grader.lms.book import Book, Task
+from grader.lms.canvas import canvas_csv
+from grader.lms.moodle import grades_csv, worksheet_csv
+from grader.lms.sheets import read_roster
 
 PEOPLE = everybody()
 SUBMITTED = [(p.login, slug) for p in PEOPLE for slug, file in AGENTS.items() if file in p.files]
@@ -37,6 +38,7 @@ class Taken:
     found: Class
     people: dict[str, Someone]  # by the student's id
     texts: dict[tuple[str, str], bytes]  # login, exercise
+    results: list[StoredResult]
     book: Book
 
     @property
@@ -75,7 +77,8 @@ def take(format_: str, place: Path) -> Taken:
             state = ABSENT if candidate.absent else HELD
             results.append(replace(result(student), exercise=slug, state=state))
     students = {row.student: row for row in found.students}
-    return Taken(download, found, people, texts, Book(results, students, roster))
+    made = book(results, students=students, roster=roster)
+    return Taken(download, found, people, texts, results, made)
 
 
 @pytest.fixture(params=FORMATS)
@@ -109,17 +112,17 @@ def test_every_file_and_everybody_is_accounted_for(taken: Taken) -> None:
 
 
 def test_what_could_not_be_read_is_held_and_the_rest_is_not(taken: Taken) -> None:
-    held = {taken.people[r.student].number for r in taken.book.results if r.state == HELD}
+    held = {taken.people[r.student].number for r in taken.results if r.state == HELD}
     assert held == {30, 31}
-    absent = {taken.people[r.student].number for r in taken.book.results if r.state == ABSENT}
+    absent = {taken.people[r.student].number for r in taken.results if r.state == ABSENT}
     assert absent >= set(range(20, 26))
 
 
 def rows_by_id(taken: Taken) -> int:
     """Import the gradebooks by the platform's rules; return how many rows found their student."""
     matched = 0
-    systems = taken.book.systems()
-    for task in tasks_of(taken.book.results):
+    systems = taken.book.systems
+    for task in tasks_of(taken.results):
         wanted = {login: float(points(login, slug)) for login, slug in SUBMITTED
                   if slug == task.slug}  # fmt: skip
         if "canvas" in systems:
@@ -143,7 +146,7 @@ def rows_by_id(taken: Taken) -> int:
             moodle.load(grades_csv(taken.book, task) or "")
             assert moodle.grades == wanted
         else:
-            text = scores_csv(taken.book.results, [task, *_others(taken, task.slug)],
+            text = scores_csv(taken.results, [task, *_others(taken, task.slug)],
                               taken.book.students)  # fmt: skip
             lines = [line for line in csv.DictReader(io.StringIO(text))
                      if line["exercise"] == task.slug and line["points"]]  # fmt: skip
@@ -151,7 +154,9 @@ def rows_by_id(taken: Taken) -> int:
             known = {p.login: str(4000 + p.number) for p in PEOPLE}
             assert ids == {known[login]: won for login, won in wanted.items()}
             if "nbgrader" in systems:
-                exported = csv.DictReader(io.StringIO(nbgrader_csv(taken.book, [task])))
+                exported = csv.DictReader(
+                    io.StringIO(nbgrader.gradebook(taken.book, [task])["nbgrader.csv"])
+                )
                 got = {line["student_id"]: float(line["score"]) for line in exported}
                 assert got == wanted
             got = wanted
@@ -160,7 +165,7 @@ def rows_by_id(taken: Taken) -> int:
 
 
 def _others(taken: Taken, slug: str) -> list[Task]:
-    return [task for task in tasks_of(taken.book.results) if task.slug != slug]
+    return [task for task in tasks_of(taken.results) if task.slug != slug]
 
 
 def test_every_row_is_matched_by_id(taken: Taken) -> None:

@@ -1,0 +1,42 @@
+"""What students handed in, as it lies on this disk."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.lms.entries import Entry, Who
+from grader.lms.people import Person
+
+
+@dataclass(frozen=True)
+class HandedIn:
+    """A file that somebody handed in."""
+
+    path: Path  # where it lies, perhaps unpacked
+    name: str  # what the student called it, with folders
+    entry: Entry
+    source: int = 0  # the download's place on the command line
+
+    @property
+    def depth(self) -> int:
+        """Folders above it in what the student handed in."""
+        return self.name.count("/")
+
+    @property
+    def version(self) -> tuple[int, int]:
+        """What makes one file newer than another of the same name."""
+        return self.entry.version, self.source
+
+
+@dataclass(frozen=True)
+class Student:
+    """One who handed something in, or who is in the roster."""
+
+    id: str  # a safe name for a folder
+    files: tuple[HandedIn, ...] = ()
+    problem: str = ""  # why a part can't be read; "" if all can
+    links: bool = False  # there are links, which are not followed
+    person: Person | None = None  # in the roster
+    who: tuple[Who, ...] = ()
+    entries: tuple[str, ...] = ()  # what of the downloads is theirs

@@ -1,0 +1,105 @@
+"""Scores for spreadsheets, one line per grading with every figure, and for the gradebooks.
+
+Held and missing gradings are empty cells, never zeros.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+from grader.classroom.marks import (
+    checks_of,
+    is_absent,
+    is_graded,
+    is_held,
+    points_of,
+    raw_points,
+    state_of,
+    why_held,
+)
+from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.withheld import for_students
+from grader.classroom.row import GRADED, StoredResult, as_graded
+from grader.lms.book import Book, Mark, StudentRow, Task
+from grader.lms.tables import Cell, Verbatim, csv_text
+
+SCORES = (
+    "student", "name", "id", "section", "exercise", "state", "points", "max_points", "score",
+    "max_score", "field_ready", "passed", "failed", "skipped", "attempts", "wall_s", "cpu_s",
+    "handed_in", "late", "finished", "problem", "points_as_graded", "changed",
+)  # fmt: skip
+# of the ids, the one that the instructor's lists most likely have
+ID_FIRST = ("canvas", "id", "idnumber", "sis", "login", "email", "github")
+
+
+def scores_csv(
+    results: Sequence[StoredResult],
+    tasks: Sequence[Task],
+    students: Mapping[str, StudentRow] | None = None,
+) -> str:
+    """Return the table."""
+    by_slug, known = {task.slug: task for task in tasks}, students or {}
+    rows = [
+        _row(result, by_slug[result.exercise], known.get(result.student, StudentRow("")))
+        for result in results
+    ]
+    return csv_text([SCORES, *rows])
+
+
+def mark_of(
+    result: StoredResult, task: Task, row: StudentRow | None = None, hidden: Collection[str] = ()
+) -> Mark:
+    """Return what a gradebook needs of a result."""
+    changed = result.amended
+    return Mark(
+        result.exercise,
+        row or StudentRow(result.student),
+        points_of(result, task),
+        changed.penalty if changed else 0.0,
+        changed.steps if changed else (),
+        for_students(result.grading or {}, result.file_names, hidden)["checks"],
+        result.wall_s,
+    )
+
+
+def book_of(results: Sequence[StoredResult], tasks: Sequence[Task], options: ResultOptions) -> Book:
+    """Return the class as the gradebooks see it: what was handed in, or has points."""
+    by_slug = {task.slug: task for task in tasks}
+    marks = [
+        mark_of(one, by_slug[one.exercise], options.students.get(one.student), options.hidden)
+        for one in results
+        if not is_absent(one)
+    ]
+    return Book(marks, options.students, options.roster, options.columns)
+
+
+def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
+    handed = row.handed.get(result.exercise)
+    id_ = next((row.ids[kind] for kind in ID_FIRST if row.ids.get(kind)), "")
+    score, most = raw_points(result) if is_graded(result) else (None, None)
+    core = [check for check in checks_of(result) if check.get("kind") != "field"]
+    counts = [sum(c.get("outcome") == o for c in core) for o in ("pass", "fail", "skip")]
+    ready = (result.grading or {}).get("field_ready")
+    return [
+        result.student,
+        row.name,
+        Verbatim(id_ or (handed.id if handed else "")),
+        row.section,
+        result.exercise,
+        state_of(result),
+        points_of(result, task),
+        task.points,
+        score,
+        most,
+        "" if ready is None else "yes" if ready else "no",
+        *(counts if result.state == GRADED and result.grading else (None, None, None)),
+        result.attempts,
+        round(result.wall_s, 2),
+        round(result.cpu_s, 2),
+        Verbatim(handed.time if handed else ""),
+        "late" if handed and handed.late else "",
+        result.finished,
+        why_held(result).reason if is_held(result) else result.problem,
+        points_of(as_graded(result), task) if result.amended else None,
+        " ".join(result.amended.steps) if result.amended else "",
+    ]

@@ -1,0 +1,211 @@
+"""What all gradebooks need: who has points in an exercise, by which ids, in which column."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from grader.lms.clean import one_line
+from grader.lms.people import NOBODY, Person, Roster, Sheet, folded
+
+MOST_NAMED = 10  # students in a remark
+LOGIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")  # a name that a platform may give a user
+ANYWHERE = {"folder", "csv"}  # systems that say nothing of the gradebook
+
+
+@dataclass(frozen=True)
+class Task:
+    """An exercise as the results name it."""
+
+    slug: str
+    number: int
+    title: str
+    points: float
+    folder: str = ""  # of the feedback page
+
+    @property
+    def heading(self) -> str:
+        """Number and title."""
+        return f"{self.number} · {self.title}" if self.number else self.title
+
+
+@dataclass(frozen=True)
+class Handed:
+    """How a learning platform knows what somebody handed in for one exercise."""
+
+    system: str  # "canvas", "moodle", …; "folder" if it was none
+    name: str = ""  # of the student, as in the download
+    id: str = ""
+    email: str = ""
+    entry: str = ""  # the folder or file in the download
+    late: bool = False  # says the platform
+    time: str = ""  # when, as the platform writes it; "" if it doesn't say
+
+
+@dataclass(frozen=True)
+class StudentRow:
+    """What is known of a student besides the work."""
+
+    student: str  # the name of the folder
+    name: str = ""  # in the roster; "" without one
+    section: str = ""
+    ids: dict[str, str] = field(default_factory=dict)  # kind: id, of the roster
+    participants: tuple[str, ...] = ()  # Moodle's ids, one per assignment
+    handed: dict[str, Handed] = field(default_factory=dict)  # by exercise
+
+
+@dataclass(frozen=True)
+class Mark:
+    """What one student's work for one exercise came to."""
+
+    exercise: str  # slug
+    row: StudentRow
+    points: float | None  # that count; None while there are none
+    penalty: float = 0.0  # for lateness, which is off already
+    notes: tuple[str, ...] = ()  # how a person has changed them
+    checks: Sequence[Mapping[str, Any]] = ()  # as the student may see them
+    seconds: float = 0.0  # that the grading took [s]
+
+    @property
+    def student(self) -> str:
+        """The student's folder."""
+        return self.row.student
+
+    @property
+    def name(self) -> str:
+        """The name for people."""
+        return self.row.name or self.student
+
+    @property
+    def handed(self) -> Handed:
+        """How the platform knows the submission."""
+        return self.row.handed.get(self.exercise, Handed("folder"))
+
+    @property
+    def login(self) -> str:
+        """The folder's name if, without a roster, it may be the user's at the platform."""
+        is_folder = self.handed.system == "folder"
+        return self.student if is_folder and LOGIN.fullmatch(self.student) else ""
+
+
+@dataclass
+class Book:
+    """A graded class as the gradebooks see it; takes down what a person should know."""
+
+    entries: Sequence[Mark]  # of all that was handed in, by student
+    students: Mapping[str, StudentRow] = field(default_factory=dict)
+    roster: Roster = NOBODY
+    titles: Mapping[str, str] = field(default_factory=dict)  # slug: the instructor's column
+    remarks: list[str] = field(default_factory=list)
+
+    def marks(self, task: Task) -> list[tuple[Mark, float]]:
+        """Return who has points that count, with them; nobody else is in any gradebook."""
+        found = [
+            (mark, mark.points)
+            for mark in self.entries
+            if mark.exercise == task.slug and mark.points is not None
+        ]
+        return sorted(found, key=lambda each: each[0].student)
+
+    @property
+    def systems(self) -> set[str]:
+        """The platforms that the work came from, and whose sheets the roster was."""
+        used = {each.system for row in self.students.values() for each in row.handed.values()}
+        return used | {sheet.kind for sheet in self.roster.sheets}
+
+    def may_be(self, *systems: str) -> bool:
+        """Tell whether the class may be one of these platforms'."""
+        return self.systems <= ANYWHERE or not self.systems.isdisjoint(systems)
+
+    def sheets(self, kind: str) -> list[Sheet]:
+        """Return the roster's sheets of that kind."""
+        return [sheet for sheet in self.roster.sheets if sheet.kind == kind]
+
+    def row_of(self, sheet: Sheet, mark: Mark) -> tuple[str, ...] | None:
+        """Return a student's row in a sheet."""
+        for row, place in zip(sheet.rows, sheet.people, strict=True):
+            if _is(self.roster.people[place], mark.row):
+                return row
+        return None
+
+    def column(self, headings: Sequence[str], task: Task) -> str:
+        """Return the heading of an exercise's column; "" if it can't be told."""
+        wanted = self.titles.get(task.slug, "")
+        if wanted:
+            same = [each for each in headings if wanted in (each, bare(each))]
+        else:
+            title, slug = folded(task.title), folded(task.slug)
+            numbered = re.compile(rf"\bexercise {task.number}\b")
+            names = {each: folded(bare(each)) for each in headings}
+            same = [each for each, name in names.items() if name in (title, slug)]
+            same = same or [
+                each for each, name in names.items() if title in name or numbered.search(name)
+            ]
+        return same[0] if len(same) == 1 else ""
+
+    def remark(self, text: str, students: Iterable[str] = ()) -> None:
+        """Note something for the report, with the students it is about."""
+        self.remarks.append(f"{about(text, students)}.")
+
+    def leaves_out(self, file: str, why: str, marks: Sequence[Mark]) -> None:
+        """Note whom a file leaves out, if there is anybody."""
+        if marks:
+            self.remark(f"{file} leaves out who {why}", [mark.student for mark in marks])
+
+
+def named(students: Iterable[str], most: int = MOST_NAMED) -> str:
+    """Return the first of some students in words."""
+    names = [one_line(student, 60) for student in students]
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
+
+
+def about(text: str, students: Iterable[str]) -> str:
+    """Return a sentence with the students it is about."""
+    names = named(dict.fromkeys(students))
+    return f"{text}: {names}" if names else text
+
+
+def bare(heading: str) -> str:
+    """Return a column's title without what the platforms add.
+
+    "Goal seeking (123)" is Canvas's, "Assignment: Goal seeking (Real)" is Moodle's.
+    """
+    return re.sub(r"^(Assignment|Quiz):\s*|\s*\((\d+|Real)\)$", "", heading).strip()
+
+
+def scaled(points: float, task: Task, most: str) -> float:
+    """Return points out of those that the gradebook's column has."""
+    try:
+        full = float(most.replace(",", "."))
+    except ValueError:
+        return points
+    return points if not 0 < full < 1e6 else round(points / task.points * full, 2)
+
+
+def missing_columns(titles: Mapping[str, str], roster: Roster) -> list[str]:
+    """Return a sentence for each title that was given and that no gradebook of the roster has."""
+    books = [sheet for sheet in roster.sheets if sheet.kind in ("canvas", "moodle")]
+    headings = [each for sheet in books for each in sheet.header]
+    return [
+        f"--column: no column {title!r} in {', '.join(sheet.file.name for sheet in books)}, so "
+        f"importing makes a new one{_nearest(title, headings)}"
+        for title in titles.values()
+        if books and not any(title in (each, bare(each)) for each in headings)
+    ]
+
+
+def _nearest(title: str, headings: Sequence[str]) -> str:
+    near = difflib.get_close_matches(title, headings, n=1)
+    return f"; did you mean {one_line(near[0])!r}?" if near else ""
+
+
+def _is(person: Person, row: StudentRow) -> bool:
+    if person.ids or row.ids:
+        return bool(person.ids) and dict(person.ids) == dict(row.ids)
+    if person.participants:
+        return set(person.participants) == set(row.participants)
+    return person.label == row.name

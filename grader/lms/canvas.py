@@ -1,0 +1,173 @@
+"""Canvas: flat downloads whose names carry whose they are, and "Gradebook > Import".
+
+Sources, in instructure/canvas-lms:
+
+- lib/content_zipper.rb: `get_filename` joins the sortable name in lower case without anything but
+  word characters, `LATE`, and the user's id (`anon_` and an anonymous id where names are hidden);
+  `add_upload_submission` adds the attachment's id and the display name; text entries end in
+  `_text.html`, web addresses in `_link.html`. Group submissions carry the group's name and one
+  member's id. A second upload of a file gets `-1` at its end, and a higher attachment id.
+- lib/gradebook_importer.rb: a student is found by `ID`, then by SIS ids, then by name; an
+  assignment by "Title (id)", then by its title. A blank cell over a score removes it
+  (`no_change_to_value?`), a cell over "EX" ends the excuse, and a row "Points Possible" changes the
+  assignment. So there is a file per exercise, which holds only students with points, and that row
+  only where Canvas has to make the assignment.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from grader.lms.book import Book, Mark, Task, scaled
+from grader.lms.entries import Entry, Read, SetAside, Who, several
+from grader.lms.people import Sheet
+from grader.lms.platform import Files, Platform
+from grader.lms.tables import Cell, Verbatim, csv_text, number
+
+# From the left: what the student called the file can't reach the ids in front of it. But a name may
+# hold what looks like ids, and in some places students choose their own: UNCLEAR says when the file
+# might be another's. It has to be a look at Canvas then, for both would lose by a guess.
+_WHO = r"(?:(?P<name>\w*?)_)??(?:(?P<late>LATE)_)?(?P<id>\d+|anon_[A-Za-z0-9]+)"
+UPLOAD = re.compile(rf"{_WHO}_(?P<attachment>\d+)_(?P<file>.+)", re.DOTALL)
+UNCLEAR = re.compile(r"(?:LATE_)?\d{3,}_.+", re.DOTALL)  # what seems to be the file's own name
+WHOSE = (
+    "its name begins with a number, or its student's name ends with one: whose it is can't be "
+    "told; look into Canvas, and rename the file"
+)
+TYPED = re.compile(rf"{_WHO}_(?P<kind>text|link)\.html")
+TYPED_IN = {"text": "text typed into Canvas.html", "link": "web address.html"}
+
+PLAIN = ("Student", "ID", "SIS Login ID", "Section")
+UNTOUCHED = {"ex": "is excused in Canvas", "n/a": "is not assigned to them in Canvas"}
+READ_ONLY = "read only"
+NO_ROW = "has no row in Canvas"
+POSSIBLE = Verbatim("    Points Possible")
+
+
+def read(folder: Path, paths: Sequence[Path]) -> Read:
+    """Return the uploads among the files, and what was typed into a form."""
+    found = Read()
+    for path in paths:
+        upload, typed = UPLOAD.fullmatch(path.name), TYPED.fullmatch(path.name)
+        if path.is_symlink() or not path.is_file():
+            found.left.append(path)
+        elif upload is not None and UNCLEAR.fullmatch(upload["file"]):
+            found.set_aside.append(SetAside(path.name, WHOSE))
+        elif upload is not None:
+            version, late = int(upload["attachment"][:18]), upload["late"] is not None
+            found.entries.append(Entry(path, _who(upload), upload["file"], version, late=late))
+        elif typed is not None:  # shows what is there if there is no file
+            late = typed["late"] is not None
+            found.entries.append(Entry(path, _who(typed), TYPED_IN[typed["kind"]], late=late))
+        else:
+            found.left.append(path)
+    return found
+
+
+def _who(match: re.Match[str]) -> Who:
+    name = match["name"] or ""
+    anonymous = match["id"].startswith("anon_")
+    return Who(name or match["id"], "canvas", match["id"] if not anonymous else "")
+
+
+def sheet(header: Sequence[str]) -> str:
+    """Return the kind of a gradebook's export."""
+    mine = header[:2] == ["student", "id"] or header[:3] == ["lastname", "firstname", "id"]
+    return "canvas" if mine else ""
+
+
+def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
+    """Return a file per exercise."""
+    if not book.may_be("canvas"):
+        return {}
+    files = {f"canvas/{task.folder}.csv": canvas_csv(book, task) for task in tasks}
+    return {name: text for name, text in files.items() if text}
+
+
+def canvas_csv(book: Book, task: Task) -> str | None:
+    """Return the file of one exercise; None if nobody has an id of Canvas's."""
+    sheets = book.sheets("canvas")
+    if sheets:
+        return _from_sheet(book, task, sheets[0])
+    rows: list[list[Cell]] = []
+    lost = []
+    for mark, points in book.marks(task):
+        ids, handed = mark.row.ids, mark.handed
+        id_ = ids.get("canvas") or (handed.id if handed.system == "canvas" else "")
+        login = ids.get("login", "")
+        if not id_ and not login and not book.roster.people:
+            login = mark.login
+        if id_ or login:
+            rows.append([mark.name, _id(id_), _id(login), mark.row.section, points])
+        else:
+            lost.append(mark)
+    book.leaves_out(f"canvas/{task.folder}.csv", NO_ROW, lost)
+    title = Verbatim(book.titles.get(task.slug, task.title))
+    header: list[Cell] = [*map(Verbatim, PLAIN), title]
+    possible: list[Cell] = [POSSIBLE, None, None, None, task.points]
+    return csv_text([header, possible, *rows]) if rows else None
+
+
+def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
+    file, column = f"canvas/{task.folder}.csv", book.column(_assignments(sheet), task)
+    most = sheet.points.get(column, "") if column else ""
+    if column and READ_ONLY in most:
+        book.remark(f"Canvas's column {column!r} is read only: nothing is exported for it")
+        return None
+    end = sheet.header.index("Section") + 1 if "Section" in sheet.header else 2
+    header: list[Cell] = [*map(Verbatim, sheet.header[:end]), Verbatim(column or task.title)]
+    possible: list[list[Cell]] = []
+    if not column:
+        book.remark(
+            f"Canvas's gradebook has no single column for {task.heading!r}, so importing makes "
+            f"one; name it with --column '{task.number or task.slug}=TITLE'"
+        )
+        possible = [[POSSIBLE, *[None] * (end - 1), task.points]]
+    elif scaled(task.points, task, most) != task.points:
+        book.remark(
+            f"{file}: points are scaled from {number(task.points)} to the {most} of Canvas's "
+            f"column {column!r}"
+        )
+    rows: list[list[Cell]] = []
+    left: dict[str, list[Mark]] = {}
+    names = 2 if sheet.header[0].casefold() == "lastname" else 1
+    for mark, points in book.marks(task):
+        row = book.row_of(sheet, mark)
+        before = row[sheet.header.index(column)].strip() if row and column else ""
+        why = UNTOUCHED.get(before.casefold(), "") if row else NO_ROW
+        if row is None or why:
+            left.setdefault(why, []).append(mark)
+            continue
+        called = [_unquoted(name) for name in row[:names]]
+        rows.append([*called, *map(Verbatim, row[names:end]), scaled(points, task, most)])
+    for why, marks in left.items():
+        book.leaves_out(file, why, marks)
+    return csv_text([header, *possible, *rows]) if rows else None
+
+
+def _assignments(sheet: Sheet) -> tuple[str, ...]:
+    """Return the headings of assignments: those with an id at the end, else all."""
+    return tuple(each for each in sheet.header if each.endswith(")")) or sheet.header
+
+
+def _unquoted(name: str) -> str:
+    """Return a name that begins with "=" without what Canvas puts around it."""
+    match = re.fullmatch(r'="(.*)"', name, re.DOTALL)
+    return match[1] if match else name
+
+
+def _id(text: str) -> Cell:
+    return Verbatim(text) if text else None
+
+
+PLATFORM = Platform(
+    "Canvas",
+    read,
+    lambda names: several(names, UPLOAD),
+    sheet,
+    gradebook,
+    folder="canvas",
+    what={"canvas": "Canvas gradebook, a file per exercise"},
+)

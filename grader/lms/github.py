@@ -1,0 +1,60 @@
+"""GitHub Classroom's clones: `ASSIGNMENT-USER`, each a repository.
+
+Source: github/gh-classroom, cmd/gh-classroom/clone/student-repos/student-repos.go: the clones lie
+in `SLUG-submissions` and keep the repository's name, which GitHub Classroom makes of the
+assignment's slug and the student's user name. Git itself is never run in them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from grader.lms.entries import Entry, Read, Who
+from grader.lms.platform import Platform
+
+ENDING = "-submissions"
+
+
+def read(folder: Path, paths: Sequence[Path]) -> Read:
+    """Return the repositories if their names say which part is the student's."""
+    clones = [path for path in paths if is_clone(path)]
+    prefix = _prefix(folder, [path.name for path in clones])
+    if not prefix:
+        return Read(left=list(paths))
+    theirs = [path for path in clones if path.name.startswith(prefix) and path.name != prefix]
+    return Read(
+        [Entry(path, _who(path.name.removeprefix(prefix))) for path in theirs],
+        left=[path for path in paths if path not in set(theirs)],
+    )
+
+
+def _prefix(folder: Path, names: Sequence[str]) -> str:
+    """Return what the names begin with: the folder's slug, or else what all have in common."""
+    slug = folder.resolve().name
+    if slug.endswith(ENDING):
+        slug = slug.removesuffix(ENDING) + "-"
+        if any(name.startswith(slug) for name in names):
+            return slug
+    common = os.path.commonprefix(names) if len(names) > 1 else ""  # noqa: RUF071 characters
+    return common[: common.rfind("-") + 1]
+
+
+def _who(user: str) -> Who:
+    return Who(user, "github", user.casefold())
+
+
+def is_clone(path: Path) -> bool:
+    """Tell whether a folder is a repository, as far as it can be read."""
+    return not path.is_symlink() and path.is_dir() and os.path.exists(path / ".git")  # noqa: PTH110
+
+
+def sheet(header: Sequence[str]) -> str:
+    """Return the kind of GitHub Classroom's `classroom_roster.csv`."""
+    return "github" if {"github_username", "identifier"} <= set(header) else ""
+
+
+PLATFORM = Platform(
+    "GitHub Classroom", read, lambda names: sum(each.endswith("/.git") for each in names) > 1, sheet
+)

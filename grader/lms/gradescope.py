@@ -1,0 +1,242 @@
+"""Gradescope: folders `submission_ID` with a list of whose they are, and `results.json` for each.
+
+- "Export Submissions" has a file `submission_metadata.yml` with, for each folder, `:submitters:`
+  with `:name:`, `:sid:` and `:email:`, and `:created_at:`. A group's submission counts for each of
+  its members. Source: the export itself; public readers of it agree on these keys.
+- `gradescope/autograder.zip` is an autograder that only looks results up. Upload it to the
+  programming assignments that the submissions were exported from, and choose "Regrade all
+  submissions"; no student's code runs there. Without a result the student sees that the autograder
+  failed, and there is no score. Source: Gradescope, "Autograder Specifications", "Output Format"
+  and "Submission Metadata".
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import datetime
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from grader.course.submission import read_regular_file
+from grader.errors import InputError
+from grader.lms.book import Book, Mark, Task
+from grader.lms.clean import folder_name, one_line, visible
+from grader.lms.entries import Entry, Read, SetAside, Who
+from grader.lms.platform import Files, Platform
+from grader.report.page import json_text
+from grader.report.terminal import UNJUDGED
+
+METADATA = "submission_metadata.yml"
+MAX_METADATA = 64 * 1024 * 1024  # [bytes]: it holds the results of every submission
+FOLDER = re.compile(r"submission_(?P<id>\d+)")
+
+MAX_OUTPUT = 4000  # [characters] of one test
+WORDS = {
+    "pass": "Passed.",
+    "skip": "Skipped.",
+    "unavailable": "Not counted: a library is not installed where the judge runs.",
+}
+EPOCH = (1980, 1, 1, 0, 0, 0)  # the same results make the same bytes
+PROGRAM = 0o100755  # an ordinary file that may be run
+SETUP = """#!/usr/bin/env bash
+command -v python3 || { apt-get update && apt-get install -y python3; }
+"""
+RUN = '''#!/usr/bin/env python3
+"""Hand out the result that was graded elsewhere."""
+
+import json
+import os
+import shutil
+import sys
+
+root = os.environ.get("AUTOGRADER_ROOT", "/autograder")
+with open(os.path.join(root, "submission_metadata.json"), encoding="utf-8") as file:
+    number = int(json.load(file)["id"])
+result = os.path.join(root, "source", "graded", f"{number}.json")
+if not os.path.exists(result):
+    sys.exit("This submission was not graded yet, or a person has to look at it first.")
+os.makedirs(os.path.join(root, "results"), exist_ok=True)
+shutil.copyfile(result, os.path.join(root, "results", "results.json"))
+'''
+
+
+# --- what it hands over --------------------------------------------------------------------------
+
+
+def read(folder: Path, paths: Sequence[Path]) -> Read:
+    """Return the submissions that the metadata name."""
+    if not any(path.name == METADATA for path in paths):
+        return Read(left=list(paths))
+    known = _metadata(folder / METADATA)
+    found = Read()
+    for path in paths:
+        if path.name == METADATA:
+            continue
+        if not FOLDER.fullmatch(path.name) or path.is_symlink() or not path.is_dir():
+            found.left.append(path)
+            continue
+        about = known.get(path.name)
+        people = list(_submitters(about)) if isinstance(about, Mapping) else []
+        if not people:
+            reason = f"{METADATA} does not say whose it is"
+            found.set_aside.append(SetAside(path.name, reason))
+        time = about.get(":created_at") if isinstance(about, Mapping) else None
+        text = time.isoformat() if isinstance(time, datetime) else ""
+        found.entries.extend(Entry(path, who, time=text) for who in people)
+    missing = sorted(set(map(str, known)) - {path.name for path in paths})
+    found.set_aside.extend(
+        SetAside(name, f"in {METADATA}, but there is no such folder") for name in missing
+    )
+    return found
+
+
+def _metadata(file: Path) -> Mapping[Any, Any]:
+    try:
+        text = read_regular_file(file, MAX_METADATA).decode("utf-8")
+        loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+        known = yaml.load(text, loader)
+    except (OSError, ValueError, yaml.YAMLError, RecursionError) as error:
+        raise InputError(
+            f"{file}: expected Gradescope's metadata ({type(error).__name__}); "
+            "export the submissions again"
+        ) from None
+    if not isinstance(known, Mapping):
+        raise InputError(f"{file}: expected Gradescope's metadata, a folder's name to a line each")
+    return known
+
+
+def _submitters(about: Mapping[Any, Any]) -> Iterator[Who]:
+    people = about.get(":submitters")
+    for person in people if isinstance(people, list) else []:
+        if isinstance(person, Mapping):
+            name, sid, email = (str(person.get(key) or "") for key in (":name", ":sid", ":email"))
+            if name or sid or email:
+                yield Who(name or email or sid, "gradescope", sid, email)
+
+
+def sheet(header: Sequence[str]) -> str:
+    """Return the kind of a roster."""
+    named = {"name", "full name", "first name", "last name", "student", "student name"}
+    return "gradescope" if "sid" in header and named & set(header) else ""
+
+
+# --- what it takes back --------------------------------------------------------------------------
+
+
+def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
+    """Return each student's results, and an autograder with those of submissions exported there."""
+    if not book.may_be("gradescope"):
+        return {}
+    files: dict[str, str | bytes] = {}
+    for student, marks in groupby(book.entries, key=lambda mark: mark.student):
+        final = results_json(list(marks), tasks)
+        if final is not None:
+            files[f"gradescope/{folder_name(student)}/results.json"] = json_text(final)
+    if "gradescope" in book.systems:
+        files["gradescope/autograder.zip"] = _autograder(_by_submission(book, tasks))
+    return files
+
+
+def results_json(marks: Sequence[Mark], tasks: Sequence[Task]) -> dict[str, Any] | None:
+    """Return one student's results; None while any is held or unfinished.
+
+    Gradescope takes a missing score for zero, so it gets only final scores.
+    """
+    by_slug = {mark.exercise: mark for mark in marks}
+    mine = [(task, by_slug[task.slug]) for task in tasks if task.slug in by_slug]
+    scores = [mark.points for _, mark in mine if mark.points is not None]
+    if not mine or len(scores) < len(mine):
+        return None
+    tests: list[dict[str, Any]] = []
+    lines: list[str] = []
+    several = len(mine) > 1
+    for number, (task, mark) in enumerate(mine, start=1):
+        prefix, place = (f"{task.title}: ", f"{number}.") if several else ("", "")
+        tests += [_test(check, f"{place}{i}", prefix) for i, check in enumerate(mark.checks, 1)]
+        lines += [f"{task.title}: {mark.points:g} of {task.points:g} points", *mark.notes]
+    return {
+        "score": round(sum(scores), 2),
+        "execution_time": max(1, round(sum(mark.seconds for _, mark in mine))),
+        "output": "\n".join(lines),
+        "output_format": "text",
+        "visibility": "visible",
+        "tests": tests,
+        "extra_data": {"exercises": [task.slug for task, _ in mine]},
+    }
+
+
+def _test(check: Mapping[str, Any], number: str, prefix: str) -> dict[str, Any]:
+    field = check.get("kind") == "field"
+    test: dict[str, Any] = {
+        "name": prefix + one_line(check.get("title") or check.get("id") or "check", 250),
+        "number": number,
+        "output": _output(check),
+        "output_format": "text",
+        "tags": ["field" if field else "core"],
+        "visibility": "visible",
+        "extra_data": {"check": one_line(check.get("id") or ""), "outcome": check.get("outcome")},
+    }
+    if check.get("outcome") not in UNJUDGED and not check.get("waived"):
+        test["status"] = "passed" if check.get("outcome") == "pass" else "failed"
+        if not field:
+            test["score"] = float(check.get("points") or 0)
+            test["max_score"] = float(check.get("max_points") or 0)
+    return test
+
+
+def _output(check: Mapping[str, Any]) -> str:
+    lines = [WORDS.get(str(check.get("outcome")), ""), visible(check.get("message") or "")]
+    for name, key in (("Expected", "expected"), ("Actual", "actual"), ("Look at next", "help")):
+        if check.get(key):
+            lines.append(f"{name}: {visible(check[key])}")
+    text = "\n".join(line for line in lines if line)
+    return text if len(text) <= MAX_OUTPUT else text[: MAX_OUTPUT - 1] + "…"
+
+
+def _by_submission(book: Book, tasks: Sequence[Task]) -> dict[int, str]:
+    """Return the text of `results.json` for each submission of Gradescope's."""
+    groups: dict[int, dict[str, Mark]] = {}
+    for mark in book.entries:
+        number = mark.handed.entry.removeprefix("submission_")
+        if mark.handed.system == "gradescope" and number.isdecimal():
+            # a group's submission was graded for each of its members: the first counts
+            groups.setdefault(int(number), {}).setdefault(mark.exercise, mark)
+    found = {n: results_json(list(each.values()), tasks) for n, each in sorted(groups.items())}
+    return {number: json_text(final) for number, final in found.items() if final is not None}
+
+
+def _autograder(texts: Mapping[int, str]) -> bytes:
+    """Return the zip for Gradescope."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        _add(archive, "setup.sh", SETUP, PROGRAM)
+        _add(archive, "run_autograder", RUN, PROGRAM)
+        for submission, text in texts.items():
+            _add(archive, f"graded/{submission}.json", text, 0o100644)
+    return stream.getvalue()
+
+
+def _add(archive: zipfile.ZipFile, name: str, text: str, mode: int) -> None:
+    info = zipfile.ZipInfo(name, EPOCH)
+    info.compress_type = zipfile.ZIP_DEFLATED
+    info.external_attr = mode << 16
+    archive.writestr(info, text.encode("utf-8", "replace"))
+
+
+PLATFORM = Platform(
+    "Gradescope",
+    read,
+    lambda names: METADATA in names,
+    sheet,
+    gradebook,
+    folder="gradescope",
+    what={
+        "gradescope": "Gradescope: an autograder that hands out the results, and each results.json"
+    },
+)

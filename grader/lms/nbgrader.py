@@ -1,0 +1,165 @@
+"""nbgrader: its exchange, what `nbgrader collect` makes of it, its export, its own gradebook.
+
+Sources, in jupyter/nbgrader:
+
+- nbgrader/exchange/default/submit.py and collect.py: a folder `USER+ASSIGNMENT+TIMESTAMP`, perhaps
+  with `+RANDOM`, in `inbound`; user names may hold `+`, so the parts are taken from the right.
+  Collected work is `submitted/USER/ASSIGNMENT`, with its time in `timestamp.txt`.
+- nbgrader/plugins/export.py, `CsvExportPlugin`. Unlike there, who handed in nothing has no row: a
+  zero would be a score.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from grader.course.submission import read_regular_file
+from grader.lms.book import Book, Mark, Task
+from grader.lms.entries import Entry, Read, SetAside, Who, several
+from grader.lms.platform import Files, Platform
+from grader.lms.tables import Cell, Verbatim, csv_text
+
+_TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
+ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)
+SIDES = {
+    "inbound": ("outbound", "feedback"),
+    "submitted": ("source", "release", "autograded", "feedback", "gradebook.db"),
+}
+COLUMNS = (
+    "assignment", "duedate", "timestamp", "student_id", "last_name", "first_name", "email",
+    "raw_score", "late_submission_penalty", "score", "max_score",
+)  # fmt: skip
+
+
+def read(folder: Path, paths: Sequence[Path]) -> Read:
+    """Return each student's latest attempt at each assignment; older ones are set aside."""
+    found = Read()
+    names = {path.name for path in paths}
+    for path in paths:
+        beside = {each for side in names.intersection(SIDES) for each in SIDES[side]}
+        if path.name in beside:
+            found.set_aside.append(SetAside(path.name, "a part of nbgrader's course", fault=False))
+        elif path.is_symlink() or not path.is_dir():
+            found.left.append(path)
+        elif path.name in SIDES and names.intersection(SIDES[path.name]):
+            _of_course(path, found)
+        else:
+            _attempt(path, found)
+    return _latest(found)
+
+
+def _of_course(path: Path, found: Read) -> None:
+    for inner in sorted(path.iterdir()):
+        if inner.is_symlink() or not inner.is_dir():
+            found.set_aside.append(SetAside(f"{path.name}/{inner.name}", "no submission", False))
+        elif path.name == "inbound":
+            _attempt(inner, found)
+        else:
+            found.entries.extend(_collected(inner))
+
+
+def _attempt(path: Path, found: Read) -> None:
+    match = ATTEMPT.fullmatch(path.name)
+    if match is None:
+        found.left.append(path)
+        return
+    time = match["time"] if _microseconds(match["time"]) else ""
+    who = Who(match["user"], "nbgrader", match["user"])
+    found.entries.append(Entry(path, who, version=_microseconds(time), time=time))
+
+
+def _collected(student: Path) -> Iterator[Entry]:
+    who = Who(student.name, "nbgrader", student.name)
+    try:
+        inside = sorted(student.iterdir())
+    except OSError:
+        yield Entry(student, who)  # it is held for that
+        return
+    for assignment in inside:
+        if assignment.is_dir() and not assignment.is_symlink():
+            time = _stamp(assignment / "timestamp.txt")
+            yield Entry(assignment, who, version=_microseconds(time), time=time)
+
+
+def _stamp(file: Path) -> str:
+    try:
+        time = read_regular_file(file, 100).decode("utf-8", "replace").strip()
+    except OSError:
+        return ""
+    return time if _microseconds(time) else ""
+
+
+def _microseconds(time: str) -> int:
+    """Return a time of nbgrader's, which is UTC, as a number; 0 if it is none."""
+    try:
+        moment = datetime.fromisoformat(re.sub(r" [A-Z]+$", "", time))
+    except ValueError:
+        return 0
+    return int(moment.replace(tzinfo=moment.tzinfo or UTC).timestamp() * 1e6)
+
+
+def _latest(found: Read) -> Read:
+    """Keep the latest attempt of each student at each assignment."""
+    last: dict[tuple[str, str], Entry] = {}
+    for entry in found.entries:
+        match = ATTEMPT.fullmatch(entry.path.name)
+        key = (entry.who.id, match["assignment"] if match else entry.path.name)
+        if key not in last or last[key].version < entry.version:
+            last[key] = entry
+    kept = {id(entry) for entry in last.values()}
+    found.set_aside.extend(
+        SetAside(entry.path.name, "an older attempt; the latest counts", fault=False)
+        for entry in found.entries
+        if id(entry) not in kept
+    )
+    found.entries[:] = [entry for entry in found.entries if id(entry) in kept]
+    return found
+
+
+def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
+    """Return the points as nbgrader exports them, if the work came from there."""
+    if "nbgrader" not in book.systems:
+        return {}
+    rows: list[Sequence[Cell]] = [COLUMNS]
+    for task in tasks:
+        for mark, points in book.marks(task):
+            first, _, last = mark.name.rpartition(" ")
+            rows.append(
+                [task.slug, None, Verbatim(mark.handed.time), Verbatim(_id(mark)), last, first,
+                 Verbatim(mark.row.ids.get("email", "")), points + mark.penalty, mark.penalty,
+                 points, task.points]
+            )  # fmt: skip
+    return {"nbgrader.csv": csv_text(rows)}
+
+
+def write_into(db: Path, book: Book, tasks: Sequence[Task]) -> None:
+    """Write the points into nbgrader's own gradebook."""
+    from grader.nbgrader.class_scores import Score, write_scores  # noqa: PLC0415  (an extra)
+
+    scores = [
+        Score(
+            _id(mark), task.slug, points, task.points, mark.row.name,
+            mark.row.ids.get("email", ""),
+        )
+        for task in tasks
+        for mark, points in book.marks(task)
+    ]  # fmt: skip
+    write_scores(db, scores)
+
+
+def _id(mark: Mark) -> str:
+    """Return what nbgrader calls a student."""
+    id_ = mark.handed.id if mark.handed.system == "nbgrader" else mark.row.ids.get("login", "")
+    return id_ or mark.student
+
+
+PLATFORM = Platform(
+    "nbgrader",
+    read,
+    lambda names: several(names, ATTEMPT, who="user"),
+    gradebook=gradebook,
+    what={"nbgrader.csv": "as nbgrader exports"},
+)

@@ -1,0 +1,229 @@
+"""Read a roster: a gradebook's export, a grading worksheet, or a CSV of one's own.
+
+Sources: instructure/canvas-lms, lib/gradebook_exporter.rb (columns; a name that begins with `=` is
+written as `="=…"`); moodle/moodle, grade/export/txt/grade_export_txt.php, and
+mod/assign/gradingtable.php for the worksheet (`Identifier` is "Participant 4711"). Gradescope's
+roster and GitHub Classroom's `classroom_roster.csv` have the columns below.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from grader.course.submission import read_regular_file
+from grader.errors import InputError
+from grader.lms import PLATFORMS
+from grader.lms.people import (
+    CANVAS,
+    EMAIL,
+    GITHUB,
+    LOGIN,
+    NUMBER,
+    OWN,
+    SIS,
+    STRONG,
+    Person,
+    Roster,
+    Sheet,
+)
+
+MAX_SHEET = 20 * 1024 * 1024  # [bytes]
+MAX_ROWS = 20_000
+
+# heading, in small letters: what it is. Several kinds of sheets in one table: they don't collide.
+IDS = {
+    "sis user id": SIS, "sis login id": LOGIN, "login": LOGIN, "login id": LOGIN,
+    "username": LOGIN, "user name": LOGIN, "email": EMAIL, "email address": EMAIL,
+    "e-mail": EMAIL, "id number": NUMBER, "idnumber": NUMBER, "sid": SIS, "student id": OWN,
+    "github_username": GITHUB, "github": GITHUB, "identifier": OWN, "id": OWN,
+}  # fmt: skip
+NAMES = ("student", "name", "full name", "student name")
+FIRST = ("first name", "firstname", "first_name")
+LAST = ("last name", "surname", "lastname", "last_name")
+SECTION = ("section", "sections", "group", "groups", "section name")
+TEST_STUDENT = ("Student, Test", "Test Student")  # of Canvas's student view
+HELP = (
+    "expected a CSV with headings: Canvas's or Moodle's gradebook export, Moodle's grading "
+    "worksheet, Gradescope's or GitHub Classroom's roster, or your own with the columns "
+    "id, name, section (and email, login, github)"
+)
+
+
+def read_roster(files: Sequence[Path]) -> Roster:
+    """Return everybody in these files; one person may be in several.
+
+    Raises InputError: a file is none of the known kinds, or has two people with one id.
+    """
+    people: list[Person] = []
+    sheets = []
+    for file in files:
+        kind, header, every = _read(file)
+        rows = [row for row in every if _is_person(kind, header, row)]
+        if kind == "canvas":
+            found = [_canvas_person(header, row) for row in rows]
+        else:
+            found = [_person(kind, header, row) for row in rows]
+        places = _merge(people, found, file)
+        sheets.append(Sheet(file, kind, header, tuple(rows), places, _possible(header, every)))
+    return Roster(tuple(people), tuple(sheets))
+
+
+def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[int, ...]:
+    """Add the people of a file to those of the others; return where each is."""
+    places: list[int] = []
+    known = Roster(tuple(people))
+    keys: set[str] = set()
+    for person in found:
+        place = None if person.key in keys else _known(known, person)
+        if place is None:
+            people.append(person)
+            place = len(people) - 1
+        else:
+            old = people[place]
+            _refuse_contrary(file, old, person)
+            people[place] = replace(
+                old,
+                section=old.section or person.section,
+                ids={**person.ids, **old.ids},
+                participants=old.participants | person.participants,
+            )
+        if place in places or person.key in keys:
+            raise InputError(
+                f"{file}: expected a row per person, but two are {person.name!r} "
+                f"({person.key}); remove one{'' if person.ids else ', or add a column id'}"
+            )
+        keys.add(person.key)
+        places.append(place)
+    return tuple(places)
+
+
+def _refuse_contrary(file: Path, old: Person, person: Person) -> None:
+    """Refuse two ID numbers for one person: an export would give somebody another's points."""
+    mine, theirs = person.ids.get(NUMBER, ""), old.ids.get(NUMBER, "")
+    if mine and theirs and mine.casefold() != theirs.casefold():
+        raise InputError(
+            f"{file}: expected one ID number per person, but {person.name!r} has {mine!r} here "
+            f"and {theirs!r} in another roster; correct one of them"
+        )
+
+
+def _known(known: Roster, person: Person) -> int | None:
+    """Return the place of a person of another file: by an id, else by a name that only one has."""
+    for kind in STRONG:
+        for place, other in enumerate(known.people):
+            mine, theirs = person.ids.get(kind, ""), other.ids.get(kind, "")
+            if mine and mine.casefold() == theirs.casefold():
+                return place
+    same = [i for i, other in enumerate(known.people) if other.names & person.names]
+    contrary = same and any(
+        person.ids.get(kind) and known.people[same[0]].ids.get(kind) for kind in STRONG
+    )
+    return same[0] if len(same) == 1 and not contrary else None
+
+
+# --- one file ------------------------------------------------------------------------------------
+
+
+def _read(file: Path) -> tuple[str, tuple[str, ...], list[tuple[str, ...]]]:
+    try:
+        data = read_regular_file(file.resolve(), MAX_SHEET)
+    except OSError as error:
+        raise InputError(f"{file}: cannot read the roster ({error.strerror})") from None
+    if len(data) > MAX_SHEET:
+        raise InputError(f"{file}: over {MAX_SHEET:,} bytes; {HELP}")
+    try:
+        lines = list(_rows(_decoded(data)))
+    except csv.Error as error:
+        raise InputError(f"{file}: a broken CSV ({error}); {HELP}") from None
+    if not lines or len(lines) > MAX_ROWS:
+        raise InputError(f"{file}: {len(lines):,} lines; {HELP}")
+    header = tuple(heading.strip() for heading in lines[0])
+    kind = _kind(header)
+    if not kind:
+        raise InputError(f"{file}: the headings are {', '.join(header)[:200]!r}; {HELP}")
+    rows = [(*line, *[""] * len(header))[: len(header)] for line in lines[1:]]
+    return kind, header, rows
+
+
+def _possible(header: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, str]:
+    found = [row for row in rows if "Points Possible" in row[0]]
+    return dict(zip(header, found[0], strict=True)) if found else {}
+
+
+def _decoded(data: bytes) -> str:
+    for encoding in ("utf-8-sig", "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8"):
+        try:
+            return data.decode(encoding)
+        except ValueError:
+            continue
+    return data.decode("cp1252", "replace")  # Excel's "CSV" in Western Europe
+
+
+def _rows(text: str) -> Iterator[list[str]]:
+    first = text.partition("\n")[0]
+    delimiter = max(",;\t", key=first.count)
+    for line in csv.reader(io.StringIO(text, newline=""), delimiter=delimiter):
+        if any(cell.strip() for cell in line):
+            yield line
+
+
+def _kind(header: Sequence[str]) -> str:
+    small = [heading.casefold() for heading in header]
+    kind = next(filter(None, (platform.sheet(small) for platform in PLATFORMS[::-1])), "")
+    named = any(each in IDS or each in (*NAMES, *FIRST, *LAST) for each in small)
+    return kind or ("csv" if named else "")
+
+
+def _is_person(kind: str, header: Sequence[str], row: Sequence[str]) -> bool:
+    """Tell whether a row is a student; Canvas has two more without an id, and one for tests."""
+    if kind == "gradescope":
+        cells = dict(zip(map(str.casefold, header), row, strict=True))
+        return cells.get("role", "").strip().casefold() in ("", "student")
+    if kind != "canvas":
+        return True
+    if row[0].strip() in TEST_STUDENT:
+        return False
+    about = [cell for cell, heading in zip(row, header, strict=True) if heading == "ID"]
+    return bool(about and about[0].strip()) and "Points Possible" not in row[0]
+
+
+def _canvas_person(header: Sequence[str], row: Sequence[str]) -> Person:
+    cells = {heading.casefold(): cell.strip() for heading, cell in zip(header, row, strict=True)}
+    name = cells.get("student") or f"{cells.get('lastname', '')}, {cells.get('firstname', '')}"
+    quoted = re.fullmatch(r'="(.*)"', name)  # so writes Canvas a name that begins with "="
+    columns = {CANVAS: "id", SIS: "sis user id", LOGIN: "sis login id"}
+    ids = {kind: cells[heading] for kind, heading in columns.items() if cells.get(heading)}
+    if "@" in ids.get(LOGIN, ""):
+        ids[EMAIL] = ids[LOGIN]
+    return Person(quoted[1] if quoted else name, cells.get("section", ""), ids)
+
+
+def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
+    cells = {heading.casefold(): cell.strip() for heading, cell in zip(header, row, strict=True)}
+    participants: frozenset[str] = frozenset()
+    identifier = ""
+    ids: dict[str, str] = {}
+    for heading, id_kind in IDS.items():
+        if cells.get(heading):
+            ids.setdefault(id_kind, cells[heading])
+    if kind == "worksheet":  # "Participant 4711", in the platform's language
+        identifier = ids.pop(OWN, "")
+        number = re.search(r"(\d+)$", identifier)
+        participants = frozenset({number[1]} if number else ())
+    name = _first(cells, NAMES)
+    if not name:
+        first, last = _first(cells, FIRST), _first(cells, LAST)
+        name = f"{first} {last}".strip()
+    if kind == "github" and not name:
+        name = ids.get(OWN, "")
+    name = name or next(iter(ids.values()), "") or identifier  # anonymous submissions
+    return Person(name, _first(cells, SECTION), ids, participants)
+
+
+def _first(cells: Mapping[str, str], headings: Sequence[str]) -> str:
+    return next((cells[heading] for heading in headings if cells.get(heading)), "")

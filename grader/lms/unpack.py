@@ -1,0 +1,208 @@
+"""Unpack a zip or a tar that somebody handed in, and nothing outside of the folder given."""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import io
+import re
+import stat
+import tarfile
+import zipfile
+from collections.abc import Generator, Iterable
+from pathlib import Path, PurePosixPath
+from typing import IO, Any
+
+from grader.course.submission import open_regular_file
+from grader.errors import is_disk_full
+from grader.lms.names import may_enter
+
+ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
+# Recognised and not unpacked. A 7z's header chooses how much memory its decoder takes, up to 4 GiB,
+# and Python's lzma has no limit for it; rar needs a program that is not free (docs/decisions.md).
+UNREAD = (
+    ".7z", ".rar", ".tar.bz2", ".tbz2", ".tar.xz", ".txz", ".tar.zst", ".gz", ".bz2", ".xz", ".zst",
+)  # fmt: skip
+MAX_MEMBERS = 5_000  # of a student's archive
+MAX_UNPACKED = 100 * 1024 * 1024  # [bytes] of a student's archive
+MAX_RATIO = 200  # unpacked to packed size, above SMALL; source code has about 5
+SMALL = 4 * 1024 * 1024  # [bytes]
+MAX_DEPTH = 6  # folders below a student's
+MANY = 100  # a class's download may have so many times more
+CUT = 20 * 1024 * 1024  # [bytes] of a file in a class's download: one can't keep out the others
+CHUNK = 64 * 1024  # [bytes]
+UTF_8 = 0x800  # flag of a zip's member: its name is UTF-8, else code page 437, says the format
+
+
+Odd = tuple[str, str]  # a member's name, and what is odd about it
+
+
+class Refused(Exception):
+    """An archive is not unpacked; the message says why."""
+
+
+def is_archive(name: str) -> bool:
+    """Tell whether files called so are unpacked."""
+    return name.lower().endswith(ARCHIVES)
+
+
+def is_unread_archive(name: str) -> bool:
+    """Tell whether files called so are archives that are not unpacked."""
+    return name.lower().endswith(UNREAD) and not is_archive(name)
+
+
+def archive_stem(name: str) -> str:
+    """Return an archive's name without its suffixes."""
+    lower = name.lower()
+    suffixes = sorted((*ARCHIVES, *UNREAD), key=len, reverse=True)
+    suffix = next((each for each in suffixes if lower.endswith(each)), "")
+    return name[: len(name) - len(suffix)]
+
+
+def unpack(archive: Path, room: Path) -> list[Odd]:
+    """Unpack a student's archive into `room`; return what is odd in it.
+
+    Raises Refused: it is locked, or a trap.
+    """
+    size = min(MAX_UNPACKED, max(SMALL, MAX_RATIO * archive.stat().st_size))
+    left = _Allowance(size, MAX_MEMBERS)
+    return _unpack(archive, room, left, MAX_DEPTH + 1, None)
+
+
+def unpack_class(archive: Path, room: Path) -> list[Odd]:
+    """Unpack a platform's download of a whole class.
+
+    Files that are too long are cut off, and those with impossible names left out: nobody's can keep
+    out the others.
+
+    Raises Refused: it is locked, or a trap.
+    """
+    left = _Allowance(MANY * MAX_UNPACKED, MANY * MAX_MEMBERS)
+    return _unpack(archive, room, left, MAX_DEPTH + 3, CUT)
+
+
+def _unpack(archive: Path, room: Path, left: _Allowance, depth: int, cut: int | None) -> list[Odd]:
+    room.mkdir(parents=True, exist_ok=True)
+    is_zip = archive.name.lower().endswith(".zip")
+    members = _zip(archive, left) if is_zip else _tar(archive, left)
+    with contextlib.closing(members):
+        return _write(members, room, left, depth, cut)
+
+
+def _write(
+    members: Iterable[tuple[str, IO[bytes]]],
+    room: Path,
+    left: _Allowance,
+    depth: int,
+    cut: int | None,
+) -> list[Odd]:
+    odd = []
+    for name, source in members:
+        try:
+            target = _inside(room, name, depth)
+            if target is None:
+                continue
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if target.exists():
+                odd.append((name, "twice in the archive; the first counts"))
+                continue
+            target.touch()
+        except (Refused, OSError) as error:
+            if cut is None or is_disk_full(error):
+                raise
+            odd.append((name, _unwritten(error)))  # one can't keep out the others
+            continue
+        size = 0
+        with source, target.open("wb") as file:
+            while chunk := source.read(CHUNK):
+                size += len(chunk)
+                if cut is not None and size > cut:
+                    odd.append((name, f"over {cut // 2**20} MiB, so its end was cut off"))
+                    break
+                left.take(len(chunk))
+                file.write(chunk)
+    return odd
+
+
+def _unwritten(error: Refused | OSError) -> str:
+    """Return why a member of a class's download is left out."""
+    if isinstance(error, OSError):  # too long a name, or another member is a folder called so
+        return f"can't be written ({error.strerror}); ask for another name"
+    return str(error)
+
+
+class _Allowance:
+    """How much an archive may still unpack to."""
+
+    def __init__(self, size: int, members: int) -> None:
+        self.size = self._left = size  # [bytes]
+        self._most = self._members = members
+
+    def take(self, size: int) -> None:
+        self._left -= size
+        if self._left < 0:
+            most = max(self.size, MAX_UNPACKED) // 2**20
+            raise Refused(f"over {most:,} MiB, or far larger unpacked than packed; not unpacked")
+
+    def member(self) -> None:
+        self._members -= 1
+        if self._members < 0:
+            raise Refused(f"over {self._most:,} files; not unpacked")
+
+
+def _inside(room: Path, name: str, depth: int) -> Path | None:
+    """Return where a member is unpacked to; None if it is skipped."""
+    parts = PurePosixPath(name.replace("\\", "/")).parts
+    if not parts or parts[0] == "/" or ".." in parts or re.match(r"^[A-Za-z]:", name):
+        raise Refused(f"holds {name[:80]!r}, which points outside of it; not unpacked")
+    if not all(map(may_enter, parts)) or len(parts) > depth:
+        return None
+    return room.joinpath(*parts)
+
+
+def _zip(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], None, None]:
+    with open_regular_file(archive) as file, zipfile.ZipFile(file) as opened:
+        members = opened.infolist()
+        for _ in members:
+            left.member()
+        if any(member.flag_bits & 1 for member in members):
+            raise Refused("locked with a password; ask for one without")
+        for member in members:
+            mode = stat.S_IFMT(member.external_attr >> 16)
+            if not member.is_dir() and mode in (0, stat.S_IFREG):
+                yield _name(member), opened.open(member)
+
+
+def _name(member: zipfile.ZipInfo) -> str:
+    """Return a member's name, which macOS and Linux write in UTF-8 without saying so."""
+    if member.flag_bits & UTF_8:
+        return member.filename
+    with contextlib.suppress(UnicodeError):
+        return member.filename.encode("cp437").decode("utf-8")
+    return member.filename
+
+
+def _tar(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], None, None]:
+    with contextlib.ExitStack() as stack:
+        packed: Any = stack.enter_context(open_regular_file(archive))
+        if not archive.name.lower().endswith(".tar"):
+            packed = stack.enter_context(gzip.GzipFile(fileobj=packed))
+        counted: Any = _Counted(packed, _Allowance(2 * max(left.size, MAX_UNPACKED), 0))
+        opened = stack.enter_context(tarfile.open(fileobj=counted, mode="r|"))
+        for member in opened:
+            left.member()
+            if member.isreg() and (source := opened.extractfile(member)) is not None:
+                yield member.name, source
+
+
+class _Counted(io.RawIOBase):
+    """A stream that raises `Refused` when the allowance is used up: a tar.gz may be endless."""
+
+    def __init__(self, stream: IO[bytes], left: _Allowance) -> None:
+        self._stream = stream
+        self._left = left
+
+    def read(self, size: int = -1) -> bytes:
+        data = self._stream.read(size)
+        self._left.take(len(data))
+        return data

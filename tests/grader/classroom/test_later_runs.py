@@ -1,0 +1,113 @@
+"""A later run into the same folder: what it says of the one before, and what it refuses."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fake_class import FILE, SLUG, fair
+from marked_class import points, scores
+
+from grader.classroom.amendments import Score
+from grader.classroom.marking import marking
+from grader.errors import InputError
+from grader.lms.people import Roster
+from grader.lms.sheets import read_roster
+
+SECRET = b"0123456789abcdef"
+GRADEBOOK = """Student,ID,SIS Login ID,Section,Homework (71)
+    Points Possible,,,,50
+"Lee, Ann",1,ann,A,
+"Ray, Bob",2,bob,B,
+"Zed, Nob",3,nob,B,
+"""
+
+
+@pytest.fixture
+def roster(tmp_path: Path) -> Roster:
+    (tmp_path / "gradebook.csv").write_text(GRADEBOOK)
+    return read_roster([tmp_path / "gradebook.csv"])
+
+
+def test_a_column_that_is_not_there_is_said(
+    grade_class: Any, tmp_path: Path, roster: Roster
+) -> None:
+    said = grade_class(roster=roster, columns=(f"{SLUG}=Homewerk",))[2].lines
+    assert (
+        "--column: no column 'Homewerk' in gradebook.csv, so importing makes a new one; did you "
+        "mean 'Homework (71)'?"
+    ) in said
+    said = grade_class(roster=roster, columns=(f"{SLUG}=Homework",))[2].lines
+    assert not any("--column: no" in line for line in said)
+
+
+def test_what_a_later_run_lacks_is_said(grade_class: Any, roster: Roster) -> None:
+    grade_class(field=True, roster=roster, columns=(f"{SLUG}=Homework",))
+    _, workers, quiet = grade_class(field=True)
+    assert workers.students == []
+    assert "the last run into this folder had --roster, --column, too" in quiet.lines
+    _, workers, quiet = grade_class()
+    assert workers.students == ["ann", "bob", "eve"]
+    assert "the last run into this folder had --field, too" in quiet.lines
+    assert not any("the last run" in line for line in grade_class()[2].lines)
+
+
+def test_what_was_hidden_is_not_shown_by_a_slip(grade_class: Any) -> None:
+    grade_class(hide="details")
+    with pytest.raises(InputError, match="give --hide details again, or --hide nothing"):
+        grade_class()
+    grade_class(hide="nothing")
+    assert not any("--hide" in line for line in grade_class()[2].lines)
+
+
+def test_a_secret_that_is_left_out_or_another_is_refused(grade_class: Any) -> None:
+    grade_class(secret=SECRET)
+    for wrong in (None, b"another secret of 16 bytes"):
+        with pytest.raises(InputError, match="--secret: expected the file that this class"):
+            grade_class(secret=wrong)
+        with pytest.raises(InputError, match="--secret"):
+            grade_class(fair, regrade=True, secret=wrong)
+    assert grade_class(secret=SECRET)[1].students == []
+
+
+def test_another_class_is_refused_and_who_is_gone_is_said(
+    grade_class: Any, handed_in: Path, roster: Roster
+) -> None:
+    grade_class(roster=roster)  # who handed in nothing is the same in any download
+    shutil.move(handed_in / "bob", handed_in / "bo")
+    said = grade_class(roster=roster)[2].lines
+    assert any("no longer there: bob. A run with all" in line for line in said)
+    for each in ("ann", "bo", "eve"):
+        shutil.rmtree(handed_in / each)
+    (handed_in / "zoe").mkdir()
+    (handed_in / "zoe" / FILE).write_text("# mine\n")
+    with pytest.raises(InputError, match=r"of its 3 students \(ann, bo, eve\) nobody is in"):
+        grade_class(roster=roster)
+
+
+def test_a_mark_follows_who_hands_in_later(
+    grade_class: Any, handed_in: Path, tmp_path: Path, roster: Roster
+) -> None:
+    """Without a submission a student is called by name, and then as the platform says."""
+    out = tmp_path / "out"
+    grade_class(roster=roster)
+    with marking(out) as class_:
+        task = class_.exercise("")
+        class_.add(Score(SLUG, 30, class_.whom(["3"], "", everybody=False, task=task)), "p", "oral")
+    (handed_in / "nob").mkdir()
+    (handed_in / "nob" / FILE).write_text("# late\n")
+    grade_class(roster=roster)
+    assert (points(out)["nob"], scores(out)["nob"]["points_as_graded"]) == ("30", "100")
+    page = (out / "class.html").read_text()
+    assert "was made when nothing was handed in, and still counts; look at it again: nob" in page
+    shutil.rmtree(handed_in / "nob")
+    (tmp_path / "two.csv").write_text(GRADEBOOK.replace('"Zed, Nob",3,nob', '"Ono, Yo",4,yo'))
+    grade_class(roster=read_roster([tmp_path / "two.csv"]))
+    assert "is about somebody who is not in the class: Nob Zed" in (out / "class.html").read_text()
+
+
+def test_the_report_has_the_rosters_names(grade_class: Any, tmp_path: Path, roster: Roster) -> None:
+    grade_class(roster=roster)
+    assert "Ann Lee" in (tmp_path / "out/class.html").read_text()
