@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from grader.classroom.row import ABSENT, GRADED, HELD, TWICE, StoredResult, as_graded
-from grader.course.exercises import all_exercises
-from grader.errors import GraderError
+from grader.course.exercises import Essential, all_exercises, find_exercise
+from grader.errors import GraderError, InputError
 from grader.lms.book import Task
 from grader.lms.clean import one_line
 from grader.report.terminal import UNJUDGED
@@ -111,10 +111,24 @@ def passed(result: StoredResult) -> str:
     return f"{count} of {len(core)} passed" if core else ""
 
 
-def raw_points(result: StoredResult) -> tuple[float, float]:
-    """Return the points won and the points that could be won, unscaled."""
+def raw_points(result: StoredResult) -> tuple[float, float, float]:
+    """Return the points won, the points that could be won, and those before the cap; unscaled."""
     grading = result.grading or {}
-    return _number(grading.get("score")), _number(grading.get("max_score"))
+    score = _number(grading.get("score"))
+    return score, _number(grading.get("max_score")), _number(grading.get("raw_score", score))
+
+
+def cap_of(result: StoredResult) -> str:
+    """Return why the score is capped; empty if it isn't."""
+    return one_line(str((result.grading or {}).get("cap") or ""), 400)
+
+
+def essential_of(exercise: str) -> Essential | None:
+    """Return what is essential in an exercise; None if it no longer exists."""
+    try:
+        return find_exercise(exercise).essential
+    except (GraderError, InputError):
+        return None
 
 
 @dataclass(frozen=True)

@@ -32,17 +32,22 @@ class Score:
 
 
 def score_of(checks: Iterable[Mapping[str, Any]], essential: Essential | None) -> Score:
-    """Return the score of core checks, given as `CheckResult.as_dict` has them."""
-    core = [check for check in checks if check["kind"] == "core"]
-    raw = sum(check["points"] for check in core)
-    most = sum(check["max_points"] for check in core if check["outcome"] not in UNJUDGED)
+    """Return the score of the checks, given as `CheckResult.as_dict` has them.
+
+    What a person has waived does not hold the cap.
+    """
+    core = [check for check in checks if check.get("kind") != "field"]
+    counted = [check for check in core if check.get("outcome") not in UNJUDGED]
+    raw = sum(float(check.get("points") or 0) for check in counted)
+    most = sum(float(check.get("max_points") or 0) for check in counted)
     if essential is None:
         return Score(raw, most, raw)
-    failed = [c for c in core if c["id"] in essential.checks and c["outcome"] in HOLDS]
+    held_by = (check for check in counted if check.get("id") in essential.checks)
+    failed = [c for c in held_by if c.get("outcome") in HOLDS and not c.get("waived")]
     cap = essential.cap * most // 100
     if not failed or raw <= cap:
         return Score(raw, most, raw)
-    titles = " and ".join(f"“{check['title'].rstrip('.')}”" for check in failed[:2])
+    titles = " and ".join(f"“{str(check.get('title')).rstrip('.')}”" for check in failed[:2])
     note = (
         f"At most {cap:g} of {most:g} points as long as this fails: {titles}. {essential.why} "
         f"Before this cap: {raw:g} points."

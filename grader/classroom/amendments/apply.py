@@ -12,8 +12,9 @@ from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, U
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import find_student
-from grader.classroom.marks import points_of, tasks_of
+from grader.classroom.marks import essential_of, points_of, tasks_of
 from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended, StoredResult
+from grader.course.score import score_of
 from grader.lms.book import StudentRow, Task, about
 
 Remarks = dict[str, list[str]]  # a sentence, and whom it is about
@@ -204,11 +205,13 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
     """
     grading = result.grading or {}
     core = [check for check in grading.get("checks") or () if check.get("kind") != "field"]
-    counted = [c for c in core if c.get("outcome") not in (*UNSURE, "unavailable")]
+    sums = score_of(core, essential_of(result.exercise))
     new: dict[str, Any] = {
         **grading,
-        "score": sum(_points(check) for check in counted),
-        "max_score": sum(_most(check) for check in counted),
+        "score": sums.points,
+        "max_score": sums.most,
+        "raw_score": sums.raw,
+        "cap": sums.note,
     }
     if all(check.get("outcome") == "pass" or check.get("waived") for check in core):
         new["cause"] = None

@@ -46,6 +46,8 @@ def _environment() -> Environment:
     )  # fmt: skip
     made.globals["generator"] = GENERATED_BY
     made.filters |= {
+        "before_cap": lambda result: marks.raw_points(result)[2],
+        "cap": marks.cap_of,
         "coordinate": lambda value: f"{value:.2f}".rstrip("0").rstrip("."),
         "folder": lambda student: quote(folder_name(student)),
         "moment": words.moment,

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 from grader.classroom.marks import (
+    cap_of,
     checks_of,
     is_absent,
     is_graded,
@@ -25,7 +26,8 @@ from grader.lms.tables import Cell, Verbatim, csv_text
 
 SCORES = (
     "student", "name", "id", "section", "exercise", "state", "points", "max_points", "score",
-    "max_score", "field_ready", "passed", "failed", "skipped", "attempts", "wall_s", "cpu_s",
+    "max_score", "before_cap", "field_ready", "passed", "failed", "skipped", "attempts", "wall_s",
+    "cpu_s",
     "handed_in", "late", "finished", "problem", "points_as_graded", "changed",
 )  # fmt: skip
 # of the ids, the one that the instructor's lists most likely have
@@ -56,7 +58,7 @@ def mark_of(
         row or StudentRow(result.student),
         points_of(result, task),
         changed.penalty if changed else 0.0,
-        changed.steps if changed else (),
+        (*(changed.steps if changed else ()), *filter(None, [cap_of(result)])),
         for_students(result.grading or {}, result.file_names, hidden)["checks"],
         result.wall_s,
     )
@@ -76,7 +78,7 @@ def book_of(results: Sequence[StoredResult], tasks: Sequence[Task], options: Res
 def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
     handed = row.handed.get(result.exercise)
     id_ = next((row.ids[kind] for kind in ID_FIRST if row.ids.get(kind)), "")
-    score, most = raw_points(result) if is_graded(result) else (None, None)
+    score, most, raw = raw_points(result) if is_graded(result) else (None, None, None)
     core = [check for check in checks_of(result) if check.get("kind") != "field"]
     counts = [sum(c.get("outcome") == o for c in core) for o in ("pass", "fail", "skip")]
     ready = (result.grading or {}).get("field_ready")
@@ -91,6 +93,7 @@ def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
         task.points,
         score,
         most,
+        raw,
         "" if ready is None else "yes" if ready else "no",
         *(counts if result.state == GRADED and result.grading else (None, None, None)),
         result.attempts,

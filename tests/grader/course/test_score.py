@@ -83,3 +83,8 @@ def test_an_essential_check_that_is_none_is_refused_with_the_nearest_name() -> N
         "exercises/obstacle_avoidance/exercise.toml: essential.checks: no check 'stop_zona'; "
         "did you mean 'stop_zone'?"
     )
+
+
+def test_what_a_person_has_waived_does_not_hold_the_cap() -> None:
+    waived = {**check("stop", "skip", 10), "waived": True, "max_points": 0}
+    assert score_of([waived, check("go", "pass", 90)], ESSENTIAL).points == 90
