@@ -12,11 +12,11 @@ import ast
 import contextlib
 import re
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.authoring.mutants import mutants, stands_for, submission_of
+from grader.authoring.mutants import FIELD, mutants, stands_for, submission_of
 from grader.course.exercises import Exercise
 from grader.course.installed import why_not
 from grader.course.submission import Submission, find_submission
@@ -94,11 +94,12 @@ def grade_claim(
     claim: Claim,
     forkserver: Launcher,
     *,
+    only: Iterable[str] = (),
     first_failure: bool = False,
     suspect: str = "",
     kept: KeptRecordings | None = None,
 ) -> Grading:
-    """Grade a solution with the core and the field checks; see `grade_submission`."""
+    """Grade a solution with the core and the field checks, or only some; see `grade_submission`."""
     with complete(claim) as submission:
         return grade_submission(
             claim.exercise,
@@ -106,10 +107,35 @@ def grade_claim(
             forkserver,
             file=f"{claim.stem}.py",
             field=True,
+            only=only,
             first_failure=first_failure,
             suspect=suspect,
             kept=kept,
         )
+
+
+def cover(exercise: Exercise, *, field: bool = False) -> list[tuple[Claim, frozenset[str]]]:
+    """Return few mutants that together fail every check that any fails, and what each is for.
+
+    Greedy: the next one is always that which fails most checks that none before it did.
+
+    Parameters
+    ----------
+    field
+        Of the field checks, in place of the core's.
+    """
+    provable = [each for each in claims(exercise) if each.kind == "mutant" and not each.lacks]
+    named = {
+        each.stem: frozenset(check for check in each.fails if check.startswith(FIELD) == field)
+        for each in provable
+    }
+    left = set().union(*named.values())
+    chosen = []
+    while left:
+        best = max(provable, key=lambda each: (len(named[each.stem] & left), each.stem))
+        chosen.append((best, named[best.stem]))
+        left -= named[best.stem]
+    return chosen
 
 
 @contextlib.contextmanager

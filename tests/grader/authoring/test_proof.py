@@ -1,8 +1,8 @@
 """Every solution, right or wrong, gets what it says it deserves.
 
-`make prove` takes all solutions. The tests take the references of all exercises, and of exercise 1
-also the skeleton, two variants, and mutants enough for every check to have killed one. Of these
-`make test` takes a handful, `make test-long` the others.
+`make prove` takes all solutions. The tests take the references of all exercises, and mutants enough
+for every check of every exercise to have failed one: those of the core in `make test`, those of the
+field in `make test-long`.
 """
 
 from collections.abc import Iterator
@@ -11,55 +11,30 @@ from pathlib import Path
 import pytest
 
 from grader.authoring import proof
-from grader.authoring.claims import Claim, claim_of, claims, complete, grade_claim
+from grader.authoring.claims import Claim, claim_of, claims, complete, cover, grade_claim
 from grader.authoring.proof import main, objections, unproven
 from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
-from grader.grading.grading import Grading
-from grader.grading.plugin import CheckResult
+from grader.grading.grading import Grading, grade
+from grader.grading.plugin import FAIL, UNAVAILABLE, CheckResult
 from grader.link.pool import ForkServerPool
 from grader.trial.kept import KeptRecordings
+from grader.trial.trials import SavedTrials
 
-EVERY_CHECK = ("obstacle_avoidance",)  # the tests see each check kill a mutant
-VARIANTS = 2
 CLAIMS = {exercise.slug: list(claims(exercise)) for exercise in all_exercises()}
-
-
-def enough(every: list[Claim]) -> list[Claim]:
-    """Some right solutions, and mutants for all checks that any mutant fails."""
-    variants = [claim for claim in every if claim.kind == "variant"]
-    chosen = [claim for claim in every if claim.kind not in ("variant", "mutant")]
-    chosen += variants[:VARIANTS]
-    killed: set[str] = set()
-    for claim in sorted(every, key=lambda claim: (len(claim.fails), claim.stem)):
-        if claim.kind == "mutant" and not claim.fails <= killed:
-            chosen.append(claim)
-            killed |= claim.fails
-    return chosen
-
-
-def quick(slug: str, every: list[Claim]) -> list[Claim]:
-    """Those of the tests: the references at least."""
-    provable = [claim for claim in enough(every) if not claim.lacks]
-    if slug in EVERY_CHECK:
-        return provable
-    return [claim for claim in provable if claim.kind == "reference"]
-
-
-QUICK = [claim for slug, every in CLAIMS.items() for claim in quick(slug, every)]
-HANDFUL = ("beginner_loops", "brakes_too_late", "minus_infinity_is_far", "slow_is_too_fast")
-
-
-def waits(claim: Claim) -> bool:
-    """Tell whether a claim waits for `make test-long`."""
-    return claim.kind in ("variant", "mutant") and claim.stem not in HANDFUL
+RIGHT = [claim for every in CLAIMS.values() for claim in every if claim.kind == "reference"]
+RIGHT += [claim for claim in CLAIMS["obstacle_avoidance"] if claim.kind in ("skeleton", "variant")]
+WRONG = [each for exercise in all_exercises() for each in cover(exercise)]
+WRONG_IN_THE_FIELD = [each for exercise in all_exercises() for each in cover(exercise, field=True)]
 
 
 @pytest.mark.parametrize(
     "claim",
     [
-        pytest.param(claim, id=claim.name, marks=pytest.mark.long if waits(claim) else ())
-        for claim in QUICK
+        pytest.param(
+            claim, id=claim.name, marks=() if claim.kind == "reference" else pytest.mark.long
+        )
+        for claim in RIGHT
     ],
 )
 def test_claims_hold(claim: Claim, forkservers: ForkServerPool) -> None:
@@ -69,16 +44,48 @@ def test_claims_hold(claim: Claim, forkservers: ForkServerPool) -> None:
         pytest.skip(f"proven but for {lacking}: a library is not installed (make test-deep)")
 
 
+@pytest.mark.parametrize(
+    ("claim", "checks"), [pytest.param(*each, id=each[0].name) for each in WRONG]
+)
+def test_each_check_fails_a_wrong_solution(
+    claim: Claim, checks: frozenset[str], forkservers: ForkServerPool
+) -> None:
+    require_failures(claim, checks, forkservers)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("claim", "checks"), [pytest.param(*each, id=each[0].name) for each in WRONG_IN_THE_FIELD]
+)
+def test_each_field_check_fails_a_wrong_solution(
+    claim: Claim, checks: frozenset[str], forkservers: ForkServerPool
+) -> None:
+    every = {check.id for check in grade(claim.exercise, SavedTrials([]), file="x.py").checks}
+    require_failures(claim, checks | every, forkservers, checks)
+
+
+def require_failures(
+    claim: Claim,
+    only: frozenset[str] | set[str],
+    forkservers: ForkServerPool,
+    expected: frozenset[str] = frozenset(),
+) -> None:
+    """Grade a wrong solution by these checks; each that is expected, or else each, has to fail."""
+    grading = grade_claim(claim, forkservers.of(claim.exercise.libraries), only=only)
+    outcomes = {check.id: check.outcome for check in grading.checks}
+    absent = {check for check, outcome in outcomes.items() if outcome == UNAVAILABLE}
+    wanted = set(expected or only) - absent
+    assert {check for check in wanted if outcomes[check] != FAIL} == set()
+
+
 @pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
-def test_the_tests_grade_every_reference(exercise: Exercise) -> None:
-    every = CLAIMS[exercise.slug]
-    ours = [claim for claim in QUICK if claim in every]
-    assert [claim for claim in ours if claim.kind == "reference"]
-    if exercise.slug in EVERY_CHECK:
-        assert {claim.kind for claim in ours} == {"reference", "skeleton", "variant", "mutant"}
-        checks = set().union(*(claim.fails for claim in every))
-        assert set().union(*(claim.fails for claim in ours)) == checks
-        assert set(HANDFUL) <= {claim.stem for claim in ours}
+def test_these_wrong_solutions_fail_every_check(exercise: Exercise) -> None:
+    graded = grade(exercise, SavedTrials([]), file="x.py", field=True).checks
+    for field in (False, True):
+        covered = set().union(*(checks for _, checks in cover(exercise, field=field)))
+        checks = {check.id for check in graded if (check.kind == "field") is field}
+        lacking = {check.id for check in graded if check.outcome == UNAVAILABLE}
+        assert checks - lacking <= covered
 
 
 @pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
