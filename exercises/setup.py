@@ -1,7 +1,7 @@
 """course_exercises, a student's nodes as a ROS package: what `colcon build` reads.
 
 Every file that an `exercise.toml` names becomes a program of that name:
-`ros2 run course_exercises obstacle_avoidance_agent`. Edit the files where they are.
+`ros2 run course_exercises PROGRAM`. Edit the files where they are.
 """
 
 import tomllib

@@ -1,6 +1,6 @@
 """Start an exercise: the mock robot, your node or nodes, their parameters, and RViz if you like.
 
-    ros2 launch course_exercises exercise.launch.py exercise:=goal_seeking rviz:=true
+    ros2 launch course_exercises exercise.launch.py exercise:=NAME rviz:=true
 
 The robot's own arguments (lidar, rate, seed, …; see sim.launch.py) can be given here too.
 """

@@ -43,7 +43,7 @@ COURSE_NS = 100_000_000  # [ns] between two commands of the course
 class Verdict(msgspec.Struct, frozen=True):
     """How one right solution did in one student's worlds."""
 
-    solution: str  # "goal_seeking/reference/goal_seeking_agent"
+    solution: str  # "EXERCISE/reference/FILE"
     exercise: str
     student: int
     field: bool  # the field checks count, if the solution claims the badge

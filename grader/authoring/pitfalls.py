@@ -18,19 +18,13 @@ import re
 import shutil
 import sys
 import tempfile
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.authoring.moments import (
-    Moments,
-    does_not_stop,
-    falls_silent,
-    hears_nothing,
-    mistakes_the_model,
-    speaks_another_type,
-    turns_past_the_goal,
-)
+from grader.authoring import moments
+from grader.authoring.moments import Moments
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.generated import CHECK, write_or_check
@@ -76,74 +70,30 @@ class Pitfall:
         return (*self.wrong, self.right)
 
 
-PITFALLS = (
-    Pitfall(
-        "front_by_index",
-        ("front_by_index_wrong",),
-        "front_by_index_right",
-        "obstacle_avoidance",
-        {"obstacle_avoidance/hard_coded_indices": ("field_lds01",)},
-        "avoid_field_lds01",
-        does_not_stop,
-    ),
-    Pitfall(
-        "left_right_swapped",
-        ("left_right_swapped_wrong",),
-        "left_right_swapped_right",
-        "ml_velocity",
-        {"ml_velocity/left_is_negative": ("left_min", "right_min")},
-        "demo_cart_from_the_left",
-        mistakes_the_model(0.2, 3, 4),
-    ),
-    Pitfall(
-        "nan_through_clip",
-        ("nan_through_clip_wrong", "nan_through_minmax_wrong"),
-        "nan_through_clip_right",
-        "ml_velocity",
-        {
-            "ml_velocity/infinity_stays_infinite": ("infinite_readings",),
-            "ml_velocity/nan_slips_through": ("not_finite",),
-        },
-        "demo_yard",
-        mistakes_the_model(0.1, 0, 1, 2),
-    ),
-    Pitfall(
-        "heading_without_yaw",
-        ("heading_without_yaw_wrong",),
-        "heading_without_yaw_right",
-        "goal_seeking",
-        {"goal_seeking/heading_without_yaw": ("reaches_goal", "turns_short_way")},
-        "demo_point",
-        turns_past_the_goal,
-    ),
-    Pitfall(
-        "no_stop_without_model",
-        ("no_stop_without_model_wrong",),
-        "no_stop_without_model_right",
-        "ml_velocity",
-        {"ml_velocity/no_command_without_a_model": ("no_model",)},
-        "demo_new_model",
-        falls_silent,
-    ),
-    Pitfall(
-        "twist_stamped",
-        ("twist_stamped_wrong",),
-        "twist_stamped_right",
-        "obstacle_avoidance",
-        {"obstacle_avoidance/twist_stamped": ("wiring",)},
-        "avoid_wall",
-        speaks_another_type,
-    ),
-    Pitfall(
-        "reliable_only",
-        ("reliable_only_wrong",),
-        "reliable_only_right",
-        "obstacle_avoidance",
-        {"obstacle_avoidance/reliable_only": ("field_best_effort",)},
-        "avoid_field_best_effort",
-        hears_nothing,
-    ),
-)
+def _read() -> tuple[Pitfall, ...]:
+    table = tomllib.loads((FOLDER / "pitfalls.toml").read_text("utf-8"))
+    return tuple(
+        Pitfall(
+            name,
+            tuple(row["wrong"]),
+            row["right"],
+            row["exercise"],
+            {mutant: tuple(checks) for mutant, checks in row["caught"].items()},
+            row["scenario"],
+            _moments(*row["moments"]),
+        )
+        for name, row in table.items()
+    )
+
+
+def _moments(name: str, *numbers: float) -> Moments:
+    """Return the function of that name among the moments; with numbers, what it makes."""
+    found = getattr(moments, name)
+    made: Moments = found(*numbers) if numbers else found
+    return made
+
+
+PITFALLS = _read()
 
 
 # --- replays --------------------------------------------------------------------------------------

@@ -10,9 +10,9 @@ from grader.cli.results import check_writable, show
 
 EXAMPLES = """\b
 Examples:
-  course grade goal_seeking my_seeker.py --bags bags
-  course check-bag bags/goal_origin_to_5_3 goal_seeking
-  course check-bag bags goal_seeking
+  course grade 3 my_seeker.py --bags bags
+  course check-bag bags/goal_origin_to_5_3 3
+  course check-bag bags 3
 """
 
 

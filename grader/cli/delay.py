@@ -12,7 +12,7 @@ from grader.cli.start import portable_option, start_forkserver
 
 EXAMPLES = """\b
 Examples:
-  course delay obstacle_avoidance_agent.py
+  course delay my_agent.py --exercise 1
   course delay my_agent.py --exercise 1 --report delay.html
 """
 

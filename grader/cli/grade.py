@@ -13,8 +13,8 @@ from grader.errors import InputError
 
 EXAMPLES = """\b
 Examples:
-  course grade obstacle_avoidance my_agent.py
-  course grade goal_seeking my_folder --field --report report.html
+  course grade 1 my_agent.py
+  course grade 3 my_folder --field --report report.html
   course grade 1 my_agent.py --only stop_zone --json -
 """
 

@@ -12,7 +12,7 @@ from grader.errors import InputError
 EXAMPLES = """\b
 Examples:
   course release for_students
-  course release week_1 --exercise obstacle_avoidance --student-package
+  course release week_1 --exercise 1 --student-package
   course release template --classroom --exercise 1 --plain
   course release upload --gradescope --exercise 1 --secret course.secret
 """

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\b
 Examples:
-  course search obstacle_avoidance_agent.py
+  course search my_agent.py --exercise 1
   course search my_agent.py --exercise 1 --minutes 3 --out found.toml --report found.html
   course search my_agent.py --exercise 1 --seed 7 --tries 300
   course drive my_agent.py --scenario found.toml

@@ -112,7 +112,7 @@ def check(
     Parameters
     ----------
     name
-        The exercise by name or number ("obstacle_avoidance", "1"), or only some of its checks
+        The exercise by name or number ("1"), or only some of its checks
         ("1:clear_zone,slow_zone"; those that they need are run too). By default the exercise of the
         last `%%node` cell.
     file

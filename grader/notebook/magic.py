@@ -32,7 +32,7 @@ def register(shell: InteractiveShell) -> None:
 def node(line: str, cell: str) -> None:
     """Save the cell beside the notebook, in the file that the first line names.
 
-    Example: `%%node obstacle_avoidance_agent.py`. If Python can't parse the cell, a message says
+    Example: `%%node my_agent.py`. If Python can't parse the cell, a message says
     where, and the file is left as it was.
     """
     words = line.strip()

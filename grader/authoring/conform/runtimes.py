@@ -51,7 +51,7 @@ def compare(exercise: Exercise, patterns: Iterable[str], compared: Compared) -> 
     Parameters
     ----------
     patterns
-        Of names, such as `obstacle_avoidance/variant/*`; none: all.
+        Of names, such as `*/variant/compact/*`; none: all.
     """
     wanted = list(patterns) or ["*"]
     with (

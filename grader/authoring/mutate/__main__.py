@@ -41,7 +41,7 @@ class Verdict(msgspec.Struct, frozen=True):
     """What became of one mutant."""
 
     exercise: str
-    name: str  # "safety_supervisor says /cmd_vel linear.x LowPass 0.5"
+    name: str  # "EXERCISE says /cmd_vel linear.x LowPass 0.5"
     key: str  # of the program and of all that judged it
     killed_by: str  # a check; "" if none
     unsure: bool  # something could not be judged
