@@ -4,16 +4,25 @@ A file may begin with `extends = "slow_leader"`: it then inherits that scenario'
 own keys override them. That scenario must not extend a third. Tables are merged key by key; any
 other value, lists such as `[[script]]` included, replaces the inherited one as a whole. Title and
 description are not inherited.
+
+A scenario with a `bench` has an empty world and no odometry where it says nothing of them. An entry
+of the bench may stand for several scans: `{ ramp = [5.0, 4.4], scans = 13 }` has fills from 5.0 to
+4.4 m, each labelled with its distance; `{}` in a label stands for it, and where there are patches
+without a range, they have it instead.
+
+A table `[matrix]` makes several scenarios of one file: `[matrix.onnx]` in `format_raises.toml` is
+`format_raises_onnx`, with these keys over the file's own. The file itself is none then.
 """
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from sim.errors import InputError
-from sim.scenario import Scenario
+from sim.scenario import MAX_BENCH_SCANS, Scenario
 from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown, unknown_name
 from sim.world import World, load_world, world_from_doc, world_names
 
@@ -22,7 +31,11 @@ SCENARIOS = (  # folders of folders of scenarios: the robot's own, and those of 
     (HERE / "scenarios", "*/*.toml"),
     (HERE.parent / "grader" / "exercises", "*/scenarios/*.toml"),
 )
-EXTENDS = "extends"
+EXTENDS, MATRIX, RAMP = "extends", "matrix", "ramp"
+BENCH_DEFAULTS = {
+    "world": {"description": "Nothing: the bench says what the lidar sees."},
+    "odometry": {"enabled": False},
+}
 LIST = "course list --scenarios"
 _NOT_INHERITED = ("title", "description")
 _MAY_BE_INFINITE = (
@@ -37,15 +50,16 @@ def scenario_names() -> dict[str, Path]:
     Raises
     ------
     InputError
-        Two files have the same name.
+        Two have the same name, or a file's matrix is none.
     """
     names: dict[str, Path] = {}
     found = (path for folder, pattern in SCENARIOS for path in folder.glob(pattern))
     for path in sorted(found, key=lambda path: (path.stem, path)):
-        if other := names.get(path.stem):
-            raise InputError(f"two scenarios are called '{path.stem}': {other} and {path}")
-        names[path.stem] = path
-    return names
+        for name in _names_in(path):
+            if other := names.get(name):
+                raise InputError(f"two scenarios are called '{name}': {other} and {path}")
+            names[name] = path
+    return dict(sorted(names.items()))
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
@@ -57,8 +71,11 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
         There is no such scenario, or its file is wrong.
     """
     path = _find(name_or_path)
-    scenario = scenario_from_toml(read_toml(path), str(path))
-    return msgspec.structs.replace(scenario, name=path.stem)
+    name = str(name_or_path)
+    cell = name.removeprefix(f"{path.stem}_") if path.stem != name else ""
+    doc = _cell(_parse(read_toml(path), str(path)), cell if _is_name(name_or_path) else "", path)
+    scenario = _scenario(_extended(doc, str(path)) if EXTENDS in doc else doc, str(path))
+    return msgspec.structs.replace(scenario, name=name if _is_name(name_or_path) else path.stem)
 
 
 def scenario_from_toml(text: str, where: str) -> Scenario:
@@ -95,9 +112,14 @@ def scenario_from_json(text: str) -> Scenario:
     return _scenario(doc, "scenario")
 
 
+def _is_name(name_or_path: str | Path) -> bool:
+    text = str(name_or_path)
+    return not (isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text)
+
+
 def _find(name_or_path: str | Path) -> Path:
     text = str(name_or_path)
-    if isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text:
+    if not _is_name(name_or_path):
         return Path(name_or_path)
     if path := _named(text):
         return path
@@ -106,12 +128,41 @@ def _find(name_or_path: str | Path) -> Path:
 
 def _named(name: str) -> Path | None:
     """Return the file of the course's scenario of that name, if there is one."""
-    found = [
-        path
-        for folder, pattern in SCENARIOS
-        for path in folder.glob(pattern.replace("*.toml", f"{name}.toml"))
-    ]
-    return found[0] if len(found) == 1 else None
+    parts = name.split("_")
+    stems = ["_".join(parts[:count]) for count in range(len(parts), 0, -1)]  # its own file first
+    for stem in stems:
+        found = [
+            path
+            for folder, pattern in SCENARIOS
+            for path in folder.glob(pattern.replace("*.toml", f"{stem}.toml"))
+            if name in _names_in(path)
+        ]
+        if found:
+            return found[0] if len(found) == 1 else None
+    return None
+
+
+def _names_in(path: Path) -> list[str]:
+    """Return the names of the scenarios in a file: its own, or those of its matrix."""
+    text = read_toml(path)
+    if f"[{MATRIX}" not in text:
+        return [path.stem]
+    cells = _parse(text, str(path)).get(MATRIX)
+    if not isinstance(cells, dict) or not cells:
+        raise InputError(f"{path}: {MATRIX}: expected at least one cell, such as [{MATRIX}.onnx]")
+    return [f"{path.stem}_{cell}" for cell in cells]
+
+
+def _cell(doc: dict[str, Any], cell: str, path: Path) -> dict[str, Any]:
+    """Return the tables of one cell of a file's matrix; of a file without one, its own."""
+    if MATRIX not in doc:
+        return doc
+    cells = doc[MATRIX]
+    if cell not in cells:
+        raise InputError(
+            f"{path}: it is several scenarios ({', '.join(_names_in(path))}); name one of them"
+        )
+    return merged({key: value for key, value in doc.items() if key != MATRIX}, cells[cell])
 
 
 def _parse(text: str, where: str) -> dict[str, Any]:
@@ -137,7 +188,8 @@ def _base(name: Any, where: str) -> dict[str, Any]:
     path = _named(name) if "/" not in name else None
     if path is None:
         raise InputError(f"{at}: no scenario is called that{nearest(name, scenario_names(), LIST)}")
-    base = _parse(read_toml(path), str(path))
+    cell = name.removeprefix(f"{path.stem}_") if path.stem != name else ""
+    base = _cell(_parse(read_toml(path), str(path)), cell, path)
     if EXTENDS in base:
         what = "itself" if base[EXTENDS] == name else f"'{base[EXTENDS]}'"
         raise InputError(f"{at}: '{name}' extends {what}; expected a scenario that extends none")
@@ -147,6 +199,8 @@ def _base(name: Any, where: str) -> dict[str, Any]:
 
 def _scenario(doc: dict[str, Any], where: str) -> Scenario:
     """Resolve the world first: it is a name or a table, and has errors of its own."""
+    if "bench" in doc:
+        doc = {**BENCH_DEFAULTS, **doc, "bench": _spelled_out(doc["bench"], where)}
     if "world" not in doc:
         raise InputError(
             f"{where}: missing key 'world' (a world's name, or a table; `extends` inherits one)"
@@ -155,6 +209,42 @@ def _scenario(doc: dict[str, Any], where: str) -> Scenario:
     empty = {**doc, "world": {}}
     scenario = convert(empty, Scenario, where, may_be_infinite=_MAY_BE_INFINITE)
     return msgspec.structs.replace(scenario, world=world)
+
+
+def _spelled_out(bench: Any, where: str) -> Any:
+    """Return the entries of a bench with its ramps spelled out; what is none is left as it is."""
+    if not isinstance(bench, list):
+        return bench
+    found: list[Any] = []
+    for i, entry in enumerate(bench):
+        if isinstance(entry, dict) and RAMP in entry:
+            found += _ramp(entry, f"{where}: bench.{i}")
+        else:
+            found.append(entry)
+    return found
+
+
+def _ramp(entry: dict[str, Any], at: str) -> list[dict[str, Any]]:
+    ends, count = entry[RAMP], entry.get("scans")
+    if not isinstance(ends, list) or len(ends) != 2 or not all(map(_is_number, ends)):
+        raise InputError(f"{at}: {RAMP} = {shown(ends)}: expected two distances, [5.0, 0.4]")
+    if not isinstance(count, int) or not 2 <= count <= MAX_BENCH_SCANS:
+        raise InputError(f"{at}: scans = {shown(count)}: expected at least 2 for a {RAMP}")
+    rest = {key: value for key, value in entry.items() if key not in (RAMP, "scans")}
+    made = []
+    for i in range(count):
+        value = round(ends[0] + (ends[1] - ends[0]) * i / (count - 1), 6)
+        scan = {**rest, "label": str(rest.get("label", "{}")).replace("{}", f"{value} m")}
+        if "patches" in rest:
+            scan["patches"] = [{"range": value, **patch} for patch in rest["patches"]]
+        else:
+            scan["fill"] = value
+        made.append(scan)
+    return made
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, float | int) and math.isfinite(value)
 
 
 def _world(value: Any, where: str) -> World:

@@ -1,0 +1,116 @@
+"""Ramps of a bench, files that are several scenarios, and what a bench need not say."""
+
+from pathlib import Path
+
+import pytest
+
+from sim import scenario_files
+from sim.errors import InputError
+from sim.scenario_files import load_scenario, scenario_from_toml, scenario_names
+
+TWO = "expected two distances, [5.0, 0.4]"
+BENCH = 'title = "x"\nduration = 1.0\nbench = [{}]\n'
+
+
+def test_a_ramp_is_a_scan_for_each_step() -> None:
+    scenario = scenario_from_toml(BENCH.format("{ ramp = [1.0, 0.4], scans = 4 }"), "mine.toml")
+    assert [scan.fill for scan in scenario.bench] == [1.0, 0.8, 0.6, 0.4]
+    assert [scan.label for scan in scenario.bench] == ["1.0 m", "0.8 m", "0.6 m", "0.4 m"]
+
+
+def test_a_ramp_in_patches_has_its_words_and_its_fill() -> None:
+    ramp = '{ ramp = [2.0, 1.0], scans = 2, label = "{} ahead", fill = 5.0, tags = ["near"], '
+    ramp += "patches = [{ from_deg = -5, to_deg = 5 }] }"
+    first, second = scenario_from_toml(BENCH.format(ramp), "mine.toml").bench
+    assert (first.label, first.fill, first.tags) == ("2.0 m ahead", 5.0, ("near",))
+    assert [scan.patches[0].range for scan in (first, second)] == [2.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("ramp", "said"),
+    [
+        ("{ ramp = [1.0, 0.4], scans = 1 }", "bench.0: scans = 1: expected at least 2 for a ramp"),
+        ("{ ramp = [1.0, 0.4] }", "bench.0: scans = null: expected at least 2 for a ramp"),
+        (
+            "{ ramp = [1.0], scans = 3 }",
+            "bench.0: ramp = [1.0]: expected two distances, [5.0, 0.4]",
+        ),
+        ("{ ramp = 1.0, scans = 3 }", f"bench.0: ramp = 1.0: {TWO}"),
+    ],
+)
+def test_a_ramp_that_is_none_is_named(ramp: str, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        scenario_from_toml(BENCH.format(ramp), "mine.toml")
+    assert str(caught.value) == f"mine.toml: {said}"
+
+
+def test_a_bench_stands_in_an_empty_world_without_odometry() -> None:
+    scenario = scenario_from_toml(BENCH.format("{ fill = 1.0 }"), "mine.toml")
+    assert not scenario.odometry.enabled
+    assert scenario.world.description == "Nothing: the bench says what the lidar sees."
+    other = BENCH.format("{ fill = 1.0 }") + '[world]\ndescription = "A hall"\n'
+    assert scenario_from_toml(other, "mine.toml").world.description == "A hall"
+
+
+@pytest.fixture
+def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(scenario_files, "SCENARIOS", ((tmp_path, "*/*.toml"),))
+    (tmp_path / "walls").mkdir()
+    return tmp_path / "walls"
+
+
+CELLS = """
+title = "Near"
+duration = 1.0
+seed = 1
+bench = [{ fill = 1.0 }]
+
+[matrix.onnx]
+title = "From ONNX"
+
+[matrix.later]
+title = "Later"
+seed = 2
+"""
+
+
+def test_a_matrix_is_a_scenario_for_each_cell(course: Path) -> None:
+    (course / "near.toml").write_text(CELLS)
+    assert list(scenario_names()) == ["near_later", "near_onnx"]
+    onnx, later = load_scenario("near_onnx"), load_scenario("near_later")
+    assert (onnx.name, onnx.title, onnx.seed) == ("near_onnx", "From ONNX", 1)
+    assert (later.name, later.title, later.seed) == ("near_later", "Later", 2)
+
+
+def test_the_file_of_a_matrix_is_none_itself(course: Path) -> None:
+    (course / "near.toml").write_text(CELLS)
+    with pytest.raises(InputError, match="near"):
+        load_scenario("near")
+    with pytest.raises(InputError, match=r"several scenarios \(near_onnx, near_later\)"):
+        load_scenario(course / "near.toml")
+
+
+def test_a_cell_can_be_extended(course: Path) -> None:
+    (course / "near.toml").write_text(CELLS)
+    (course / "mine.toml").write_text('title = "Mine"\nextends = "near_later"\n')
+    assert (load_scenario("mine").seed, load_scenario("mine").title) == (2, "Mine")
+
+
+def test_an_empty_matrix_is_named(course: Path) -> None:
+    (course / "near.toml").write_text(CELLS.partition("[matrix")[0] + "[matrix]\n")
+    with pytest.raises(InputError) as caught:
+        scenario_names()
+    assert str(caught.value) == (
+        f"{course / 'near.toml'}: matrix: expected at least one cell, such as [matrix.onnx]"
+    )
+
+
+def test_two_cells_of_one_name_are_refused(course: Path) -> None:
+    (course / "near.toml").write_text(CELLS)
+    (course / "near_onnx.toml").write_text(CELLS.partition("[matrix")[0])
+    with pytest.raises(InputError, match="two scenarios are called 'near_onnx'"):
+        scenario_names()
+    (course / "near_onnx.toml").unlink()
+    (course / "near.toml").write_text(CELLS + "[matrix.onnx]\nseed = 3\n")
+    with pytest.raises(InputError, match=r"near\.toml: .*"):
+        scenario_names()
