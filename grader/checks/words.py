@@ -24,7 +24,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from grader.checks.ahead import front_distance
-from grader.checks.case import Case, Runs, spell_allowed
+from grader.checks.case import Case, Runs, spell_allowed, spell_number
 from grader.checks.commands import (
     garbage,
     require_one_command_each,
@@ -100,8 +100,11 @@ def follows(
             raise LookupError(f"no occasion {tag!r} in {', '.join(run.name for run in runs)}")
     for recording, case in found:
         require_allowed(recording, case, explain(case) or help, tolerance=tolerance, topic=topic)
+    asked = {tuple(case.allowed) for _, case in found}
     for recording in runs:
-        reacts(recording, [case for _, case in runs.of([recording]).cases()])
+        answers = [case for _, case in runs.of([recording]).cases()]
+        for fields in asked:
+            reacts(recording, [case for case in answers if tuple(case.allowed) == fields])
 
 
 def require_allowed(
@@ -134,7 +137,7 @@ def require_allowed(
             f"{case.what}: there was still no {noun}",
             expected=expected,
             actual=f"nothing on {topic}",
-            help=PUBLISH_ONCE,
+            help=PUBLISH_ONCE if topic == CMD_VEL_TOPIC else help,
             **where,
         )
     wrong = case.wrong(tolerance)
@@ -152,7 +155,7 @@ def require_allowed(
             **where,
         )
     fail(
-        f"{case.what}: wrong {wrong}",
+        f"{case.what}: wrong {wrong}" + (f" on {topic}" if topic != CMD_VEL_TOPIC else ""),
         expected=wanted,
         actual=f"{wrong} = {shown}",
         help=(garbage(said) if isinstance(said, float) else "") or help,
@@ -360,4 +363,6 @@ def _spelled(said: tuple[tuple[str, float | str], ...]) -> str:
 def _shown(value: float | str | None) -> str:
     if value is None:
         return "nothing"
-    return f"“{value}”" if isinstance(value, str) else spell(value)
+    if isinstance(value, str):
+        return f"“{value}”"
+    return spell_number(value) if 0.005 <= abs(value) <= 1e6 else spell(value)

@@ -1,0 +1,54 @@
+"""The words of exercise 4 alone: when closing speeds come, and what is commanded."""
+
+from __future__ import annotations
+
+from grader.checks.case import Runs
+from grader.checks.verdict import fail
+from grader.checks.wiring import require_alive
+from grader.checks.words import reacts, require_allowed
+from grader.exercises.trend_memory.contract import TOPIC
+
+PACED = ("filling", "unusable", "full")
+
+
+def keeps_pace(runs: Runs, *tags: str, help: str = "") -> None:
+    """Fail unless closing speeds come when they should, on the occasions with one of these tags.
+
+    A node that never publishes one keeps no pace: its silence shows nothing.
+    """
+    for recording in runs:
+        require_alive(recording)
+        due = [case for _, case in runs.of([recording]).cases("full")]
+        if due and not any(case.count for case in due):
+            fail(
+                f"not a single message came on {TOPIC}",
+                expected="a closing speed from the tenth reading on",
+                actual=f"nothing on {TOPIC}",
+                at=due[0].at,
+                recording=recording,
+                help="A deque(maxlen=10) never holds more than ten: compare with == 10 or >= 10.",
+            )
+    for recording, case in runs.cases(*(tags or PACED)):
+        wanted = 1 if case.allowed else 0
+        if case.count != wanted:
+            came = "1 closing speed" if case.count == 1 else f"{case.count or 'no'} closing speeds"
+            fail(
+                f"{came} came after {case.what}",
+                expected="exactly one" if wanted else f"nothing on {TOPIC}",
+                actual=f"{case.count} messages on {TOPIC}",
+                at=case.at,
+                recording=recording,
+                help=help,
+            )
+
+
+def commands(runs: Runs, *tags: str, help: str) -> None:
+    """Fail unless the right command follows on each occasion with one of these tags.
+
+    That the node reacts shows in all runs together: without a trend there is one command in some.
+    """
+    for recording in runs:
+        require_alive(recording)
+    for recording, case in runs.cases(*tags):
+        require_allowed(recording, case, help)
+    reacts(runs[0], [case for _, case in runs.cases("command")])
