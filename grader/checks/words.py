@@ -100,11 +100,8 @@ def follows(
             raise LookupError(f"no occasion {tag!r} in {', '.join(run.name for run in runs)}")
     for recording, case in found:
         require_allowed(recording, case, explain(case) or help, tolerance=tolerance, topic=topic)
-    asked = {tuple(case.allowed) for _, case in found}
     for recording in runs:
-        answers = [case for _, case in runs.of([recording]).cases()]
-        for fields in asked:
-            reacts(recording, [case for case in answers if tuple(case.allowed) == fields])
+        reacts(recording, [case for _, case in runs.of([recording]).cases()])
 
 
 def require_allowed(

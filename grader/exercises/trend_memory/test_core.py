@@ -7,13 +7,12 @@ from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
 from grader.checks.words import (
     TOLERANCE,
     answers_once,
-    follows,
     keeps_distance,
     only_linear_x,
     wired,
 )
 from grader.exercises.trend_memory.contract import TOPIC
-from grader.exercises.trend_memory.words import commands, keeps_pace
+from grader.exercises.trend_memory.words import keeps_pace, says
 
 NEAR, LATE = "trend_near", "trend_late_near"
 APPROACH, AWAY, REST, RUSH = "trend_approach", "trend_recede", "trend_rest", "trend_rush"
@@ -81,21 +80,21 @@ def test_closing_speed(runs: Runs) -> None:
         "All ten readings count, not only the first and the last; distance over stamp in "
         "seconds; positive is closer. Subtract the first stamp before you square anything."
     )
-    follows(runs, "tenth", topic=TOPIC, help=help, explain=slip)
+    says(runs, "tenth", topic=TOPIC, help=help, explain=slip)
 
 
 @check(points=5, asks=DECISION, task=2, scenarios=("trend_ahead",), needs=("wiring",), hint="2.4")
 def test_looks_ahead(runs: Runs) -> None:
     """The distance is the smallest one within ±90° of ahead, as in exercise 1."""
     help = "Compute each beam's angle; what is behind the robot does not matter."
-    follows(runs, "full", topic=TOPIC, help=help)
+    says(runs, "full", topic=TOPIC, help=help)
 
 
 @check(points=5, asks=STATE, task=2, scenarios=(CHANGES, REST), needs=("wiring",), hint="2.2")
 def test_forgets_old(runs: Runs) -> None:
     """Only the last ten readings count: what was before is forgotten, one reading at a time."""
     help = "With each new reading the oldest one goes: deque(maxlen=10)."
-    follows(runs, "full", topic=TOPIC, help=help)
+    says(runs, "full", topic=TOPIC, help=help)
 
 
 @check(points=5, asks=STATE, task=2, scenarios=(STAMPS, EQUAL), needs=("wiring",), hint="2.3")
@@ -105,7 +104,7 @@ def test_uses_stamps(runs: Runs) -> None:
         "header.stamp (sec and nanosec) says when the scan was measured; use that. A scan with "
         "the stamp of the one before is a reading, too; only a step back empties."
     )
-    follows(runs, "full", topic=TOPIC, help=help)
+    says(runs, "full", topic=TOPIC, help=help)
 
 
 @check(points=5, asks=STATE, task=2, scenarios=(UNUSABLE,), needs=("wiring",), hint="2.4")
@@ -140,7 +139,7 @@ def test_clears_jump(runs: Runs) -> None:
 )
 def test_stops_near(runs: Runs) -> None:
     """Below 0.5 m the robot stands, whether or not a closing speed is known, and whatever it is."""
-    commands(runs, "near", help="Below 0.5 m: 0.0 m/s, from the first scan on.")
+    says(runs, "near", help="Below 0.5 m: 0.0 m/s, from the first scan on.")
 
 
 @check(
@@ -154,7 +153,7 @@ def test_stops_near(runs: Runs) -> None:
 def test_stops_in_time(runs: Runs) -> None:
     """The robot stands when less than 2 s are left: distance / closing speed < 2.0 s."""
     help = "Something comes: does the newest closing speed count?"
-    commands(runs, "in_time", "after", help=help)
+    says(runs, "in_time", "after", help=help)
 
 
 @check(
@@ -171,14 +170,14 @@ def test_drives_free(runs: Runs) -> None:
         "Without danger it is 0.3 m/s, before the tenth reading too. A negative closing speed "
         "is no danger, and at 0.0 m/s there is nothing to divide by."
     )
-    commands(runs, "free", help=help)
+    says(runs, "free", help=help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=("trend_blind",), needs=("wiring",), hint="4.1")
 def test_blind(runs: Runs) -> None:
     """Without any usable reading ahead the robot stands, and it drives on when it sees again."""
-    commands(runs, "blind", help="No usable reading: the robot cannot know, so 0.0.")
-    commands(runs, "seen", help="After blindness a good scan counts again.")
+    says(runs, "blind", help="No usable reading: the robot cannot know, so 0.0.")
+    says(runs, "seen", help="After blindness a good scan counts again.")
 
 
 @check(points=10, asks=SAFETY, scenarios=DRIVES, needs=("wiring",))
@@ -194,7 +193,7 @@ def starts_over(runs: Runs) -> None:
         runs, help="Compare each stamp with the one before; clear, then remember the new one."
     )
     help = "With the memory goes the closing speed: it is not known until there are ten."
-    commands(runs, "forgotten", help=help)
+    says(runs, "forgotten", help=help)
 
 
 def slip(case: Case) -> str:

@@ -1,12 +1,15 @@
-"""The words of exercise 4 alone: when closing speeds come, and what is commanded."""
+"""The words of exercise 4 alone: when closing speeds come, and what the node says."""
 
 from __future__ import annotations
 
-from grader.checks.case import Runs
+from collections.abc import Callable
+
+from grader.checks.case import Case, Runs
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.checks.words import reacts, require_allowed
 from grader.exercises.trend_memory.contract import TOPIC
+from sim.messages import CMD_VEL_TOPIC
 
 PACED = ("filling", "unusable", "full")
 
@@ -42,13 +45,21 @@ def keeps_pace(runs: Runs, *tags: str, help: str = "") -> None:
             )
 
 
-def commands(runs: Runs, *tags: str, help: str) -> None:
-    """Fail unless the right command follows on each occasion with one of these tags.
+def says(
+    runs: Runs,
+    *tags: str,
+    help: str,
+    topic: str = CMD_VEL_TOPIC,
+    explain: Callable[[Case], str] = lambda case: "",
+) -> None:
+    """Fail unless what the node says is right, on each occasion with one of these tags.
 
-    That the node reacts shows in all runs together: without a trend there is one command in some.
+    Unlike `follows` it asks all runs together whether the node reacts: in some of them a node
+    without a trend, or with an older one, has only one thing to say.
     """
     for recording in runs:
         require_alive(recording)
     for recording, case in runs.cases(*tags):
-        require_allowed(recording, case, help)
-    reacts(runs[0], [case for _, case in runs.cases("command")])
+        require_allowed(recording, case, explain(case) or help, topic=topic)
+    kind = "command" if topic == CMD_VEL_TOPIC else "full"
+    reacts(runs[0], [case for _, case in runs.cases(kind)])
