@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from grader.checks.case import Case, Runs
+from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
 from grader.checks.words import (
-    TOLERANCE,
     answers_once,
     keeps_distance,
     only_linear_x,
     wired,
 )
 from grader.exercises.trend_memory.contract import TOPIC
-from grader.exercises.trend_memory.words import keeps_pace, says
+from grader.exercises.trend_memory.words import keeps_pace, says, slip
 
 NEAR, LATE = "trend_near", "trend_late_near"
 APPROACH, AWAY, REST, RUSH = "trend_approach", "trend_recede", "trend_rest", "trend_rush"
@@ -194,15 +193,3 @@ def starts_over(runs: Runs) -> None:
     )
     help = "With the memory goes the closing speed: it is not known until there are ten."
     says(runs, "forgotten", help=help)
-
-
-def slip(case: Case) -> str:
-    """Say so if only the sign is wrong, or digits are missing."""
-    ((least, most),), said = case.allowed["data"], case.said.get("data")
-    if not isinstance(said, float) or case.wrong(TOLERANCE) == "":
-        return ""
-    if abs(said) > TOLERANCE and least - TOLERANCE <= -said <= most + TOLERANCE:
-        return "Only the sign is wrong: it is *minus* the slope, positive for what comes closer."
-    if any(said == round(least, digits) for digits in (0, 1, 2)):
-        return "The number is right, and rounded: publish it as it is, and round in the log only."
-    return ""

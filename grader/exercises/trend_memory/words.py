@@ -7,7 +7,7 @@ from collections.abc import Callable
 from grader.checks.case import Case, Runs
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.checks.words import reacts, require_allowed
+from grader.checks.words import TOLERANCE, reacts, require_allowed
 from grader.exercises.trend_memory.contract import TOPIC
 from sim.messages import CMD_VEL_TOPIC
 
@@ -63,3 +63,15 @@ def says(
         require_allowed(recording, case, explain(case) or help, topic=topic)
     kind = "command" if topic == CMD_VEL_TOPIC else "full"
     reacts(runs[0], [case for _, case in runs.cases(kind)])
+
+
+def slip(case: Case) -> str:
+    """Say so if only the sign is wrong, or digits are missing."""
+    ((least, most),), said = case.allowed["data"], case.said.get("data")
+    if not isinstance(said, float) or case.wrong(TOLERANCE) == "":
+        return ""
+    if abs(said) > TOLERANCE and least - TOLERANCE <= -said <= most + TOLERANCE:
+        return "Only the sign is wrong: it is *minus* the slope, positive for what comes closer."
+    if any(said == round(least, digits) for digits in (0, 1, 2)):
+        return "The number is right, and rounded: publish it as it is, and round in the log only."
+    return ""
