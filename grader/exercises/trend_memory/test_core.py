@@ -8,6 +8,7 @@ from grader.checks.words import (
     answers_once,
     keeps_distance,
     only_linear_x,
+    require_allowed,
     wired,
 )
 from grader.exercises.trend_memory.contract import TOPIC
@@ -114,6 +115,7 @@ def test_unusable_scans(runs: Runs) -> None:
         "nothing is published for it. -inf is distance 0: a reading like any other."
     )
     keeps_pace(runs, help=help)
+    says(runs, "full", topic=TOPIC, help=help)
 
 
 @check(points=5, asks=STATE, task=5, scenarios=("trend_backwards",), needs=("wiring",), hint="5.1")
@@ -192,4 +194,5 @@ def starts_over(runs: Runs) -> None:
         runs, help="Compare each stamp with the one before; clear, then remember the new one."
     )
     help = "With the memory goes the closing speed: it is not known until there are ten."
-    says(runs, "forgotten", help=help)
+    for recording, case in runs.cases("forgotten"):
+        require_allowed(recording, case, help)

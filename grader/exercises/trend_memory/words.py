@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from grader.checks.case import Case, Runs
 from grader.checks.verdict import fail
@@ -66,12 +67,13 @@ def says(
 
 
 def slip(case: Case) -> str:
-    """Say so if only the sign is wrong, or digits are missing."""
-    ((least, most),), said = case.allowed["data"], case.said.get("data")
-    if not isinstance(said, float) or case.wrong(TOLERANCE) == "":
+    """Say so if only the sign of a closing speed is wrong, or digits are missing."""
+    said, right = case.said.get("data"), case.allowed["data"]
+    if not isinstance(said, float) or not case.wrong(TOLERANCE):
         return ""
-    if abs(said) > TOLERANCE and least - TOLERANCE <= -said <= most + TOLERANCE:
+    opposite = replace(case, said={"data": -said})
+    if abs(said) > TOLERANCE and not opposite.wrong(TOLERANCE):
         return "Only the sign is wrong: it is *minus* the slope, positive for what comes closer."
-    if any(said == round(least, digits) for digits in (0, 1, 2)):
+    if any(said == round(float(low), digits) for low, _ in right for digits in (0, 1, 2)):
         return "The number is right, and rounded: publish it as it is, and round in the log only."
     return ""
