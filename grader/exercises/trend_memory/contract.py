@@ -63,8 +63,8 @@ def _closing_speed(at: float, what: str, step: Step, values: Sequence[float]) ->
     if step.full:
         tags = {"full", "tenth"} if step.count == SIZE else {"full"}
     elif step.remembered:
-        tags = {"filling"}
-        what += f", reading {step.count} of {SIZE}"
+        tags = {"refilling" if step.forgotten else "filling"}
+        what += f", reading {step.count} of {SIZE}" + " since the jump" * step.forgotten
     else:
         tags = {"unusable"}
         what += ", which is not remembered"

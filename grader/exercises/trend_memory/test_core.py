@@ -12,7 +12,7 @@ from grader.checks.words import (
     wired,
 )
 from grader.exercises.trend_memory.contract import TOPIC
-from grader.exercises.trend_memory.words import keeps_pace, says, slip
+from grader.exercises.trend_memory.words import keeps_pace, says
 
 NEAR, LATE = "trend_near", "trend_late_near"
 APPROACH, AWAY, REST, RUSH = "trend_approach", "trend_recede", "trend_rest", "trend_rush"
@@ -80,7 +80,7 @@ def test_closing_speed(runs: Runs) -> None:
         "All ten readings count, not only the first and the last; distance over stamp in "
         "seconds; positive is closer. Subtract the first stamp before you square anything."
     )
-    says(runs, "tenth", topic=TOPIC, help=help, explain=slip)
+    says(runs, "tenth", topic=TOPIC, help=help)
 
 
 @check(points=5, asks=DECISION, task=2, scenarios=("trend_ahead",), needs=("wiring",), hint="2.4")
@@ -114,7 +114,7 @@ def test_unusable_scans(runs: Runs) -> None:
         "A scan that is blind, or +inf ahead, neither adds a reading nor takes one away, and "
         "nothing is published for it. -inf is distance 0: a reading like any other."
     )
-    keeps_pace(runs, help=help)
+    keeps_pace(runs, "unusable", "full", help=help)
     says(runs, "full", topic=TOPIC, help=help)
 
 
@@ -190,9 +190,8 @@ def test_no_contact(runs: Runs) -> None:
 
 def starts_over(runs: Runs) -> None:
     """Fail unless the memory is emptied, and decides nothing until it is full again."""
-    keeps_pace(
-        runs, help="Compare each stamp with the one before; clear, then remember the new one."
-    )
+    help = "Compare each stamp with the one before; clear, then remember the new one."
+    keeps_pace(runs, "refilling", "unusable", "full", help=help)
     help = "With the memory goes the closing speed: it is not known until there are ten."
     for recording, case in runs.cases("forgotten"):
         require_allowed(recording, case, help)
