@@ -115,10 +115,17 @@ def spell_allowed(allowed: Allowed, unit: str = "") -> str:
     if isinstance(allowed, frozenset):
         return " or ".join(f"“{word}”" for word in sorted(allowed))
     spans = (
-        f"{low:.2f}{unit}" if low == high else f"{low:.2f} to {high:.2f}{unit}"
+        spell_number(low) + unit
+        if high - low < 0.0005
+        else f"{spell_number(low)} to {spell_number(high)}{unit}"
         for low, high in sorted(allowed)
     )
     return " or ".join(spans)
+
+
+def spell_number(number: float) -> str:
+    """Return a number with two digits, or with three where two would hide a difference."""
+    return f"{number:.2f}" if abs(number - round(number, 2)) < 0.0005 else f"{number:.3f}"
 
 
 def _among(said: Said | None, allowed: Allowed, tolerance: float) -> bool:

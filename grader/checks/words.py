@@ -26,7 +26,7 @@ from typing import NoReturn
 import numpy as np
 
 from grader.checks.ahead import front_distance
-from grader.checks.case import Case, Runs, spell_allowed
+from grader.checks.case import Case, Runs, spell_allowed, spell_number
 from grader.checks.commands import (
     garbage,
     require_one_command_each,
@@ -135,7 +135,7 @@ def require_allowed(
             f"{case.what}: there was still no {noun}",
             expected=expected,
             actual=f"nothing on {topic}",
-            help=PUBLISH_ONCE,
+            help=PUBLISH_ONCE if topic == CMD_VEL_TOPIC else help,
         )
     wrong = case.wrong(tolerance)
     if not wrong:
@@ -151,7 +151,7 @@ def require_allowed(
             help=PUBLISH_ONCE,
         )
     fails(
-        f"{case.what}: wrong {wrong}",
+        f"{case.what}: wrong {wrong}" + (f" on {topic}" if topic != CMD_VEL_TOPIC else ""),
         expected=wanted,
         actual=f"{wrong} = {shown}",
         help=(garbage(said) if isinstance(said, float) else "") or help,
@@ -358,4 +358,6 @@ def _spelled(said: tuple[tuple[str, float | str], ...]) -> str:
 def _shown(value: float | str | None) -> str:
     if value is None:
         return "nothing"
-    return f"“{value}”" if isinstance(value, str) else spell(value)
+    if isinstance(value, str):
+        return f"“{value}”"
+    return spell_number(value) if 0.005 <= abs(value) <= 1e6 else spell(value)

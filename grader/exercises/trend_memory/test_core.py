@@ -2,243 +2,196 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import pytest
-
-from grader.checks.commands import require_one_command_each, require_only_linear_x
-from grader.checks.verdict import fail, passes
-from grader.checks.wiring import require_wiring
-from grader.exercises.trend_memory.contract import MEMORY_SIZE
-from grader.exercises.trend_memory.evidence import (
-    TOPIC,
-    asked,
-    cases,
-    closing_speeds,
-    require_distance,
-    require_forgotten,
-    require_memory,
-    require_one,
-    require_plain,
-    require_rule,
-    require_scans,
-    require_silence,
-    require_speeds,
-    require_value,
-    require_way,
-    shown_habits,
-    told_by,
+from grader.checks.case import Runs
+from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
+from grader.checks.words import (
+    answers_once,
+    keeps_distance,
+    only_linear_x,
+    require_allowed,
+    wired,
 )
-from grader.exercises.trend_memory.habits import APPROACH, CHANGES, PLAIN, SMALL, STAMPS, in_seconds
-from grader.recording import Recording
+from grader.exercises.trend_memory.contract import TOPIC
+from grader.exercises.trend_memory.words import keeps_pace, says
 
-AWAY, REST, LATE = "trend_recede", "trend_rest", "trend_late_near"
-RUSH, QUICK, SELDOM = "trend_rush", "trend_quick", "trend_seldom"
-EQUAL, FAST, IN_TIME = "trend_equal", "trend_fast", "trend_in_time"
+NEAR, LATE = "trend_near", "trend_late_near"
+APPROACH, AWAY, REST, RUSH = "trend_approach", "trend_recede", "trend_rest", "trend_rush"
+CHANGES, STAMPS, EQUAL = "trend_changes", "trend_stamps", "trend_equal"
+IN_TIME, FAST, UNUSABLE = "trend_in_time", "trend_fast", "trend_unusable"
 DRIVES = ("trend_wall", "trend_cart")
-CLEAR = "Compare each stamp with the one before; clear, then remember the new one."
-
-Recordings = tuple[Recording, ...]
 
 
-@pytest.mark.check(points=5, scenarios=("trend_near",))
-def test_wiring(recordings: Recordings) -> None:
+@check(points=5, asks=WIRING, task=1, scenarios=(NEAR,))
+def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to /scan and publishes on /closing_speed and /cmd_vel."""
-    for recording in recordings:
-        require_wiring(recording, "trend_memory")
+    wired(runs)
 
 
-@pytest.mark.check(points=5, scenarios=(APPROACH, LATE, *DRIVES), needs=("wiring",))
-def test_one_command_per_scan(recordings: Recordings) -> None:
-    """Each scan is answered by exactly one Twist, and none comes before the first scan."""
-    for recording in recordings:
-        require_one_command_each(recording)
-
-
-@pytest.mark.check(points=5, scenarios=(APPROACH, IN_TIME), needs=("wiring",))
-def test_only_linear_x(recordings: Recordings) -> None:
-    """Every field of the Twist but linear.x is zero."""
-    for recording in recordings:
-        require_only_linear_x(recording, "This agent only drives straight ahead.")
-
-
-@pytest.mark.check(points=5, scenarios=(APPROACH, CHANGES), needs=("wiring",))
-def test_silent_until_ten(recordings: Recordings) -> None:
-    """Nothing on /closing_speed before the tenth reading; then closing speeds come."""
-    for recording in recordings:
-        require_scans(recording)
-        times, _ = closing_speeds(recording)
-        if not times:
-            due = [case.step.scan.t for case in cases(recording) if case.step.spoken]
-            fail(
-                f"not a single message came on {TOPIC}",
-                expected="a closing speed from the tenth reading on",
-                actual=f"{len(recording.scans())} readings and nothing on {TOPIC}",
-                at=due[0] if due else None,
-                recording=recording,
-                help="A deque(maxlen=10) never holds more than ten: compare with == 10 or >= 10.",
-            )
-        for case in cases(recording):
-            require_silence(recording, case)
-
-
-@pytest.mark.check(
-    points=5, scenarios=(APPROACH, AWAY, REST, CHANGES, QUICK, SELDOM), needs=("wiring",)
-)
-def test_one_speed_per_reading(recordings: Recordings) -> None:
-    """From the tenth reading on, one closing speed follows each."""
-    for recording in _survived(recordings):
-        require_scans(recording)
-        for case in cases(recording):
-            require_one(recording, case)
-
-
-@pytest.mark.check(points=10, scenarios=(APPROACH, AWAY, REST, RUSH), needs=("wiring",))
-def test_closing_speed(recordings: Recordings) -> None:
-    """It is minus the least-squares slope of distance over stamp: closer, away, at rest."""
-    silent_away = False  # which is for one_speed_per_reading to say
-    for recording in recordings:
-        require_scans(recording)
-        tenth = next(case for case in cases(recording) if case.step.spoken)
-        silent_away |= recording.name == AWAY and not tenth.said
-        if not silent_away:
-            require_one(recording, tenth)
-        require_value(
-            recording,
-            tenth,
-            "All ten readings count, not only the first and the last; distance over stamp in "
-            "seconds; positive is closer. Subtract the first stamp before you square anything.",
-        )
-
-
-@pytest.mark.check(points=5, scenarios=("trend_ahead", *PLAIN), needs=("wiring",))
-def test_looks_ahead(recordings: Recordings) -> None:
-    """The distance is the smallest one within ±90° of ahead, as in exercise 1."""
-    habits = shown_habits(recordings)
-    for recording in asked(recordings):
-        require_rule(recording, habits)
-        require_memory(
-            recording,
-            habits,
-            "Compute each beam's angle; what is behind the robot does not matter.",
-        )
-
-
-@pytest.mark.check(points=5, scenarios=(CHANGES, REST, APPROACH, SMALL), needs=("wiring",))
-def test_forgets_old(recordings: Recordings) -> None:
-    """Only the last ten readings count: what was before is forgotten, one reading at a time."""
-    habits, judged = told_by(recordings, _survived(recordings[:2]))
-    for recording in judged:
-        require_plain(
-            recording,
-            replace(habits, law=habits.law and habits.law._replace(keeps=MEMORY_SIZE, first=False)),
-            "With each new reading the oldest one goes: deque(maxlen=10).",
-            after=14,
-        )
-
-
-@pytest.mark.check(points=5, scenarios=(STAMPS, EQUAL, CHANGES, APPROACH, SMALL), needs=("wiring",))
-def test_uses_stamps(recordings: Recordings) -> None:
-    """Time is the scan's header stamp: scans may be late or missing, stamps may be equal."""
-    habits, (late, *equal) = told_by(recordings, recordings[:2])
-    habits = replace(habits, law=habits.law and in_seconds(habits.law))
-    help = "header.stamp (sec and nanosec) says when the scan was measured; use that."
-    require_plain(late, habits, help)
-    help = "A scan with the stamp of the one before is a reading, too; only a step back empties."
-    for recording in equal:
-        require_plain(recording, habits, help)
-
-
-@pytest.mark.check(points=5, scenarios=("trend_unusable", IN_TIME, FAST, *PLAIN), needs=("wiring",))
-def test_unusable_scans(recordings: Recordings) -> None:
-    """Scans without a usable distance ahead, or with +inf, are not remembered."""
-    unusable, *fast = recordings[:3]
-    habits = shown_habits(recordings)
-    require_memory(
-        unusable,
-        habits,
-        "A scan that is blind, or +inf ahead, neither adds a reading nor takes one away, and "
-        "nothing is published for it. -inf is distance 0: a reading like any other.",
-    )
-    if passes(test_stops_in_time, tuple(fast)):  # if not, that check has failed
-        require_speeds(
-            (unusable,),
-            "after",
-            "The next reading that counts has nine others before it, as if no such scan had come.",
-            habits,
-        )
-
-
-@pytest.mark.check(points=5, scenarios=("trend_backwards", *PLAIN), needs=("wiring",))
-def test_clears_backwards(recordings: Recordings) -> None:
-    """A stamp that goes backwards empties the memory first; then ten new readings are needed."""
-    habits = shown_habits(recordings)
-    for recording in asked(recordings):
-        require_memory(recording, habits, CLEAR)
-        require_forgotten(recording, habits)
-
-
-@pytest.mark.check(points=5, scenarios=("trend_jump", *PLAIN), needs=("wiring",))
-def test_clears_jump(recordings: Recordings) -> None:
-    """A stamp that jumps ahead by more than 1 s empties the memory first; 0.96 s does not."""
-    habits = shown_habits(recordings)
-    for recording in asked(recordings):
-        require_memory(recording, habits, CLEAR)
-        require_forgotten(recording, habits)
-
-
-@pytest.mark.check(points=5, scenarios=("trend_near", LATE, "trend_near_away"), needs=("wiring",))
-def test_stops_near(recordings: Recordings) -> None:
-    """Below 0.5 m the robot stands, whether or not a closing speed is known, and whatever it is."""
-    require_speeds(recordings, "near", "Below 0.5 m: 0.0 m/s, from the first scan on.")
-
-
-@pytest.mark.check(points=10, scenarios=(IN_TIME, FAST, RUSH), needs=("wiring",))
-def test_stops_in_time(recordings: Recordings) -> None:
-    """The robot stands when less than 2 s are left: distance / closing speed < 2.0 s."""
-    # By the true closing speed, not by the node's own: who is wrong about it stops too late
-    require_speeds(recordings, "in_time", "Something comes: does the newest closing speed count?")
-
-
-@pytest.mark.check(
+@check(
     points=5,
-    scenarios=("trend_near", IN_TIME, FAST, AWAY, REST, LATE, "trend_unusable", *PLAIN),
+    asks=DECISION,
+    task=4,
+    scenarios=(APPROACH, LATE, *DRIVES),
     needs=("wiring",),
+    hint="4.3",
 )
-def test_drives_free(recordings: Recordings) -> None:
-    """Otherwise it drives at 0.3 m/s: enough time, moving away, at rest, nothing in range."""
-    require_speeds(
-        _answered(asked(recordings)),
-        "free",
-        "Without danger it is 0.3 m/s, before the tenth reading too. A negative closing speed "
-        "is no danger, and at 0.0 m/s there is nothing to divide by.",
-        shown_habits(recordings),
+def test_one_command_per_scan(runs: Runs) -> None:
+    """Each scan is answered by exactly one Twist, and none comes before the first scan."""
+    answers_once(runs)
+
+
+@check(points=5, asks=SAFETY, task=4, scenarios=(APPROACH, IN_TIME), needs=("wiring",))
+def test_only_linear_x(runs: Runs) -> None:
+    """Every field of the Twist but linear.x is zero."""
+    only_linear_x(runs)
+
+
+@check(points=5, asks=STATE, task=3, scenarios=(APPROACH, CHANGES), needs=("wiring",), hint="3.4")
+def test_silent_until_ten(runs: Runs) -> None:
+    """Nothing on /closing_speed before the tenth reading; then closing speeds come."""
+    keeps_pace(runs, "filling", help="Return early: nothing is known yet, not even zero.")
+
+
+@check(
+    points=5,
+    asks=STATE,
+    task=3,
+    scenarios=(APPROACH, AWAY, REST, CHANGES, "trend_quick", "trend_seldom"),
+    needs=("wiring",),
+    hint="3.4",
+)
+def test_one_speed_per_reading(runs: Runs) -> None:
+    """From the tenth reading on, one closing speed follows each."""
+    help = "Publish once for each scan that is remembered, from the tenth one on."
+    keeps_pace(runs, "full", help=help)
+
+
+@check(
+    points=10,
+    asks=DECISION,
+    task=3,
+    scenarios=(APPROACH, AWAY, REST, RUSH),
+    needs=("wiring",),
+    hint="3.1",
+)
+def test_closing_speed(runs: Runs) -> None:
+    """It is minus the least-squares slope of distance over stamp: closer, away, at rest."""
+    help = (
+        "All ten readings count, not only the first and the last; distance over stamp in "
+        "seconds; positive is closer. Subtract the first stamp before you square anything."
     )
+    says(runs, "tenth", topic=TOPIC, help=help)
 
 
-@pytest.mark.check(points=5, scenarios=("trend_blind", *PLAIN), needs=("wiring",))
-def test_blind(recordings: Recordings) -> None:
+@check(points=5, asks=DECISION, task=2, scenarios=("trend_ahead",), needs=("wiring",), hint="2.4")
+def test_looks_ahead(runs: Runs) -> None:
+    """The distance is the smallest one within ±90° of ahead, as in exercise 1."""
+    help = "Compute each beam's angle; what is behind the robot does not matter."
+    says(runs, "full", topic=TOPIC, help=help)
+
+
+@check(points=5, asks=STATE, task=2, scenarios=(CHANGES, REST), needs=("wiring",), hint="2.2")
+def test_forgets_old(runs: Runs) -> None:
+    """Only the last ten readings count: what was before is forgotten, one reading at a time."""
+    help = "With each new reading the oldest one goes: deque(maxlen=10)."
+    says(runs, "full", topic=TOPIC, help=help)
+
+
+@check(points=5, asks=STATE, task=2, scenarios=(STAMPS, EQUAL), needs=("wiring",), hint="2.3")
+def test_uses_stamps(runs: Runs) -> None:
+    """Time is the scan's header stamp: scans may be late or missing, stamps may be equal."""
+    help = (
+        "header.stamp (sec and nanosec) says when the scan was measured; use that. A scan with "
+        "the stamp of the one before is a reading, too; only a step back empties."
+    )
+    says(runs, "full", topic=TOPIC, help=help)
+
+
+@check(points=5, asks=STATE, task=2, scenarios=(UNUSABLE,), needs=("wiring",), hint="2.4")
+def test_unusable_scans(runs: Runs) -> None:
+    """Scans without a usable distance ahead, or with +inf, are not remembered."""
+    help = (
+        "A scan that is blind, or +inf ahead, neither adds a reading nor takes one away, and "
+        "nothing is published for it. -inf is distance 0: a reading like any other."
+    )
+    keeps_pace(runs, "unusable", "full", help=help)
+    says(runs, "full", topic=TOPIC, help=help)
+
+
+@check(points=5, asks=STATE, task=5, scenarios=("trend_backwards",), needs=("wiring",), hint="5.1")
+def test_clears_backwards(runs: Runs) -> None:
+    """A stamp that goes backwards empties the memory first; then ten new readings are needed."""
+    starts_over(runs)
+
+
+@check(points=5, asks=STATE, task=5, scenarios=("trend_jump",), needs=("wiring",), hint="5.1")
+def test_clears_jump(runs: Runs) -> None:
+    """A stamp that jumps ahead by more than 1 s empties the memory first; 0.96 s does not."""
+    starts_over(runs)
+
+
+@check(
+    points=5,
+    asks=SAFETY,
+    task=4,
+    scenarios=(NEAR, LATE, "trend_near_away"),
+    needs=("wiring",),
+    hint="4.1",
+)
+def test_stops_near(runs: Runs) -> None:
+    """Below 0.5 m the robot stands, whether or not a closing speed is known, and whatever it is."""
+    says(runs, "near", help="Below 0.5 m: 0.0 m/s, from the first scan on.")
+
+
+@check(
+    points=10,
+    asks=SAFETY,
+    task=4,
+    scenarios=(IN_TIME, FAST, RUSH, UNUSABLE),
+    needs=("wiring",),
+    hint="4.2",
+)
+def test_stops_in_time(runs: Runs) -> None:
+    """The robot stands when less than 2 s are left: distance / closing speed < 2.0 s."""
+    help = "Something comes: does the newest closing speed count?"
+    says(runs, "in_time", "after", help=help)
+
+
+@check(
+    points=5,
+    asks=DECISION,
+    task=4,
+    scenarios=(NEAR, IN_TIME, AWAY, REST, LATE, UNUSABLE),
+    needs=("wiring",),
+    hint="4.2",
+)
+def test_drives_free(runs: Runs) -> None:
+    """Otherwise it drives at 0.3 m/s: enough time, moving away, at rest, nothing in range."""
+    help = (
+        "Without danger it is 0.3 m/s, before the tenth reading too. A negative closing speed "
+        "is no danger, and at 0.0 m/s there is nothing to divide by."
+    )
+    says(runs, "free", help=help)
+
+
+@check(points=5, asks=SAFETY, task=4, scenarios=("trend_blind",), needs=("wiring",), hint="4.1")
+def test_blind(runs: Runs) -> None:
     """Without any usable reading ahead the robot stands, and it drives on when it sees again."""
-    habits, there = shown_habits(recordings), asked(recordings)
-    require_speeds(there, "blind", "No usable reading: the robot cannot know, so 0.0.", habits)
-    require_speeds(there, "seen", "After blindness a good scan counts again.", habits)
+    says(runs, "blind", help="No usable reading: the robot cannot know, so 0.0.")
+    says(runs, "seen", help="After blindness a good scan counts again.")
 
 
-@pytest.mark.check(points=10, scenarios=(*DRIVES, *PLAIN), needs=("wiring",))
-def test_no_contact(recordings: Recordings) -> None:
+@check(points=10, asks=SAFETY, scenarios=DRIVES, needs=("wiring",))
+def test_no_contact(runs: Runs) -> None:
     """Before a wall and a cart that comes closer the robot keeps a clearance of 0.2 m."""
-    drives, habits = asked(recordings), shown_habits(recordings)
-    for recording in drives:
-        require_distance(recording)
-    for recording in drives:
-        require_way(recording, habits)
+    help = "Watch the replay from two seconds before: what was the closing speed?"
+    keeps_distance(runs, help=help)
 
 
-def _survived(recordings: Recordings) -> Recordings:
-    """Return the recordings but that of rest, if the node died of it: that is for `drives_free`."""
-    return tuple(r for r in recordings if r.name != REST or r.outcome.completed)
-
-
-def _answered(recordings: Recordings) -> Recordings:
-    """Return the recordings but an unanswered late one: that is for `one_command_per_scan`."""
-    return tuple(r for r in recordings if r.name != LATE or passes(test_one_command_per_scan, (r,)))
+def starts_over(runs: Runs) -> None:
+    """Fail unless the memory is emptied, and decides nothing until it is full again."""
+    help = "Compare each stamp with the one before; clear, then remember the new one."
+    keeps_pace(runs, "refilling", "unusable", "full", help=help)
+    help = "With the memory goes the closing speed: it is not known until there are ten."
+    for recording, case in runs.cases("forgotten"):
+        require_allowed(recording, case, help)

@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-from grader.checks.commands import require_one_command_each
-from grader.checks.old_field import FieldSuite
-from grader.exercises.trend_memory.evidence import (
-    cases,
-    require_closing_speeds,
-    require_distance,
-    require_speed,
-    require_way,
-)
-from grader.exercises.trend_memory.habits import Habits
-from grader.recording import Recording
+from grader.checks.case import Runs
+from grader.checks.field import FieldSuite
+from grader.checks.words import answers_once, keeps_distance
+from grader.exercises.trend_memory.contract import TOPIC
+from grader.exercises.trend_memory.words import keeps_pace, says
 
 
-def _require_contract(recording: Recording, help: str) -> None:
-    """Fail unless the whole contract holds in this scenario."""
-    require_one_command_each(recording)
-    require_closing_speeds(recording, help)
-    for case in cases(recording):
-        require_speed(recording, case, help)
-    require_distance(recording)
-    require_way(recording, Habits())
+def _keeps_the_contract(runs: Runs, help: str) -> None:
+    """Fail unless the whole contract holds in these scenarios."""
+    answers_once(runs)
+    keeps_pace(runs, help=help)
+    says(runs, "full", topic=TOPIC, help=help)
+    says(runs, "command", help=help)
+    keeps_distance(runs)
 
 
-field = FieldSuite("trend_memory", _require_contract)
+field = FieldSuite(_keeps_the_contract)
 
 test_field_lds01 = field.lds01("trend_field_lds01")
 test_field_wide_lidar = field.wide_lidar("trend_field_wide")

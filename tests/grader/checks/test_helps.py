@@ -11,14 +11,6 @@ from grader.exercises.goal_seeking.contract import Quest
 from grader.exercises.goal_seeking.reaching import require_reached
 from grader.exercises.latency_monitor.evidence import _slip
 from grader.exercises.safety_supervisor import evidence as safety
-from grader.exercises.trend_memory.evidence import _sign
-
-
-@pytest.mark.parametrize(
-    ("value", "wrong_sign"), [(-1.121, True), (1.0, False), (-1.0, False), (0.0, False)]
-)
-def test_a_closing_speed_with_the_wrong_sign_is_told_so(value: float, wrong_sign: bool) -> None:
-    assert bool(_sign(value, 1.1205, 1.1215)) is wrong_sign
 
 
 @pytest.mark.parametrize(

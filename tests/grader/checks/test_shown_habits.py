@@ -7,16 +7,12 @@ from pathlib import Path
 import pytest
 
 from grader.authoring.mutants import mutants
-from grader.checks.verdict import CheckFailed
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.exercises.ml_velocity import evidence as ml
 from grader.exercises.ml_velocity.habits import Habit as Seeing
 from grader.exercises.safety_supervisor import habits as safety
 from grader.exercises.safety_supervisor.contract import AS_ASKED, Habit, ticks
-from grader.exercises.trend_memory import evidence as trend
-from grader.exercises.trend_memory.contract import RIGHT
-from grader.exercises.trend_memory.habits import PLAIN, SMALL, Habits
 from grader.link.pool import ForkServerPool
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
@@ -106,16 +102,3 @@ def test_who_asks_the_model_and_stands_has_no_habit(run: Run, noise: float) -> N
     )
     assert len(stands.twists().linear_x) > 1
     assert ml.habit_of((stands,)) == Seeing()
-
-
-def test_numbers_that_are_noise_are_judged_with_small_stamps(run: Run) -> None:
-    plain = run("trend_memory", "big_squares", *PLAIN, SMALL)
-    assert trend.shown_habits(plain).law is None
-    assert trend.told_by(plain, plain[:2]) == (Habits(RIGHT), plain[-1:])
-
-
-def test_who_stands_for_wrong_closing_speeds_need_not_move(run: Run) -> None:
-    wall, *plain = run("trend_memory", "axes_swapped", "trend_wall", *PLAIN)
-    trend.require_way(wall, trend.shown_habits(plain))
-    with pytest.raises(CheckFailed, match="hardly moved"):
-        trend.require_way(wall, Habits())
