@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
@@ -30,31 +30,35 @@ NO_REPORT = "Does the timer's callback run, and is the name right, letter by let
 
 def reports(runs: Runs, *keys: str, tag: str = COUNTED, help: str = "") -> None:
     """Fail unless each report with this tag has the right values (or level); each run has one."""
+    for recording, case in _reported(runs, tag):
+        asked = replace(case, allowed={key: case.allowed[key] for key in keys})
+        advice = slip(asked) or help
+        require_allowed(recording, asked, advice, tolerance=TOLERANCE, topic=TOPIC)
+
+
+def never_stale_again(runs: Runs) -> None:
+    """Fail if a report says STALE though calls have returned."""
+    for recording, case in _reported(runs, COUNTED):
+        known = replace(case, allowed={"level": frozenset(LEVELS) - {"STALE"}})
+        require_allowed(recording, known, "STALE is for an empty window.", topic=TOPIC)
+
+
+def _reported(runs: Runs, tag: str) -> Iterator[tuple[Recording, Case]]:
+    """Yield the reports with this tag; fail if a run has none."""
     for recording in runs:
         require_alive(recording)
         found = [case for case in cases(recording) if tag in case.tags]
         if not found:
+            when = "before a call had returned" if tag == EMPTY else "after a call had returned"
             fail(
-                f"no status named “{NAME}” came on {TOPIC}"
-                + (" before a call had returned" if tag == EMPTY else " after a call had returned"),
+                f"no status named “{NAME}” came on {TOPIC} {when}",
                 expected="one every second, and one call of predict for each scan",
                 actual=f"{len(recording.of(TOPIC))} messages on {TOPIC}",
-                at=min(1.0, recording.duration_s),
+                at=min(PERIOD, recording.duration_s),
                 recording=recording,
                 help=NO_REPORT,
             )
-        for case in found:
-            asked = replace(case, allowed={key: case.allowed[key] for key in keys})
-            advice = slip(asked) or help
-            require_allowed(recording, asked, advice, tolerance=TOLERANCE, topic=TOPIC)
-
-
-def never_stale_again(recording: Recording) -> None:
-    """Fail if a report says STALE though calls have returned."""
-    for case in cases(recording):
-        if COUNTED in case.tags:
-            known = replace(case, allowed={"level": frozenset(LEVELS) - {"STALE"}})
-            require_allowed(recording, known, "STALE is for an empty window.", topic=TOPIC)
+        yield from ((recording, case) for case in found)
 
 
 def well_formed(runs: Runs) -> None:
@@ -66,7 +70,7 @@ def well_formed(runs: Runs) -> None:
             fail(
                 f"nothing came on {TOPIC}",
                 expected="one DiagnosticArray every second",
-                at=min(1.0, recording.duration_s),
+                at=min(PERIOD, recording.duration_s),
                 recording=recording,
                 help=NO_REPORT,
             )

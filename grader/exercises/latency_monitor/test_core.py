@@ -120,7 +120,7 @@ def test_stale_at_first(runs: Runs) -> None:
     """Before the first prediction: level STALE, count 0, the other numbers 0.0."""
     help = "An empty window is STALE, has a count of 0, and 0.0 elsewhere."
     reports(runs, "level", *KEYS, tag=EMPTY, help=help)
-    never_stale_again(runs[LATE_LIDAR])
+    never_stale_again(runs.only(LATE_LIDAR))
 
 
 @check(points=10, asks=DECISION, task=2, scenarios=(TIMES, CLIP), needs=("wiring",), hint="2.2")
