@@ -124,8 +124,11 @@ def slip(case: Case) -> str:
     key = case.wrong(TOLERANCE)
     if not key.endswith("_ms"):
         return ""
-    number, (low, _) = case.said.get(key), case.allowed[key][0]
-    if not isinstance(number, float) or not isinstance(low, float) or not number or not low:
+    number, allowed = case.said.get(key), case.allowed[key]
+    if not isinstance(number, float) or not isinstance(allowed, tuple):
+        return ""
+    low = allowed[0][0]
+    if not number or not low:
         return ""
     for factor, unit in ((1e3, "microseconds"), (1e-3, "seconds")):
         if math.isclose(number, factor * low, rel_tol=1e-2):
