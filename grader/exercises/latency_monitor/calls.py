@@ -42,9 +42,9 @@ def predicts_late(runs: Runs, tag: str, help: str) -> None:
     Other scans have waited for it, and the commands for all of them come at the same moment.
     """
     for recording, case in runs.cases(tag):
-        twists = recording.twists()
+        twists, allowed = recording.twists(), {"linear.x": case.allowed["linear.x"]}
         after = twists.linear_x[twists.t > case.at].tolist()
-        said = [replace(case, said={"linear.x": speed}) for speed in after]
+        said = [replace(case, allowed=allowed, said={"linear.x": speed}) for speed in after]
         if all(each.wrong(TOLERANCE) for each in said):
             require_allowed(recording, said[0] if said else replace(case, said={}), help)
 

@@ -106,7 +106,8 @@ def _case(recording: Recording, time: float, status: Any) -> Case:
         tags=frozenset(counted) if len(counted) == 1 else frozenset(),
         allowed={key: tuple({choice.span(key) for choice in choices}) for key in KEYS}
         | {"level": frozenset().union(*(choice.levels for choice in choices))},
-        said=values | {"level": LEVELS[level] if level < len(LEVELS) else f"{level}, no level"},
+        said=values
+        | {"level": LEVELS[level] if level in range(len(LEVELS)) else f"{level}, no level"},
     )
 
 
