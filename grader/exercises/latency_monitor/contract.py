@@ -1,8 +1,7 @@
-"""The oracle of latency_monitor: which calls of predict have ended when, and their statistics."""
+"""The oracle of latency_monitor: the command for each scan, and the statistics of its calls."""
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -11,27 +10,21 @@ from typing import NamedTuple
 import numpy as np
 
 from grader.checks.braking import braking, model_says_go
+from grader.checks.case import Case, Interval, exactly
+from grader.checks.commands import answers
 from grader.checks.contract import Contract, Survived
+from grader.checks.predictions import MODEL, predictions
 from grader.recording import Recording
 
-TOPIC = "/diagnostics"
-DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
-STATUS_NAME = "profiled_controller: inference"
 KEYS = ("count", "mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "deadline_ms", "missed")
-LATENCIES = ("mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms")
-OK, WARN, ERROR, STALE = range(4)
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
+OK, WARN, ERROR, STALE = range(4)
 WINDOW = 100  # calls
-EVERYTHING = 10**9  # calls
 DEADLINE = 100.0  # [ms] without the parameter
-PERIOD = 1.0  # [s] of the reports
-PERIOD_TOLERANCE = 0.15  # [s]
-MOST_CHOICES = 20  # calls that end within a hair of a report and may count or not
-FEW_CHOICES = 3  # the same at the report before, if that empties the window
-HAIR = 0.001  # [s] a call that ends this near to a report may count or not
-TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
-THREE_DIGITS = 0.0006  # what rounding to three digits may change, in any unit
+NEAR = 0.001  # [s] a call that ends this near to a report may count or not
+MOST_CHOICES = 20  # calls that end so near to a report
 OVERHEAD = 4.0  # [ms] that a call takes longer in real time: the link, waking up, Python's own
+BROKEN = ("garbage", "empty")  # probes that are no model
 
 CONTRACT = Contract(
     free=model_says_go,
@@ -39,6 +32,34 @@ CONTRACT = Contract(
     delayed_in=("latency_wall",),
     survives=Survived(sensors=300, commands=300),
 )
+
+
+def cases(recording: Recording) -> list[Case]:
+    """Return an occasion for each scan: its clipped prediction, or 0.0 where there is none.
+
+    What a report has to say: `grader.exercises.latency_monitor.reports.cases`.
+    """
+    return [
+        Case(
+            at=answer.scan.t,
+            what=answer.what,
+            tags=frozenset(answer.tags),
+            allowed={"linear.x": speeds},
+            said={} if answer.speed is None else {"linear.x": answer.speed},
+            count=answer.count,
+        )
+        for answer, speeds in zip(answers(recording), _speeds(recording), strict=False)
+    ]
+
+
+def _speeds(recording: Recording) -> list[tuple[Interval, ...]]:
+    """Return the speeds that are right for each scan [m/s]."""
+    if recording.scenario.node.models[MODEL].probe in BROKEN:
+        return [exactly(0.0) for _ in recording.scans()]
+    return [
+        ((said.least, said.most),) * said.exists + exactly(0.0) * said.missing
+        for said in predictions(recording)
+    ]
 
 
 @dataclass(frozen=True)
@@ -68,26 +89,21 @@ class Statistics:
     @property
     def level(self) -> int:
         """The level: STALE, OK, WARN or ERROR."""
-        numbers = self.numbers
         if not self.latencies:
             return STALE
-        if numbers["p95_ms"] > self.deadline:
+        if self.numbers["p95_ms"] > self.deadline:
             return ERROR
-        return WARN if numbers["missed"] else OK
+        return WARN if self.numbers["missed"] else OK
 
     @property
-    def levels(self) -> frozenset[int]:
-        """The levels that are right: more than one if calls may have taken longer."""
+    def levels(self) -> frozenset[str]:
+        """The levels that are right, in words: more than one if calls may have taken longer."""
         least, most = self.level, self._latest.level
-        return frozenset({least, most} if least == STALE else range(least, most + 1))
+        return frozenset(LEVELS[least : most + 1])
 
-    def allows(self, key: str, number: float, scale: float = 1.0) -> bool:
-        """Tell whether this is the value of a key; `scale`: of a latency in another unit."""
-        least, most = self.numbers[key], self._latest.numbers[key]
-        if scale == 1.0 or key not in LATENCIES:
-            return least - TOLERANCE <= number <= most + TOLERANCE
-        tolerance = max(scale * TOLERANCE, THREE_DIGITS)
-        return scale * least - tolerance <= number <= scale * most + tolerance
+    def span(self, key: str) -> Interval:
+        """Return the least and the greatest right value of a key."""
+        return self.numbers[key], self._latest.numbers[key]
 
     @cached_property
     def _latest(self) -> Statistics:
@@ -96,38 +112,23 @@ class Statistics:
         return Statistics(tuple(latency + self.late for latency in self.latencies), self.deadline)
 
 
-def right_statistics(
-    recording: Recording, time: float, window: int = WINDOW, since: float = -math.inf
-) -> tuple[Statistics, ...]:
+def right_statistics(recording: Recording, time: float) -> tuple[Statistics, ...]:
     """Return what a report may say at a time [s]: a call that ends just then may count or not.
 
-    In real time each call may take longer. Calls that ended before `since` [s] do not count.
+    In real time each call may take longer.
     """
     overhead = 0.0 if recording.live is None else OVERHEAD
     soonest, latest = _calls(recording), _calls(recording, overhead / 1000.0)
     latencies = [call.latency for call in soonest]
-    deadline = deadline_of(recording)
-    near = HAIR + recording.slack
+    deadline = float(recording.scenario.node.parameters.get("deadline_ms", DEADLINE))
+    near = NEAR + recording.slack
     least = bisect_right([call.end for call in latest], time - near)
     most = bisect_right([call.end for call in soonest], time + near)
-    first = bisect_right([call.end for call in latest], since - near)
-    last = bisect_right([call.end for call in soonest], since + near)
     late = 1000.0 * recording.slack + overhead
     return tuple(
-        _statistics(tuple(latencies[max(begin, n - window) : n]), deadline, late)
+        _statistics(tuple(latencies[max(0, n - WINDOW) : n]), deadline, late)
         for n in range(max(least, most - MOST_CHOICES), most + 1)
-        for begin in range(max(first, last - FEW_CHOICES), last + 1)
     )
-
-
-def deadline_of(recording: Recording) -> float:
-    """Return the parameter deadline_ms that the node was given [ms]."""
-    return float(recording.scenario.node.parameters.get("deadline_ms", DEADLINE))
-
-
-def calls_by(recording: Recording, time: float) -> int:
-    """Return how many calls may have ended by a time [s]."""
-    return bisect_right([call.end for call in _calls(recording)], time + HAIR + recording.slack)
 
 
 @lru_cache(maxsize=4096)  # a node may report very often

@@ -1,200 +1,157 @@
-"""The statuses that a node published: their form, and how they are read where it is wrong.
-
-`status_form` judges the form. The other checks read what stands there as a person would: it is
-written alike in all reports, and each value stands for one number.
-"""
+"""What a node reports on /diagnostics: the form of its statuses, their levels and their values."""
 
 from __future__ import annotations
 
 import math
-import re
-from dataclasses import dataclass
-from difflib import SequenceMatcher
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from itertools import islice
+from typing import Any
 
+from grader.checks.case import Case, Runs, Said
 from grader.checks.reading import published
-from grader.checks.verdict import CheckFailed, fail
+from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.exercises.latency_monitor.contract import DIAGNOSTICS, KEYS, PERIOD, STATUS_NAME, TOPIC
+from grader.checks.words import require_allowed
+from grader.exercises.latency_monitor.contract import KEYS, LEVELS, right_statistics
 from grader.recording import Recording
 
-MOST_REPORTS = 1_000  # in one trial, of which the longest takes 6 s
-ALIKE = 0.6  # keys that are the same but for their spelling: p50 and p50_ms
-_LONGEST = 40  # letters of a key or a number
-_MOST_KEYS = 64
-_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?")  # of “12.3 ms”
+TOPIC = "/diagnostics"
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+NAME = "profiled_controller: inference"
+EMPTY, COUNTED = "empty", "counted"  # tags: no call had returned by then, or some had
+MOST = 1_000  # reports in one trial, of which the longest takes 65 s
+TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
+PERIOD, PERIOD_TOLERANCE = 1.0, 0.15  # [s] of the reports
+HALF = 0.5  # [ms] what rounding to whole milliseconds may change
+NO_REPORT = "Does the timer's callback run, and is the name right, letter by letter?"
 
 
-class Form(NamedTuple):
-    """How a node writes its statuses."""
-
-    keys: tuple[tuple[str, str], ...] = tuple(zip(KEYS, KEYS, strict=True))  # ours, and its own
-    named: bool = True  # by the exercise's name
-    exact: bool = True  # as the contract wants it
-
-
-RIGHT_FORM = Form()
+def reports(runs: Runs, *keys: str, tag: str = COUNTED, help: str = "") -> None:
+    """Fail unless each report with this tag has the right values (or level); each run has one."""
+    for recording, case in _reported(runs, tag):
+        asked = replace(case, allowed={key: case.allowed[key] for key in keys})
+        advice = slip(asked) or help
+        require_allowed(recording, asked, advice, tolerance=TOLERANCE, topic=TOPIC)
 
 
-@dataclass(frozen=True)
-class Report:
-    """One DiagnosticStatus with the exercise's name."""
-
-    t: float  # [s]
-    level: int
-    texts: dict[str, str]
-    since: float = 0.0  # [s] when the report before it came
-    exact: bool = True  # a value is a number and nothing else
-
-    def number(self, key: str) -> float:
-        """Return a value as a number; NaN if it is missing or no number."""
-        text = self.texts.get(key, "")
-        try:
-            return float(text)
-        except ValueError:
-            found = None if self.exact else _NUMBER.search(text[:_LONGEST])
-            return float(found[0].replace(",", ".")) if found else math.nan
+def never_stale_again(runs: Runs) -> None:
+    """Fail if a report says STALE though calls have returned."""
+    for recording, case in _reported(runs, COUNTED):
+        known = replace(case, allowed={"level": frozenset(LEVELS) - {"STALE"}})
+        require_allowed(recording, known, "STALE is for an empty window.", topic=TOPIC)
 
 
-def require_reports(recording: Recording, form: Form = RIGHT_FORM) -> list[Report]:
-    """Return the reports; fail if there is none."""
-    require_alive(recording)
-    found: list[Report] = []
-    since = 0.0
-    for time, array in _messages(recording):
-        found += _reports_of(array, form, time, since)
-        since = time
-    if not found:
-        fail(
-            f"no status named “{STATUS_NAME}” came on {TOPIC}",
-            expected="one every second",
-            actual=f"{len(recording.of(TOPIC))} messages on {TOPIC}, none with this name",
-            at=min(PERIOD, recording.duration_s),
-            recording=recording,
-            help="Does the timer's callback run, and is the name right, letter by letter?",
-        )
-    if len(found) > MOST_REPORTS:
-        fail(
-            f"{len(found):,} statuses named “{STATUS_NAME}” came on {TOPIC}",
-            expected="one every second",
-            actual=f"more than {MOST_REPORTS} in {recording.duration_s:.0f} s",
-            at=found[MOST_REPORTS].t,
-            recording=recording,
-            help="One timer of 1.0 s publishes; not each scan, not each call.",
-        )
-    return found
-
-
-def require_form(recording: Recording) -> None:
-    """Fail unless each message has one status with its eight decimal strings."""
-    require_alive(recording)
-    messages = _messages(recording)
-    if not messages:
-        require_reports(recording)
-    for at, array in messages:
-        statuses = array.status
-        if len(statuses) != 1 or statuses[0].name != STATUS_NAME:
-            names = ", ".join(f"“{status.name}”" for status in statuses) or "no status"
+def _reported(runs: Runs, tag: str) -> Iterator[tuple[Recording, Case]]:
+    """Yield the reports with this tag; fail if a run has none."""
+    for recording in runs:
+        require_alive(recording)
+        found = [case for case in cases(recording) if tag in case.tags]
+        if not found:
+            when = "before a call had returned" if tag == EMPTY else "after a call had returned"
             fail(
-                f"a message on {TOPIC} does not have exactly one status, of this name",
-                expected=f"one status named “{STATUS_NAME}”",
-                actual=names,
-                at=at,
+                f"no status named “{NAME}” came on {TOPIC} {when}",
+                expected="one every second, and one call of predict for each scan",
+                actual=f"{len(recording.of(TOPIC))} messages on {TOPIC}",
+                at=min(PERIOD, recording.duration_s),
                 recording=recording,
-                help="The name has to be the same, letter by letter, blanks too."
-                if len(statuses) == 1
-                else "DiagnosticArray has a list of statuses; here it has one element.",
+                help=NO_REPORT,
             )
-        keys = [value.key for value in statuses[0].values]
-        for key in KEYS:
-            if keys.count(key) != 1:
+        yield from ((recording, case) for case in found)
+
+
+def well_formed(runs: Runs) -> None:
+    """Fail unless each message has one status, with its name and eight decimal strings."""
+    for recording in runs:
+        require_alive(recording)
+        messages = published(recording, TOPIC, DIAGNOSTICS)
+        if not messages:
+            fail(
+                f"nothing came on {TOPIC}",
+                expected="one DiagnosticArray every second",
+                at=min(PERIOD, recording.duration_s),
+                recording=recording,
+                help=NO_REPORT,
+            )
+        for at, array in messages:
+            if flaw := _flaw(array.status):
+                expected, actual, help = flaw
                 fail(
-                    f"the status has {keys.count(key)} values with the key {key}",
-                    expected="each of " + ", ".join(KEYS) + " once",
-                    actual=", ".join(keys) or "no values",
+                    f"a message on {TOPIC} is not as agreed",
+                    expected=expected,
+                    actual=actual,
                     at=at,
                     recording=recording,
-                    help="status.values is a list of KeyValue(key=…, value=…).",
-                )
-        for value in statuses[0].values:
-            if value.key in KEYS and not _is_decimal(value.value):
-                fail(
-                    f"{value.key} is not a decimal string",
-                    expected="a number in digits, such as “12.3”, without a unit",
-                    actual=f"“{value.value}”",
-                    at=at,
-                    recording=recording,
-                    help="f'{number:.3f}'; without any call the numbers are 0.0.",
+                    help=help,
                 )
 
 
-def form_of(recording: Recording) -> Form:
-    """Return how a node writes its statuses, by those of a recording."""
-    try:
-        require_form(recording)
-    except CheckFailed:
-        arrays = [array for _, array in _messages(recording)]
-        statuses = [status for array in arrays[:MOST_REPORTS] for status in array.status]
-        named = any(status.name == STATUS_NAME for status in statuses)
-        form = Form(named=named, exact=False)
-        written = [[v.key for v in _values(array.status, form)] for array in arrays[:1]]
-        return form._replace(keys=_pairs(written[0])) if written else form
-    return RIGHT_FORM
+@lru_cache(maxsize=8)  # many checks ask for the same
+def cases(recording: Recording) -> tuple[Case, ...]:
+    """Return an occasion for each status of its name: its level and values, of the calls so far."""
+    messages = published(recording, TOPIC, DIAGNOSTICS)
+    found = ((t, status) for t, array in messages for status in array.status if status.name == NAME)
+    return tuple(_case(recording, t, status) for t, status in islice(found, MOST))
 
 
-@lru_cache(maxsize=4)  # many checks read the same, and a node may report very often
-def _messages(recording: Recording) -> list[tuple[float, Any]]:
-    return published(recording, TOPIC, DIAGNOSTICS)
-
-
-def _reports_of(array: Any, form: Form, time: float, since: float) -> list[Report]:
-    """Return the reports of a message: in another form than the contract's it makes one."""
-    statuses = [status for status in array.status if _is_meant(status, form)]
-    if form.exact:
-        return [
-            Report(time, int(status.level), {v.key: v.value for v in status.values}, since)
-            for status in statuses
-        ]
-    values = {v.key: v.value for v in _values(statuses, form)}
-    texts = {ours: values[theirs] for ours, theirs in form.keys if theirs in values}
-    return [Report(time, int(status.level), texts, since, exact=False) for status in statuses[:1]]
-
-
-def _is_meant(status: Any, form: Form) -> bool:
-    return status.name == STATUS_NAME or not form.named
-
-
-def _values(statuses: Any, form: Form) -> list[Any]:
-    return [v for status in statuses if _is_meant(status, form) for v in status.values]
-
-
-def _pairs(written: list[str]) -> tuple[tuple[str, str], ...]:
-    """Return which key is meant by which: the same, one alike, or the one in its place."""
-    theirs = list(dict.fromkeys(written))[:_MOST_KEYS]
-    found = {key: key for key in KEYS if key in theirs}
-    alike = sorted(
-        (-_likeness(ours, own), ours, own)
-        for ours in KEYS
-        for own in theirs
-        if ours not in found and own not in KEYS
+def _case(recording: Recording, time: float, status: Any) -> Case:
+    choices = right_statistics(recording, time)
+    counted = {COUNTED if choice.latencies else EMPTY for choice in choices}
+    values: dict[str, Said] = {value.key: _number(value.value) for value in status.values}
+    level = int(status.level)
+    return Case(
+        at=time,
+        what=f"the report at {time:.2f} s, on {len(choices[-1].latencies)} calls",
+        tags=frozenset(counted) if len(counted) == 1 else frozenset(),
+        allowed={key: tuple({choice.span(key) for choice in choices}) for key in KEYS}
+        | {"level": frozenset().union(*(choice.levels for choice in choices))},
+        said=values
+        | {"level": LEVELS[level] if level in range(len(LEVELS)) else f"{level}, no level"},
     )
-    for less, ours, own in alike:
-        if -less >= ALIKE and ours not in found and own not in found.values():
-            found[ours] = own
-    left = [key for key in KEYS if key not in found]
-    others = [own for own in theirs if own not in found.values()]
-    if len(left) == len(others):
-        found |= dict(zip(left, others, strict=True))
-    return tuple(found.items())
 
 
-def _likeness(ours: str, own: str) -> float:
-    return SequenceMatcher(None, ours, own[:_LONGEST].lower().replace(" ", "_")).ratio()
-
-
-def _is_decimal(text: str) -> bool:
+def _number(text: str) -> Said:
+    """Return the number that is written there; the text if it is none."""
     try:
-        return math.isfinite(float(text))
+        number = float(text)
     except ValueError:
-        return False
+        return text
+    return number if math.isfinite(number) else text
+
+
+def slip(case: Case) -> str:
+    """Say so if the first wrong value is a latency in another unit, or rounded."""
+    key = case.wrong(TOLERANCE)
+    if not key.endswith("_ms"):
+        return ""
+    number, allowed = case.said.get(key), case.allowed[key]
+    if not isinstance(number, float) or not isinstance(allowed, tuple):
+        return ""
+    low = allowed[0][0]
+    if not number or not low:
+        return ""
+    for factor, unit in ((1e3, "microseconds"), (1e-3, "seconds")):
+        if math.isclose(number, factor * low, rel_tol=1e-2):
+            return f"These are {unit}; milliseconds are asked for: 1000 times the seconds."
+    if number == round(number) and abs(number - low) <= HALF:
+        return "Rounded to whole milliseconds it says too little: write f'{number:.3f}'."
+    return ""
+
+
+def _flaw(statuses: Sequence[Any]) -> tuple[str, str, str] | None:
+    """Return what is wrong with a message's form: what was expected, what came, and a help."""
+    names = [status.name for status in statuses]
+    if names != [NAME]:
+        help = "The name has to be the same, letter by letter; status is a list of one element."
+        return f"one status named “{NAME}”", ", ".join(names) or "no status", help
+    values = statuses[0].values
+    keys = [value.key for value in values]
+    if any(keys.count(key) != 1 for key in KEYS):
+        help = "status.values is a list of KeyValue(key=…, value=…)."
+        return "each once: " + ", ".join(KEYS), ", ".join(keys) or "no values", help
+    for value in values:
+        if value.key in KEYS and isinstance(_number(value.value), str):
+            help = "f'{number:.3f}'; without any call the numbers are 0.0."
+            return "numbers in digits, “12.3”", f"{value.key} is “{value.value}”", help
+    return None

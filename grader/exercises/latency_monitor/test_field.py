@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from grader.checks.commands import require_one_command_each
-from grader.checks.old_field import FieldSuite
+from grader.checks.case import Runs
+from grader.checks.field import FieldSuite
+from grader.checks.words import answers_once, every
+from grader.exercises.latency_monitor.calls import asks_once_each, predicts
 from grader.exercises.latency_monitor.contract import KEYS
-from grader.exercises.latency_monitor.evidence import (
-    require_numbers,
-    require_period,
-    require_speeds,
-)
-from grader.recording import Recording
+from grader.exercises.latency_monitor.reports import PERIOD, PERIOD_TOLERANCE, TOPIC, reports
 
 
-def _require_contract(recording: Recording, help: str) -> None:
-    """Fail unless the whole contract holds in this scenario."""
-    require_one_command_each(recording)
-    require_speeds(recording, help=help)
-    require_period(recording)
-    require_numbers(recording, KEYS, "Measure each call of predict, and no other.")
+def _keeps_the_contract(runs: Runs, help: str) -> None:
+    """Fail unless the whole contract holds in these scenarios."""
+    answers_once(runs)
+    predicts(runs, help=help)
+    for recording in runs:
+        every(recording, TOPIC, PERIOD, PERIOD_TOLERANCE)
+    asks_once_each(runs)
+    reports(runs, "level", *KEYS, help="Measure each call of predict, and no other.")
 
 
-field = FieldSuite("latency_monitor", _require_contract)
+field = FieldSuite(_keeps_the_contract)
 
 test_field_lds01 = field.lds01("latency_field_lds01")
 test_field_wide_lidar = field.wide_lidar("latency_field_wide")

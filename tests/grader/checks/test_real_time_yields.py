@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.recording import Compute, Inference, Recording
+from grader.recording import Compute, Recording
 
 CHECK = "check(points, scenarios): named here because checks are imported outside of a grading"
 EPOCH = 1_700_000_000_000_000_000  # [ns]
@@ -209,63 +209,6 @@ def test_a_request_from_before_the_beginning_is_none_but_its_answer_is_known(
     assert clients.successes(recording()) == {"early", "new"}
     with pytest.raises(CheckFailed, match="a topic of the grader's"):
         clients.requests(recording(None, name="virtual", endpoints=()))
-
-
-# --- exercise 9: calls that take a little longer --------------------------------------------------
-
-
-def profiled(live: object, slack: float = 0.0) -> Any:
-    """A hundred calls of 30 ms, one for each scan at 40 Hz: they wait for one another."""
-    calls = [
-        Inference("predict", "model.pkl", i * 30_000_000, (i + 1) * 30_000_000, 30_000_000, (0.1,))
-        for i in range(100)
-    ]
-
-    class Profiled(SimpleNamespace):
-        __hash__ = object.__hash__
-
-    scenario = SimpleNamespace(node=SimpleNamespace(parameters={}))
-    return Profiled(live=live, slack=slack, scenario=scenario, inferences=calls)
-
-
-def counts(recording: Any, time: float) -> set[float]:
-    from grader.exercises.latency_monitor.contract import right_statistics  # noqa: PLC0415
-
-    return {choice.numbers["count"] for choice in right_statistics(recording, time)}
-
-
-def test_a_call_that_ends_near_a_report_may_count_or_not() -> None:
-    assert counts(profiled(None), 2.0) == {66}  # 2.0 s / 30 ms
-    assert counts(profiled(LIVE), 1.982) == {65, 66}  # 66 ended at 1.980 s, or a moment later
-    assert counts(profiled(LIVE, slack=0.04), 2.0) == {65, 66, 67, 68}
-    assert counts(profiled(LIVE), 0.0) == {0}
-
-
-@pytest.mark.parametrize(
-    ("live", "mean", "right"),
-    [(None, 30.0, True), (None, 31.0, False), (LIVE, 33.9, True), (LIVE, 34.2, False)],
-)
-def test_a_call_takes_up_to_four_milliseconds_longer_in_real_time(
-    live: object, mean: float, right: bool
-) -> None:
-    from grader.exercises.latency_monitor.contract import right_statistics  # noqa: PLC0415
-
-    choices = right_statistics(profiled(live), 2.0)
-    assert any(choice.allows("mean_ms", mean) for choice in choices) is right
-
-
-def test_levels_between_the_least_and_the_most_are_right() -> None:
-    from grader.exercises.latency_monitor.contract import (  # noqa: PLC0415
-        ERROR,
-        OK,
-        STALE,
-        WARN,
-        Statistics,
-    )
-
-    assert Statistics((99.0,) * 100, 100.0).levels == {OK}
-    assert Statistics((99.0,) * 100, 100.0, late=2.0).levels == {OK, WARN, ERROR}
-    assert Statistics((), 100.0, late=2.0).levels == {STALE}
 
 
 # --- exercises 1, 2 and 8: answers after the end --------------------------------------------------

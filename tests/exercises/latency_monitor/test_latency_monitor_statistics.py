@@ -1,0 +1,95 @@
+"""What a report may say: the last hundred calls, those that end just then, and real time."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from grader.exercises.latency_monitor.contract import Statistics, right_statistics
+from grader.recording import Inference
+
+LIVE = object()
+THIRTY_MS = 30_000_000  # [ns]
+
+
+class Recorded(SimpleNamespace):
+    __hash__ = object.__hash__
+
+
+def recorded(calls: list[tuple[int, int]], live: object = None, slack: float = 0.0) -> Any:
+    """Return a recording of calls: when each ended, and how long it took [ns]."""
+    inferences = [
+        Inference("predict", "model.pkl", end - took, end, took, (0.1,)) for end, took in calls
+    ]
+    scenario = SimpleNamespace(node=SimpleNamespace(parameters={}))
+    return Recorded(live=live, slack=slack, scenario=scenario, inferences=inferences)
+
+
+def profiled(live: object, slack: float = 0.0) -> Any:
+    """Return a hundred calls of 30 ms, one for each scan at 40 Hz: they wait for one another."""
+    return recorded([((i + 1) * THIRTY_MS, THIRTY_MS) for i in range(100)], live, slack)
+
+
+def counts(recording: Any, time: float) -> set[float]:
+    return {choice.numbers["count"] for choice in right_statistics(recording, time)}
+
+
+def test_percentiles_lie_between_two_calls() -> None:
+    numbers = Statistics((10.0, 20.0, 40.0), 20.0).numbers
+    assert numbers["p50_ms"] == 20.0
+    assert numbers["p95_ms"] == pytest.approx(38.0)
+    assert numbers["mean_ms"] == pytest.approx(70 / 3)
+    assert (numbers["max_ms"], numbers["missed"], numbers["count"]) == (40.0, 1, 3)
+
+
+def test_an_empty_window_has_zeros_and_its_deadline() -> None:
+    numbers = Statistics((), 20.0).numbers
+    assert {key for key, number in numbers.items() if number} == {"deadline_ms"}
+
+
+def test_the_window_is_a_hundred_calls() -> None:
+    calls = [((i + 1) * THIRTY_MS, i * 1_000_000) for i in range(150)]
+    (last,) = right_statistics(recorded(calls), 10.0)
+    assert last.latencies == tuple(range(50, 150))
+
+
+def test_of_calls_that_end_together_the_first_asked_counts_first() -> None:
+    recording = recorded([(2 * 10**9, took) for took in (1_200_000_000, 0, 0)])
+    choices = right_statistics(recording, 2.0)
+    assert [choice.latencies for choice in choices] == [
+        (),
+        (1200.0,),
+        (1200.0, 0.0),
+        (1200.0, 0.0, 0.0),
+    ]
+
+
+def test_a_call_that_ends_near_a_report_may_count_or_not() -> None:
+    assert counts(profiled(None), 2.0) == {66}  # 2.0 s / 30 ms
+    assert counts(profiled(LIVE), 1.982) == {65, 66}  # 66 ended at 1.980 s, or a moment later
+    assert counts(profiled(LIVE, slack=0.04), 2.0) == {65, 66, 67, 68}
+    assert counts(profiled(LIVE), 0.0) == {0}
+
+
+@pytest.mark.parametrize(("live", "longest"), [(None, 30.0), (LIVE, 34.0)])
+def test_a_call_takes_up_to_four_milliseconds_longer_in_real_time(
+    live: object, longest: float
+) -> None:
+    for choice in right_statistics(profiled(live), 2.0):
+        assert choice.span("mean_ms") == pytest.approx((30.0, longest))
+
+
+@pytest.mark.parametrize(
+    ("statistics", "levels"),
+    [
+        (Statistics((), 100.0, late=2.0), {"STALE"}),
+        (Statistics((99.0,) * 100, 100.0), {"OK"}),
+        (Statistics((*(99.0,) * 98, 101.0), 100.0), {"WARN"}),
+        (Statistics((*(99.0,) * 90, *(101.0,) * 10), 100.0), {"ERROR"}),
+        (Statistics((99.0,) * 100, 100.0, late=2.0), {"OK", "WARN", "ERROR"}),
+    ],
+)
+def test_levels_between_the_least_and_the_most_are_right(
+    statistics: Statistics, levels: set[str]
+) -> None:
+    assert statistics.levels == levels
