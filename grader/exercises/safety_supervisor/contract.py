@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -211,7 +211,7 @@ class _Sent:
         return Situation(bool(pressed), asked, now - asked_at, distances or (), now - seen_at)
 
 
-def _newest(sent: tuple[list[float], list[T]], t: float) -> tuple[T | None, float]:
+def _newest(sent: tuple[list[float], Sequence[T]], t: float) -> tuple[T | None, float]:
     """Return the newest value by t [s], and its time [s]."""
     times, values = sent
     i = bisect_right(times, t)

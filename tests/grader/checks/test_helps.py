@@ -10,7 +10,6 @@ from grader.checks.verdict import CheckFailed
 from grader.exercises.goal_seeking.contract import Quest
 from grader.exercises.goal_seeking.reaching import require_reached
 from grader.exercises.latency_monitor.evidence import _slip
-from grader.exercises.safety_supervisor import evidence as safety
 from grader.exercises.trend_memory.evidence import _sign
 
 
@@ -39,22 +38,6 @@ def test_a_latency_in_another_unit_is_told_so(
     told = _slip(key, number, wanted)
     assert said in told
     assert bool(told) is bool(said)
-
-
-@pytest.mark.parametrize(
-    ("says", "right", "asked"),
-    [("e_stop", {"limited"}, True), ("limited", {"limited", "ok"}, False), ("", {"ok"}, False)],
-)
-def test_the_supervisor_is_asked_about_the_reason_that_it_names_itself(
-    monkeypatch: pytest.MonkeyPatch, says: str, right: set[str], asked: bool
-) -> None:
-    found = [SimpleNamespace(t=1.0, reason="ok"), SimpleNamespace(t=2.0, reason=says)]
-    later = SimpleNamespace(t=9.0, reason="bad_command")
-    monkeypatch.setattr(safety, "reports", lambda _: [*found, later])
-    tick: Any = SimpleNamespace(t=2.0, reasons=right)
-    recording: Any = None
-
-    assert (f"Your node says {says} here" in safety._own_reason(recording, tick)) is asked
 
 
 @pytest.mark.parametrize(

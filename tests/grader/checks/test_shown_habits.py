@@ -12,8 +12,6 @@ from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.exercises.ml_velocity import evidence as ml
 from grader.exercises.ml_velocity.habits import Habit as Seeing
-from grader.exercises.safety_supervisor import habits as safety
-from grader.exercises.safety_supervisor.contract import AS_ASKED, Habit, ticks
 from grader.exercises.trend_memory import evidence as trend
 from grader.exercises.trend_memory.contract import RIGHT
 from grader.exercises.trend_memory.habits import PLAIN, SMALL, Habits
@@ -41,37 +39,6 @@ def run(tmp_path: Path, forkservers: ForkServerPool) -> Run:
         )
 
     return of
-
-
-@pytest.mark.parametrize(
-    ("name", "habit"),
-    [
-        ("e_stop_is_the_message", Habit(pressed="any")),
-        ("e_stop_pressed_at_first", Habit(pressed="at first")),
-        ("decides_with_the_scan", Habit(held=True)),
-        ("e_stop_for_ever", AS_ASKED),  # as wrong, but what it does with a first false is right
-        ("symmetric_ramp", AS_ASKED),  # right about the button
-    ],
-)
-def test_the_button_and_the_moment_of_decision(run: Run, name: str, habit: Habit) -> None:
-    (recording,) = run("safety_supervisor", name, safety.SHOWS)
-    assert safety.habit_of((recording,)) == habit
-    assert safety.button_of((recording,)) == habit._replace(held=False)
-    if habit != AS_ASKED:
-        assert not all(tick.is_right_but_for_the_rise for tick in ticks(recording))
-
-
-def test_who_only_stands_has_no_habit(run: Run) -> None:
-    (recording,) = run("safety_supervisor", "e_stop_is_the_message", safety.SHOWS)
-    still = replace(
-        recording,
-        published=tuple(
-            replace(each, data=bytes(len(each.data))) if each.topic == "/cmd_vel" else each
-            for each in recording.published
-        ),
-    )
-    assert not still.twists().values.any()
-    assert safety.habit_of((still,)) == AS_ASKED
 
 
 @pytest.mark.parametrize(
