@@ -101,7 +101,8 @@ def test_e_stop(runs: Runs) -> None:
     """While the last /e_stop was true the robot stands, from the next tick on."""
     help = "Keep the last /e_stop, whatever else holds: true holds until a false comes."
     stops(runs, "e_stop", help)
-    goes_on(runs.only("safe_e_stop", BUSY), "after_e_stop", help)
+    goes_on(runs.only("safe_e_stop"), "moves", help)
+    goes_on(runs.only(BUSY), "after_e_stop", help)
 
 
 @check(

@@ -21,20 +21,26 @@ from sim.messages import E_STOP_TOPIC, Message, bool_, twist
 TICKS = [round(0.05 * i, 3) for i in range(1, 20)]
 
 
-class Run(SimpleNamespace):
+class Run:
     """A recording of one second, with as much as the oracle reads."""
 
-    __hash__ = object.__hash__
+    name, duration_s, slack, published = "a_run", 1.0, 0.0, ()
+    outcome, scenario = SimpleNamespace(completed=True), SimpleNamespace(raw=())
 
     def __init__(self, times: list[float], speeds: list[float], *delivered: Message) -> None:
         values = np.zeros((len(times), 6))
         values[:, 0] = speeds
-        twists = SimpleNamespace(t=np.array(times), values=values, linear_x=values[:, 0])
-        super().__init__(
-            name="a_run", duration_s=1.0, slack=0.0, published=(), delivered=list(delivered),
-            twists=lambda: twists, scans=lambda: (), times=lambda topic: np.array([]),
-            outcome=SimpleNamespace(completed=True), scenario=SimpleNamespace(raw=()),
-        )  # fmt: skip
+        self._twists = SimpleNamespace(t=np.array(times), values=values, linear_x=values[:, 0])
+        self.delivered = delivered
+
+    def twists(self) -> SimpleNamespace:
+        return self._twists
+
+    def scans(self) -> tuple[()]:
+        return ()
+
+    def times(self, topic: str) -> np.ndarray:
+        return np.array([])
 
 
 def runs(*recordings: Any) -> Runs:
