@@ -10,6 +10,7 @@ from grader.exercises.safety_supervisor.contract import CONTRACT, DIAGNOSTICS_TO
 from grader.exercises.safety_supervisor.words import (
     goes_on,
     one_a_tick,
+    own_reason,
     reports_often,
     rises_slowly,
     stops,
@@ -23,10 +24,6 @@ EVERY = (*SHORT, "safe_bad_command", "safe_blind")
 BUTTON = "safe_button"  # at the same time as other reasons
 LONG = "safe_for_long"  # half a minute and more
 BUSY = "safe_busy"  # lidar and model at 40 Hz
-STOPPED = (
-    "safe_ramp", "safe_bad_command", "safe_stale_command", "safe_stale_scan", "safe_blind",
-    "safe_obstacle", "safe_limits",
-)  # fmt: skip
 
 
 @check(points=5, asks=WIRING, task=1, scenarios=("safe_pass",))
@@ -71,7 +68,7 @@ def test_limits(runs: Runs) -> None:
     follows(runs.only("safe_limits"), "settled", help=help)
 
 
-@check(points=10, asks=DECISION, task=4, scenarios=STOPPED, needs=("wiring",), hint="4.2")
+@check(points=10, asks=DECISION, task=4, scenarios=EVERY, needs=("wiring",), hint="4.2")
 def test_acceleration(runs: Runs) -> None:
     """linear.x rises by at most 0.045 m/s a tick, from the last command published or from 0."""
     help = (
@@ -172,7 +169,7 @@ def test_obstacle(runs: Runs) -> None:
         "Only if linear.x > 0 and something is nearer than 0.5 m ahead: linear.x = 0, "
         "angular.z as asked, within ±1.9."
     )
-    follows(runs, "obstacle", help=help)
+    follows(runs, "obstacle", help=help, explain=own_reason)
     follows(runs.only("safe_obstacle"), "settled", help=help)
     goes_on(runs.only("safe_obstacle"), "moves", help)
 
