@@ -41,6 +41,7 @@ PERIOD = 0.05  # [s] of a tick
 ARRIVAL_HAIR = 0.005  # [s] what arrived this shortly before a tick may count or not
 SILENCE = 0.3  # [s] without a command, after which the last one is judged again at each tick
 SETTLED = 0.6  # [s] in which a speed is reached, and reasons are not judged after the start
+JUST = 1.0  # [s] after a stop
 MOVING = 0.1  # [m/s] what asks for less may stand
 T = TypeVar("T")
 
@@ -72,7 +73,7 @@ def cases(recording: Recording) -> tuple[Case, ...]:
     A command has as tags the reason for it, if only one is right; and
 
         moves     the robot may not stand
-        after_…   it moves, for the first time since these reasons stopped it
+        after_…   it may not stand any more, just after this reason stopped it
         rising    linear.x gets faster, and the acceleration limit holds it back
         slower    linear.x gets slower, or leads backwards
         settled   the same has been asked for long enough to be reached
@@ -91,6 +92,7 @@ def _ticks(recording: Recording, reports: list[_Report]) -> Iterator[Case]:
     times = [report.t for report in reports]
     last = 0.0  # [m/s] linear.x of the command before
     held, before = frozenset[str](), frozenset[str]()  # reasons of the last stop, of the last tick
+    held_at = 0.0  # [s]
     for t, row, count in _in_force(recording):
         now = sent.by(t, t)
         right = [
@@ -100,7 +102,10 @@ def _ticks(recording: Recording, reports: list[_Report]) -> Iterator[Case]:
         ]
         reasons = frozenset(decision.reason for decision in right)
         stops = reasons.intersection(STOPS)
-        held = stops | (held if before.intersection(STOPS) else stops) if stops else held
+        if stops:
+            held, held_at = stops | (held if before.intersection(STOPS) else stops), t
+        elif t - held_at > JUST:
+            held = frozenset()
         settled = t - max(begin for begin in begins if begin <= t) >= SETTLED
         newest = bisect_right(times, t + ZERO)
         reported: dict[str, Said] = {"reason": reports[newest - 1].text} if newest else {}

@@ -129,7 +129,7 @@ def test_stale_command(runs: Runs) -> None:
     """Without a raw command for more than 0.5 s (or at all) the robot stands."""
     help = "Note when each command arrives, and look at its age at every tick."
     stops(runs, "stale_command", help)
-    goes_on(runs.only("safe_stale_command"), "after_stale_command", help)
+    goes_on(runs.only("safe_stale_command"), "moves", help)
 
 
 @check(
@@ -144,7 +144,7 @@ def test_stale_scan(runs: Runs) -> None:
     """Without a scan for more than 0.5 s (or at all) the robot stands."""
     help = "Note when each scan arrives, and look at its age at every tick."
     stops(runs, "stale_scan", help)
-    goes_on(runs.only("safe_stale_scan"), "after_stale_scan", help)
+    goes_on(runs.only("safe_stale_scan"), "moves", help)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=("safe_blind",), needs=("wiring",), hint="3.2")
