@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-from grader.checks.driving import require_no_contact
-from grader.checks.old_field import BY_ANGLE, FieldSuite
-from grader.exercises.safety_supervisor.contract import ticks
-from grader.exercises.safety_supervisor.evidence import (
-    require_levels,
-    require_reasons,
-    require_right,
-    require_text,
-)
-from grader.exercises.safety_supervisor.timing import require_heartbeat, require_rate
-from grader.recording import Recording
+from grader.checks.case import Runs
+from grader.checks.field import BY_ANGLE, FieldSuite
+from grader.checks.words import follows, keeps_distance
+from grader.exercises.safety_supervisor.words import one_a_tick, own_reason, reports_often
 
 
-def _require_contract(recording: Recording, help: str) -> None:
-    """Fail unless the whole contract holds in this scenario."""
-    require_rate(recording)
-    require_right(recording, ticks(recording, silences=True), lambda tick: tick.is_right, help)
-    require_text(recording)
-    require_reasons(recording, help)
-    require_levels(recording)
-    require_heartbeat(recording)
-    require_no_contact(recording, help)
+def _keeps_the_contract(runs: Runs, help: str) -> None:
+    """Fail unless the whole contract holds in these scenarios."""
+    for recording in runs:
+        one_a_tick(recording)
+        reports_often(recording)
+    follows(runs, help=help, explain=own_reason)
+    keeps_distance(runs, clearance=0.0, help=help)
 
 
-field = FieldSuite("safety_supervisor", _require_contract)
+field = FieldSuite(_keeps_the_contract)
 
 test_field_lds01 = field.lds01("safe_field_lds01")
 test_field_wide_lidar = field.wide_lidar("safe_field_wide")
