@@ -57,6 +57,10 @@ class _Document(msgspec.Struct, frozen=True, array_like=True):
     model: bytes | None  # that the training wrote for the node
 
 
+# made here: several threads that build msgspec's type tables at once crash Python
+_DECODER = msgspec.msgpack.Decoder(_Document)
+
+
 class KeptRecordings:
     """A folder of recordings, one file each.
 
@@ -89,7 +93,7 @@ class KeptRecordings:
             return None
         try:
             data = self._place(submission, scenario, seed, files).read_bytes()
-            document = msgspec.msgpack.decode(zlib.decompress(data), type=_Document)
+            document = _DECODER.decode(zlib.decompress(data))
         except (OSError, zlib.error, msgspec.MsgspecError):
             return None
         return _recording(document, scenario, seed), document.model
