@@ -10,8 +10,6 @@ from grader.authoring.mutants import mutants
 from grader.checks.verdict import CheckFailed
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
-from grader.exercises.ml_velocity import evidence as ml
-from grader.exercises.ml_velocity.habits import Habit as Seeing
 from grader.exercises.safety_supervisor import habits as safety
 from grader.exercises.safety_supervisor.contract import AS_ASKED, Habit, ticks
 from grader.exercises.trend_memory import evidence as trend
@@ -20,7 +18,6 @@ from grader.exercises.trend_memory.habits import PLAIN, SMALL, Habits
 from grader.link.pool import ForkServerPool
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
-from sim.messages import twist
 from sim.scenario_files import load_scenario
 
 Run = Callable[..., tuple[Recording, ...]]
@@ -72,40 +69,6 @@ def test_who_only_stands_has_no_habit(run: Run) -> None:
     )
     assert not still.twists().values.any()
     assert safety.habit_of((still,)) == AS_ASKED
-
-
-@pytest.mark.parametrize(
-    ("name", "habit"),
-    [
-        ("front_is_90_degrees", Seeing(front=90.0)),
-        ("numpy_float_in_the_field", Seeing(garbage=True)),
-        ("smoothes_the_prediction", Seeing(windows=tuple(range(8, 21)))),  # of eight scans
-        ("features_in_another_order", Seeing()),
-        ("keeps_what_hardly_changes", Seeing()),
-        ("rounds_to_centimetres", Seeing(digits=2)),
-        ("speeds_up_slowly", Seeing(step=pytest.approx(0.05))),
-        ("slews", Seeing(step=pytest.approx(0.05))),
-    ],
-)
-def test_sectors_and_filters(run: Run, name: str, habit: Seeing) -> None:
-    (recording,) = run("ml_velocity", name, "ml_front_min")
-    assert ml.habit_of((recording,)) == habit
-
-
-@pytest.mark.parametrize("noise", [0.0, 1e-6])
-def test_who_asks_the_model_and_stands_has_no_habit(run: Run, noise: float) -> None:
-    (recording,) = run("ml_velocity", "rounds_to_centimetres", "ml_front_min")
-    stands = replace(
-        recording,
-        published=tuple(
-            replace(each, data=twist(time=0, linear_x=noise * (i % 2), topic="/cmd_vel").data)
-            if each.topic == "/cmd_vel"
-            else each
-            for i, each in enumerate(recording.published)
-        ),
-    )
-    assert len(stands.twists().linear_x) > 1
-    assert ml.habit_of((stands,)) == Seeing()
 
 
 def test_numbers_that_are_noise_are_judged_with_small_stamps(run: Run) -> None:
