@@ -14,6 +14,7 @@ from functools import partial
 
 import numpy as np
 
+from grader.checks.ahead import front_distance
 from grader.checks.case import Case, Runs
 from grader.checks.commands import ZERO, Answer, spell
 from grader.checks.inferences import loads, questions
@@ -27,6 +28,7 @@ from grader.recording import Recording, Scan
 
 ERRORS = ("error", "fatal")
 SILENTLY = "A robot that silently stands still costs an afternoon: log which file is the cause."
+FREE = 1.2  # [m] ahead
 HALF_A_CENTIMETRE = 0.005 + 1e-9  # [m/s] what rounding to two decimals changes at most
 
 
@@ -70,15 +72,21 @@ def loads_once(runs: Runs) -> None:
         )
 
 
+def is_free(scan: Scan) -> bool:
+    """Return whether the way is so free that every model trained on the course's data drives."""
+    distance = front_distance(scan)
+    return distance is not None and distance >= FREE
+
+
 def _explain(recording: Recording, case: Case) -> str:
-    """Return what else is known of a wrong command: it was not asked for, logged, or rounded."""
-    if case.said.get(PREDICT, CALLED) != CALLED:
-        return "Ask the model about the features of each scan, and publish what it says."
+    """Return what else is known of a wrong command: an error in the log, no question, rounding."""
     times = recording.times("/scan")
     first, later = times.min(initial=math.inf), times[times > case.at].min(initial=math.inf)
     for line in reversed(recording.log):
         if line.level in ERRORS and (case.at <= line.t < later or line.t < first):
             return f"The node's log says: {line.text.strip()[:300]}"
+    if case.said.get(PREDICT, CALLED) != CALLED:
+        return "Ask the model about the features of each scan, and publish what it says."
     if not case.wrong(HALF_A_CENTIMETRE):
         return "Is something rounded, filtered or averaged? Publish what predict returns, clipped."
     return ""

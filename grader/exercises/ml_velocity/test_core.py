@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from functools import partial
 
-from grader.checks.ahead import front_distance
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
-from grader.checks.model_commands import loads_once, predicts, stands
+from grader.checks.model_commands import is_free, loads_once, predicts, stands
 from grader.checks.words import answers_once, drives_on, keeps_distance, only_linear_x, wired
 from grader.exercises.ml_velocity.contract import FOREST, TOLERANCE
-from grader.recording import Scan
 
 HUNDRED, WALL, CART = "ml_hundred", "ml_drive_wall", "ml_drive_cart"
 ANSWERED = (
@@ -19,7 +17,6 @@ ANSWERED = (
 WITHOUT_MODEL = (
     "ml_no_model", "ml_broken_model", "ml_empty_model", "ml_foreign_model", "ml_late_model",
 )  # fmt: skip
-FREE = 2.5  # [m] ahead, from which the trained model drives
 SECTOR = "The front sector is |θ| ≤ 60°, with θ = angle_min + i · angle_increment, wrapped to ±π."
 
 follows_model = partial(predicts, tolerance=TOLERANCE)
@@ -198,9 +195,4 @@ def test_no_model(runs: Runs) -> None:
 def test_drives(runs: Runs) -> None:
     """With a trained model the robot drives through three worlds and touches nothing."""
     keeps_distance(runs, 0.0)
-    drives_on(runs[CART], _is_free, help="Ask the model again at each scan.")
-
-
-def _is_free(scan: Scan) -> bool:
-    distance = front_distance(scan)
-    return distance is not None and distance >= FREE
+    drives_on(runs[CART], is_free, help="Ask the model again at each scan.")

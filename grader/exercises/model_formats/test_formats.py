@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, check
-from grader.checks.model_commands import predicts
-from grader.checks.words import keeps_distance
+from grader.checks.model_commands import is_free, predicts
+from grader.checks.words import drives_on, keeps_distance
 from grader.exercises.model_formats.contract import KERAS, ONNX, SKLEARN, TORCH, builds_on_wiring
 
 FEATURES = (
@@ -89,6 +89,8 @@ def test_deep_other_models(runs: Runs) -> None:
 def test_drives(runs: Runs) -> None:
     """The same trained decision tree drives the robot as .pkl and as .onnx, without contact."""
     keeps_distance(runs, 0.0)
+    for recording in runs:
+        drives_on(recording, is_free)
 
 
 @check(
@@ -101,3 +103,5 @@ def test_drives(runs: Runs) -> None:
 def test_deep_drives(runs: Runs) -> None:
     """The same tree drives the robot as .pt2 and as .keras, without contact."""
     keeps_distance(runs, 0.0)
+    for recording in runs:
+        drives_on(recording, is_free)
