@@ -33,7 +33,7 @@ CONTRACT = Contract(
     survives=Survived(sensors=300, commands=300),
 )
 
-builds_on_wiring = partial(check, needs=("wiring",))
+node_check = partial(check, needs=("wiring",))
 
 
 @lru_cache(maxsize=2)  # a check asks for all cases, and for those of a tag

@@ -6,29 +6,21 @@ from grader.checks.case import Case, Runs
 from grader.checks.check import DECISION, SAFETY, STATE, check
 from grader.checks.model_commands import loads_once, predicts, stands
 from grader.checks.words import follows
-from grader.exercises.model_formats.contract import KERAS, ONNX, builds_on_wiring
+from grader.exercises.model_formats.contract import KERAS, ONNX, node_check
 
 FILES = (
-    "format_no_file",
-    "format_broken_pickle",
-    "format_empty_pickle",
-    "format_foreign_pickle",
-    "format_broken_onnx",
-    "format_late_file",
-)
+    "format_no_file", "format_broken_pickle", "format_empty_pickle", "format_foreign_pickle",
+    "format_broken_onnx", "format_late_file",
+)  # fmt: skip
 DEEP_FILES = (
-    "format_broken_torch",
-    "format_broken_keras",
-    "format_pt",
-    "format_late_torch",
+    "format_broken_torch", "format_broken_keras", "format_pt", "format_late_torch",
     "format_late_keras",
-)
+)  # fmt: skip
 UNKNOWN = (
-    "format_unknown_suffix",
-    "format_no_suffix",
-    "format_backup_suffix",
-    "format_longer_suffix",
-)
+    "format_unknown_suffix", "format_no_suffix", "format_backup_suffix", "format_longer_suffix",
+)  # fmt: skip
+UPPER = ("format_upper_pickle", "format_upper_onnx")
+WITHOUT = ("format_without_torch", "format_without_keras")
 ALONE = ("format_pickle_alone", "format_onnx_alone", "format_cuda_alone")
 SWAPPED, RAISES = ("format_swap_pickle", "format_swap_onnx"), "format_raises_pickle"
 OTHER = 0.4  # [m/s] says the model that takes the place of the first one
@@ -39,50 +31,37 @@ KNOWN = (
 LOAD_LATER = "Import a format's library in the function that loads that format, not at the top."
 
 
-@builds_on_wiring(
-    points=4,
-    asks=DECISION,
-    task=7,
-    scenarios=("format_upper_pickle", "format_upper_onnx"),
-    requires=ONNX,
-    hint="7.1",
-)
+@node_check(points=4, asks=DECISION, task=7, scenarios=UPPER, requires=ONNX, hint="7.1")
 def test_suffix_in_capitals(runs: Runs) -> None:
     """The suffix is what the path ends in, and may be in capitals: ./MODEL.ONNX, v1.2/Model.Pkl."""
     predicts(runs, "features", help="Path(path).suffix.lower()")
 
 
-@builds_on_wiring(points=5, asks=SAFETY, task=7, scenarios=UNKNOWN, hint="7.1")
+@node_check(points=5, asks=SAFETY, task=7, scenarios=UNKNOWN, hint="7.1")
 def test_unknown_suffix(runs: Runs) -> None:
     """Any other suffix, or none: an error in the log, and 0.0 for every scan."""
     stands(runs, KNOWN)
 
 
-@builds_on_wiring(points=4, asks=SAFETY, task=7, scenarios=FILES, hint="7.2")
+@node_check(points=4, asks=SAFETY, task=7, scenarios=FILES, hint="7.2")
 def test_no_model(runs: Runs) -> None:
     """A missing or broken file: an error in the log, and 0.0 for every scan."""
     stands(runs)
 
 
-@builds_on_wiring(points=2, asks=SAFETY, task=7, scenarios=DEEP_FILES, requires=KERAS, hint="7.2")
+@node_check(points=2, asks=SAFETY, task=7, scenarios=DEEP_FILES, requires=KERAS, hint="7.2")
 def test_deep_no_model(runs: Runs) -> None:
     """A missing or broken .pt2 or .keras: an error in the log, and 0.0 for every scan."""
     stands(runs)
 
 
-@builds_on_wiring(
-    points=3,
-    asks=SAFETY,
-    task=7,
-    scenarios=("format_without_torch", "format_without_keras"),
-    hint="7.2",
-)
+@node_check(points=3, asks=SAFETY, task=7, scenarios=WITHOUT, hint="7.2")
 def test_no_library(runs: Runs) -> None:
     """PyTorch or Keras is not installed and is needed: an error in the log, and 0.0."""
     stands(runs, LOAD_LATER)
 
 
-@builds_on_wiring(
+@node_check(
     points=3,
     asks=DECISION,
     task=7,
@@ -96,9 +75,7 @@ def test_other_libraries(runs: Runs) -> None:
     predicts(runs.only(*ALONE), "features", help=LOAD_LATER)
 
 
-@builds_on_wiring(
-    points=5, asks=STATE, task=7, scenarios=(*SWAPPED, RAISES), requires=ONNX, hint="7.3"
-)
+@node_check(points=5, asks=STATE, task=7, scenarios=(*SWAPPED, RAISES), requires=ONNX, hint="7.3")
 def test_loads_once(runs: Runs) -> None:
     """The .pkl and the .onnx are loaded once, while the node is constructed."""
     loads_once(runs.only(SWAPPED[0], RAISES))  # the judge keeps these
