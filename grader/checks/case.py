@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, overload
 
+from grader.checks.commands import spell
 from grader.recording import Recording
 
 Interval = tuple[float, float]  # the least and the greatest
@@ -92,6 +93,10 @@ class Runs(Sequence[Recording]):
         """Return those of closed loops: what a bench shows does not depend on the commands."""
         return self.of([run for run in self._recordings if not run.scenario.bench_scans])
 
+    def benches(self) -> Runs:
+        """Return the others: those in which a bench says what the lidar sees."""
+        return self.of([run for run in self._recordings if run.scenario.bench_scans])
+
     def of(self, recordings: Sequence[Recording]) -> Runs:
         """Return these recordings, with the same oracle."""
         return Runs(recordings, self._oracle, self.exercise, self.handed)
@@ -114,18 +119,9 @@ def spell_allowed(allowed: Allowed, unit: str = "") -> str:
     unit = f" {unit}" if unit else ""
     if isinstance(allowed, frozenset):
         return " or ".join(f"“{word}”" for word in sorted(allowed))
-    spans = (
-        spell_number(low) + unit
-        if high - low < 0.0005
-        else f"{spell_number(low)} to {spell_number(high)}{unit}"
-        for low, high in sorted(allowed)
-    )
-    return " or ".join(spans)
-
-
-def spell_number(number: float) -> str:
-    """Return a number with two digits, or with three where two would hide a difference."""
-    return f"{number:.2f}" if abs(number - round(number, 2)) < 0.0005 else f"{number:.3f}"
+    spelled = ((spell(low), spell(high)) for low, high in sorted(allowed))
+    spans = (low if low == high else f"{low} to {high}" for low, high in spelled)
+    return " or ".join(f"{span}{unit}" for span in spans)
 
 
 def _among(said: Said | None, allowed: Allowed, tolerance: float) -> bool:

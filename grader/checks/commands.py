@@ -154,8 +154,13 @@ def is_zero(numbers: Floats) -> NDArray[np.bool_]:
 
 
 def spell(value: float) -> str:
-    """Return a command's number as a student should see it."""
-    return f"{value:.3g}" if 0.0 < abs(value) < 0.005 else f"{value:.2f}"
+    """Return a command's number as a student should see it, with two to four decimals."""
+    if 0.0 < abs(value) < 0.005:
+        return f"{value:.3g}"
+    if not abs(value) < 100.0:
+        return f"{value:.2f}"
+    whole, decimals = f"{value:.4f}".split(".")
+    return f"{whole}.{decimals.rstrip('0').ljust(2, '0')}"
 
 
 def garbage(value: float) -> str:

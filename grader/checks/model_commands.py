@@ -1,33 +1,95 @@
-"""Whether a node commands what its model predicts: verdicts that exercises 2, 8 and 9 share."""
+"""The words of the checks about a node that drives as a model says.
+
+    predicts    the command is what the model says, clipped
+    stands      0.0 for every scan, and an error in the log
+    loads_once  one load, before the first scan
+
+What is right stands in `model_cases`.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
+from grader.checks.ahead import front_distance
+from grader.checks.case import Case, Runs
 from grader.checks.commands import ZERO, Answer, spell
-from grader.checks.driving import path_length, require_no_contact
-from grader.checks.inferences import questions
-from grader.checks.moments import came_to_rest, first_asked
-from grader.checks.predictions import MAX_SPEED, SpeedInterval, max_speed
+from grader.checks.inferences import loads, questions
+from grader.checks.model_cases import CALLED, PREDICT
+from grader.checks.moments import first_asked
+from grader.checks.predictions import SpeedInterval, max_speed, model_file
 from grader.checks.verdict import fail
-from grader.checks.wiring import require_alive
+from grader.checks.words import TOLERANCE, follows, logs
 from grader.models.features import possible_features
 from grader.recording import Recording, Scan
 
-LEAST_WAY = 0.8  # [m]
-BRISK = 0.5  # of max_speed; worlds differ, and the models drive slowly where it is narrow
+ERRORS = ("error", "fatal")
+SILENTLY = "A robot that silently stands still costs an afternoon: log which file is the cause."
+FREE = 1.2  # [m] ahead
 HALF_A_CENTIMETRE = 0.005 + 1e-9  # [m/s] what rounding to two decimals changes at most
-PROMPT = 0.05  # [s] between a scan and its command: too short for loading the model
 
 
-def scan_in_words(recording: Recording, answer: Answer) -> str:
-    """Return which scan it is, for a student; its time if lost scans shift the bench's labels."""
-    if answer.label and not recording.scenario.faults.scan_loss:
-        return f"“{answer.label}”"
-    return f"the scan at {answer.scan.t:.3f} s"
+def predicts(runs: Runs, *tags: str, help: str = "", tolerance: float = TOLERANCE) -> None:
+    """Fail unless the node commands what its model says, clipped, on each occasion of these tags.
+
+    What it commands may be off by `tolerance` [m/s]. Each tag has to occur in each run.
+    """
+    for recording in runs:
+        run = runs.of([recording])
+        explain = partial(_explain, recording)
+        follows(run, *tags, help=help, tolerance=tolerance, explain=explain)
+
+
+def stands(runs: Runs, help: str = "A broken file can raise any exception.") -> None:
+    """Fail unless the node commands 0.0 for every scan, as without a model, and logs an error."""
+    follows(runs, help=help)
+    for recording in runs:
+        file = model_file(recording.scenario)
+        logs(recording, ERRORS, what=f"there is no model to load from {file}", help=SILENTLY)
+
+
+def loads_once(runs: Runs) -> None:
+    """Fail unless the judge's model was loaded once, before the first scan came."""
+    for recording in runs:
+        times = [load.asked / 1e9 for load in loads(recording)]
+        first = float(recording.times("/scan").min(initial=recording.duration_s))
+        late = [t for t in times if t >= first]
+        if len(times) == 1 and not late:
+            continue
+        fail(
+            f"the model was loaded at {late[0]:.2f} s, when scans had come"
+            if late
+            else f"the model was loaded {len(times)} times before the first scan",
+            expected="1 load, while the node is constructed",
+            actual=f"{len(times)} loads",
+            at=(late or [first])[0],
+            recording=recording,
+            help="Load in __init__, keep the model in an attribute, and use that one in the "
+            "callback, also after it has raised.",
+        )
+
+
+def is_free(scan: Scan) -> bool:
+    """Return whether the way is so free that every model trained on the course's data drives."""
+    distance = front_distance(scan)
+    return distance is not None and distance >= FREE
+
+
+def _explain(recording: Recording, case: Case) -> str:
+    """Return what else is known of a wrong command: an error in the log, no question, rounding."""
+    times = recording.times("/scan")
+    first, later = times.min(initial=math.inf), times[times > case.at].min(initial=math.inf)
+    for line in reversed(recording.log):
+        if line.level in ERRORS and (case.at <= line.t < later or line.t < first):
+            return f"The node's log says: {line.text.strip()[:300]}"
+    if case.said.get(PREDICT, CALLED) != CALLED:
+        return "Ask the model about the features of each scan, and publish what it says."
+    if not case.wrong(HALF_A_CENTIMETRE):
+        return "Is something rounded, filtered or averaged? Publish what predict returns, clipped."
+    return ""
 
 
 def require_speed(
@@ -57,19 +119,11 @@ def require_speed(
         fail(
             f"{what}: wrong speed",
             expected=f"linear.x = {right} m/s",
-            actual=f"linear.x = {_four_digits(answer.speed)} m/s",
+            actual=f"linear.x = {spell(answer.speed)} m/s",
             at=answer.scan.t,
             recording=recording,
             help=help,
         )
-
-
-def require_said(recording: Recording, found: Sequence[Answer], tolerance: float) -> None:
-    """Fail unless the speed after each scan is one that the model, which the judge keeps, said."""
-    ends = [*(answer.scan.t for answer in found[1:]), recording.duration_s]
-    for answer, end in zip(found, ends, strict=True):
-        what = scan_in_words(recording, answer)
-        require_asked(recording, answer.scan, end, answer.speed or 0.0, tolerance, what=what)
 
 
 def require_asked(
@@ -102,23 +156,6 @@ def require_asked(
     )
 
 
-def require_prompt(recording: Recording, scan: float) -> None:
-    """Fail unless a command came within PROMPT of the scan's time [s] and the machine's delays."""
-    times = recording.twists().t
-    after = times[times >= scan]
-    if len(after) and after[0] - scan <= PROMPT + recording.delay(scan, float(after[0])):
-        return
-    came = f"{1000 * (after[0] - scan):.0f} ms after the scan" if len(after) else "no command"
-    fail(
-        f"the scan at {scan:.3f} s had to wait for its command",
-        expected="a command at once: the model is loaded before the first scan comes",
-        actual=came,
-        at=scan,
-        recording=recording,
-        help="This model takes 80 ms to load. Load it in __init__, not in the callback.",
-    )
-
-
 def require_error_log(recording: Recording, problem: str) -> None:
     """Fail with this problem unless the node logged an error."""
     if any(line.level in ("error", "fatal") for line in recording.log):
@@ -132,30 +169,3 @@ def require_error_log(recording: Recording, problem: str) -> None:
         recording=recording,
         help="A robot that silently stands still costs an afternoon: log which file is the cause.",
     )
-
-
-def require_safe_drive(recording: Recording, whose: str, least: float = LEAST_WAY) -> None:
-    """Fail if the robot touched something, or drove less than `least` [m] or slowly only."""
-    require_alive(recording)
-    require_no_contact(
-        recording,
-        "Watch the replay: does the command follow the scan, and does it reach 0?",
-        message=f"with {whose} model the robot ran into something",
-        expected="a stop in front of it",
-    )
-    driven, fastest = path_length(recording), recording.truth.v.max()
-    if driven < least or fastest < BRISK * MAX_SPEED:
-        fail(
-            f"with {whose} model the robot hardly moves",
-            expected=f"at least {least} m driven, and over {BRISK * MAX_SPEED:.2f} m/s "
-            "where the way is free",
-            actual=f"{driven:.2f} m, {fastest:.2f} m/s at most",
-            at=came_to_rest(recording),
-            recording=recording,
-            help="Is the prediction published as it is, clipped to 0 … max_speed?",
-        )
-
-
-def _four_digits(speed: float) -> str:
-    """Return a command with four digits, unless it is far from any speed."""
-    return f"{speed:.4f}" if abs(speed) < 100 else spell(speed)

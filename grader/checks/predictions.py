@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import PurePath
 from typing import Any
 
 import msgspec
@@ -23,6 +24,7 @@ from sim.scenario import Model, Scenario
 MODEL = "velocity_model.pkl"
 MAX_SPEED = 0.5  # [m/s] without the parameter
 TOLERANCE = 5e-5  # [m/s] of a prediction
+BROKEN = ("garbage", "empty", "pickled", "foreign")  # in files that hold no model of their format
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,24 @@ def right_speeds(model: Any, scan: Scan, limit: float, front: float = FRONT_EDGE
         _predict(model, features, limit) or 0.0 for features in possible_features(scan, front)
     ]
     return SpeedInterval(min(speeds), max(speeds))
+
+
+def model_file(scenario: Scenario) -> str:
+    """Return the parameter model_path that the node was given."""
+    return str(scenario.node.parameters.get("model_path", MODEL))
+
+
+def model_found(scenario: Scenario) -> Model | None:
+    """Return the model in the node's file; None if there is none that could be loaded."""
+    model = scenario.node.models.get(str(PurePath(model_file(scenario))))
+    return None if model is None or model.probe in BROKEN else model
+
+
+def quick(model: Model) -> Model:
+    """Return the model without its delay: the judge needn't wait."""
+    if "seconds" not in model.settings:
+        return model
+    return msgspec.structs.replace(model, settings={**model.settings, "seconds": 0.0})
 
 
 def max_speed(scenario: Scenario) -> float:
@@ -108,9 +128,7 @@ def predictions(recording: Recording) -> tuple[Prediction, ...]:
 
 @lru_cache(maxsize=32)  # several checks ask for the same
 def _predictions(scans: tuple[Scan, ...], packed: bytes, limit: float) -> tuple[Prediction, ...]:
-    spec = msgspec.msgpack.decode(packed, type=Model)
-    quick = msgspec.structs.replace(spec, settings={**spec.settings, "seconds": 0.0})
-    model = probe(quick)
+    model = probe(quick(msgspec.msgpack.decode(packed, type=Model)))
     return tuple(_prediction(model, scan, limit) for scan in scans)
 
 

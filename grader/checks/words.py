@@ -17,6 +17,7 @@ An exercise's own oracle (`cases` in its `contract.py`) says what is right; the 
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -26,7 +27,7 @@ from typing import NoReturn
 import numpy as np
 
 from grader.checks.ahead import front_distance
-from grader.checks.case import Case, Runs, spell_allowed, spell_number
+from grader.checks.case import Case, Runs, spell_allowed
 from grader.checks.commands import (
     garbage,
     require_one_command_each,
@@ -154,7 +155,7 @@ def require_allowed(
         f"{case.what}: wrong {wrong}" + (f" on {topic}" if topic != CMD_VEL_TOPIC else ""),
         expected=wanted,
         actual=f"{wrong} = {shown}",
-        help=(garbage(said) if isinstance(said, float) else "") or help,
+        help=_garbage(said, help) or help,
     )
 
 
@@ -263,7 +264,7 @@ def keeps_distance(runs: Sequence[Recording], clearance: float = 0.2, help: str 
         require_no_contact(
             recording,
             "Watch the replay from a second before the contact: what did the lidar see?",
-            expected=f"clearance of at least {clearance} m",
+            expected=f"clearance of at least {clearance} m" if clearance else "no contact",
         )
         truth = recording.truth
         nearest = int(np.argmin(truth.clearance))
@@ -340,6 +341,13 @@ def logs(
     )
 
 
+def _garbage(said: float | str | None, help: str) -> str:
+    """Say so if a number can only be garbage; NaN may be computed, too: then `help` is better."""
+    if not isinstance(said, float) or (math.isnan(said) and help):
+        return ""
+    return garbage(said)
+
+
 def _rounded(case: Case) -> tuple[tuple[str, float | str], ...]:
     return tuple(
         (name, round(value, 3) if isinstance(value, float) else value)
@@ -360,4 +368,4 @@ def _shown(value: float | str | None) -> str:
         return "nothing"
     if isinstance(value, str):
         return f"“{value}”"
-    return spell_number(value) if 0.005 <= abs(value) <= 1e6 else spell(value)
+    return spell(value)

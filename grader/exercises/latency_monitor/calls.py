@@ -5,35 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from grader.checks.case import Case, Runs
-from grader.checks.commands import answers
+from grader.checks.case import Runs
 from grader.checks.inferences import questions
-from grader.checks.model_commands import HALF_A_CENTIMETRE, require_asked
 from grader.checks.predictions import TOLERANCE, Prediction, max_speed, predictions
 from grader.checks.turns import turns
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.checks.words import follows, require_allowed
+from grader.checks.words import require_allowed
 from grader.recording import Inference, Recording
 
 LATEST_CALL = 0.5  # [s] from a scan to its call of predict
 LATE_IN_REAL_TIME = 0.1  # of the scans, whose calls may come later on a busy machine
-
-
-def predicts(runs: Runs, *tags: str, help: str = "") -> None:
-    """Fail unless each command is the clipped prediction, or 0.0 where there is none."""
-    follows(runs, *tags, help=help, tolerance=TOLERANCE, explain=_rounded)
-
-
-def comes_from_the_model(runs: Runs, tag: str) -> None:
-    """Fail unless the model, asked about a scan with this tag, said the speed of its command."""
-    for recording in runs:
-        found = answers(recording)
-        ends = [*(answer.scan.t for answer in found[1:]), recording.duration_s]
-        for answer, end in zip(found, ends, strict=True):
-            if tag in answer.tags:
-                speed, what = answer.speed or 0.0, answer.what
-                require_asked(recording, answer.scan, end, speed, TOLERANCE, what=what)
 
 
 def predicts_late(runs: Runs, tag: str, help: str) -> None:
@@ -125,9 +107,3 @@ def _is_about(recording: Recording, call: Inference, right: Prediction) -> bool:
     delay, limit = call.asked / 1e9 - right.scan.t, max_speed(recording.scenario)
     soon = -recording.slack <= delay <= LATEST_CALL + recording.slack
     return soon and len(call.said) == 1 and right.allows(max(0.0, min(limit, call.said[0])))
-
-
-def _rounded(case: Case) -> str:
-    if case.said and not case.wrong(HALF_A_CENTIMETRE):
-        return "Is something rounded, filtered or averaged? Publish what predict returns, clipped."
-    return ""

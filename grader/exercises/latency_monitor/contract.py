@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from grader.checks.braking import braking, model_says_go
-from grader.checks.case import Case, Interval, exactly
-from grader.checks.commands import answers
+from grader.checks.case import Case, Interval
 from grader.checks.contract import Contract, Survived
-from grader.checks.predictions import MODEL, predictions
+from grader.checks.model_cases import speed_cases
+from grader.checks.predictions import model_found
 from grader.recording import Recording
 
 KEYS = ("count", "mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "deadline_ms", "missed")
@@ -24,7 +24,6 @@ DEADLINE = 100.0  # [ms] without the parameter
 NEAR = 0.001  # [s] a call that ends this near to a report may count or not
 MOST_CHOICES = 20  # calls that end so near to a report
 OVERHEAD = 4.0  # [ms] that a call takes longer in real time: the link, waking up, Python's own
-BROKEN = ("garbage", "empty")  # probes that are no model
 
 CONTRACT = Contract(
     free=model_says_go,
@@ -35,31 +34,11 @@ CONTRACT = Contract(
 
 
 def cases(recording: Recording) -> list[Case]:
-    """Return an occasion for each scan: its clipped prediction, or 0.0 where there is none.
+    """Return an occasion for each scan: the command is what the model predicts, clipped.
 
     What a report has to say: `grader.exercises.latency_monitor.reports.cases`.
     """
-    return [
-        Case(
-            at=answer.scan.t,
-            what=answer.what,
-            tags=frozenset(answer.tags),
-            allowed={"linear.x": speeds},
-            said={} if answer.speed is None else {"linear.x": answer.speed},
-            count=answer.count,
-        )
-        for answer, speeds in zip(answers(recording), _speeds(recording), strict=False)
-    ]
-
-
-def _speeds(recording: Recording) -> list[tuple[Interval, ...]]:
-    """Return the speeds that are right for each scan [m/s]."""
-    if recording.scenario.node.models[MODEL].probe in BROKEN:
-        return [exactly(0.0) for _ in recording.scans()]
-    return [
-        ((said.least, said.most),) * said.exists + exactly(0.0) * said.missing
-        for said in predictions(recording)
-    ]
+    return speed_cases(recording, model_found(recording.scenario))
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
-from grader.checks.inferences import require_kept, require_one_load
-from grader.checks.words import answers_once, every, logs, only_linear_x, wired
+from grader.checks.model_commands import loads_once, predicts, stands
+from grader.checks.words import answers_once, every, only_linear_x, wired
 from grader.exercises.latency_monitor.calls import (
     answers_all,
     asks_once_each,
-    comes_from_the_model,
-    predicts,
     predicts_late,
 )
 from grader.exercises.latency_monitor.contract import KEYS
@@ -53,7 +51,6 @@ def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
     predicts(runs, "features", help=help)
-    comes_from_the_model(runs, "features")
 
 
 @check(
@@ -66,7 +63,9 @@ def test_features(runs: Runs) -> None:
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.4, 0.8 m/s, or not set); the rest is 0."""
     clip, held = runs.only(CLIP), runs.only(LATE_LIDAR)
-    predicts(runs[:3], "clip", "call", help="max(0.0, min(max_speed, prediction))")
+    help = "max(0.0, min(max_speed, prediction))"
+    predicts(runs[:2], "clip", help=help)
+    predicts(runs[2:3], "call", help=help)
     only_linear_x(runs[:3], help="This robot only drives straight ahead.")
     predicts(clip, "late", help="A call that misses the deadline counts as missed, and drives.")
     predicts_late(clip, "longest", help="A late prediction counts as missed, and drives.")
@@ -77,14 +76,12 @@ def test_clipped(runs: Runs) -> None:
 @check(points=5, asks=SAFETY, task=1, scenarios=(SAYS_NAN, *NO_MODEL), needs=("wiring",))
 def test_fail_safe(runs: Runs) -> None:
     """NaN, a blind sector, an empty scan, no model at all: 0.0, and the node goes on."""
-    held, without = runs.only(SAYS_NAN), runs.only(*NO_MODEL)
+    held = runs.only(SAYS_NAN)
     help = "Without a usable prediction: 0.0, and still one Twist for the scan."
     predicts(held, "none", help=help)
     predicts(held, "good", help="After that a good scan counts again.")
-    require_one_load(held[0], held[0].duration_s)
-    predicts(without, help="No model: an error in the log, and 0.0.")
-    for recording in without:
-        logs(recording, ("error", "fatal"), what="the node has no model")
+    loads_once(held)
+    stands(runs.only(*NO_MODEL))
 
 
 @check(
@@ -186,7 +183,7 @@ def test_raised_calls(runs: Runs) -> None:
     raises = runs.only(RAISES)
     predicts(raises, "raises", help="A model that raises gives no prediction: 0.0.")
     predicts(raises, "good", help="After an exception the next scan counts again.")
-    require_kept(raises[0])
+    loads_once(raises)
     asks_once_each(runs)
     help = "Start the clock anew for each call, and append after predict has returned, NaN or not."
     reports(runs, "count", "mean_ms", "max_ms", "missed", help=help)

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from grader.checks.commands import require_one_command_each
-from grader.checks.model_commands import require_safe_drive
-from grader.checks.old_field import FieldSuite
-from grader.exercises.ml_velocity.contract import FOREST, LEAST_WAY
-from grader.exercises.ml_velocity.evidence import require_speeds
-from grader.recording import Recording
+from grader.checks.case import Runs
+from grader.checks.field import FieldSuite
+from grader.checks.model_commands import predicts
+from grader.checks.words import answers_once, keeps_distance
+from grader.exercises.ml_velocity.contract import FOREST, TOLERANCE
 
 
-def _require_contract(recording: Recording, help: str) -> None:
-    """Fail unless the whole contract holds in this scenario."""
-    require_one_command_each(recording)
-    if recording.scenario.bench_scans:
-        require_speeds(recording, help=help)
-    else:
-        require_safe_drive(recording, "the grader's", LEAST_WAY)
+def _keeps_the_contract(runs: Runs, help: str) -> None:
+    """Fail unless the whole contract holds in these scenarios."""
+    answers_once(runs)
+    predicts(runs.benches(), help=help, tolerance=TOLERANCE)
+    if drives := runs.driven():
+        keeps_distance(drives, 0.0)
 
 
-field = FieldSuite("ml_velocity", _require_contract)
+field = FieldSuite(_keeps_the_contract)
 
 test_field_lds01 = field.lds01("ml_field_lds01_front", "ml_field_lds01_left")
 test_field_wide_lidar = field.wide_lidar("ml_field_wide_front", "ml_field_wide_left")

@@ -6,91 +6,63 @@ PyTorch and Keras.
 
 from __future__ import annotations
 
-import pytest
+from grader.checks.case import Runs
+from grader.checks.check import DECISION, SAFETY, WIRING, check
+from grader.checks.model_commands import predicts
+from grader.checks.words import answers_once, only_linear_x, wired
+from grader.exercises.model_formats.contract import node_check
 
-from grader.checks.commands import require_one_command_each, require_only_linear_x
-from grader.checks.predictions import max_speed
-from grader.checks.wiring import require_wiring
-from grader.exercises.model_formats.evidence import require_speeds
-from grader.exercises.model_formats.habits import LONG, READINGS, habits_of, slip
-from grader.recording import Recording
-
-GENERAL = (READINGS, LONG, "format_blind", "format_says_pickle")
-STANDING = ("format_blind", "format_no_file", "format_raises_pickle")
-
-Recordings = tuple[Recording, ...]
+READINGS, LONG, BLIND = "format_readings", "format_hundred", "format_blind"
+STANDING = (BLIND, "format_no_file", "format_raises_pickle")
 
 
-@pytest.mark.check(points=3, scenarios=(READINGS,))
-def test_wiring(recordings: Recordings) -> None:
+@check(points=3, asks=WIRING, task=1, scenarios=(READINGS,))
+def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to /scan and publishes on /cmd_vel."""
-    for recording in recordings:
-        require_wiring(recording, "model_formats")
+    wired(runs)
 
 
-@pytest.mark.check(points=3, scenarios=GENERAL, needs=("wiring",))
-def test_one_command_per_scan(recordings: Recordings) -> None:
-    """Each scan is answered by exactly one Twist, and none comes before the first scan."""
-    require_one_command_each(recordings[0])
-    for recording in recordings[1:]:
-        if recording.outcome.completed:  # if not, another check says what it died of
-            require_one_command_each(recording)
-
-
-@pytest.mark.check(points=2, scenarios=(READINGS, *STANDING), needs=("wiring",))
-def test_only_linear_x(recordings: Recordings) -> None:
-    """Every field of the Twist but linear.x is zero."""
-    for recording in recordings:
-        spoke = recording.outcome.completed and len(recording.twists().t)
-        if spoke or recording is recordings[0]:
-            require_only_linear_x(
-                recording, "The model only chooses how fast to drive straight ahead."
-            )
-
-
-@pytest.mark.check(points=4, scenarios=(READINGS, LONG), needs=("wiring",))
-def test_readings(recordings: Recordings) -> None:
-    """The features are those of exercise 2: infinities replaced, unusable readings dropped."""
-    wrong = slip(habits_of(recordings[0]))
-    for recording in recordings:
-        require_speeds(
-            recording,
-            "readings",
-            wrong
-            or "Compare with your function of exercise 2, and with its README: +inf and above "
-            "range_max is range_max, -inf is range_min, NaN and below range_min is dropped.",
-        )
-
-
-@pytest.mark.check(points=4, scenarios=("format_blind",), needs=("wiring",))
-def test_blind_sector(recordings: Recordings) -> None:
-    """A sector without a usable reading means 0.0, and the node goes on."""
-    for recording in recordings:
-        require_speeds(
-            recording,
-            "blind",
-            "Do not ask the model about a scan with a blind sector: command 0.0 and log why.",
-        )
-
-
-@pytest.mark.check(
-    points=2,
-    scenarios=("format_parameters", "format_held", "format_defaults"),
-    needs=("wiring",),
+@node_check(
+    points=3, asks=DECISION, task=8, scenarios=(READINGS, LONG, BLIND, "format_says_pickle")
 )
-def test_parameters(recordings: Recordings) -> None:
-    """The parameters model_path and max_speed are obeyed, and have their defaults."""
-    for recording in recordings:
-        require_speeds(recording, help=_started_with(recording))
+def test_one_command_per_scan(runs: Runs) -> None:
+    """Each scan is answered by exactly one Twist, and none comes before the first scan."""
+    answers_once(runs)
 
 
-def _started_with(recording: Recording) -> str:
-    """Return what the node was told, and what to make of it."""
-    if not recording.scenario.node.parameters:
-        return "Started without parameters: model_path is velocity_model.pkl, and max_speed 0.5."
-    if max_speed(recording.scenario) == 0.0:
-        return "Started with max_speed:=0.0: 0.0 is a number, too, though it is not true."
-    return (
-        "Started with model_path:=other.pkl and max_speed:=0.8; the model in velocity_model.pkl "
-        "always predicts 0.1."
+@node_check(points=2, asks=DECISION, task=8, scenarios=(READINGS, *STANDING))
+def test_only_linear_x(runs: Runs) -> None:
+    """Every field of the Twist but linear.x is zero."""
+    only_linear_x(runs, "The model only chooses how fast to drive straight ahead.")
+
+
+@node_check(points=4, asks=DECISION, task=2, scenarios=(READINGS, LONG))
+def test_readings(runs: Runs) -> None:
+    """The features are those of exercise 2: infinities replaced, unusable readings dropped."""
+    help = (
+        "Compare with your function of exercise 2, and with its README: +inf and above range_max "
+        "is range_max, -inf is range_min, NaN and below range_min is dropped."
     )
+    predicts(runs, "readings", help=help)
+
+
+@node_check(points=4, asks=SAFETY, task=8, scenarios=(BLIND,))
+def test_blind_sector(runs: Runs) -> None:
+    """A sector without a usable reading means 0.0, and the node goes on."""
+    help = "Do not ask the model about a scan with a blind sector: command 0.0 and log why."
+    predicts(runs, "blind", help=help)
+
+
+@node_check(
+    points=2, asks=WIRING, task=1, scenarios=("format_parameters", "format_held", "format_defaults")
+)
+def test_parameters(runs: Runs) -> None:
+    """The parameters model_path and max_speed are obeyed, and have their defaults."""
+    for recording in runs:
+        given = recording.scenario.node.parameters
+        started = " and ".join(f"{name}:={value}" for name, value in given.items())
+        help = (
+            f"Started with {started or 'the defaults, velocity_model.pkl and 0.5'}. 0.0 is a "
+            "number, too, though it is not true."
+        )
+        predicts(runs.of([recording]), help=help)

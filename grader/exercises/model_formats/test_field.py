@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from grader.checks.commands import require_one_command_each
-from grader.checks.model_commands import require_safe_drive
-from grader.checks.old_field import FieldSuite
+from grader.checks.case import Runs
+from grader.checks.field import FieldSuite
+from grader.checks.model_commands import predicts
+from grader.checks.words import answers_once, keeps_distance
 from grader.exercises.model_formats.contract import ONNX, SKLEARN
-from grader.exercises.model_formats.evidence import require_speeds
-from grader.recording import Recording
 
 
-def _require_contract(recording: Recording, help: str) -> None:
-    """Fail unless the whole contract holds in this scenario."""
-    require_one_command_each(recording)
-    if recording.scenario.bench_scans:
-        require_speeds(recording, help=help)
-    else:
-        require_safe_drive(recording, "the ONNX")
+def _keeps_the_contract(runs: Runs, help: str) -> None:
+    """Fail unless the whole contract holds in these scenarios."""
+    answers_once(runs)
+    predicts(runs.benches(), help=help)
+    if drives := runs.driven():
+        keeps_distance(drives, 0.0)
 
 
-field = FieldSuite("model_formats", _require_contract)
+field = FieldSuite(_keeps_the_contract)
 
 test_field_lds01 = field.lds01("format_field_lds01", requires=ONNX)
 test_field_wide_lidar = field.wide_lidar("format_field_wide", requires=ONNX)

@@ -1,4 +1,4 @@
-"""Commands near what the model says: one check names it, the others judge what else is wrong."""
+"""Commands that are not what the model says, and models that are loaded again."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -8,26 +8,7 @@ import pytest
 from grader.checks import model_commands
 from grader.checks.inferences import require_kept
 from grader.checks.verdict import CheckFailed
-from grader.exercises.model_formats import habits
-from grader.exercises.model_formats.evidence import Habits
 from grader.recording import Inference
-
-
-@pytest.mark.parametrize(
-    ("off", "near", "tolerance"), [(0.0, False, 1e-3), (0.005, True, 6e-3), (0.02, False, 1e-3)]
-)
-def test_a_node_that_rounds_is_near(
-    monkeypatch: pytest.MonkeyPatch, off: float, near: bool, tolerance: float
-) -> None:
-    def require_speeds(_: Any, habits: Habits) -> None:
-        if off > habits.tolerance:
-            raise CheckFailed("wrong speed")
-
-    monkeypatch.setattr(habits, "require_speeds", require_speeds)
-    readings: Any = "readings"
-    found = habits.habits_of(readings)
-    assert found == Habits(tolerance)
-    assert ("is a number rounded?" in habits.slip(found)) is near
 
 
 @pytest.mark.parametrize(
