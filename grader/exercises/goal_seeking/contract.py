@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from grader.checks.case import Case, Said, exactly
+from grader.checks.case import Case, exactly
 from grader.checks.commands import is_zero
 from grader.checks.contract import Contract, Limits, Survived
-from grader.recording import Floats, Recording
+from grader.recording import Recording
+from grader.recording.views import Goals, Odom
 from sim.messages import CMD_VEL_TOPIC as CMD_VEL
 
 TOLERANCE = 0.5  # [m] within this distance a goal is reached
@@ -36,7 +38,8 @@ CONTRACT = Contract(
     delayed_in=("goal_across_the_seam", "goal_behind", "goal_beside"),
     survives=Survived(sensors=300, commands=300),
 )
-STOP = {"linear.x": exactly(0.0), "angular.z": exactly(0.0)}
+STILL = {"linear.x": 0.0, "angular.z": 0.0}  # [m/s] and [rad/s]
+STOP = {name: exactly(number) for name, number in STILL.items()}
 
 
 @dataclass(frozen=True)
@@ -86,27 +89,28 @@ def cases(recording: Recording) -> list[Case]:
 def quests(recording: Recording) -> list[Quest]:
     """Return the finite goals in order; the others count for nothing."""
     goals = recording.goals()
-    finite = np.isfinite(goals.x) & np.isfinite(goals.y)
-    rows = np.column_stack((goals.t, goals.x, goals.y))[finite].tolist()
+    rows = np.column_stack((goals.t, goals.x, goals.y))[finite(goals)].tolist()
     ends = [row[0] for row in rows[1:]] + [recording.duration_s]
-    return [Quest(t, end, x, y) for (t, x, y), end in zip(rows, ends, strict=False)]
+    return [Quest(t, end, x, y) for (t, x, y), end in zip(rows, ends, strict=True)]
 
 
 def poses(recording: Recording) -> list[Pose]:
     """Return the finite poses in order; the others count for nothing."""
     odom = recording.odometry()
-    finite = np.isfinite(odom.x) & np.isfinite(odom.y) & np.isfinite(odom.yaw)
-    rows = np.column_stack((odom.t, odom.x, odom.y, odom.yaw))[finite]
-    return [Pose(*row) for row in rows.tolist()]
+    rows = np.column_stack((odom.t, odom.x, odom.y, odom.yaw))[finite(odom)].tolist()
+    return [Pose(*row) for row in rows]
 
 
-def bad_input(recording: Recording) -> dict[str, Floats]:
-    """Return when goals and poses came that are not finite [s], each (n,)."""
-    goals, odom = recording.goals(), recording.odometry()
-    return {
-        "goal": goals.t[~(np.isfinite(goals.x) & np.isfinite(goals.y))],
-        "pose": odom.t[~(np.isfinite(odom.x) & np.isfinite(odom.y) & np.isfinite(odom.yaw))],
-    }
+def bad_input(recording: Recording) -> dict[str, list[float]]:
+    """Return when goals and poses came that are not finite [s]."""
+    came = {"goal": recording.goals(), "pose": recording.odometry()}
+    return {what: view.t[~finite(view)].tolist() for what, view in came.items()}
+
+
+def finite(view: Goals | Odom) -> NDArray[np.bool_]:
+    """Return which goals or poses are finite, (n,)."""
+    numbers = (view.x, view.y, view.yaw) if isinstance(view, Odom) else (view.x, view.y)
+    return np.all(np.isfinite(numbers), axis=0)
 
 
 def seeking(recording: Recording) -> list[tuple[float, float]]:
@@ -114,12 +118,10 @@ def seeking(recording: Recording) -> list[tuple[float, float]]:
     run = _Run(recording)
     spans: list[tuple[float, float]] = []
     for quest in run.quests:
-        begin, there = max(quest.begin, run.ready), run.arrival(quest)
-        end = quest.end if there is None else there
-        if spans and spans[-1][1] == quest.begin:
+        begin, end = max(quest.begin, run.ready), run.way_ends(quest)
+        if spans and spans[-1][1] == quest.begin:  # on the way to another goal
             begin = spans.pop()[0]
-        if begin < end:
-            spans.append((begin, end))
+        spans.append((begin, end))
     return spans
 
 
@@ -134,111 +136,91 @@ class _Run:
     def __init__(self, recording: Recording) -> None:
         self.quests, self.poses = quests(recording), poses(recording)
         self.heard = np.array([pose.t for pose in self.poses])  # (n,) [s]
-        self.bad = {t: name for name, times in bad_input(recording).items() for t in times.tolist()}
+        self.bad = bad_input(recording)
         self.twists, self.end = recording.twists(), recording.duration_s
-        self.zero = np.all(is_zero(self.twists.values), axis=1)
+        self.stops = self.twists.t[np.all(is_zero(self.twists.values), axis=1)].tolist()
         both = self.quests and self.poses
-        self.ready = max(self.quests[0].begin, self.poses[0].t) if both else math.inf  # [s]
+        self.ready = max(self.quests[0].begin, self.poses[0].t) if both else self.end  # [s]
 
     def start(self) -> Iterator[Case]:
         """Yield the silence until there are a pose and a goal, and that it ends."""
-        early = self.times(0.0, self.ready)
-        yield Case(
-            at=float(early[0]) if len(early) else 0.0,
-            what="before the node had both a pose and a goal",
-            tags=frozenset({"before"}),
-            count=len(early),
-        )
+        early, then = self.times(0.0, self.ready), self.times(self.ready, self.end)
+        yield _silence("before", "before the node had both a pose and a goal", early)
         if self.ready < self.end:
-            count = len(self.times(self.ready, self.end))
             yield Case(
                 at=self.ready,
                 what="with a pose and a goal",
                 tags=frozenset({"ready"}),
                 allowed={CMD_VEL: frozenset({"commands"})},
-                said={CMD_VEL: "commands"} if count else {},
-                count=count,
+                said={CMD_VEL: "commands"} if then else {},
             )
 
     def holds(self, quest: Quest) -> Iterator[Case]:
         """Yield a speed and a turn for each pose of a bench that held for a tick or longer."""
-        there = self.arrival(quest)
         ends = [pose.t for pose in self.poses[1:]] + [self.end]
         for pose, end in zip(self.poses, ends, strict=False):
-            begin, until = max(pose.t, quest.begin), min(end, quest.end)
-            if pose.t < quest.begin or until - begin <= REACTION:
-                continue
-            if there is None or pose.t < there:
-                said = self.said(begin, until)
-                yield _speed(quest, begin, [pose], said)
-                yield from _turn(quest, begin, pose, said)
+            until = min(end, quest.end)
+            if quest.begin <= pose.t < min(until - REACTION, self.way_ends(quest)):
+                said = self.said(pose.t, until)
+                yield _speed(quest, pose.t, [pose], said)
+                yield from _turn(quest, pose.t, pose, said)
 
     def way(self, quest: Quest) -> Iterator[Case]:
         """Yield a speed for each command on the way to a goal, and the side of the first turn."""
-        there = self.arrival(quest)
-        on_the_way = self.times(quest.begin + UNHEARD, quest.end if there is None else there)
-        for t in on_the_way.tolist():
-            if known := self.known(t):
-                yield _speed(quest, t, known, self.said(t, t + INSTANT))
-        during = self.times(quest.begin, quest.end)
-        rates = self.twists.angular_z[np.isin(self.twists.t, during)]
-        first = during[np.abs(rates) > TURNS][:1].tolist() or during[:1].tolist()
-        for t in first:
-            if known := self.known(t):
-                yield from _turn(quest, t, known[-1], self.said(t, t + INSTANT))
+        on_the_way = self.times(max(quest.begin + UNHEARD, self.ready), self.way_ends(quest))
+        said = {t: self.said(t, t + INSTANT) for t in on_the_way}
+        for t in on_the_way:
+            yield _speed(quest, t, self.known(t), said[t])
+        turns = [t for t in on_the_way if abs(said[t]["angular.z"]) > TURNS] or on_the_way
+        for t in turns[:1]:
+            yield from _turn(quest, t, self.known(t)[-1], said[t])
 
     def stop(self, quest: Quest) -> Iterator[Case]:
         """Yield where the first stop has to be, the stop on arrival, and the silence after it."""
-        during = (self.twists.t >= quest.begin) & (self.twists.t < quest.end)
-        moving = self.twists.t[during & ~self.zero]
-        begin = moving[0] if len(moving) else quest.begin
-        stops = self.twists.t[during & self.zero & (self.twists.t >= begin)].tolist()
-        for stop in stops[:1]:
-            for pose in self.known(stop)[-1:]:
-                yield Case(
-                    at=stop,
-                    what=f"the first zero Twist on the way to {quest.what}",
-                    tags=frozenset({"stop"}),
-                    allowed={"distance [m]": ((0.0, TOLERANCE + HAIR),)},
-                    said={"distance [m]": quest.distance(pose)},
-                )
+        during = self.times(max(quest.begin, self.ready), quest.end)
+        moving = [t for t in during if t not in self.stops]
+        stops = [t for t in during if t in self.stops and t > min(moving, default=0.0)]
+        for t in stops[:1]:
+            yield Case(
+                at=t,
+                what=f"the first zero Twist on the way to {quest.what}",
+                tags=frozenset({"stop"}),
+                allowed={"distance [m]": ((0.0, TOLERANCE + HAIR),)},
+                said={"distance [m]": quest.distance(self.known(t)[-1])},
+            )
         there = self.arrival(quest)
         if there is None or quest.end < there + REACTION:
             return
-        near = [stop for stop in stops if stop >= there or self.is_near(quest, stop)]
-        stopped = min([there, *near])
+        begin, end = max(quest.begin, there - PERIOD), there + REACTION
         yield Case(
             at=there,
             what=f"within {TOLERANCE} m of {quest.what}",
             tags=frozenset({"stop", "there"}),
             allowed=STOP,
-            said=self.said(stopped, there + REACTION),
+            said=self.said(begin, end),
         )
-        after = self.times(near[0] + INSTANT if near else there + REACTION, quest.end)
-        yield Case(
-            at=float(after[0]) if len(after) else there,
-            what=f"after the stop at {quest.what}",
-            tags=frozenset({"stop"}),
-            count=len(after),
-        )
+        stopped = next((t + INSTANT for t in stops if t >= begin), end)
+        after = self.times(stopped, quest.end)
+        yield _silence("stop", f"after the stop at {quest.what}", after, there)
 
     def bad_input(self) -> Iterator[Case]:
         """Yield that nothing changes when a goal or a pose comes that is not finite."""
-        for t, name in self.bad.items():
-            goals = [quest for quest in self.quests if quest.begin <= t]
-            there = self.arrival(goals[-1]) if goals else None
-            what, tags = f"a {name} that is not finite has come", frozenset({"bad"})
-            if t < self.ready or (there is not None and there <= t):
-                said = self.said(0.0, t + STANDS) or {"linear.x": 0.0, "angular.z": 0.0}
-                yield Case(t, f"{what}, with no goal to drive to", tags, STOP, said)
-                continue
-            goal, pose = goals[-1], self.known(t)[-1]
+        for t, name in sorted((t, name) for name, times in self.bad.items() for t in times):
+            was, busy = self.said(0.0, t) or STILL, len(self.times(t - REACTION, t)) > 1
+            now = self.said(t + UNHEARD, t + STANDS)
             allowed = {
-                "linear.x": exactly(speed_law(goal.distance(pose))),
-                "angular.z": ((-STEADY, STEADY),),
+                "linear.x": exactly(was["linear.x"]),
+                "angular.z": ((was["angular.z"] - STEADY, was["angular.z"] + STEADY),),
             }
-            what = f"{what}, on the way straight to {goal.what}"
-            yield Case(t, what, tags, allowed, self.said(t, t + STANDS))
+            if any(t - UNHEARD < quest.begin <= t for quest in self.quests):
+                busy, allowed = True, {"linear.x": ((0.0, MAX_SPEED),)}
+            what = f"a {name} that is not finite has come"
+            yield Case(t, what, frozenset({"bad"}), allowed, now if busy else now or was)
+
+    def way_ends(self, quest: Quest) -> float:
+        """Return when the node knew that it was there [s], or another goal came."""
+        there = self.arrival(quest)
+        return quest.end if there is None else there
 
     def arrival(self, quest: Quest) -> float | None:
         """Return when the node first knew that it was within the tolerance of a goal [s]."""
@@ -248,39 +230,33 @@ class _Run:
                 return max(pose.t, quest.begin)
         return None
 
-    def is_near(self, quest: Quest, time: float) -> bool:
-        """Return whether the pose known at a time [s] was, but for a hair, within the tolerance."""
-        return any(quest.distance(pose) <= TOLERANCE + HAIR for pose in self.known(time)[-1:])
-
     def known(self, time: float) -> list[Pose]:
         """Return the last two poses that the node had been sent at a time [s]."""
         count = int(np.searchsorted(self.heard, time, side="right"))
         return self.poses[max(0, count - 2) : count]
 
-    def times(self, begin: float, end: float) -> Floats:
-        """Return when commands came in [begin, end) [s], (n,)."""
+    def times(self, begin: float, end: float) -> list[float]:
+        """Return when commands came in [begin, end) [s]."""
         t = self.twists.t
-        times: Floats = t[(t >= begin) & (t < end)]
-        return times
+        return [float(time) for time in t[(t >= begin) & (t < end)]]
 
-    def said(self, begin: float, end: float) -> dict[str, Said]:
+    def said(self, begin: float, end: float) -> Mapping[str, float]:
         """Return the last command in [begin, end); nothing if there was none."""
-        inside = np.flatnonzero((self.twists.t >= begin) & (self.twists.t < end))[-1:]
-        return {
-            name: float(numbers[i])
-            for i in inside
-            for name, numbers in (
-                ("linear.x", self.twists.linear_x),
-                ("angular.z", self.twists.angular_z),
-            )
-        }
+        t = self.twists.t
+        last = self.twists.values[(t >= begin) & (t < end)][-1:, [0, 5]].tolist()
+        return dict(zip(STILL, last[0], strict=True)) if last else {}
 
 
-def _speed(quest: Quest, at: float, known: list[Pose], said: Mapping[str, Said]) -> Case:
-    """Return the speed that a distance asks for, that of the farthest of the poses.
+def _silence(tag: str, what: str, times: Sequence[float], at: float = 0.0) -> Case:
+    """Return the occasion to say nothing, and the times [s] at which the node did."""
+    return Case(at=times[0] if times else at, what=what, tags=frozenset({tag}), count=len(times))
 
-    It is the law's for a robot that was told one pose for a while and looks straight at its goal;
-    it may be less, but never below zero, where a robot turns.
+
+def _speed(quest: Quest, at: float, known: Sequence[Pose], said: Mapping[str, float]) -> Case:
+    """Return the speed that a distance asks for, that of the farther of the poses.
+
+    It is the law's for a robot that has one pose for a while and looks straight at its goal; it may
+    be less, but never below zero, where the robot turns.
     """
     distance = max(quest.distance(pose) for pose in known)
     straight = len(known) == 1 and abs(quest.heading_error(known[0])) < STRAIGHT
@@ -290,11 +266,11 @@ def _speed(quest: Quest, at: float, known: list[Pose], said: Mapping[str, Said])
         what=f"{distance:.2f} m from {quest.what}" + ", straight ahead" * straight,
         tags=frozenset({"speed"}),
         allowed={"linear.x": exactly(law) if straight else ((0.0, law),)},
-        said={name: said[name] for name in ("linear.x",) if said},
+        said={"linear.x": said["linear.x"]} if said else {},
     )
 
 
-def _turn(quest: Quest, at: float, pose: Pose, said: Mapping[str, Said]) -> Iterator[Case]:
+def _turn(quest: Quest, at: float, pose: Pose, said: Mapping[str, float]) -> Iterator[Case]:
     """Yield the side to turn to, unless either is right."""
     error = quest.heading_error(pose)
     if UNSURE < abs(error) < math.pi - UNSURE:
@@ -304,7 +280,7 @@ def _turn(quest: Quest, at: float, pose: Pose, said: Mapping[str, Said]) -> Iter
             what=f"{quest.what}, {abs(error):.2f} rad to the {side} of where the robot looks",
             tags=frozenset({"turn"}),
             allowed={"turn": frozenset({side})},
-            said={"turn": _side(float(said["angular.z"]))} if said else {},
+            said={"turn": _side(said["angular.z"])} if said else {},
         )
 
 

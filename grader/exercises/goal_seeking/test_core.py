@@ -55,6 +55,7 @@ def test_silent_until_ready(runs: Runs) -> None:
 )
 def test_control_rate(runs: Runs) -> None:
     """On the way to a goal one command comes every 0.1 s."""
+    follows(runs, "ready")
     for recording in runs:
         keeps_time(recording)
 
