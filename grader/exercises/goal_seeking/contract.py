@@ -91,7 +91,7 @@ def quests(recording: Recording) -> list[Quest]:
     goals = recording.goals()
     rows = np.column_stack((goals.t, goals.x, goals.y))[finite(goals)].tolist()
     ends = [row[0] for row in rows[1:]] + [recording.duration_s]
-    return [Quest(t, end, x, y) for (t, x, y), end in zip(rows, ends, strict=True)]
+    return [Quest(t, end, x, y) for (t, x, y), end in zip(rows, ends, strict=False)]
 
 
 def poses(recording: Recording) -> list[Pose]:
