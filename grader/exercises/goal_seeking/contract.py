@@ -138,13 +138,13 @@ class _Run:
         self.heard = np.array([pose.t for pose in self.poses])  # (n,) [s]
         self.bad = bad_input(recording)
         self.twists, self.end = recording.twists(), recording.duration_s
-        self.stops = self.twists.t[np.all(is_zero(self.twists.values), axis=1)].tolist()
+        self.stops = set(self.twists.t[np.all(is_zero(self.twists.values), axis=1)].tolist())
         both = self.quests and self.poses
         self.ready = max(self.quests[0].begin, self.poses[0].t) if both else self.end  # [s]
 
     def start(self) -> Iterator[Case]:
         """Yield the silence until there are a pose and a goal, and that it ends."""
-        early, then = self.times(0.0, self.ready), self.times(self.ready, self.end)
+        early = self.times(0.0, self.ready)
         yield _silence("before", "before the node had both a pose and a goal", early)
         if self.ready < self.end:
             yield Case(
@@ -152,7 +152,7 @@ class _Run:
                 what="with a pose and a goal",
                 tags=frozenset({"ready"}),
                 allowed={CMD_VEL: frozenset({"commands"})},
-                said={CMD_VEL: "commands"} if then else {},
+                said={CMD_VEL: "commands"} if self.said(self.ready, self.end) else {},
             )
 
     def holds(self, quest: Quest) -> Iterator[Case]:
@@ -237,14 +237,15 @@ class _Run:
 
     def times(self, begin: float, end: float) -> list[float]:
         """Return when commands came in [begin, end) [s]."""
-        t = self.twists.t
-        return [float(time) for time in t[(t >= begin) & (t < end)]]
+        first, last = np.searchsorted(self.twists.t, (begin, end)).tolist()
+        return [float(t) for t in self.twists.t[first:last]]
 
     def said(self, begin: float, end: float) -> Mapping[str, float]:
         """Return the last command in [begin, end); nothing if there was none."""
-        t = self.twists.t
-        last = self.twists.values[(t >= begin) & (t < end)][-1:, [0, 5]].tolist()
-        return dict(zip(STILL, last[0], strict=True)) if last else {}
+        first, last = np.searchsorted(self.twists.t, (begin, end)).tolist()
+        if first == last:
+            return {}
+        return dict(zip(STILL, self.twists.values[last - 1, [0, 5]].tolist(), strict=True))
 
 
 def _silence(tag: str, what: str, times: Sequence[float], at: float = 0.0) -> Case:

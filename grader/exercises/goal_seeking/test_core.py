@@ -9,8 +9,15 @@ from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.commands import FIELDS, ZERO, require_zero
 from grader.checks.verdict import fail
 from grader.checks.words import follows, wired, within
-from grader.exercises.goal_seeking.contract import CONTRACT, MAX_SPEED, SPEED_GAIN, quests
-from grader.exercises.goal_seeking.ways import announces, keeps_time, path_ratio, reaches, warns
+from grader.exercises.goal_seeking.contract import CONTRACT, MAX_SPEED, SPEED_GAIN
+from grader.exercises.goal_seeking.ways import (
+    announces,
+    goals_of,
+    keeps_time,
+    path_ratio,
+    reaches,
+    warns,
+)
 
 FIRST = "goal_origin_to_5_3"
 AROUND = ("goal_behind", "goal_beside", "goal_across_the_seam")
@@ -64,14 +71,14 @@ def test_control_rate(runs: Runs) -> None:
 def test_reaches_goal(runs: Runs) -> None:
     """From the origin the robot reaches (5, 3) within 30 s."""
     for recording in runs:
-        reaches(recording, quests(recording)[0], PATIENCE)
+        reaches(recording, goals_of(recording)[0], PATIENCE)
 
 
 @check(points=5, asks=DECISION, task=4, scenarios=(*AROUND, FAR), needs=("wiring",), hint="3.1")
 def test_reaches_any_goal(runs: Runs) -> None:
     """The robot reaches goals behind it, beside it, across the ±π seam, and far away."""
     for recording in runs:
-        reaches(recording, quests(recording)[0])
+        reaches(recording, goals_of(recording)[0])
 
 
 @check(points=10, asks=DECISION, task=3, scenarios=(*AROUND, TURNS), needs=("wiring",), hint="3.2")
@@ -121,7 +128,7 @@ def test_stops_once(runs: Runs) -> None:
     """On arrival one zero Twist and “Goal reached!” in the log, then silence, wherever it is."""
     for recording in runs:
         follows(runs.of([recording]), "stop", help=FORGET, tolerance=ZERO)
-        announces(recording, quests(recording)[-1])
+        announces(recording, goals_of(recording)[-1])
 
 
 @check(
@@ -135,7 +142,7 @@ def test_stops_once(runs: Runs) -> None:
 def test_new_goal(runs: Runs) -> None:
     """A new goal starts over: on the way to another, long after arrival, a hundred in a row."""
     for recording in runs:
-        for quest in quests(recording)[1:]:
+        for quest in goals_of(recording)[1:]:
             if quest.end - quest.begin > CLICK:
                 reaches(recording, quest)
 
@@ -146,7 +153,7 @@ def test_near_goal(runs: Runs) -> None:
     help = "Treat every goal alike: the control loop finds that it is reached."
     follows(runs, "there", help=help, tolerance=ZERO)
     for recording in runs:
-        for quest in quests(recording):
+        for quest in goals_of(recording):
             announces(recording, quest)
 
 
@@ -175,7 +182,7 @@ def test_warns(runs: Runs) -> None:
 )
 def test_path_efficiency(runs: Runs) -> None:
     """The robot does not wander: its paths are short (SPL of at least 0.7)."""
-    ratios = [path_ratio(recording, quests(recording)[0]) for recording in runs]
+    ratios = [path_ratio(recording, goals_of(recording)[0]) for recording in runs]
     spl = sum(ratios) / len(ratios)
     if spl < LEAST_SPL:
         worst = runs[int(np.argmin(ratios))]
@@ -184,6 +191,6 @@ def test_path_efficiency(runs: Runs) -> None:
             expected=f"SPL (shortest path / path, on average) of at least {LEAST_SPL}",
             actual=f"{spl:.2f}: " + ", ".join(f"{ratio:.2f}" for ratio in ratios),
             recording=worst,
-            at=quests(worst)[0].begin,
+            at=goals_of(worst)[0].begin,
             help="Turn faster at the beginning (a higher gain), or slow down while you turn.",
         )

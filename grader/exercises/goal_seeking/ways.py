@@ -36,9 +36,14 @@ FACES_AND_DRIVES = (
 )
 
 
+def goals_of(recording: Recording) -> list[Quest]:
+    """Return the goals of a node that lived to the end."""
+    require_alive(recording)
+    return quests(recording)
+
+
 def reaches(recording: Recording, quest: Quest, within: float = math.inf) -> None:
     """Fail unless the robot itself drives to a goal, in this time [s]."""
-    require_alive(recording)
     truth = recording.truth
     t = truth.t / 1e9
     end = min(carried_at(recording, quest), quest.begin + within)
