@@ -21,7 +21,7 @@ MAX_SPEED = 0.3  # [m/s]
 MAX_TURN_RATE = 1.9  # [rad/s]
 SPEED_GAIN = 0.5  # [1/s]
 PERIOD = 0.1  # [s] of the control loop
-HAIR = 0.001  # [m] distances this near to the tolerance may fall on either side
+MARGIN = 0.001  # [m] distances this near to the tolerance may fall on either side
 REACTION = 2.5 * PERIOD  # [s] long enough for a tick of the control loop, even at 5 Hz
 UNHEARD = 0.05  # [s] a command that comes so soon after a goal need not be about it
 STANDS = 0.3  # [s] for which a bad message is the newest one
@@ -103,14 +103,15 @@ def poses(recording: Recording) -> list[Pose]:
 
 def bad_input(recording: Recording) -> dict[str, list[float]]:
     """Return when goals and poses came that are not finite [s]."""
-    came = {"goal": recording.goals(), "pose": recording.odometry()}
+    came: dict[str, Goals | Odom] = {"goal": recording.goals(), "pose": recording.odometry()}
     return {what: view.t[~finite(view)].tolist() for what, view in came.items()}
 
 
 def finite(view: Goals | Odom) -> NDArray[np.bool_]:
     """Return which goals or poses are finite, (n,)."""
     numbers = (view.x, view.y, view.yaw) if isinstance(view, Odom) else (view.x, view.y)
-    return np.all(np.isfinite(numbers), axis=0)
+    found: NDArray[np.bool_] = np.all(np.isfinite(numbers), axis=0)
+    return found
 
 
 def seeking(recording: Recording) -> list[tuple[float, float]]:
@@ -185,7 +186,7 @@ class _Run:
                 at=t,
                 what=f"the first zero Twist on the way to {quest.what}",
                 tags=frozenset({"stop"}),
-                allowed={"distance [m]": ((0.0, TOLERANCE + HAIR),)},
+                allowed={"distance [m]": ((0.0, TOLERANCE + MARGIN),)},
                 said={"distance [m]": quest.distance(self.known(t)[-1])},
             )
         there = self.arrival(quest)
@@ -226,7 +227,7 @@ class _Run:
         """Return when the node first knew that it was within the tolerance of a goal [s]."""
         first = max(0, int(np.searchsorted(self.heard, quest.begin, side="right")) - 1)
         for pose in self.poses[first : int(np.searchsorted(self.heard, quest.end))]:
-            if quest.distance(pose) <= TOLERANCE - HAIR:
+            if quest.distance(pose) <= TOLERANCE - MARGIN:
                 return max(pose.t, quest.begin)
         return None
 
