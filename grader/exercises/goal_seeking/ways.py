@@ -43,10 +43,12 @@ def goals_of(recording: Recording) -> list[Quest]:
 
 
 def reaches(recording: Recording, quest: Quest, within: float = math.inf) -> None:
-    """Fail unless the robot itself drives to a goal, in this time [s]."""
+    """Fail unless the robot drives to a goal in this time [s], before it is carried anywhere."""
     truth = recording.truth
     t = truth.t / 1e9
-    end = min(carried_at(recording, quest), quest.begin + within)
+    carried = [event.at for event in recording.scenario.script if event.teleport is not None]
+    ends = (quest.end, quest.begin + within, *carried)
+    end = min(end for end in ends if end > quest.begin)
     during = np.flatnonzero((t >= quest.begin) & (t < end))
     distance = np.hypot(truth.x - quest.x, truth.y - quest.y)[during]
     if (distance <= TOLERANCE + LATE).any():
@@ -123,9 +125,3 @@ def path_ratio(recording: Recording, quest: Quest) -> float:
     steps = np.hypot(np.diff(x), np.diff(y))[: near[0]]
     shortest = float(distance[0] - distance[near[0]])
     return shortest / max(shortest, float(steps.sum()))
-
-
-def carried_at(recording: Recording, quest: Quest) -> float:
-    """Return when somebody carries the robot while a goal counts [s]; its end if nobody does."""
-    times = [event.at for event in recording.scenario.script if event.teleport is not None]
-    return min((time for time in times if quest.begin < time < quest.end), default=quest.end)
