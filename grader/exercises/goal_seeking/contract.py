@@ -39,6 +39,7 @@ CONTRACT = Contract(
     survives=Survived(sensors=300, commands=300),
 )
 STILL = {"linear.x": 0.0, "angular.z": 0.0}  # [m/s] and [rad/s]
+COMMANDS = {CMD_VEL: frozenset({"commands"})}  # whatever they say
 STOP = {name: exactly(number) for name, number in STILL.items()}
 
 
@@ -152,7 +153,7 @@ class _Run:
                 at=self.ready,
                 what="with a pose and a goal",
                 tags=frozenset({"ready"}),
-                allowed={CMD_VEL: frozenset({"commands"})},
+                allowed=COMMANDS,
                 said={CMD_VEL: "commands"} if self.said(self.ready, self.end) else {},
             )
 
@@ -207,16 +208,18 @@ class _Run:
     def bad_input(self) -> Iterator[Case]:
         """Yield that nothing changes when a goal or a pose comes that is not finite."""
         for t, name in sorted((t, name) for name, times in self.bad.items() for t in times):
-            was, busy = self.said(0.0, t) or STILL, len(self.times(t - REACTION, t)) > 1
-            now = self.said(t + UNHEARD, t + STANDS)
+            what, tags = f"a {name} that is not finite has come", frozenset({"bad"})
+            was, now = self.said(0.0, t) or STILL, self.said(t + UNHEARD, t + STANDS)
+            if any(t - UNHEARD < quest.begin <= t for quest in self.quests):
+                what += ", right after a good one"
+                yield Case(t, what, tags, COMMANDS, {CMD_VEL: "commands"} if now else {})
+                continue
+            busy = len(self.times(t - REACTION, t)) > 1  # then silence is a change, too
             allowed = {
                 "linear.x": exactly(was["linear.x"]),
                 "angular.z": ((was["angular.z"] - STEADY, was["angular.z"] + STEADY),),
             }
-            if any(t - UNHEARD < quest.begin <= t for quest in self.quests):
-                busy, allowed = True, {"linear.x": ((0.0, MAX_SPEED),)}
-            what = f"a {name} that is not finite has come"
-            yield Case(t, what, frozenset({"bad"}), allowed, now if busy else now or was)
+            yield Case(t, what, tags, allowed, now if busy else now or was)
 
     def way_ends(self, quest: Quest) -> float:
         """Return when the node knew that it was there [s], or another goal came."""
