@@ -42,7 +42,7 @@ QUICK = {  # checks that do to show it; all of them take long
     ),
     "goal_seeking": (
         *("silent_until_ready", "control_rate", "turns_short_way", "speed_law", "limits"),
-        *("near_goal", "bad_input"),
+        *("near_goal", "bad_input", "warns"),
     ),
 }
 

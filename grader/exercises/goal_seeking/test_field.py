@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from grader.checks.old_field import FieldSuite
-from grader.exercises.goal_seeking.contract import quests, ready_at
-from grader.exercises.goal_seeking.evidence import (
-    require_one_stop,
-    require_rate,
-    require_silence,
-)
-from grader.exercises.goal_seeking.reaching import require_reached
-from grader.exercises.goal_seeking.turning import require_turns_toward
-from grader.recording import Recording
+from grader.checks.case import Runs
+from grader.checks.field import FieldSuite
+from grader.checks.words import follows
+from grader.exercises.goal_seeking.test_core import SPEED_TOLERANCE
+from grader.exercises.goal_seeking.ways import goals_of, keeps_time, reaches
 
 
-def _require_contract(recording: Recording, help: str) -> None:
-    """Fail unless the whole contract holds in this scenario; its verdicts need no further help."""
-    require_silence(
-        recording, 0.0, ready_at(recording), "before the node had both a pose and a goal"
-    )
-    for quest in quests(recording):
-        require_reached(recording, quest)
-        require_turns_toward(recording, quest)
-        require_rate(recording, quest)
-        require_one_stop(recording, quest)
+def _keeps_the_contract(runs: Runs, help: str) -> None:
+    """Fail unless the whole contract holds in these scenarios."""
+    for recording in runs:
+        for quest in goals_of(recording):
+            reaches(recording, quest)
+        keeps_time(recording)
+    follows(runs, help=help, tolerance=SPEED_TOLERANCE)
 
 
-field = FieldSuite("goal_seeking", _require_contract)
+field = FieldSuite(_keeps_the_contract)
 
 test_field_best_effort = field.best_effort("goal_field_best_effort", sensor="an odometry")
 test_field_lost_odometry = field.check(

@@ -1,0 +1,127 @@
+"""The way to a goal: does the robot get there, in step and by a short path, and say so?"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from grader.checks.verdict import fail
+from grader.checks.wiring import require_alive
+from grader.checks.words import every, logs
+from grader.exercises.goal_seeking.contract import (
+    PERIOD,
+    TOLERANCE,
+    Pose,
+    Quest,
+    bad_input,
+    quests,
+    seeking,
+)
+from grader.recording import Recording
+from sim.messages import CMD_VEL_TOPIC
+
+LATE = 0.01  # [m] that a robot goes on: the pose it knows is up to an odometry message old
+RATE_TOLERANCE = 0.005  # [s] around the period
+AT_ONCE = 0.3  # [s] in which the node warns of what it ignores
+LOUD = ("warn", "error", "fatal")
+FACING = 0.3  # [rad] from the goal
+STOPS_SHORT = (
+    "It looks at the goal and stands: is the distance math.hypot(dx, dy), and does it arrive only "
+    "within 0.5 m?"
+)
+FACES_AND_DRIVES = (
+    "It turns until it faces the goal, and keeps driving: the heading error is the bearing to the "
+    "goal minus the robot's yaw. Watch the replay."
+)
+
+
+def goals_of(recording: Recording) -> list[Quest]:
+    """Return the goals of a node that lived to the end."""
+    require_alive(recording)
+    return quests(recording)
+
+
+def reaches(recording: Recording, quest: Quest, within: float = math.inf) -> None:
+    """Fail unless the robot drives to a goal in this time [s], before it is carried anywhere."""
+    truth = recording.truth
+    t = truth.t / 1e9
+    carried = [event.at for event in recording.scenario.script if event.teleport is not None]
+    ends = (quest.end, quest.begin + within, *carried)
+    end = min(end for end in ends if end > quest.begin)
+    during = np.flatnonzero((t >= quest.begin) & (t < end))
+    distance = np.hypot(truth.x - quest.x, truth.y - quest.y)[during]
+    if (distance <= TOLERANCE + LATE).any():
+        return
+    x, y, yaw, v = (float(of[during[-1]]) for of in (truth.x, truth.y, truth.yaw, truth.v))
+    off = abs(quest.heading_error(Pose(end, x, y, yaw)))
+    older = [q for q in quests(recording) if q.begin < quest.begin]
+    there = next((q for q in older if math.hypot(q.x - x, q.y - y) <= TOLERANCE + 0.1), None)
+    fail(
+        f"the robot did not reach {quest.what}",
+        expected=f"within {TOLERANCE} m after at most {end - quest.begin:.0f} s",
+        actual=f"{distance.min():.2f} m at the nearest, {distance[-1]:.2f} m at the end, where "
+        f"it looks {off:.1f} rad away from the goal",
+        at=float(t[during][int(np.argmin(distance))]),
+        recording=recording,
+        help=f"It is at {there.what}, an older one: a new goal replaces it at any time."
+        if there
+        else STOPS_SHORT
+        if off < FACING and abs(v) < 1e-3
+        else FACES_AND_DRIVES,
+    )
+
+
+def keeps_time(recording: Recording) -> None:
+    """Fail unless the commands on the way to a goal, or to another, come every 0.1 s."""
+    help = "Publish once in each tick of one 0.1 s timer, on the way to a goal, and nowhere else."
+    times = recording.times(CMD_VEL_TOPIC)
+    for span in seeking(recording):
+        said = times[(times >= span[0]) & (times < span[1])]
+        if len(said):
+            begin, end = float(said[0]), float(said[-1])
+            every(recording, CMD_VEL_TOPIC, PERIOD, RATE_TOLERANCE, begin=begin, end=end, help=help)
+
+
+def announces(recording: Recording, quest: Quest) -> None:
+    """Fail unless the log says that a goal is reached, while it is the newest one."""
+    logs(
+        recording,
+        ("info", *LOUD),
+        what=f"{quest.what} is reached",
+        begin=quest.begin,
+        end=quest.end + recording.slack,
+        pattern="[Gg]oal [Rr]eached",
+        help='self.get_logger().info("Goal reached!"), together with the zero Twist.',
+    )
+
+
+def warns(recording: Recording) -> None:
+    """Fail unless the node warned of a goal that is not finite, and of a pose."""
+    require_alive(recording)
+    loud = [line.t for line in recording.log if line.level in LOUD]
+    for what, times in bad_input(recording).items():
+        waited = AT_ONCE + recording.slack
+        if not any(time <= t <= time + waited for time in times for t in loud):
+            fail(
+                f"the log has no warning of a {what} that is not finite",
+                expected="a warning when it is ignored",
+                actual="none",
+                at=times[0],
+                recording=recording,
+                help="self.get_logger().warning(…): whoever sent it has to hear of it.",
+            )
+
+
+def path_ratio(recording: Recording, quest: Quest) -> float:
+    """Return shortest path / path driven to the goal's circle, 0 if it was not reached."""
+    truth = recording.truth
+    during = (truth.t / 1e9 >= quest.begin) & (truth.t / 1e9 <= quest.end)
+    x, y = truth.x[during], truth.y[during]
+    distance = np.hypot(x - quest.x, y - quest.y)
+    near = np.flatnonzero(distance <= TOLERANCE + LATE)
+    if not len(near):
+        return 0.0
+    steps = np.hypot(np.diff(x), np.diff(y))[: near[0]]
+    shortest = float(distance[0] - distance[near[0]])
+    return shortest / max(shortest, float(steps.sum()))
