@@ -40,6 +40,7 @@ lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the s
 	$(BIN)/lint-imports
 	$(BIN)/towncrier build --draft --version next
 	$(BIN)/python -m grader.course.skeletons --check
+	$(BIN)/python -m grader.authoring.tables --check
 	$(BIN)/python -m grader.authoring.pitfalls --check
 	$(BIN)/python lessons/figures.py --check
 	$(BIN)/python -m grader.notebook.build --check
@@ -93,6 +94,7 @@ students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (u
 
 skeletons: $(VENV)/.dev ## make the skeletons, figures and notebooks anew
 	$(BIN)/python -m grader.course.skeletons
+	$(BIN)/python -m grader.authoring.tables
 	$(BIN)/python -m grader.authoring.pitfalls --made
 	$(BIN)/python lessons/figures.py
 	$(BIN)/python -m grader.notebook.build

@@ -50,7 +50,7 @@ def speed_cases(recording: Recording, model: Model | None) -> list[Case]:
         if kept and said and not np.isnan(possible_features(answer.scan)).any():
             asked = questions(recording, PREDICT, answer.scan.t, end)
             allowed = {SPEED: _answered(asked, right, limit), PREDICT: frozenset({CALLED})}
-            said[PREDICT] = CALLED if asked else f"not {CALLED}"
+            said[PREDICT] = _asked(asked, right, limit)
         what = scan_in_words(recording, answer)
         tags = frozenset(answer.tags)
         cases.append(Case(answer.scan.t, what, tags, allowed, said, answer.count))
@@ -68,9 +68,21 @@ def _answered(
     asked: Sequence[Inference], right: SpeedInterval, limit: float
 ) -> tuple[Interval, ...]:
     """Return those of the right speeds that the model said; all of them if it said none."""
-    finite = [s for question in asked for s in question.said if math.isfinite(s)]
-    clipped = [min(max(s, 0.0), limit) for s in finite]
-    speeds = [s for s in clipped if right.allows(s, TOLERANCE)]
+    speeds = [s for s in _clipped(asked, limit) if right.allows(s, TOLERANCE)]
     if asked and right.allows(0.0, ZERO):
         speeds.append(0.0)
     return exactly(*sorted(set(speeds))) or ((right.low, right.high),)
+
+
+def _asked(asked: Sequence[Inference], right: SpeedInterval, limit: float) -> str:
+    """Return what the model was asked: the right speed may have been computed without it."""
+    said = _clipped(asked, limit)
+    if not asked:
+        return f"not {CALLED}"
+    known = right.allows(0.0, ZERO) or any(right.allows(s, TOLERANCE) for s in said)
+    return CALLED if known or not said else f"{CALLED} with other features"
+
+
+def _clipped(asked: Sequence[Inference], limit: float) -> list[float]:
+    finite = (s for question in asked for s in question.said if math.isfinite(s))
+    return [min(max(s, 0.0), limit) for s in finite]

@@ -311,7 +311,7 @@ def drives_on(
                 help=help or "Decide again at each scan, and publish every time.",
             )
     if not count:
-        raise LookupError(f"the way was never free for {patience} s in {recording.name}")
+        fail("the way was never free for long enough to judge", recording=recording)
 
 
 def logs(

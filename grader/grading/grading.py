@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import importlib.metadata
 import os
 import platform
@@ -15,13 +14,13 @@ from typing import Any
 
 import msgspec
 
-from grader.checks.case import Oracle
 from grader.course.exercises import Exercise
 from grader.course.installed import COURSE
 from grader.course.score import Score, score_of
 from grader.course.students import Seed, public_seed
 from grader.course.submission import Submission
 from grader.errors import DiskFull, GraderError, is_disk_full
+from grader.exercises import oracle_of
 from grader.grading.causes import Cause, find_cause
 from grader.grading.plugin import (
     ERROR,
@@ -180,7 +179,7 @@ def grade(
         suspect=suspect,
         exercise=exercise.slug,
         essential=exercise.essential.checks if exercise.essential else (),
-        oracle=_oracle_of(exercise),
+        oracle=oracle_of(exercise),
     )
     with _undisturbed():
         code = pytest.main(_arguments(exercise), plugins=[plugin])
@@ -209,15 +208,6 @@ def grade(
         trial_notes=tuple(trials.notes()),
         cause=cause,
     )
-
-
-def _oracle_of(exercise: Exercise) -> Oracle:
-    """Return the exercise's `cases`; one without says nothing of any occasion."""
-    contract = exercise.judge / "contract.py"
-    if not contract.is_file():
-        return lambda recording: ()
-    module = importlib.import_module(f"grader.exercises.{exercise.slug}.contract")
-    return getattr(module, "cases", lambda recording: ())
 
 
 def _cause(

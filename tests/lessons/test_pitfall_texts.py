@@ -140,7 +140,7 @@ def test_the_commands_name_checks_nodes_and_scenarios_that_exist() -> None:
             scenario_for(scenario[1])
         for check in re.findall(r"--only (\w+)", line):
             slug = find_exercise(line.split()[2]).slug
-            checks = (ROOT / "grader" / "checks" / slug).glob("test_*.py")
+            checks = (ROOT / "grader" / "exercises" / slug).glob("test_*.py")
             assert any(f"def test_{check}(" in file.read_text("utf-8") for file in checks)
 
 

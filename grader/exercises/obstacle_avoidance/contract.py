@@ -15,6 +15,7 @@ STOP_DISTANCE = 0.5  # [m] nearer than this: stop
 SLOW_DISTANCE = 1.0  # [m] nearer than this: slow
 FULL_SPEED = 0.5  # [m/s]
 SLOW_SPEED = 0.15  # [m/s]
+CLEARANCE = 0.2  # [m] between the robot's edge and anything else
 SPEEDS = (0.0, SLOW_SPEED, FULL_SPEED)  # [m/s]
 EDGE = 1.0  # [°] beams this near to the sector's edge may or may not count
 

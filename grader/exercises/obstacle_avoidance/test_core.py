@@ -14,7 +14,7 @@ from grader.checks.words import (
     only_linear_x,
     wired,
 )
-from grader.exercises.obstacle_avoidance.contract import SPEEDS, is_free
+from grader.exercises.obstacle_avoidance.contract import CLEARANCE, SPEEDS, is_free
 
 HUNDRED = "avoid_hundred"
 LONG = "avoid_long"  # and sixteen seconds without a scan
@@ -147,7 +147,9 @@ def test_blind(runs: Runs) -> None:
 )
 def test_no_contact(runs: Runs) -> None:
     """In six worlds the robot touches nothing and keeps a clearance of 0.2 m."""
-    keeps_distance(runs, help="It must stop as soon as the nearest reading ahead is below 0.5 m.")
+    keeps_distance(
+        runs, CLEARANCE, help="It must stop as soon as the nearest reading ahead is below 0.5 m."
+    )
 
 
 @check(points=5, asks=STATE, scenarios=(HUNDRED, LONG, *DRIVES), needs=("wiring",), hint="3.1")

@@ -5,8 +5,8 @@ that fits is given, and none where there is no evidence:
 
 1. `ends`: the node died, hung, never spun, or is not wired. That explains itself.
 2. `commands`: there are none, or they are garbage, backwards, in a wrong field, too seldom.
-3. `perception`: which beams the node reacts to, from its answers to the scans it was sent.
-4. `habits`: bursts of commands, late ones, everything stale, a memory that never fills.
+3. `exercise`: what the exercise's own `causes.py` sees, such as the beams that a node reacts to.
+4. `rhythm`: bursts of commands, early and late ones, two for each scan.
 5. `own_words`: an error of Python's that the node logs again and again.
 6. `commands` again: the node only ever stands, and its log or its model shows more.
 

@@ -21,7 +21,7 @@ EXERCISE = find_exercise("obstacle_avoidance")
 @pytest.fixture(scope="module")
 def check(pytestconfig: pytest.Config) -> Callable[[tuple[Recording, ...]], None]:
     pytestconfig.addinivalue_line("markers", "check: a check of the grader")
-    name = f"grader.checks.{EXERCISE.slug}.test_core"
+    name = f"grader.exercises.{EXERCISE.slug}.test_core"
     return importlib.import_module(name).test_callback_time  # type: ignore[no-any-return]
 
 

@@ -18,9 +18,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from spoilt_recordings import WAYS, ended
 
+from grader.checks.case import Runs
 from grader.checks.verdict import CheckFailed, Inconclusive
 from grader.course.exercises import Exercise, all_exercises
 from grader.course.submission import find_submission
+from grader.exercises import oracle_of
 from grader.link.hosts import ForkServer
 from grader.link.pool import ForkServerPool
 from grader.recording import Outcome, Recording
@@ -36,7 +38,7 @@ QUICK = ("obstacle_avoidance",)  # in `make test`
 def core_checks(exercise: Exercise) -> Iterator[Callable[..., None]]:
     """Return the functions of an exercise's core checks."""
     for file in sorted(exercise.judge.glob("test_*.py")):
-        module = importlib.import_module(f"grader.checks.{exercise.slug}.{file.stem}")
+        module = importlib.import_module(f"grader.exercises.{exercise.slug}.{file.stem}")
         for name, check in vars(module).items():
             if name.startswith("test_") and not mark(check).get("field"):
                 yield check
@@ -62,10 +64,10 @@ def recordings_of(
         return {name: trials.get(name) for name in names}
 
 
-def verdict(check: Callable[..., None], recordings: list[Recording]) -> str:
+def verdict(check: Callable[..., None], exercise: Exercise, recordings: list[Recording]) -> str:
     """Return what a student reads; empty for a pass. Any other exception breaks the check."""
     try:
-        check(tuple(recordings))
+        check(Runs(recordings, oracle_of(exercise), exercise.slug))
     except CheckFailed as failed:
         said = [failed.message, failed.expected, failed.actual, failed.help]
         assert all(isinstance(text, str) for text in said), said
@@ -91,7 +93,7 @@ def test_no_message_breaks_a_check(
         for check in checks:
             names = mark(check)["scenarios"]
             if not of or of in names:
-                verdict(check, [recordings[name] for name in names])
+                verdict(check, exercise, [recordings[name] for name in names])
 
     for name, at in product(recorded, DEATHS):
         dead = ended(recorded[name], Outcome("died", "killed by signal 9", at, ""))

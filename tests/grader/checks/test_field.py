@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 from node_runs import RunNode, short
 
-from grader.checks.old_field import BY_ANGLE, FieldSuite
+from grader.checks.case import Runs
+from grader.checks.field import BY_ANGLE, FieldSuite
 from grader.checks.verdict import CheckFailed, fail
 from grader.course.exercises import all_exercises
 from grader.recording import Recording
@@ -15,18 +16,13 @@ from sim.scenario_files import load_scenario
 EXERCISES = [exercise.slug for exercise in all_exercises()]
 
 
-@pytest.fixture(autouse=True)
-def _marker(pytestconfig: pytest.Config) -> None:
-    pytestconfig.addinivalue_line("markers", "check: a check of the grader")
-
-
 def mark(check: Any) -> dict[str, Any]:
     (found,) = check.pytestmark
     return dict(found.kwargs)
 
 
 def test_a_check_says_what_it_is() -> None:
-    field = FieldSuite("obstacle_avoidance", lambda recording, help: None, needs=("server_wiring",))
+    field = FieldSuite(lambda runs, help: None, needs=("server_wiring",))
     check = field.lds01("one", "two", requires=("onnx",))
 
     assert check.__doc__ == (
@@ -34,6 +30,10 @@ def test_a_check_says_what_it_is() -> None:
     )
     assert mark(check) == {
         "field": True,
+        "asks": "decision",
+        "points": 0,
+        "task": 0,
+        "hint": "",
         "scenarios": ("one", "two"),
         "needs": ("server_wiring",),
         "requires": ("onnx",),
@@ -46,32 +46,35 @@ def test_a_check_says_what_it_is() -> None:
 def test_each_recording_has_to_keep_the_contract(run_node: RunNode) -> None:
     judged: list[tuple[Recording, str]] = []
 
-    def contract(recording: Recording, help: str) -> None:
-        judged.append((recording, help))
+    def contract(runs: Runs, help: str) -> None:
+        judged.append((runs[0], help))
         if len(judged) == 2:
             fail("no", help=help)
 
-    check = FieldSuite("obstacle_avoidance", contract).wide_lidar("one", "two")
+    check = FieldSuite(contract).wide_lidar("one", "two")
     recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(0.5))
-    check((recording,))
+    runs = Runs([recording], lambda recording: (), "obstacle_avoidance")
+    check(runs)
     with pytest.raises(CheckFailed) as caught:
-        check((recording,))
+        check(runs)
     assert judged == [(recording, BY_ANGLE)] * 2
     assert caught.value.help == BY_ANGLE
 
 
 def test_a_node_that_is_not_wired_fails_before_its_contract(run_node: RunNode) -> None:
-    def contract(recording: Recording, help: str) -> None:
+    def contract(runs: Runs, help: str) -> None:
         raise AssertionError("not reached")
 
     deaf = run_node("rclpy.init(); rclpy.spin(Node('deaf'))", short(0.5))
     with pytest.raises(CheckFailed, match="there is no"):
-        FieldSuite("obstacle_avoidance", contract).speckle("one")((deaf,))
+        FieldSuite(contract).speckle("one")(
+            Runs([deaf], lambda recording: (), "obstacle_avoidance")
+        )
 
 
 @pytest.mark.parametrize("slug", EXERCISES)
 def test_every_exercise_hears_best_effort_and_stands_two_more_surprises(slug: str) -> None:
-    module = importlib.import_module(f"grader.checks.{slug}.test_field")
+    module = importlib.import_module(f"grader.exercises.{slug}.test_field")
     checks = {name: check for name, check in vars(module).items() if name.startswith("test_")}
 
     assert "test_field_best_effort" in checks

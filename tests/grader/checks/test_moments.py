@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from node_runs import PREAMBLE, RunNode, short
 
-from grader.authoring.mutants import find_mutant
 from grader.checks.moments import came_to_rest, first_asked, first_contact
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import Submission
@@ -24,7 +23,8 @@ WITHOUT = {
     ("wiring.py", "_fail_missing"),
     ("wiring.py", "_fail_type"),
     ("model_server/clients.py", "require_own_topics"),
-    ("obstacle_avoidance/test_core.py", "test_callback_time"),
+    ("callbacks.py", "quick"),
+    ("words.py", "logs"),
 }
 TRAINING = "ml_velocity/test_training.py"
 ALWAYS = """
@@ -51,48 +51,15 @@ def failure(grading: Grading, name: str) -> CheckResult:
     return check
 
 
-def test_a_node_that_always_says_the_same_is_shown_where_something_else_is_asked_for(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
-    grading = graded(forkserver, tmp_path, ALWAYS.format(speed=0.5), "no_contact")
-
-    check = failure(grading, "no_contact")
-    assert check.message == "the command is the same whatever the node sees"
-    (recording,) = (run for run in grading.recordings if run.name == check.scenario)
-    first = next(scan.t for scan in recording.scans() if 0.5 not in right_speeds(scan))
-    assert check.time == first > 1.0
-    contact = first_contact(recording)
-    assert contact is not None
-    assert first < contact
-
-
 def test_a_node_that_always_stands_is_shown_where_it_should_drive(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
     grading = graded(forkserver, tmp_path, ALWAYS.format(speed=0.0), "stop_zone")
 
     check = failure(grading, "stop_zone")
-    assert check.actual == "always 0.00 m/s"
+    assert check.message == "the node says the same whatever it sees"
     (recording,) = (run for run in grading.recordings if run.name == check.scenario)
     assert check.time == next(s.t for s in recording.scans() if 0.0 not in right_speeds(s))
-
-
-def test_a_blind_creeper_is_shown_where_it_should_stand(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
-    """The mutant touches nothing, but not because of what it sees."""
-    exercise = find_exercise("obstacle_avoidance")
-    file = tmp_path / exercise.files[0]
-    file.write_text(find_mutant(exercise, "stutters_blindly").text, "utf-8")
-    grading = grade_submission(
-        exercise, Submission(file), forkserver, file=file.name, only=["no_contact"]
-    )
-
-    check = failure(grading, "no_contact")
-    assert "not because of what it saw" in check.message
-    (recording,) = (run for run in grading.recordings if run.name == check.scenario)
-    (scan,) = (scan for scan in recording.scans() if scan.t == check.time)
-    assert right_speeds(scan) in ({0.0}, {0.5})
 
 
 def test_where_a_robot_comes_to_rest(run_node: RunNode) -> None:

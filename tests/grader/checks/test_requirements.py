@@ -27,7 +27,7 @@ def test_checks_require_what_their_scenarios_need(
     pytestconfig.addinivalue_line("markers", "check: of the judge's own pytest")
     found = 0
     for path in sorted(exercise.judge.glob("test_*.py")):
-        module = importlib.import_module(f"grader.checks.{exercise.slug}.{path.stem}")
+        module = importlib.import_module(f"grader.exercises.{exercise.slug}.{path.stem}")
         for name, check in vars(module).items():
             for mark in getattr(check, "pytestmark", []):
                 if not name.startswith("test_") or mark.name != "check":

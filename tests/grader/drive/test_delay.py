@@ -101,7 +101,8 @@ def test_exercises_that_do_not_drive_are_refused():
 
 
 def test_a_node_that_dies_survives_nothing(monkeypatch):
-    monkeypatch.setitem(delays.__globals__["WORLDS"], 1, ("avoid_wall",))
+    contract = replace(contract_of(FIRST), delayed_in=("avoid_wall",))
+    monkeypatch.setitem(delays.__globals__, "driving_contract_of", lambda exercise: contract)
     died = Outcome("exception", "KeyError: 'x'", 1.0)
     result = delays(FIRST, lambda scenario: drive_by(careful, scenario, died), steps=FEW)
     assert result.survived == Survived(-1, -1)

@@ -48,6 +48,7 @@ class Check:
     kind: str = "core"
     help: str = ""
     where: str = ""
+    hint: str = ""
 
 
 FAILED = [Check(), Check("slow_zone")]
