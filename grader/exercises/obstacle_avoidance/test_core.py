@@ -147,9 +147,8 @@ def test_blind(runs: Runs) -> None:
 )
 def test_no_contact(runs: Runs) -> None:
     """In six worlds the robot touches nothing and keeps a clearance of 0.2 m."""
-    keeps_distance(
-        runs, CLEARANCE, help="It must stop as soon as the nearest reading ahead is below 0.5 m."
-    )
+    help = "It must stop as soon as the nearest reading ahead is below 0.5 m."
+    keeps_distance(runs, CLEARANCE, help)
 
 
 @check(points=5, asks=STATE, scenarios=(HUNDRED, LONG, *DRIVES), needs=("wiring",), hint="3.1")
