@@ -7,13 +7,12 @@ features    what the model was asked about
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
+import msgspec
 import numpy as np
 
 from grader.checks.case import Case, Runs
@@ -48,6 +47,14 @@ FEATURES = "front min, mean, std, left min, right min"
 QUESTION, FAILS, UNASKED = "question to the model", "one that fails", "none"
 
 
+class Detection(msgspec.Struct, frozen=True):
+    """What the message of an answer with success has to hold."""
+
+    label: str
+    confidence: float
+    stamp: float  # [s]
+
+
 @dataclass(frozen=True, eq=False)
 class Ask:
     """A request of the grader's client to the student's server."""
@@ -73,13 +80,11 @@ class Ask:
     def what(self) -> str:
         """The request in words, and why only a refusal is right."""
         bench, scan = self.recording.scenario.bench_scans, self.scan
-        if scan is None:
-            words = f"asked at {self.at:.2f} s, before the first scan"
-        elif bench:
-            words = f"asked about “{bench[self.newest].label}”"
-        else:
-            words = f"asked at {self.at:.2f} s, {self.at - scan.stamp:.2f} s after the newest scan"
-        return f"{words} ({self.reason})" if self.reason else words
+        words = f"asked at {self.at:.2f} s"
+        if scan is not None:
+            words += f", {self.at - scan.stamp:.2f} s after the newest scan"
+            words = f"asked about “{bench[self.newest].label}”" if bench else words
+        return f"{words}: {self.reason}" if self.reason else words
 
     @cached_property
     def reason(self) -> str:
@@ -119,10 +124,8 @@ class Ask:
         """Return whether the answer is about that scan, or a refusal that it allows."""
         if self.said is None or not self.said.success:
             return REFUSES in self.right
-        said = parsed(self.said.message)
-        if isinstance(said, str) or self.scan is None:
-            return False
-        return spell_number(said["stamp"], [self.stamp]) == f"{self.stamp:.3f}"
+        said = read(self.said.message)
+        return isinstance(said, Detection) and abs(said.stamp - self.stamp) <= TOLERANCE
 
 
 def asks(recording: Recording) -> Iterator[Ask]:
@@ -203,14 +206,14 @@ def _detection(ask: Ask) -> Case:
         "stamp": frozenset({f"{ask.stamp:.3f}"}),
     }
     text = ask.said.message if ask.said else ""
-    said = parsed(text)
+    said = read(text)
     if isinstance(said, str):
         return Case(ask.at, ask.what, frozenset({"detection"}), allowed, {"message": said})
     spelled = {
         "message": FORM,
-        "label": spell_label(said["label"], words),
-        "confidence": spell_number(said["confidence"], sure),
-        "stamp": spell_number(said["stamp"], [ask.stamp]),
+        "label": next((w for w in words if _is_same(said.label, w)), repr(said.label)[:QUOTED]),
+        "confidence": _spell(said.confidence, sure),
+        "stamp": _spell(said.stamp, [ask.stamp]),
         "text": text[:QUOTED],
     }
     return Case(ask.at, ask.what, frozenset({"detection"}), allowed, spelled)
@@ -262,24 +265,14 @@ def _five(label: str) -> np.ndarray | None:
     return numbers if len(numbers) == 5 and np.isfinite(numbers).all() else None
 
 
-def parsed(message: str) -> dict[str, Any] | str:
-    """Return the detection in a message, whatever its values are; what is wrong, if it has none."""
-    if len(message) > LONGEST:  # many checks read it, and millions of brackets take long
-        return f"{len(message):,} characters, more than {LONGEST:,}"
+def read(message: str) -> Detection | str:
+    """Return the detection in a message; what is wrong, if it is none."""
+    if len(message) > LONGEST:  # several checks read it
+        return f"{len(message):,} characters"
     try:
-        said = json.loads(message)
+        return msgspec.json.decode(message, type=Detection)
     except (ValueError, RecursionError) as error:  # thousands of nested brackets, for example
-        return f"no JSON: {error}"[:QUOTED]
-    if not isinstance(said, dict) or not {"label", "confidence", "stamp"} <= said.keys():
-        return "other JSON"
-    return said
-
-
-def spell_label(value: object, words: list[str]) -> str:
-    """Return the word that a label is; itself, if none."""
-    if not isinstance(value, str):
-        return f"{_brief(value)}, no string"
-    return next((word for word in words if _is_same(value, word)), _brief(value))
+        return f"none: {error}"
 
 
 def _is_same(label: str, word: str) -> bool:
@@ -290,17 +283,6 @@ def _is_same(label: str, word: str) -> bool:
         return False
 
 
-def spell_number(value: object, right: list[float]) -> str:
-    """Return a number from JSON with three digits: of the right one that it is near, if any."""
-    if isinstance(value, bool) or not isinstance(value, float | int):
-        return _brief(value)
-    try:
-        number = float(value)
-    except OverflowError:  # 1 with 400 zeros is an int, and no float
-        return "a huge number"
+def _spell(number: float, right: list[float]) -> str:
+    """Return a number with three digits: the right one that it is near, if any."""
     return f"{next((each for each in right if abs(number - each) <= TOLERANCE), number):.3f}"
-
-
-def _brief(value: object) -> str:
-    """Return a value from JSON in brief; lists and objects may be nested a thousand deep."""
-    return f"a {type(value).__name__}" if isinstance(value, list | dict) else repr(value)[:80]

@@ -23,7 +23,6 @@ WITHOUT = {
     ("wiring.py", "_require_end"),
     ("wiring.py", "_fail_missing"),
     ("wiring.py", "_fail_type"),
-    ("model_server/clients.py", "require_own_topics"),
     ("obstacle_avoidance/test_core.py", "test_callback_time"),
 }
 TRAINING = "ml_velocity/test_training.py"
