@@ -80,8 +80,8 @@ def requests(recording: Recording) -> list[Request]:
         if isinstance(note, Asked):
             found[key] = Request(at, note.kind)
         elif key in found:
-            said = {"success": note.success, "message": note.message}
-            found[key] = replace(found[key], answered=at, **said)
+            asked = found[key]
+            found[key] = Request(asked.at, asked.kind, at, note.success, note.message)
         elif recording.live is None:  # in real time clients also ask before the recording begins
             fail_forged(recording, SERVED, at)
     return list(found.values())

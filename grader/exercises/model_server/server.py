@@ -41,7 +41,7 @@ LONGEST = 10_000  # characters of a message; a detection has about a hundred
 QUOTED = 200  # characters of what a server said
 SERVER, MODEL = "detection_server.py", "detection_model.pkl"
 NO_MODEL = ("garbage", "foreign", "empty")  # probes that no server can load
-DETECTS, REFUSES, SILENT = "true", "false", "no answer"  # what success may be
+DETECTS, REFUSES = "true", "false"  # what success may be
 FORM = "a JSON object with label, confidence and stamp"
 FEATURES = "front min, mean, std, left min, right min"
 QUESTION, FAILS, UNASKED = "question to the model", "one that fails", "none"
@@ -104,9 +104,9 @@ class Ask:
         """Which values of success are right."""
         if self.reason or self.scan is None:
             return frozenset({REFUSES})
-        either = np.isnan(possible_features(self.scan)).any()
-        either = either or self.at - self.scan.stamp > MAX_SCAN_AGE - NEAR
-        return frozenset({DETECTS, REFUSES} if either else {DETECTS})
+        nearly_blind = bool(np.isnan(possible_features(self.scan)).any())
+        nearly_old = self.at - self.scan.stamp > MAX_SCAN_AGE - NEAR
+        return frozenset({DETECTS, REFUSES} if nearly_blind or nearly_old else {DETECTS})
 
     @property
     def stamp(self) -> float:
@@ -182,13 +182,11 @@ def cases(recording: Recording) -> Iterator[Case]:
 
 def _success(ask: Ask) -> Case:
     text = ask.said.message[:QUOTED] if ask.said else ""
-    success = str(ask.said.success).lower() if ask.said else SILENT
+    success = str(ask.said.success).lower() if ask.said else "no answer"
     allowed, said = {"success": ask.right}, {"success": success, "text": text}
     if success == REFUSES:
-        allowed["message"], said["message"] = (
-            frozenset({"a reason"}),
-            "a reason" * bool(text.strip()),
-        )
+        allowed["message"] = frozenset({"a reason"})
+        said["message"] = "a reason" if text.strip() else ""
     if ask.fails:
         asked = ask.questions("predict", "predict_proba")
         failed = any(i.failed or not all(map(math.isfinite, i.said)) for i in asked)

@@ -67,7 +67,7 @@ def test_old_scan(runs: Runs) -> None:
 @check(points=5, asks=SAFETY, task=4, scenarios=(BLIND,), needs=NEEDS, hint="4.1")
 def test_blind_sector(runs: Runs) -> None:
     """It refuses when a sector of the newest scan has no usable reading, and lives on."""
-    help = "Only the newest scan counts, even if an older one has more to tell."
+    help = "Only the newest scan counts, even if an older one shows more."
     keeps(runs, "success", help=help)
 
 

@@ -36,7 +36,7 @@ def noted(monkeypatch: pytest.MonkeyPatch, *found: tuple[float, Asked | Answered
 def test_a_request_from_before_the_beginning_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     noted(
         monkeypatch,
-        (0.1, Answered(0, success=True, message="early", life=7)),  # nobody noted that it was asked
+        (0.1, Answered(0, success=True, message="early", life=7)),  # its request was not noted
         (0.2, Asked(1, life=7)),
         (0.3, Asked(0, life=9)),  # another server, which counts anew
         (0.4, Answered(0, success=True, message="new", life=9)),
