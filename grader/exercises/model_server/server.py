@@ -1,6 +1,7 @@
 """What the student's server has to answer: occasions for each request of the grader's client.
 
-success     it detects or refuses as it has to; a refusal has a reason
+success     it detects or refuses as it has to
+reason      a refusal says why
 detection   the message is a detection: label, confidence and stamp of the newest scan
 features    what the model was asked about
 """
@@ -175,6 +176,8 @@ def cases(recording: Recording) -> Iterator[Case]:
     """Yield the occasions of each request."""
     for ask in asks(recording):
         yield _success(ask)
+        if ask.right == {REFUSES}:
+            yield _reason(ask)
         if ask.right == {DETECTS}:
             yield _detection(ask)
             yield _features(ask)
@@ -184,14 +187,17 @@ def _success(ask: Ask) -> Case:
     text = ask.said.message[:QUOTED] if ask.said else ""
     success = str(ask.said.success).lower() if ask.said else "no answer"
     allowed, said = {"success": ask.right}, {"success": success, "text": text}
-    if success == REFUSES:
-        allowed["message"] = frozenset({"a reason"})
-        said["message"] = "a reason" if text.strip() else ""
     if ask.fails:
         asked = ask.questions("predict", "predict_proba")
         failed = any(i.failed or not all(map(math.isfinite, i.said)) for i in asked)
         allowed[QUESTION], said[QUESTION] = frozenset({FAILS}), FAILS if failed else UNASKED
     return Case(ask.at, ask.what, frozenset({"success"}), allowed, said)
+
+
+def _reason(ask: Ask) -> Case:
+    given = ask.said is not None and ask.said.message.strip()
+    allowed, said = {"message": frozenset({"a reason"})}, {"message": "a reason" if given else ""}
+    return Case(ask.at, ask.what, frozenset({"reason"}), allowed, said)
 
 
 def _detection(ask: Ask) -> Case:

@@ -54,7 +54,8 @@ def test_features(runs: Runs) -> None:
 @check(points=5, asks=DECISION, task=4, scenarios=(EARLY,), needs=NEEDS, hint="4.1")
 def test_no_scan(runs: Runs) -> None:
     """Before the first scan it refuses, and says why."""
-    keeps(runs, "success", help="Keep the scan in an attribute that is None at first.")
+    help = "Keep the scan in an attribute that is None at first; without one, message says so."
+    keeps(runs, "success", "reason", help=help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=(LATE,), needs=NEEDS, hint="3.3")
