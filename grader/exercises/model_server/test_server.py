@@ -95,5 +95,5 @@ def test_failing_model(runs: Runs) -> None:
 @check(points=10, asks=STATE, task=2, scenarios=LOADS, needs=BOTH, hint="2.1")
 def test_one_load(runs: Runs) -> None:
     """Three clients and one more ask, and the model is loaded once in the whole system."""
-    keeps(runs.only(TOGETHER), "success", help="One service has to do for any number of clients.")
     loads_once(runs)
+    keeps(runs.only(TOGETHER), "success", help="One service has to do for any number of clients.")
