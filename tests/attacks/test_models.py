@@ -87,7 +87,7 @@ def test_three_clients_need_one_load_whatever_the_server_forgets(
     )
     one_load = next(check for check in grading.checks if check.id == "one_load")
     assert one_load.outcome == "fail"
-    assert "had been loaded" in one_load.message
+    assert "was loaded" in one_load.message
 
 
 def graded(
@@ -163,6 +163,6 @@ def test_a_failure_that_no_model_had_is_worth_nothing(
     old = f"{LABEL}\n            {SURE}"
     checks = ("failing_model", "one_load", "publishes")
     found = graded(forkserver, tmp_path, "model_server", old, knows, checks)
-    assert "without asking the model" in found["failing_model"][1]
+    assert "question to the model" in found["failing_model"][1]
     assert found["one_load"][0] == "fail"
     assert found["publishes"][0] == "pass"

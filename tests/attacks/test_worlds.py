@@ -106,7 +106,9 @@ def test_neither_order_nor_likeness_tells_a_students_scans(
 ) -> None:
     submission = handed_in(tmp_path, attack, examples(public))
     open_worlds, own_worlds = (
-        grade_submission(EXERCISE, submission, forkserver, file="x.py", only=BENCH, seed=key).raw_score
+        grade_submission(
+            EXERCISE, submission, forkserver, file="x.py", only=BENCH, seed=key
+        ).raw_score
         for key in (None, KEY)
     )
     assert open_worlds >= 35  # all but stop_zone, which wants half a minute as well

@@ -1,25 +1,31 @@
-"""What the student's clients asked and published, and their heartbeats."""
+"""What the student's clients have to do beside the grader's server: ask, publish, and beat.
+
+found       a server has started: the first request comes
+rhythm      a request was answered soon: the next comes 0.5 s after it
+patience    of one client: the next request waits for the answer, but not for ever
+owed        the same, where there was no answer in time
+publish     the server said something with success: that is published, and nothing else
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from itertools import pairwise
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise, zip_longest
 
 import numpy as np
 
+from grader.checks.case import Case, Runs
 from grader.checks.reading import published
 from grader.checks.verdict import fail
-from grader.checks.wiring import require_alive, require_wiring
-from grader.exercises.model_server.contract import (
-    HEARTBEAT_PERIOD,
-    LONGEST_GAP,
-    NEXT_REQUEST,
-    ROLES,
-    Floats,
-)
+from grader.checks.wiring import require_alive
+from grader.checks.words import every, logs
 from grader.exercises.model_server.notes import (
+    NEAR,
     SERVED,
+    START_UP,
     Answered,
     Asked,
     fail_forged,
@@ -28,193 +34,219 @@ from grader.exercises.model_server.notes import (
 from grader.recording import Recording
 from sim.messages import STRING, UINT32
 
-DEFAULT_ROLE = ROLES[0]
-HEARTBEAT_DRIFT = 0.08  # share by which the mean of the gaps may differ
+ROLES = ("navigation", "manipulation", "logging")
+DOUBLE = "detection_double.py"
+ASK_PERIOD = 0.5  # [s] from one request to the next
+PATIENCE = 1.0  # [s] after a request: if there is no answer, it is given up ...
+NEXT_REQUEST = 1.5  # [s] ... and the next goes out by this time
+PUBLISHED_WITHIN = ASK_PERIOD + 0.1  # [s] after the answer; some look for it at their next tick
+BEAT = 0.1  # [s] from one heartbeat to the next
+BEAT_DRIFT = 0.008  # [s] by which the mean may differ
+LONGEST_GAP = 0.15  # [s] between two heartbeats
 TICK = 1e-6  # [s] of rounding
-BLOCKED = (
-    "Does a callback wait: client.call(), await in the default callback group, "
-    "spin_until_future_complete(), a sleep, a loop? While it waits, its executor delivers nothing, "
-    "not even the answer that it waits for. Use call_async() and future.add_done_callback(), and "
-    "return. Or is the heartbeat skipped while a request is open?"
-)
+QUOTED = 200  # characters of a message
+WELL_FORMED = ("fine", "same")  # kinds of answers
+WARNINGS = ("warn", "error", "fatal")
+WAIT, FIRST = "seconds to the next request", "seconds to the first request"
 
 
 @dataclass(frozen=True)
 class Request:
     """A request that reached the grader's server, and its answer."""
 
-    number: int  # as the server counts
     at: float  # [s]
-    answered: float  # [s]; inf: never
+    kind: str = ""  # of the answer
+    answered: float = math.inf  # [s]; inf: never
     success: bool = False
     message: str = ""
+
+    @property
+    def took(self) -> float:
+        """How long the answer took [s]."""
+        return self.answered - self.at
 
 
 def roles(recording: Recording) -> list[str]:
     """Return the roles of the clients in the scenario."""
     words = {word for program in recording.scenario.program for word in program.arguments}
-    found = [role for role in ROLES if f"role:={role}" in words]
-    return found or [DEFAULT_ROLE]
+    return [role for role in ROLES if f"role:={role}" in words] or [ROLES[0]]
 
 
 def requests(recording: Recording) -> list[Request]:
     """Return the requests that reached the grader's server, in order."""
-    found: list[Request] = []
-    places: dict[tuple[int, int], int] = {}  # life of a server, number of a request: its place
+    found: dict[tuple[int, int], Request] = {}  # by life of a server, and number
     for at, note in notes(recording, SERVED):
-        key = (note.life, note.number)
+        key = note.life, note.number
         if isinstance(note, Asked):
-            places[key] = len(found)
-            found.append(Request(note.number, at, math.inf))
-        elif key in places:
-            asked = found[places[key]].at
-            found[places[key]] = Request(note.number, asked, at, note.success, note.message)
+            found[key] = Request(at, note.kind)
+        elif key in found:
+            asked = found[key]
+            found[key] = Request(asked.at, asked.kind, at, note.success, note.message)
         elif recording.live is None:  # in real time clients also ask before the recording begins
             fail_forged(recording, SERVED, at)
-    return found
-
-
-def successes(recording: Recording) -> set[str]:
-    """Return the messages that the server sent with success, even if the request was not noted."""
-    said = (note for _, note in notes(recording, SERVED))
-    return {note.message for note in said if isinstance(note, Answered) and note.success}
+    return list(found.values())
 
 
 def detections(recording: Recording) -> list[tuple[float, str, str]]:
     """Return what the clients published on their detection topics: time [s], role, text."""
-    found = []
-    for role in roles(recording):
-        said = published(recording, f"/{role}/detection", STRING)
-        found += [(time, role, str(value.data)) for time, value in said]
-    return sorted(found)
+    return sorted(
+        (time, role, str(value.data))
+        for role in roles(recording)
+        for time, value in published(recording, f"/{role}/detection", STRING)
+    )
 
 
-def beats(recording: Recording, role: str) -> tuple[Floats, list[int]]:
-    """Return the times [s] and values of a client's heartbeats."""
-    heard = published(recording, f"/{role}/heartbeat", UINT32)
-    return np.array([t for t, _ in heard], dtype=float), [int(value.data) for _, value in heard]
+def cases(recording: Recording) -> Iterator[Case]:
+    """Yield the occasions of the clients of the grader's server, if that is there."""
+    if not any(program.file == DOUBLE for program in recording.scenario.program):
+        return
+    asked = requests(recording)
+    yield from _first_requests(recording, asked)
+    if len(roles(recording)) == 1:
+        yield from _next_requests(recording, asked)
+    yield from _publications(recording, asked)
 
 
-def require_unblocked(recording: Recording) -> None:
-    """Fail if a client's heartbeat paused: then one of its callbacks blocks. Or if nobody asked."""
-    require_alive(recording)
-    for role in roles(recording):
-        times, _ = beats(recording, role)
-        if len(times) < 2:
-            continue  # no heartbeat that could pause: another check's matter
-        gaps = np.diff([*times, recording.duration_s])
-        longest = int(np.argmax(gaps))
-        if gaps[longest] <= max(LONGEST_GAP + recording.slack, 2 * gaps[:-1].min()) + TICK:
+def _first_requests(recording: Recording, asked: list[Request]) -> Iterator[Case]:
+    latest = NEXT_REQUEST + NEAR + recording.slack + START_UP * (recording.live is not None)
+    for life in recording.scenario.program:
+        end = life.stop or recording.duration_s
+        if life.file != DOUBLE or (recording.live is not None and end - life.start < latest):
             continue
-        at = float(times[longest])
-        out = [r for r in requests(recording) if at - TICK <= r.at <= at + LONGEST_GAP]
-        for_good = longest == len(gaps) - 1
-        fail(
-            f"{role}_client stood still "
-            + (f"for good from {at:.2f} s on" if for_good else f"for {gaps[longest]:.2f} s"),
-            expected=f"a heartbeat at least every {LONGEST_GAP} s, whatever the server does",
-            actual=f"none after {at:.2f} s"
-            + (f"; it had asked /detect at {out[0].at:.2f} s" if out else ""),
-            at=at,
-            recording=recording,
-            help=BLOCKED,
-        )
-    if not requests(recording):
-        fail(
-            "no client ever asks, so there is no answer to wait for",
-            expected="a request every 0.5 s, and heartbeats meanwhile",
-            actual="no request",
-            at=NEXT_REQUEST,
-            recording=recording,
-            help="Does a timer ask, and is its callback called? Is the service looked for anew?",
+        after = (request.at - life.start for request in asked if life.start <= request.at <= end)
+        yield Case(
+            at=life.start,
+            what=f"a server starts at {life.start:.2f} s",
+            tags=frozenset({"found"}),
+            allowed={FIRST: ((0.0, latest),)},
+            said={FIRST: min(after, default=math.inf)},
         )
 
 
-def require_own_topics(recording: Recording) -> None:
-    """Fail unless each role publishes on its own topics, and on no other's."""
-    for end in recording.endpoints:
-        role = end.node.strip("/").removesuffix("_client")
-        other = end.topic.strip("/").partition("/")[0]
-        if role in ROLES and end.kind == "publisher" and other in ROLES and other != role:
-            fail(
-                f"{role}_client publishes on {end.topic}",
-                expected=f"topics of its role: /{role}/…",
-                actual=f"a publisher on {end.topic}",
-                recording=recording,
-                help="Read the parameter: self.declare_parameter('role', …).value",
+def _next_requests(recording: Recording, asked: list[Request]) -> Iterator[Case]:
+    near = NEAR + recording.slack
+    for request, after in zip_longest(asked, asked[1:]):
+        wait = (after.at if after else recording.duration_s) - request.at
+        if not after and wait <= NEXT_REQUEST + near:
+            return
+        answered = f"answered after {request.took:.2f} s"
+        case = Case(
+            at=request.at,
+            what=f"a request, {answered if math.isfinite(request.took) else 'never answered'}",
+            tags=frozenset({"patience", *(["owed"] if request.took > PATIENCE else [])}),
+            allowed={WAIT: ((min(request.took, PATIENCE - near), NEXT_REQUEST + near),)},
+            said={WAIT: wait},
+        )
+        yield case
+        if request.took < ASK_PERIOD - near:
+            soon = {WAIT: ((ASK_PERIOD - near, ASK_PERIOD + near),)}
+            yield replace(case, tags=frozenset({"rhythm"}), allowed=soon)
+
+
+def _publications(recording: Recording, asked: list[Request]) -> Iterator[Case]:
+    heard = detections(recording)
+    last = recording.duration_s - PUBLISHED_WITHIN
+    for before, request in pairwise([Request(0.0, "first"), *asked]):
+        late = request.took > PATIENCE - NEAR or request.answered >= last
+        if late or request.kind not in WELL_FORMED:
+            continue
+        end = request.answered + PUBLISHED_WITHIN
+        texts = [text for time, _, text in heard if request.answered <= time <= end]
+        other = texts[-1][:QUOTED] if texts else "nothing"
+        yield Case(
+            at=request.answered,
+            what=f"the server answered (before: {before.kind})",
+            tags=frozenset({"publish"}),
+            allowed={"data": frozenset({request.message})},
+            said={"data": request.message if request.message in texts else other},
+        )
+    said = (note for _, note in notes(recording, SERVED) if isinstance(note, Answered))
+    sent = Counter(note.message for note in said if note.success)
+    for time, _, text in heard:
+        sent[text] -= 1
+        if sent[text] < 0:
+            yield Case(
+                at=time,
+                what=f"“{text[:QUOTED]}” is no answer with success, or was published before",
+                tags=frozenset({"publish"}),
             )
-    require_wiring(recording, "model_server", *(f"{role}_client" for role in roles(recording)))
 
 
-def require_heartbeat(recording: Recording, until: float = math.inf) -> None:
-    """Fail unless each client's heartbeat comes ten times a second, start to end, and counts up.
-
-    Pauses that begin after `until` [s] are not judged.
-    """
-    require_alive(recording)
+def beats(recording: Recording) -> None:
+    """Fail unless each client's heartbeat comes ten times a second, and counts up."""
     for role in roles(recording):
         topic = f"/{role}/heartbeat"
-        times, values = beats(recording, role)
-        bounds = np.array([0.0, *times, recording.duration_s])
-        gaps = np.diff(bounds)
-        judged = bounds[:-1] < until - LONGEST_GAP
-        long = np.flatnonzero((gaps > LONGEST_GAP + recording.slack + TICK) & judged)
-        if len(long):
-            at = float(bounds[long[0]])
+        help = (
+            "Give it a timer of 0.1 s that waits for nothing. Does the constructor, or a "
+            "callback, wait for the service (wait_for_service)?"
+        )
+        every(recording, topic, BEAT, LONGEST_GAP - BEAT + TICK, help=help)
+        heard = published(recording, topic, UINT32)
+        times = [time for time, _ in heard]
+        mean = float(np.diff(times).mean()) if len(times) > 1 else math.inf
+        if abs(mean - BEAT) > BEAT_DRIFT + recording.slack:
             fail(
-                f"the heartbeat of {role}_client pauses for {gaps[long[0]]:.2f} s"
-                if len(times)
-                else f"{role}_client has no heartbeat",
-                expected=f"a message on {topic} every 0.1 s, gaps of at most {LONGEST_GAP} s, with "
-                "or without a server",
-                actual=f"none from {at:.2f} s to {at + gaps[long[0]]:.2f} s",
-                at=at,
-                recording=recording,
-                help="Give it a timer of its own that waits for nothing. Does the constructor or "
-                "a callback wait for the service (wait_for_service)?",
-            )
-        if gaps[1:-1].min(initial=math.inf) < LONGEST_GAP / 3 - recording.slack:
-            at = float(times[int(np.argmin(gaps[1:-1]))])
-            fail(
-                f"two heartbeats of {role}_client are only {gaps[1:-1].min():.3f} s apart",
-                expected=f"one message on {topic} every 0.1 s",
+                f"the heartbeats of {role}_client are {mean:.3f} s apart on average",
+                expected=f"one message on {topic} every {BEAT} s",
                 actual=f"{len(times)} in {recording.duration_s:.1f} s",
-                at=at,
+                at=times[0] if times else 0.0,
                 recording=recording,
-                help="One timer of 0.1 s publishes it, and nothing else does.",
+                help="self.create_timer(0.1, …)",
             )
-        if math.isinf(until):
-            _require_rate(recording, role, times)
-        for index, (before, after) in enumerate(pairwise(values)):
-            if after != before + 1:
+        for (_, before), (at, after) in pairwise(heard):
+            if after.data != before.data + 1:
                 fail(
                     f"the heartbeat of {role}_client does not count up",
-                    expected=f"{before + 1} after {before}",
-                    actual=str(after),
-                    at=float(times[index + 1]),
+                    expected=f"{before.data + 1} after {before.data}",
+                    actual=str(after.data),
+                    at=at,
                     recording=recording,
                     help="Keep the count in an attribute of the node, and add 1 each time.",
                 )
 
 
-def _require_rate(recording: Recording, role: str, times: Floats) -> None:
-    """Fail unless a client's heartbeats, at these times [s], are 0.1 s apart on average."""
-    mean = float(np.diff(times).mean()) if len(times) > 1 else HEARTBEAT_PERIOD
-    if abs(mean - HEARTBEAT_PERIOD) <= HEARTBEAT_DRIFT * HEARTBEAT_PERIOD + recording.slack:
+def goes_on(runs: Runs) -> None:
+    """Fail if a client's heartbeat pauses: then one of its callbacks waits. Or if it never asks."""
+    for recording in runs:
+        require_alive(recording)
+        for role in roles(recording):
+            times = recording.times(f"/{role}/heartbeat")
+            if len(times) > 1:
+                _require_beating(recording, role, [*times, recording.duration_s])
+        if not requests(recording):
+            fail(
+                "no client ever asks, so there is no answer to wait for",
+                expected="a request every 0.5 s, and heartbeats meanwhile",
+                actual="no request",
+                at=NEXT_REQUEST,
+                recording=recording,
+                help="Does a timer ask, and is its callback called? Is the service found?",
+            )
+
+
+def _require_beating(recording: Recording, role: str, times: list[float]) -> None:
+    gaps = np.diff(times)
+    longest = int(np.argmax(gaps))
+    if gaps[longest] <= max(LONGEST_GAP + recording.slack, 2 * gaps[:-1].min()) + TICK:
         return
     fail(
-        f"the heartbeats of {role}_client are {mean:.3f} s apart on average",
-        expected=f"one message on /{role}/heartbeat every {HEARTBEAT_PERIOD} s",
-        actual=f"{len(times)} in {recording.duration_s:.1f} s",
-        at=float(times[1]),
+        f"{role}_client stood still for {gaps[longest]:.2f} s",
+        expected=f"a heartbeat at least every {LONGEST_GAP} s, whatever the server does",
+        actual=f"none after {times[longest]:.2f} s",
+        at=times[longest],
         recording=recording,
-        help="self.create_timer(0.1, …)",
+        help="Does a callback wait: client.call(), await in the default callback group, "
+        "spin_until_future_complete(), a sleep, a loop? While it waits, its executor delivers "
+        "nothing, not even the answer that it waits for. Use call_async() and "
+        "future.add_done_callback(), and return.",
     )
 
 
-def warnings(recording: Recording, begin: float, end: float) -> bool:
-    """Tell whether the clients logged a warning (or worse) in this time [s]."""
-    return any(
-        line.level in ("warn", "error", "fatal") and begin - TICK <= line.t <= end + TICK
-        for line in recording.log
-    )
+def warns(recording: Recording, since: float) -> None:
+    """Fail unless a warning follows each request that was never answered, `since` [s] after it."""
+    for request in requests(recording):
+        end = request.at + NEXT_REQUEST + NEAR + recording.slack
+        if math.isinf(request.answered) and end < recording.duration_s:
+            begin = request.at + since - recording.slack
+            what = "a request is given up"
+            logs(recording, WARNINGS, what=what, begin=begin, end=end)

@@ -16,8 +16,9 @@ from grader.recording import Recording
 from sim.messages import STRING
 
 ASKED, TOLD = "/probe/asked", "/probe/told"  # of grader/host/supplied/detection_asker.py
-START_UP = 1.0  # [s] a program takes, in real time, to start and to be discovered
 SERVED = "/probe/served"  # of detection_double.py
+START_UP = 1.0  # [s] a program takes, in real time, to start and to be discovered
+NEAR = 0.051  # [s] ages and waits within 50 ms of a limit may fall on either side
 
 
 class Asked(msgspec.Struct, frozen=True, tag="asked"):
@@ -25,6 +26,7 @@ class Asked(msgspec.Struct, frozen=True, tag="asked"):
 
     number: int
     life: int = 0  # of the server that was asked
+    kind: str = ""  # of the answer that it will get: fine, never, half, …
 
 
 class Answered(msgspec.Struct, frozen=True, tag="answered"):
@@ -49,7 +51,7 @@ def notes(recording: Recording, topic: str) -> list[tuple[float, Asked | Answere
 
 
 def require_ours(recording: Recording, topic: str) -> None:
-    """Fail if anybody but the grader's programs publishes on a topic of theirs."""
+    """Fail if any other than the grader's programs publishes on a topic of theirs."""
     ends = [e for e in recording.endpoints if e.topic == topic and e.kind == "publisher"]
     if len(ends) > sum(program.supplied for program in recording.scenario.program):
         fail_forged(recording, topic, None)

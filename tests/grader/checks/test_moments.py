@@ -22,7 +22,6 @@ WITHOUT = {
     ("wiring.py", "_require_end"),
     ("wiring.py", "_fail_missing"),
     ("wiring.py", "_fail_type"),
-    ("model_server/clients.py", "require_own_topics"),
     ("callbacks.py", "quick"),
     ("words.py", "logs"),
 }

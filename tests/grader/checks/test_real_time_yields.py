@@ -1,7 +1,6 @@
 """What checks forgive a busy machine in real time; in virtual time they forgive nothing."""
 
 import contextlib
-import json
 from types import SimpleNamespace
 from typing import Any
 
@@ -110,88 +109,6 @@ def test_a_gap_between_commands_may_be_as_long_as_the_machine_made_it(
     monkeypatch.setattr(evidence, "require_commands", lambda _: None)
     with contextlib.nullcontext() if right else pytest.raises(CheckFailed, match="stumbles"):
         evidence.require_period(with_methods(fake))
-
-
-# --- exercise 6: scans and requests that cross ----------------------------------------------------
-
-
-def told(stamp: float | None, success: bool = True) -> Any:
-    message = json.dumps({} if stamp is None else {"stamp": EPOCH / 1e9 + stamp})
-    return SimpleNamespace(success=success, message=message)
-
-
-@pytest.mark.parametrize(
-    ("at", "answer", "newest"),
-    [
-        (1.25, told(1.0), 2),
-        (1.03, told(0.5), 1),  # the scan of 1.0 s was still on its way
-        (0.97, told(1.0), 2),  # the request was
-        (1.25, told(0.5), 2),  # too long ago: that answer is wrong
-        (0.75, told(1.0), 1),  # from the future: wrong too
-        (1.03, told(0.0), 2),  # neither of the two
-        (0.03, told(None, success=False), -1),  # rightly refused: it had none yet
-        (1.03, told(None), 2),  # no stamp at all
-        (1.25, None, 2),  # no answer at all
-    ],
-)
-def test_the_scan_that_a_server_had_is_one_that_it_can_have_had(
-    monkeypatch: pytest.MonkeyPatch, at: float, answer: Any, newest: int
-) -> None:
-    from grader.exercises.model_server import answers  # noqa: PLC0415
-
-    def allowed(scan: Any, asked: float) -> Any:
-        return SimpleNamespace(refusal=scan is None)
-
-    monkeypatch.setattr(answers, "allowed", allowed)
-    assert answers._newest(recording(), at, answer) == newest
-
-
-def test_in_virtual_time_the_newest_scan_is_the_newest() -> None:
-    from grader.exercises.model_server.answers import _newest  # noqa: PLC0415
-
-    assert _newest(recording(None), 1.0, told(0.5)) == 2
-
-
-@pytest.mark.parametrize(
-    ("live", "at", "just"),
-    [(LIVE, 1.2, True), (LIVE, 2.1, False), (LIVE, 0.9, False), (None, 1.2, False)],
-)
-def test_who_is_asked_while_its_program_starts_is_not_judged(
-    live: object, at: float, just: bool
-) -> None:
-    from grader.exercises.model_server.answers import _just_started  # noqa: PLC0415
-
-    programs = [
-        SimpleNamespace(start=0.0, supplied=False),
-        SimpleNamespace(start=1.0, supplied=False),
-        SimpleNamespace(start=1.9, supplied=True),  # ours
-    ]
-    scenario = SimpleNamespace(program=programs)
-    assert _just_started(recording(live, scenario=scenario), at) is just
-
-
-def test_a_request_from_before_the_beginning_is_none_but_its_answer_is_known(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    from grader.checks.verdict import CheckFailed  # noqa: PLC0415
-    from grader.exercises.model_server import clients  # noqa: PLC0415
-    from grader.exercises.model_server.notes import Answered, Asked  # noqa: PLC0415
-
-    noted = [
-        (0.1, Answered(0, success=True, message="early", life=7)),  # nobody noted that it was asked
-        (0.2, Asked(1, life=7)),
-        (0.3, Asked(0, life=9)),  # another server, which counts anew
-        (0.4, Answered(0, success=True, message="new", life=9)),
-        (0.5, Answered(1, success=False, message="late", life=7)),
-    ]
-    monkeypatch.setattr(clients, "notes", lambda *_: noted)
-    assert clients.requests(recording()) == [
-        clients.Request(1, 0.2, 0.5, success=False, message="late"),
-        clients.Request(0, 0.3, 0.4, success=True, message="new"),
-    ]
-    assert clients.successes(recording()) == {"early", "new"}
-    with pytest.raises(CheckFailed, match="a topic of the grader's"):
-        clients.requests(recording(None, name="virtual", endpoints=()))
 
 
 # --- exercises 1, 2 and 8: answers after the end --------------------------------------------------
