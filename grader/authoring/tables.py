@@ -35,7 +35,8 @@ def readmes() -> Iterator[tuple[Path, str]]:
         text = path.read_text("utf-8")
         if len(PLACE.findall(text)) != 1:
             raise InputError(f"{path}: expected one table between {BEGIN} and {END}")
-        yield path, PLACE.sub(lambda _, exercise=exercise: table(exercise), text)
+        before, after = text.partition(BEGIN)[0], text.partition(f"{END}\n")[2]
+        yield path, before + table(exercise) + after
 
 
 def table(exercise: Exercise) -> str:
