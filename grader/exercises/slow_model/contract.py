@@ -113,11 +113,11 @@ def _ticks(recording: Recording) -> Iterator[Case]:
     last, back = silence(recording)
     for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
         tags = {TICK} | ({BACK} if t >= back else {SILENT} if last and t > last.t else set())
-        right = {SPEED: exactly(*sorted(_right(said, t, recording.slack)))}
+        right = {SPEED: exactly(*sorted(right_speeds(said, t, recording.slack)))}
         yield Case(t, f"the command at {t:.2f} s", frozenset(tags), right, {SPEED: speed})
 
 
-def _right(said: Sequence[Answer], t: float, slack: float) -> set[float]:
+def right_speeds(said: Sequence[Answer], t: float, slack: float) -> set[float]:
     """Return the speeds [m/s] that are right at a time [s]."""
     rest, edge = in_force(said, t, slack), EDGE + slack
     ages = [t - each.scan.stamp for each in rest]

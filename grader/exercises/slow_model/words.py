@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from itertools import pairwise
+from itertools import dropwhile, pairwise
 
 import numpy as np
 
@@ -90,35 +90,36 @@ def rare_delay(recording: Recording, gaps: np.ndarray, wrong: int) -> bool:
     return recording.live is not None and few and gaps.max() <= 2 * LONGEST_GAP
 
 
-def behind(recording: Recording) -> list[Scan | None]:
-    """Return the scan behind each command: None for one that is no answer of the model."""
+def behind(recording: Recording) -> list[tuple[float, Scan | None]]:
+    """Return when each command came [s], and the scan behind it: None if it is no answer."""
+    require_alive(recording)
     said, twists, found = answers(recording), recording.twists(), []
     for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
         rest = reversed(in_force(said, t, recording.slack))
-        found.append(next((a.scan for a in rest if abs(a.speed - speed) <= ROUNDED), None))
+        scan = next((each.scan for each in rest if abs(each.speed - speed) <= ROUNDED), None)
+        found.append((t, scan))
     return found
 
 
 def keeps_going(runs: Sequence[Recording], least: float) -> None:
     """Fail unless new predictions reach /cmd_vel at this rate [Hz]."""
     for recording in runs:
-        require_alive(recording)
-        twists, scans = recording.twists(), behind(recording)
-        known = [(t, scan.t) for t, scan in zip(twists.t, scans, strict=True) if scan]
+        known = [(t, scan.t) for t, scan in behind(recording) if scan]
         begin = known[0][0] if known else min(LATEST_STOP, recording.duration_s)
         seconds = max(recording.duration_s - begin, LATEST_STOP)
         rate = len({scan for _, scan in known}) / seconds
-        called = sum(call.answered / 1e9 <= recording.duration_s for call in calls(recording))
+        ended = [call for call in calls(recording) if call.answered / 1e9 <= recording.duration_s]
+        answered = len(ended) / seconds
         if rate < least:
             fail(
                 "too few new predictions reach /cmd_vel",
                 expected=f"at least {least} per second",
-                actual=f"{rate:.1f} of the model's {called / seconds:.1f} answers per second",
+                actual=f"{rate:.1f} of the model's {answered:.1f} answers per second",
                 at=begin,
                 recording=recording,
                 help="Are the answers too old when they arrive? Where does the scan wait before "
                 "the model sees it, and the result before it is published?"
-                if called / seconds >= least
+                if answered >= least
                 else "When one inference has ended, the next may start with the newest scan.",
             )
 
@@ -126,20 +127,18 @@ def keeps_going(runs: Sequence[Recording], least: float) -> None:
 def stays_young(runs: Sequence[Recording], limit: float) -> None:
     """Fail unless the scans behind 95 % of the commands are at most `limit` [s] old."""
     for recording in runs:
-        require_alive(recording)
-        twists, scans = recording.twists(), behind(recording)
-        pairs = zip(twists.t.tolist(), scans, strict=True)
-        ages = np.array([t - scan.t if scan else math.inf for t, scan in pairs])
-        first = int(np.isfinite(ages).argmax()) if len(ages) else 0
-        p95 = float(np.sort(ages[first:])[math.ceil(0.95 * len(ages[first:])) - 1])
+        pairs = list(dropwhile(lambda pair: pair[1] is None, behind(recording)))
+        ages = [t - scan.t if scan else math.inf for t, scan in pairs] or [math.inf]
+        p95 = sorted(ages)[math.ceil(0.95 * len(ages)) - 1]
         if p95 > limit:
+            first = next((t for (t, _), age in zip(pairs, ages, strict=False) if age > limit), None)
             fail(
                 "the scans behind the commands are too old",
                 expected=f"at most {limit} s (p95)",
                 actual=f"{p95:.2f} s (p95)"
                 if p95 < math.inf
                 else "commands that are no prediction, or 0.0 as if there were none",
-                at=float(twists.t[first + (ages[first:] > limit).argmax()]),
+                at=first,
                 recording=recording,
                 help="Do scans wait in a queue? Then a prediction is too old when it comes. It "
                 "counts at every tick until its scan is 0.6 s old, not only once.",
@@ -149,6 +148,7 @@ def stays_young(runs: Sequence[Recording], limit: float) -> None:
 def takes_newest(runs: Sequence[Recording]) -> None:
     """Fail unless inference takes the newest scan that there is, but for a few calls."""
     for recording in runs:
+        require_alive(recording)
         arrived, late = recording.times("/scan"), []
         said = [each for each in answers(recording) if not math.isnan(each.speed)]
         for each in said:
@@ -172,6 +172,7 @@ def takes_at_once(recording: Recording, since: float = 0.0) -> None:
 
     One that comes while the model works may be kept or dropped.
     """
+    require_alive(recording)
     asked = np.array([call.asked for call in calls(recording)]) / 1e9
     ended = np.array([call.answered for call in calls(recording)]) / 1e9
     late = []
@@ -200,6 +201,8 @@ def heeds(runs: Runs, *tags: str, help: str) -> None:
         run = runs.of([recording])
         drives(run)
         tolerance = ROUNDED if TICK in tags else TOLERANCE
+        if not any(run.cases(*tags)):
+            fail("no command came", recording=recording, help="Publish at each tick.")
         explain = partial(explained, recording, help)
         follows(run, *tags, help=help, tolerance=tolerance, explain=explain)
 
