@@ -17,6 +17,7 @@ from grader.models.features import possible_features
 from grader.recording import Inference, Recording, Scan
 
 PERIOD = 0.05  # [s] of the control loop
+LONGEST_GAP = 0.075  # [s] between two commands
 MAX_AGE = 0.6  # [s] of the scan behind a command; an older one means 0.0 ...
 EDGE = 0.05  # [s] ages this near to the limit may fall on either side
 LATEST_STOP = MAX_AGE + EDGE  # [s] ... by the next tick

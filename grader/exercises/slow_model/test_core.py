@@ -7,6 +7,7 @@ from functools import partial
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.inferences import require_kept, require_one_at_a_time, require_one_load
+from grader.checks.predictions import TOLERANCE
 from grader.checks.words import logs, only_linear_x, wired
 from grader.exercises.slow_model.contract import (
     AGE_P95,
@@ -120,7 +121,7 @@ def test_recovery(runs: Runs) -> None:
 def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
-    heeds(runs, "features", help=help)
+    heeds(runs, "features", help=help, tolerance=TOLERANCE)
     for recording in runs:
         require_one_load(recording, recording.duration_s)
 

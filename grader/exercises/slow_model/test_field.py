@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
+from grader.checks.predictions import TOLERANCE
 from grader.exercises.slow_model.contract import AGE_P95, LEAST_RATE
 from grader.exercises.slow_model.words import heeds, keeps_going, keeps_period, stays_young
 
@@ -16,7 +17,7 @@ def _keeps_the_contract(runs: Runs, help: str) -> None:
     for recording in runs:
         run = runs.of([recording])
         if recording.scenario.bench_scans:
-            heeds(run, "field", help=help)
+            heeds(run, "field", help=help, tolerance=TOLERANCE)
         else:
             keeps_going(run, LEAST_RATE)
             stays_young(run, AGE_P95 + LATER * (recording.scenario.faults.scan_loss > 0))

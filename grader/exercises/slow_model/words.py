@@ -21,12 +21,12 @@ import numpy as np
 
 from grader.checks.case import Case, Runs
 from grader.checks.commands import ZERO, garbage, is_zero, spell
-from grader.checks.predictions import TOLERANCE
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.checks.words import every, follows
 from grader.exercises.slow_model.contract import (
     LATEST_STOP,
+    LONGEST_GAP,
     PERIOD,
     SPEED,
     TICK,
@@ -38,7 +38,6 @@ from grader.exercises.slow_model.contract import (
 from grader.recording import Recording, Scan
 from sim.messages import CMD_VEL_TOPIC
 
-LONGEST_GAP = 0.075  # [s] between two commands
 LEAST_COMMANDS, MOST_COMMANDS = 19.0, 21.0  # per second, on average
 START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
 AT_ONCE = 0.06  # [s] a tick and a little
@@ -195,12 +194,11 @@ def takes_at_once(recording: Recording, since: float = 0.0) -> None:
         )
 
 
-def heeds(runs: Runs, *tags: str, help: str) -> None:
+def heeds(runs: Runs, *tags: str, help: str, tolerance: float = ROUNDED) -> None:
     """Fail unless the node drives on what its model says, and says what is allowed."""
     for recording in runs:
         run = runs.of([recording])
         drives(run)
-        tolerance = ROUNDED if TICK in tags else TOLERANCE
         if not any(run.cases(*tags)):
             fail("no command came", recording=recording, help="Publish at each tick.")
         explain = partial(explained, recording, help)
