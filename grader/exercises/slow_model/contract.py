@@ -158,7 +158,8 @@ def _held(recording: Recording) -> Iterator[Case]:
             speed = float(twists.linear_x[i])
             yield replace(case, at=float(twists.t[i]), said={SPEED: speed})
         if not len(during):
-            yield replace(case, count=0)
+            earlier = twists.linear_x[twists.t < end].tolist()
+            yield replace(case, said={SPEED: earlier[-1]} if earlier else {}, count=0)
 
 
 def _number(call: Inference, limit: float) -> float:

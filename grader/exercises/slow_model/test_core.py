@@ -21,6 +21,7 @@ from grader.exercises.slow_model.contract import (
     silence,
 )
 from grader.exercises.slow_model.words import (
+    START_UP,
     drives,
     heeds,
     keeps_going,
@@ -36,7 +37,7 @@ ALONE = "slow_alone"
 TOO_SLOW = "slow_too_slow"  # and fast in the end
 DROPOUT, LATE_SCANS, STAMPS = "slow_dropout", "slow_late_scans", "slow_stamps"
 HELD, CLIP = "slow_held", ("slow_clip", "slow_default_speed")
-RAISES, SILENT_MODEL, BLIND = "slow_raises", "slow_nan", "slow_blind"
+RAISES, NOT_FINITE, BLIND = "slow_raises", "slow_nan", "slow_blind"
 WITHOUT_MODEL = ("slow_no_model", "slow_empty_model", "slow_late_model")
 SHORTEST_INFERENCE = 0.2  # [s] of the late lidar's model
 
@@ -60,7 +61,8 @@ def test_starts_at_zero(runs: Runs) -> None:
     """From the first tick on there are commands; they are 0.0 until there is a prediction."""
     for recording in runs:
         predicted = float(recording.times("/scan").min(initial=99.0)) + SHORTEST_INFERENCE
-        stands(recording, end=predicted, help="No prediction yet is like no prediction: 0.0.")
+        help = "No prediction yet is like no prediction: 0.0."
+        stands(recording, end=predicted, first=START_UP, help=help)
     drives(runs, "Does inference still wait when no scan has come for 38 s?")
 
 
@@ -146,12 +148,12 @@ def test_raising_model(runs: Runs) -> None:
         takes_at_once(recording)
 
 
-@builds_on_wiring(points=5, asks=SAFETY, task=3, scenarios=(SILENT_MODEL, BLIND), hint="3.4")
+@builds_on_wiring(points=5, asks=SAFETY, task=3, scenarios=(NOT_FINITE, BLIND), hint="3.4")
 def test_nan_model(runs: Runs) -> None:
     """NaN or ±inf from the model, or a blind sector: 0.0, until there is a prediction again."""
-    silent, blind = runs.only(SILENT_MODEL), runs.only(BLIND)
-    heeds(silent, "nan", help="NaN is no prediction: 0.0, after 0.6 s at the latest.")
-    heeds(silent, "infinite", help="Infinity is no prediction either: math.isfinite.")
+    odd, blind = runs.only(NOT_FINITE), runs.only(BLIND)
+    heeds(odd, "nan", help="NaN is no prediction: 0.0, after 0.6 s at the latest.")
+    heeds(odd, "infinite", help="Infinity is no prediction either: math.isfinite.")
     help = (
         "A sector without a usable reading: no prediction, or the last one until its scan is old."
     )

@@ -6,7 +6,7 @@ stays_young    the scans behind the commands are not too old
 takes_newest   inference takes the newest scan that there is
 takes_at_once  a scan that finds the model idle is taken
 heeds          the node drives on what its model says, and says what is allowed
-stands         0.0 at each tick
+stands         0.0, and no silence
 drives         the node drives on what its model says
 """
 
@@ -23,7 +23,7 @@ from grader.checks.case import Case, Runs
 from grader.checks.commands import ZERO, garbage, is_zero, spell
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.checks.words import every, follows
+from grader.checks.words import follows
 from grader.exercises.slow_model.contract import (
     LATEST_STOP,
     LONGEST_GAP,
@@ -36,7 +36,6 @@ from grader.exercises.slow_model.contract import (
     in_force,
 )
 from grader.recording import Recording, Scan
-from sim.messages import CMD_VEL_TOPIC
 
 LEAST_COMMANDS, MOST_COMMANDS = 19.0, 21.0  # per second, on average
 START_UP = 0.125  # [s] by which the first tick of a 50 ms timer has come
@@ -209,6 +208,8 @@ def explained(recording: Recording, help: str, case: Case) -> str:
     """Return `help`, and what else is known of a wrong command."""
     if not case.wrong(ROUNDED):
         return "That is the prediction, rounded: publish it as it is."
+    if case.said.get(SPEED) == 0.0:
+        return f"0.0 is for no usable prediction. Does a scan wait before the model sees it? {help}"
     rest = in_force(answers(recording), case.at, recording.slack)
     age = case.at - rest[-1].scan.stamp if rest else 0.0
     if age > LATEST_STOP:
@@ -217,16 +218,32 @@ def explained(recording: Recording, help: str, case: Case) -> str:
 
 
 def stands(
-    recording: Recording, begin: float = 0.0, end: float | None = None, *, help: str
+    recording: Recording,
+    begin: float = 0.0,
+    end: float | None = None,
+    *,
+    first: float = LATEST_STOP,
+    help: str,
 ) -> None:
-    """Fail unless commands come at each tick from `begin` to `end` [s], and all of them are 0.0."""
-    last = recording.duration_s if end is None else end
-    every(
-        recording, CMD_VEL_TOPIC, PERIOD, START_UP - PERIOD, begin=begin, end=last,
-        help="Publish at each tick; without a prediction, publish 0.0.",
-    )  # fmt: skip
-    twists = recording.twists()
+    """Fail unless commands come from `begin` to `end` [s], and all of them are 0.0.
+
+    The first one has to come within `first` [s].
+    """
+    require_alive(recording)
+    last, twists = recording.duration_s if end is None else end, recording.twists()
     inside = (twists.t >= begin) & (twists.t < last - ZERO)
+    edges = np.array([begin, *twists.t[inside], last])
+    gaps, limits = np.diff(edges), np.full(inside.sum() + 1, LATEST_STOP + recording.slack)
+    limits[0] = first + recording.slack
+    if (gaps > limits).any():
+        fail(
+            "the node publishes nothing for a while",
+            expected="0.0 at each tick while no prediction is usable",
+            actual=f"no command for {gaps.max():.2f} s",
+            at=float(edges[(gaps - limits).argmax()]),
+            recording=recording,
+            help="Publish at each tick; without a prediction, publish 0.0.",
+        )
     moving = np.flatnonzero(inside & ~is_zero(twists.linear_x))
     if len(moving):
         speed = float(twists.linear_x[moving[0]])
