@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import groupby
 
 import numpy as np
@@ -54,16 +55,18 @@ class Answer:
     speed: float  # [m/s], clipped; NaN: no number
 
 
-def cases(recording: Recording) -> list[Case]:
+@lru_cache(maxsize=8)  # each check of a recording asks several times
+def cases(recording: Recording) -> tuple[Case, ...]:
     """Return an occasion for each command, and one for each that comes while a scan is held.
 
     A command is the newest answer of the model, unless that is too old. A scan that a bench repeats
     for a while has its own prediction in force from LATEST_STOP on.
     """
-    return [*_ticks(recording), *_held(recording)]
+    return (*_ticks(recording), *_held(recording))
 
 
-def answers(recording: Recording) -> list[Answer]:
+@lru_cache(maxsize=8)
+def answers(recording: Recording) -> tuple[Answer, ...]:
     """Return what the model said of which scan: the newest that fits, of those that had come."""
     said, limit = predictions(recording), max_speed(recording.scenario)
     found = [
@@ -75,7 +78,7 @@ def answers(recording: Recording) -> list[Answer]:
         if there:
             about = next((each for each in reversed(there) if each.allows(speed)), there[-1])
             found.append(Answer(about.scan, asked, call.answered / 1e9, speed))
-    return sorted(found, key=lambda answer: answer.asked)
+    return tuple(sorted(found, key=lambda answer: answer.asked))
 
 
 def calls(recording: Recording) -> list[Inference]:
