@@ -16,6 +16,7 @@ A table `[matrix]` makes several scenarios of one file: `[matrix.onnx]` in `form
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,11 @@ def scenario_names() -> dict[str, Path]:
                 raise InputError(f"two scenarios are called '{name}': {other} and {path}")
             names[name] = path
     return dict(sorted(names.items()))
+
+
+def names_of(stem: str, doc: Mapping[str, Any]) -> list[str]:
+    """Return the names of the scenarios in a file of that stem: its own, or those of its matrix."""
+    return [f"{stem}_{cell}" for cell in doc[MATRIX]] if MATRIX in doc else [stem]
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
@@ -147,10 +153,10 @@ def _names_in(path: Path) -> list[str]:
     text = read_toml(path)
     if f"[{MATRIX}" not in text:
         return [path.stem]
-    cells = _parse(text, str(path)).get(MATRIX)
-    if not isinstance(cells, dict) or not cells:
+    doc = _parse(text, str(path))
+    if not isinstance(doc.get(MATRIX), dict) or not doc[MATRIX]:
         raise InputError(f"{path}: {MATRIX}: expected at least one cell, such as [{MATRIX}.onnx]")
-    return [f"{path.stem}_{cell}" for cell in cells]
+    return names_of(path.stem, doc)
 
 
 def _cell(doc: dict[str, Any], cell: str, path: Path) -> dict[str, Any]:

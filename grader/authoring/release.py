@@ -17,7 +17,7 @@ from pathlib import Path, PurePosixPath
 from grader.authoring.leaks import Leak, leaks
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.errors import GraderError, InputError
-from sim.scenario_files import EXTENDS
+from sim.scenario_files import EXTENDS, names_of
 from sim.toml_input import parse_toml
 
 # The grader's packages and modules for instructors and contributors; not in the students' copy.
@@ -185,9 +185,12 @@ def contents(
 def _check_bases(files: Mapping[str, bytes]) -> None:
     """Refuse to release a scenario without the one that it extends: it could not be loaded."""
     scenarios = [path for path in files if "scenarios" in PurePosixPath(path).parts]
-    released = {PurePosixPath(path).stem: path for path in scenarios}
-    for path in released.values():
-        base = parse_toml(files[path].decode(), path).get(EXTENDS)
+    docs = {path: parse_toml(files[path].decode(), path) for path in scenarios}
+    released = {
+        name for path, doc in docs.items() for name in names_of(PurePosixPath(path).stem, doc)
+    }
+    for path, doc in docs.items():
+        base = doc.get(EXTENDS)
         if base is not None and base not in released:
             raise GraderError(
                 f"nothing was released: {path} extends '{base}', which stays with the instructor"

@@ -2,58 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 
-import numpy as np
-
-from grader.checks.predictions import TOLERANCE, max_speed
 from grader.checks.verdict import fail
-from grader.recording import Floats, Inference, Recording
-
-HUNDREDTH = 0.01  # [m/s] to which some nodes round
-MOST = 100.0  # [m/s] that anybody rounds; anything faster is garbage
-
-
-class Answered:
-    """The predictions that a node had got by any time of a trial."""
-
-    def __init__(self, recording: Recording) -> None:
-        limit = max_speed(recording.scenario)
-        rows = [
-            (i.asked / 1e9, i.answered / 1e9, max(0.0, min(limit, speed)))
-            for i in recording.inferences
-            for speed in i.said
-            if i.method == "predict" and not i.failed and math.isfinite(speed)
-        ]
-        self._asked, self._answered, self._said = np.array(rows, dtype=float).reshape(-1, 3).T
-
-    def newest_question(self, t: float, speed: float, tolerance: float = TOLERANCE) -> float:
-        """Return when the newest prediction of this speed [m/s] was asked for, of those had by t.
-
-        -inf if there is none [s].
-        """
-        with np.errstate(invalid="ignore"):  # of a signalling NaN that a node published
-            had = (self._answered <= t) & (np.abs(self._said - speed) <= tolerance)
-        return float(self._asked[had].max(initial=-math.inf))
-
-    def tolerance(self, speeds: Floats) -> float:
-        """Return how far these commands [m/s] may be from what the model said.
-
-        It is more than TOLERANCE for who rounds them all to two digits, and no prediction has two.
-        """
-        moving = np.unique(speeds[np.abs(speeds) > TOLERANCE])
-        exact = np.abs(self._said[:, None] - moving).min(axis=0, initial=math.inf) <= TOLERANCE
-        garbage = (np.abs(moving) > MOST).any()  # nothing that anybody rounded
-        if garbage or exact.all() or (np.abs(moving - moving.round(2)) > 1e-9).any():
-            return TOLERANCE
-        return HUNDREDTH / 2 + TOLERANCE
-
-    def unasked(self, t: float) -> str:
-        """Say so if the model had said nothing at all by t [s]; else an empty text."""
-        if (self._answered <= t).any():
-            return ""
-        return "By then the model had not predicted anything: where does this number come from?"
+from grader.recording import Inference, Recording
 
 
 def questions(recording: Recording, method: str, since: float, until: float) -> list[Inference]:

@@ -12,18 +12,13 @@ from __future__ import annotations
 import math
 from functools import partial
 
-import numpy as np
-
 from grader.checks.ahead import front_distance
 from grader.checks.case import Case, Runs
-from grader.checks.commands import ZERO, Answer, spell
-from grader.checks.inferences import loads, questions
+from grader.checks.inferences import loads
 from grader.checks.model_cases import CALLED, PREDICT
-from grader.checks.moments import first_asked
-from grader.checks.predictions import SpeedInterval, max_speed, model_file
+from grader.checks.predictions import model_file
 from grader.checks.verdict import fail
 from grader.checks.words import TOLERANCE, follows, logs
-from grader.models.features import possible_features
 from grader.recording import Recording, Scan
 
 ERRORS = ("error", "fatal")
@@ -90,82 +85,3 @@ def _explain(recording: Recording, case: Case) -> str:
     if not case.wrong(HALF_A_CENTIMETRE):
         return "Is something rounded, filtered or averaged? Publish what predict returns, clipped."
     return ""
-
-
-def require_speed(
-    recording: Recording,
-    answer: Answer,
-    right: SpeedInterval,
-    tolerance: float,
-    *,
-    what: str,
-    help: str,
-) -> None:
-    """Fail unless the command in force after this scan has the right linear.x, ± tolerance [m/s].
-
-    `what` is the scan in words.
-    """
-    if answer.speed is None:
-        fail(
-            f"there was still no command after {what}",
-            expected=f"a Twist with linear.x = {right} m/s",
-            actual="nothing on /cmd_vel",
-            at=answer.scan.t,
-            recording=recording,
-            help="Publish once at the end of the scan callback, whatever the scan was: a return "
-            "before the publish() leaves the last command in force.",
-        )
-    if not right.allows(answer.speed, tolerance):
-        fail(
-            f"{what}: wrong speed",
-            expected=f"linear.x = {right} m/s",
-            actual=f"linear.x = {spell(answer.speed)} m/s",
-            at=answer.scan.t,
-            recording=recording,
-            help=help,
-        )
-
-
-def require_asked(
-    recording: Recording, scan: Scan, end: float, speed: float, tolerance: float, *, what: str
-) -> None:
-    """Fail unless the model was asked about a scan by `end` [s] and said this speed [m/s].
-
-    What it said may be clipped. No question is due about a scan that may count as blind.
-    """
-    if np.isnan(possible_features(scan)).any():
-        return
-    asked = questions(recording, "predict", scan.t, end)
-    limit = max_speed(recording.scenario)
-    said = [min(max(s, 0.0), limit) for i in asked for s in i.said if math.isfinite(s)]
-    if asked and (abs(speed) < ZERO or any(abs(s - speed) <= tolerance for s in said)):
-        return
-    near = any(abs(s - speed) <= HALF_A_CENTIMETRE for s in said)
-    fail(
-        f"{what}: the speed is near what the model said, and not equal to it"
-        if near
-        else f"{what}: the speed does not come from the model",
-        expected="a call of predict for each scan, and what it returned, clipped",
-        actual=f"linear.x = {speed:.4f} m/s; "
-        + (f"the model said {', '.join(f'{s:.4f}' for s in said)}" if said else "nobody asked it"),
-        at=scan.t,
-        recording=recording,
-        help="Is something rounded, filtered or averaged? Publish what predict returns, clipped."
-        if near
-        else "Ask the model about the features of each scan, and publish what it says.",
-    )
-
-
-def require_error_log(recording: Recording, problem: str) -> None:
-    """Fail with this problem unless the node logged an error."""
-    if any(line.level in ("error", "fatal") for line in recording.log):
-        return
-    levels = ", ".join(sorted({line.level for line in recording.log}))
-    fail(
-        problem,
-        expected="an error in the log: self.get_logger().error(…)",
-        actual=f"lines of level {levels} only" if levels else "an empty log",
-        at=first_asked(recording),
-        recording=recording,
-        help="A robot that silently stands still costs an afternoon: log which file is the cause.",
-    )

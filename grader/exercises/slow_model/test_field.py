@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
-from grader.checks.old_field import FieldSuite
+from grader.checks.case import Runs
+from grader.checks.field import FieldSuite
+from grader.checks.predictions import TOLERANCE
 from grader.exercises.slow_model.contract import AGE_P95, LEAST_RATE
-from grader.exercises.slow_model.evidence import (
-    require_ages,
-    require_held,
-    require_period,
-    require_rate,
-)
-from grader.recording import Recording
+from grader.exercises.slow_model.words import heeds, keeps_going, keeps_period, stays_young
 
 LATER = 0.1  # [s] a worker that waits for a new scan waits for one more when that one is lost
 
 
-def _require_contract(recording: Recording, help: str) -> None:
+def _keeps_the_contract(runs: Runs, help: str) -> None:
     """Fail unless the whole contract holds, at held scans or behind the leader."""
-    require_period(recording)
-    if recording.scenario.bench_scans:
-        require_held(recording, "field", help)
-    else:
-        require_rate(recording, LEAST_RATE)
-        lossy = recording.scenario.faults.scan_loss > 0
-        require_ages(recording, AGE_P95 + LATER * lossy)
+    keeps_period(runs)
+    for recording in runs:
+        run = runs.of([recording])
+        if recording.scenario.bench_scans:
+            heeds(run, "field", help=help, tolerance=TOLERANCE)
+        else:
+            keeps_going(run, LEAST_RATE)
+            stays_young(run, AGE_P95 + LATER * (recording.scenario.faults.scan_loss > 0))
 
 
-field = FieldSuite("slow_model", _require_contract)
+field = FieldSuite(_keeps_the_contract)
 
 test_field_lds01 = field.lds01("slow_field_lds01")
 test_field_wide_lidar = field.wide_lidar("slow_field_wide")

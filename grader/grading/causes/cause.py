@@ -4,23 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from functools import cache
-from pathlib import Path
-from typing import Annotated, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import msgspec
 
 from grader.course.exercises import Exercise
 from grader.recording import Recording
-from sim.toml_input import convert, parse_toml, read_toml
 
 HINTS = "hints.md"
 MAX_HINTS = 64 * 1024  # [characters]
 _HINT = re.compile(r"<details><summary>(?P<title>[^<]*)</summary>(?P<text>.*?)</details>", re.S)
 _SOFT_BREAK = re.compile(r"(?<=[^\n|])\n(?!\s|[|>#]|[-*] |\d+\. |$)")
-PLACES = Path(__file__).parent / "hints.toml"
-_Text = Annotated[str, msgspec.Meta(pattern=r"^\d+\.\d+$")]
-_Table = dict[str, dict[str, _Text]]
 _HEADING = re.compile(r"(?m)^## (?P<title>.+)$")
 
 
@@ -120,10 +114,8 @@ def _flowing(markdown: str) -> str:
 
 def hint_for(exercise: Exercise, failed: Sequence[Failed]) -> Hint | None:
     """Return the hint for the first of the failed checks that has one."""
-    places = _places().get(exercise.slug, {})
-    own = {check.id: place_of(check.hint) for check in failed if check.hint}
-    found = next((p for check in failed if (p := own.get(check.id) or places.get(check.id))), None)
-    return hint_at(exercise, found)
+    found = next((check.hint for check in failed if check.hint), "")
+    return hint_at(exercise, place_of(found)) if found else None
 
 
 def place_of(text: str) -> Place:
@@ -135,13 +127,3 @@ def anchor(heading: str) -> str:
     """Return the address of a heading, as GitHub and the site make it."""
     words = re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-")
     return f"{HINTS}#{words}"
-
-
-@cache
-def _places() -> dict[str, dict[str, Place]]:
-    """Return where the hints for checks stand, by exercise and check."""
-    table = convert(parse_toml(read_toml(PLACES), str(PLACES)), _Table, str(PLACES))
-    return {
-        slug: {check: place_of(text) for check, text in checks.items()}
-        for slug, checks in table.items()
-    }

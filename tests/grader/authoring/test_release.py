@@ -74,14 +74,6 @@ def test_students_get_their_documents_and_no_other(released: Path) -> None:
     assert there == {f"docs/{name}.md" for name in names}
 
 
-def test_students_get_the_hints_to_likely_causes(released: Path) -> None:
-    causes = "grader/grading/causes"
-    tables = {path for path in files(ROOT / "grader") if path.startswith("grading/causes/")}
-    wanted = {f"grader/{path}" for path in tables if path.endswith(".toml")}
-    assert f"{causes}/hints.toml" in wanted
-    assert wanted <= set(files(released))
-
-
 def test_students_get_the_fixtures_of_pytest(released: Path) -> None:
     settings = tomllib.loads((released / "pyproject.toml").read_text("utf-8"))
     (module,) = settings["project"]["entry-points"]["pytest11"].values()
