@@ -11,7 +11,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench skeletons goldens constraints clean
+.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -26,6 +26,9 @@ test: $(VENV)/.dev ## set up, run the tests but for those that take long
 
 test-long: $(VENV)/.dev ## run the tests that take long: attacks, browsers, DDS, nbgrader
 	$(PYTEST) -m long
+
+test-field: $(VENV)/.dev ## every field check meets a wrong solution
+	$(PYTEST) -m long tests/grader/authoring/test_proof.py -k field_check
 
 test-all: test test-long ## both: before a release
 
