@@ -40,6 +40,18 @@ class Case:
 Oracle = Callable[[Recording], Sequence[Case]]
 
 
+def remembered(oracle: Oracle) -> Oracle:
+    """Return the oracle with a memory: many checks of a grading ask it about one recording."""
+    made: dict[int, tuple[Recording, Sequence[Case]]] = {}
+
+    def cases(recording: Recording) -> Sequence[Case]:
+        if id(recording) not in made:
+            made[id(recording)] = recording, oracle(recording)  # kept, so that its id is its own
+        return made[id(recording)][1]
+
+    return cases
+
+
 class Runs(Sequence[Recording]):
     """The recordings of a check's scenarios, in the order of its mark.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 
 import click
@@ -82,8 +83,14 @@ def _scenarios() -> list[tuple[str, ...]]:
     from sim.scenario_files import load_scenario, scenario_names  # noqa: PLC0415
 
     rows: list[tuple[str, ...]] = []
-    paths = sorted(scenario_names().values(), key=lambda path: (path.parent.name, path.stem))
-    for folder, inside in groupby(paths, key=lambda path: path.parent.name):
+    found = sorted((_folder_of(path), name) for name, path in scenario_names().items())
+    for folder, inside in groupby(found, key=itemgetter(0)):
         rows += [("", ""), (f"[bold]{folder}[/bold]", "")]
-        rows += [(path.stem, load_scenario(path).title) for path in inside]
+        rows += [(name, load_scenario(name).title) for _, name in inside]
     return rows
+
+
+def _folder_of(path: Path) -> str:
+    """Return the name of the exercise that has a scenario's file, or of the robot's own folder."""
+    folder = path.parent
+    return folder.parent.name if folder.name == "scenarios" else folder.name

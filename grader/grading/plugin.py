@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 
-from grader.checks.case import Oracle, Runs
+from grader.checks.case import Oracle, Runs, remembered
 from grader.checks.verdict import CheckFailed, Inconclusive, inconclusive
 from grader.errors import GraderError, InputError
 from grader.grading.limits import cpu_limit
@@ -101,7 +101,8 @@ class CheckPlugin:
         oracle: Oracle = lambda recording: (),
     ) -> None:
         self._trials = trials
-        self._exercise, self._oracle, self._essential = exercise, oracle, essential
+        self._exercise, self._oracle = exercise, remembered(oracle)
+        self._essential = essential
         self._returned: dict[str, Any] = {}  # by check id
         self._first_failure = first_failure  # of a check: it ends the run, so no trial runs ahead
         self._suspect = suspect  # the check that is judged first, after those that it needs

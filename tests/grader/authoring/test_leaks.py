@@ -44,7 +44,7 @@ def test_the_search_finds_what_is_put_in(tmp_path: Path, where: str, source: str
 
 @pytest.mark.long
 def test_checks_belong_into_the_grader_and_nowhere_else(tmp_path: Path) -> None:
-    oracle = ROOT / "grader" / "checks" / "trend_memory" / "contract.py"
+    oracle = ROOT / "grader" / "exercises" / "trend_memory" / "contract.py"
     place = "grader/exercises/trend_memory/contract.py"
     here = tmp_path / place
     here.parent.mkdir(parents=True)

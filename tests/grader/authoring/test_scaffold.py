@@ -21,7 +21,7 @@ from grader.errors import GraderError, InputError
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
     """A course of which only the lists are there."""
-    for name in {name for name, _, _ in LISTS}:
+    for name in {"pyproject.toml", *(name for name, _, _ in LISTS)}:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     for folder in ("solutions", "docs", "notebooks/text/01_loop", "sim/worlds", "sim/scenarios"):

@@ -42,7 +42,7 @@ def test_right_solutions_hold_no_checks(exercise: Exercise) -> None:
 @pytest.mark.parametrize("number", [1, 4, 7])
 def test_a_pasted_oracle_is_told_of(number: int) -> None:
     exercise = all_exercises()[number - 1]
-    oracle = ROOT / "grader" / "checks" / exercise.slug / "contract.py"
+    oracle = exercise.judge / "contract.py"
     pasted = oracle.read_bytes().replace(b"scan", b"reading") + NODE
     texts = {"ada": {exercise.files[0]: pasted}, "ben": given(exercise)}
 
