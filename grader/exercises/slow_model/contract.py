@@ -81,6 +81,17 @@ def answers(recording: Recording) -> tuple[Answer, ...]:
     return tuple(sorted(found, key=lambda answer: answer.asked))
 
 
+def unexplained(recording: Recording) -> float | None:
+    """Return when the model was first asked about the features of no scan that had come [s]."""
+    said, limit = predictions(recording), max_speed(recording.scenario)
+    for call in calls(recording):
+        speed, asked = _number(call, limit), call.asked / 1e9
+        there = [each for each in said if each.scan.t <= asked and not blind(each.scan)]
+        if there and not math.isnan(speed) and not any(each.allows(speed) for each in there):
+            return asked
+    return None
+
+
 def calls(recording: Recording) -> list[Inference]:
     """Return the calls of predict, in their order; those of the start-up don't count."""
     found = [i for i in recording.inferences if i.method == "predict" and i.asked >= 0]

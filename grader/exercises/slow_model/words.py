@@ -34,6 +34,7 @@ from grader.exercises.slow_model.contract import (
     blind,
     calls,
     in_force,
+    unexplained,
 )
 from grader.recording import Recording, Scan
 
@@ -190,6 +191,20 @@ def takes_at_once(recording: Recording, since: float = 0.0) -> None:
             at=at,
             recording=recording,
             help="When one inference has ended, whatever came of it, the next scan is a new start.",
+        )
+
+
+def asks_about_scans(recording: Recording, help: str) -> None:
+    """Fail if the model was asked about features that no scan so far has."""
+    at = unexplained(recording)
+    if at is not None:
+        fail(
+            "the model was asked about features of no scan",
+            expected="the features of a scan that had come",
+            actual="an answer that no scan explains",
+            at=at,
+            recording=recording,
+            help=help or "Compare your features with exercise 2's, sector by sector.",
         )
 
 
