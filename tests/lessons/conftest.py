@@ -1,9 +1,14 @@
 """What the tests of the lesson share."""
 
+import sys
+
 import pytest
 from pitfall_runs import Runs
 
+from grader.course.exercises import ROOT
 from grader.link.hosts import ForkServer
+
+sys.path.append(str(ROOT / "lessons"))  # the modules of the site: contract, figures
 
 
 @pytest.fixture(scope="session")
