@@ -108,17 +108,6 @@ class Prediction:
         return f"{self.least:.4f} to {self.most:.4f} m/s" + " or 0.0" * self.missing
 
 
-def rounded(speed: float | None, right: Prediction) -> str:
-    """Say so if a command [m/s] is a prediction but for rounding; else an empty text."""
-    if speed is None or not right.exists:
-        return ""
-    for digits in (2, 1):
-        low, high = round(right.least, digits), round(right.most, digits)
-        if low - ZERO <= speed <= high + ZERO and abs(speed - round(speed, digits)) < ZERO:
-            return f"That is the prediction, rounded to {digits} digits: publish it as it is."
-    return ""
-
-
 def predictions(recording: Recording) -> tuple[Prediction, ...]:
     """Return what the scenario's model, without its delay, predicts from each scan sent."""
     models = recording.scenario.node.models

@@ -11,8 +11,7 @@ Tested with the plug-in that reads it (tests/grader/grading/test_plugin.py).
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from grader.recording import Recording
 
@@ -50,15 +49,6 @@ class CheckFailed(AssertionError):
 
 class Inconclusive(Exception):
     """The machine's fault: there is no verdict."""
-
-
-def passes(require: Callable[..., object], *what: Any, **how: Any) -> bool:
-    """Tell whether a requirement is met, where failing it is another check's business."""
-    try:
-        require(*what, **how)
-    except CheckFailed:
-        return False
-    return True
 
 
 def fail(
