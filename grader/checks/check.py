@@ -1,6 +1,6 @@
 """The mark of a check: what it is worth, what it asks, and in which scenarios.
 
-@check(points=10, asks="decision", task=3, scenarios=("avoid_zones",), needs=("wiring",))
+@check(points=10, asks="decision", task=3, scenarios=("avoid_zones",))
 def test_slow_zone(runs: Runs) -> None:
 \"\"\"From 0.5 m to below 1.0 m the robot drives at 0.15 m/s.\"\"\"
 follows(runs, "slow", help="0.5 m itself belongs to the slow zone.")
@@ -30,7 +30,7 @@ def check(
     scenarios: Sequence[str],
     points: int = 0,
     task: int = 0,
-    needs: Sequence[str] = (),
+    needs: Sequence[str] = ("wiring",),
     requires: Sequence[str] = (),
     hint: str = "",
     field: bool = False,
@@ -48,7 +48,8 @@ def check(
     task
         The README's number; 0: all of them.
     needs
-        Checks without which this one can't be judged; what they return is in `runs.handed`.
+        Checks without which this one can't be judged, the wiring unless others are named; what
+        they return is in `runs.handed`.
     requires
         Modules of optional libraries without which it isn't judged.
     hint

@@ -116,31 +116,28 @@ def require_allowed(
     topic: str = CMD_VEL_TOPIC,
 ) -> None:
     """Fail unless the node said on this occasion what it may say."""
+    wrong = case.wrong(tolerance)
+    if not wrong and (case.allowed or not case.count):
+        return
     noun = "command" if topic == CMD_VEL_TOPIC else f"message on {topic}"
-    expected = ", ".join(
-        f"{name} = {spell_allowed(allowed, UNITS.get(name, ''))}"
-        for name, allowed in case.allowed.items()
-    )
     fails: Callable[..., NoReturn] = partial(fail, at=case.at, recording=recording)
     if not case.allowed:
-        if case.count:
-            fails(
-                f"{case.what}: a {noun} came",
-                expected=f"nothing on {topic}",
-                actual=f"{case.count} of them",
-                help=help,
-            )
-        return
+        fails(
+            f"{case.what}: a {noun} came",
+            expected=f"nothing on {topic}",
+            actual=f"{case.count} of them",
+            help=help,
+        )
     if not case.said:
         fails(
             f"{case.what}: there was still no {noun}",
-            expected=expected,
+            expected=", ".join(
+                f"{name} = {spell_allowed(allowed, UNITS.get(name, ''))}"
+                for name, allowed in case.allowed.items()
+            ),
             actual=f"nothing on {topic}",
             help=PUBLISH_ONCE if topic == CMD_VEL_TOPIC else help,
         )
-    wrong = case.wrong(tolerance)
-    if not wrong:
-        return
     said, unit = case.said.get(wrong), UNITS.get(wrong, "")
     shown = _shown(said) + (f" {unit}" if unit else "")
     wanted = f"{wrong} = {spell_allowed(case.allowed[wrong], unit)}"
@@ -165,13 +162,13 @@ def reacts(recording: Recording, cases: Sequence[Case]) -> None:
     Without this a node that only ever stops would pass every check that expects a stop.
     """
     answers = [case for case in cases if case.allowed]
-    if not answers:
-        return
     said = Counter(_rounded(case) for case in answers)
-    usual, count = said.most_common(1)[0]
+    usual, count = said.most_common(1)[0] if answers else ((), 0)
+    others, bench = len(answers) - count, bool(recording.scenario.bench_scans)
+    if others >= (1 - USUAL) * len(answers) or (others and not bench):
+        return
     wrong = [case for case in answers if _with(case, usual).wrong(TOLERANCE)]
-    least = (1 - USUAL) * len(wrong) if recording.scenario.bench_scans else 1
-    if not wrong or len(answers) - count >= least:
+    if not wrong or (bench and others >= (1 - USUAL) * len(wrong)):
         return
     fail(
         "the node says the same whatever it sees",

@@ -313,6 +313,7 @@ def _arguments(exercise: Exercise) -> list[str]:
         "--import-mode=importlib",
         "--assert=plain",  # checks speak through fail(); rewriting would cost half a second
         "--capture=sys",
+        "--tb=native",  # nobody reads it, and pytest's own takes 20 ms a failure
         f"--rootdir={exercise.judge}",
         f"--config-file={os.devnull}",
         "-W", "ignore",

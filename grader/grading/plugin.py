@@ -2,7 +2,7 @@
 
 A check is a test under `grader/exercises/<exercise>/` with the mark of `grader.checks.check`::
 
-    @check(points=10, asks="decision", task=3, scenarios=("zones",), needs=("wiring",))
+    @check(points=10, asks="decision", task=3, scenarios=("zones",))
     def test_slow_zone(runs):
         \"\"\"Between 0.5 m and 1.0 m the robot drives at 0.15 m/s.\"\"\"
 

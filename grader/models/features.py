@@ -26,6 +26,8 @@ from numpy.typing import NDArray
 from grader.recording import Scan
 
 Floats = NDArray[np.float64]
+Beams = NDArray[np.bool_]
+Sectors = tuple[Beams, Beams, Beams]  # front, left and right
 
 NAMES = ("front minimum", "front mean", "front deviation", "left minimum", "right minimum")
 FRONT_EDGE = 60.0  # [°]
@@ -51,22 +53,7 @@ def features(
         Left and right edge of the front sector, and the edge between left and right [°].
     """
     values = np.asarray(ranges, dtype=float)
-    low, high = float(np.float32(range_min)), float(np.float32(range_max))
-    usable = (values >= low) | np.isneginf(values)  # NaN is in neither
-    values = np.clip(np.where(usable, values, low), low, high)
-    left_edge, right_edge, back = edges
-    angle = (degrees - back) % 360.0 + back - 360.0  # from back - 360 up to back
-    front = (angle <= left_edge) & (angle >= right_edge)
-    sectors = front, angle > left_edge, angle < right_edge
-    ahead, count = usable & front, (usable & front).sum(axis=1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.where(ahead, values, 0.0).sum(axis=1) / count
-        deviations = np.where(ahead, values - mean[:, None], 0.0)
-        std = np.sqrt((deviations**2).sum(axis=1) / count)
-    least = [np.where(usable & sector, values, np.inf).min(axis=1, initial=np.inf)
-             for sector in sectors]  # fmt: skip
-    found = np.column_stack((least[0], mean, std, least[1], least[2]))
-    return np.where(np.isfinite(found), found, np.nan)
+    return _of_sectors(values, (range_min, range_max), *_sectors(degrees, edges))
 
 
 def scan_features(scan: Scan) -> Floats:
@@ -88,20 +75,59 @@ def possible_features(scan: Scan, front: float = FRONT_EDGE) -> Floats:
 
 @lru_cache(maxsize=2048)
 def _possible_features(scan: Scan, front: float) -> Floats:
-    rows = [
-        _of_scan(scan, (front + left, -front - right, BACK_EDGE + back))
+    layout = len(scan.ranges), scan.angle_min, scan.angle_increment
+    values = np.asarray(scan.ranges, dtype=float)[None, :]
+    limits = scan.range_min, scan.range_max
+    found = np.unique(_of_sectors(values, limits, *_possible_sectors(*layout, front)), axis=0)
+    found.flags.writeable = False
+    return found
+
+
+@lru_cache(maxsize=64)
+def _possible_sectors(beams: int, first: float, increment: float, front: float) -> Sectors:
+    """Return the (k, beams) sectors that are accepted for a lidar, each once."""
+    degrees = np.degrees(first + increment * np.arange(beams, dtype=float))
+    found = [
+        np.concatenate(_sectors(degrees, (front + left, -front - right, BACK_EDGE + back)))
         for shift in (ROUNDING, TOLERANCE)
         for left, right in itertools.product((shift, -shift), repeat=2)
         for back in (ROUNDING, -ROUNDING, TOLERANCE, -TOLERANCE)
     ]
-    found = np.unique(np.concatenate(rows), axis=0)
-    found.flags.writeable = False
-    return found
+    ahead, left, right = np.split(np.unique(found, axis=0), 3, axis=1)
+    return ahead, left, right
 
 
 def spell_features(values: Floats) -> str:
     """Return features as text for a student."""
     return "[" + ", ".join("?" if math.isnan(x) else f"{x:.3f}" for x in values.tolist()) + "] m"
+
+
+def _sectors(degrees: Floats, edges: tuple[float, float, float]) -> Sectors:
+    """Return which of the (beams,) angles [°] lie in front, left and right sector."""
+    left_edge, right_edge, back = edges
+    angle = (degrees - back) % 360.0 + back - 360.0  # from back - 360 up to back
+    return (angle <= left_edge) & (angle >= right_edge), angle > left_edge, angle < right_edge
+
+
+def _of_sectors(
+    readings: Floats, limits: tuple[float, float], front: Beams, left: Beams, right: Beams
+) -> Floats:
+    """Return the (n, 5) features of (n or 1, beams) readings in (beams,) or (n, beams) sectors."""
+    low, high = (float(np.float32(limit)) for limit in limits)
+    usable = (readings >= low) | np.isneginf(readings)  # NaN is in neither
+    values = np.clip(np.where(usable, readings, low), low, high)
+    ahead = usable & front
+    count = ahead.sum(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.where(ahead, values, 0.0).sum(axis=1) / count
+        deviations = np.where(ahead, values - mean[:, None], 0.0)
+        std = np.sqrt((deviations**2).sum(axis=1) / count)
+    least = [
+        np.where(usable & sector, values, np.inf).min(axis=1, initial=np.inf)
+        for sector in (front, left, right)
+    ]
+    found = np.column_stack((least[0], mean, std, least[1], least[2]))
+    return np.where(np.isfinite(found), found, np.nan)
 
 
 def _of_scan(scan: Scan, edges: tuple[float, float, float]) -> Floats:

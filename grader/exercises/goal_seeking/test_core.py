@@ -32,34 +32,20 @@ FORGET = (
 LEAST_SPL = 0.7  # success weighted by path length (Anderson et al., 2018)
 
 
-@check(points=5, asks=WIRING, task=1, scenarios=(FIRST,))
+@check(points=5, asks=WIRING, task=1, scenarios=(FIRST,), needs=())
 def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to /odom and /goal_pose and publishes on /cmd_vel."""
     wired(runs)
 
 
-@check(
-    points=5,
-    asks=STATE,
-    task=4,
-    scenarios=(FIRST, "goal_without_pose"),
-    needs=("wiring",),
-    hint="2.1",
-)
+@check(points=5, asks=STATE, task=4, scenarios=(FIRST, "goal_without_pose"), hint="2.1")
 def test_silent_until_ready(runs: Runs) -> None:
     """Nothing on /cmd_vel until the node has both a pose and a goal; then commands come."""
     follows(runs, "before", help="Publish nothing, not even zeros, while there is nothing to do.")
     follows(runs, "ready")
 
 
-@check(
-    points=10,
-    asks=TIMING,
-    task=1,
-    scenarios=(FIRST, "goal_changes"),
-    needs=("wiring",),
-    hint="1.2",
-)
+@check(points=10, asks=TIMING, task=1, scenarios=(FIRST, "goal_changes"), hint="1.2")
 def test_control_rate(runs: Runs) -> None:
     """On the way to a goal one command comes every 0.1 s."""
     follows(runs, "ready")
@@ -67,21 +53,21 @@ def test_control_rate(runs: Runs) -> None:
         keeps_time(recording)
 
 
-@check(points=5, asks=DECISION, task=4, scenarios=(FIRST,), needs=("wiring",), hint="3.1")
+@check(points=5, asks=DECISION, task=4, scenarios=(FIRST,), hint="3.1")
 def test_reaches_goal(runs: Runs) -> None:
     """From the origin the robot reaches (5, 3) within 30 s."""
     for recording in runs:
         reaches(recording, goals_of(recording)[0], PATIENCE)
 
 
-@check(points=5, asks=DECISION, task=4, scenarios=(*AROUND, FAR), needs=("wiring",), hint="3.1")
+@check(points=5, asks=DECISION, task=4, scenarios=(*AROUND, FAR), hint="3.1")
 def test_reaches_any_goal(runs: Runs) -> None:
     """The robot reaches goals behind it, beside it, across the ±π seam, and far away."""
     for recording in runs:
         reaches(recording, goals_of(recording)[0])
 
 
-@check(points=10, asks=DECISION, task=3, scenarios=(*AROUND, TURNS), needs=("wiring",), hint="3.2")
+@check(points=10, asks=DECISION, task=3, scenarios=(*AROUND, TURNS), hint="3.2")
 def test_turns_short_way(runs: Runs) -> None:
     """The robot turns toward the goal the short way, across the ±π seam too."""
     help = (
@@ -91,23 +77,14 @@ def test_turns_short_way(runs: Runs) -> None:
     follows(runs, "turn", help=help)
 
 
-@check(
-    points=10,
-    asks=DECISION,
-    task=4,
-    scenarios=("goal_speeds", FIRST),
-    needs=("wiring",),
-    hint="4.2",
-)
+@check(points=10, asks=DECISION, task=4, scenarios=("goal_speeds", FIRST), hint="4.2")
 def test_speed_law(runs: Runs) -> None:
     """linear.x = min(0.3, 0.5 · distance) [m/s]; slower only while it turns."""
     help = f"linear.x = min({MAX_SPEED}, {SPEED_GAIN} * distance), to the newest goal"
     follows(runs, "speed", help=help, tolerance=SPEED_TOLERANCE)
 
 
-@check(
-    points=5, asks=SAFETY, task=4, scenarios=(FIRST, *AROUND, TURNS), needs=("wiring",), hint="4.2"
-)
+@check(points=5, asks=SAFETY, task=4, scenarios=(FIRST, *AROUND, TURNS), hint="4.2")
 def test_limits(runs: Runs) -> None:
     """Never faster than 0.3 m/s or 1.9 rad/s, never backwards; every other field is zero."""
     follows(runs, "ready")
@@ -116,14 +93,7 @@ def test_limits(runs: Runs) -> None:
         require_zero(recording, FIELDS[1:5], help="This robot drives ahead, and turns.")
 
 
-@check(
-    points=10,
-    asks=STATE,
-    task=5,
-    scenarios=("goal_arrival", "goal_carried"),
-    needs=("wiring",),
-    hint="5.2",
-)
+@check(points=10, asks=STATE, task=5, scenarios=("goal_arrival", "goal_carried"), hint="5.2")
 def test_stops_once(runs: Runs) -> None:
     """On arrival one zero Twist and “Goal reached!” in the log, then silence, wherever it is."""
     for recording in runs:
@@ -147,7 +117,7 @@ def test_new_goal(runs: Runs) -> None:
                 reaches(recording, quest)
 
 
-@check(points=10, asks=STATE, task=5, scenarios=("goal_near",), needs=("wiring",), hint="5.3")
+@check(points=10, asks=STATE, task=5, scenarios=("goal_near",), hint="5.3")
 def test_near_goal(runs: Runs) -> None:
     """A goal already within 0.5 m is reached at the next tick; sent again, it counts again."""
     help = "Treat every goal alike: the control loop finds that it is reached."
@@ -157,16 +127,14 @@ def test_near_goal(runs: Runs) -> None:
             announces(recording, quest)
 
 
-@check(points=5, asks=SAFETY, task=2, scenarios=("goal_bad_input",), needs=("wiring",), hint="2.2")
+@check(points=5, asks=SAFETY, task=2, scenarios=("goal_bad_input",), hint="2.2")
 def test_bad_input(runs: Runs) -> None:
     """Goals and poses that are not finite are ignored, and the node goes on."""
     help = "Test x, y and yaw with math.isfinite before you keep them, each as it comes."
     follows(runs, "bad", help=help, tolerance=SPEED_TOLERANCE)
 
 
-@check(
-    points=5, asks=DECISION, task=2, scenarios=("goal_bad_input",), needs=("wiring",), hint="2.2"
-)
+@check(points=5, asks=DECISION, task=2, scenarios=("goal_bad_input",), hint="2.2")
 def test_warns(runs: Runs) -> None:
     """The log has a warning of a goal that is not finite, and of a pose."""
     warns(runs[0])

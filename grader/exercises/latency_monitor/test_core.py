@@ -33,20 +33,20 @@ SAYS_NAN = "latency_nothing_to_say"
 NO_MODEL = ("latency_no_model", "latency_empty_model", "latency_late_model")
 
 
-@check(points=5, asks=WIRING, task=1, scenarios=(TIMES,))
+@check(points=5, asks=WIRING, task=1, scenarios=(TIMES,), needs=())
 def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to /scan and publishes on /cmd_vel and /diagnostics."""
     wired(runs)
 
 
-@check(points=10, asks=DECISION, task=1, scenarios=(TIMES, FULL, HUNDRED, CLIP), needs=("wiring",))
+@check(points=10, asks=DECISION, task=1, scenarios=(TIMES, FULL, HUNDRED, CLIP))
 def test_one_command_per_scan(runs: Runs) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     answers_once(runs.only(TIMES, FULL, HUNDRED))
     answers_all(runs[CLIP])
 
 
-@check(points=5, asks=DECISION, task=1, scenarios=("latency_features", HUNDRED), needs=("wiring",))
+@check(points=5, asks=DECISION, task=1, scenarios=("latency_features", HUNDRED))
 def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
@@ -54,11 +54,7 @@ def test_features(runs: Runs) -> None:
 
 
 @check(
-    points=5,
-    asks=SAFETY,
-    task=1,
-    scenarios=(CLIP, "latency_default_speed", DEADLINE, LATE_LIDAR),
-    needs=("wiring",),
+    points=5, asks=SAFETY, task=1, scenarios=(CLIP, "latency_default_speed", DEADLINE, LATE_LIDAR)
 )
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.4, 0.8 m/s, or not set); the rest is 0."""
@@ -73,7 +69,7 @@ def test_clipped(runs: Runs) -> None:
     predicts(held, help="max_speed 0.0 holds the robot; in Python 0.0 is false.")
 
 
-@check(points=5, asks=SAFETY, task=1, scenarios=(SAYS_NAN, *NO_MODEL), needs=("wiring",))
+@check(points=5, asks=SAFETY, task=1, scenarios=(SAYS_NAN, *NO_MODEL))
 def test_fail_safe(runs: Runs) -> None:
     """NaN, a blind sector, an empty scan, no model at all: 0.0, and the node goes on."""
     held = runs.only(SAYS_NAN)
@@ -85,12 +81,7 @@ def test_fail_safe(runs: Runs) -> None:
 
 
 @check(
-    points=10,
-    asks=TIMING,
-    task=5,
-    scenarios=(FULL, HUNDRED, LATE_LIDAR, NO_MODEL[0]),
-    needs=("wiring",),
-    hint="5.1",
+    points=10, asks=TIMING, task=5, scenarios=(FULL, HUNDRED, LATE_LIDAR, NO_MODEL[0]), hint="5.1"
 )
 def test_report_rate(runs: Runs) -> None:
     """A report comes on /diagnostics every second, from the start on, and without a model too."""
@@ -99,20 +90,13 @@ def test_report_rate(runs: Runs) -> None:
         every(recording, TOPIC, PERIOD, PERIOD_TOLERANCE, help=help)
 
 
-@check(points=10, asks=WIRING, task=5, scenarios=(TIMES,), needs=("wiring",), hint="5.1")
+@check(points=10, asks=WIRING, task=5, scenarios=(TIMES,), hint="5.1")
 def test_status_form(runs: Runs) -> None:
     """Each report has one status with its name and eight values, all of them decimal strings."""
     well_formed(runs)
 
 
-@check(
-    points=5,
-    asks=STATE,
-    task=4,
-    scenarios=(LATE_LIDAR, RAISES, NO_MODEL[0]),
-    needs=("wiring",),
-    hint="3.2",
-)
+@check(points=5, asks=STATE, task=4, scenarios=(LATE_LIDAR, RAISES, NO_MODEL[0]), hint="3.2")
 def test_stale_at_first(runs: Runs) -> None:
     """Before the first prediction: level STALE, count 0, the other numbers 0.0."""
     help = "An empty window is STALE, has a count of 0, and 0.0 elsewhere."
@@ -120,7 +104,7 @@ def test_stale_at_first(runs: Runs) -> None:
     never_stale_again(runs.only(LATE_LIDAR))
 
 
-@check(points=10, asks=DECISION, task=2, scenarios=(TIMES, CLIP), needs=("wiring",), hint="2.2")
+@check(points=10, asks=DECISION, task=2, scenarios=(TIMES, CLIP), hint="2.2")
 def test_mean_and_max(runs: Runs) -> None:
     """count, mean_ms and max_ms are those of the calls so far, in milliseconds."""
     asks_once_each(runs.only(TIMES))
@@ -128,7 +112,7 @@ def test_mean_and_max(runs: Runs) -> None:
     reports(runs, "count", "mean_ms", "max_ms", help=help)
 
 
-@check(points=10, asks=DECISION, task=3, scenarios=(TIMES, CLIP), needs=("wiring",), hint="3.1")
+@check(points=10, asks=DECISION, task=3, scenarios=(TIMES, CLIP), hint="3.1")
 def test_percentiles(runs: Runs) -> None:
     """p50_ms, p95_ms and p99_ms are percentiles by linear interpolation."""
     asks_once_each(runs.only(TIMES))
@@ -136,14 +120,7 @@ def test_percentiles(runs: Runs) -> None:
     reports(runs, "p50_ms", "p95_ms", "p99_ms", help=help)
 
 
-@check(
-    points=5,
-    asks=STATE,
-    task=2,
-    scenarios=(FULL, DEADLINE, HUNDRED, LATE_LIDAR),
-    needs=("wiring",),
-    hint="2.3",
-)
+@check(points=5, asks=STATE, task=2, scenarios=(FULL, DEADLINE, HUNDRED, LATE_LIDAR), hint="2.3")
 def test_window(runs: Runs) -> None:
     """All numbers are about the last 100 calls, and not more, however long ago they were."""
     asks_once_each(runs.only(FULL, DEADLINE))
@@ -151,7 +128,7 @@ def test_window(runs: Runs) -> None:
     reports(runs, "count", "max_ms", "missed", help=help)
 
 
-@check(points=5, asks=DECISION, task=3, scenarios=(DEADLINE, FULL), needs=("wiring",), hint="2.3")
+@check(points=5, asks=DECISION, task=3, scenarios=(DEADLINE, FULL), hint="2.3")
 def test_missed(runs: Runs) -> None:
     """deadline_ms is the parameter (here 10.15 ms), and missed the number of calls over it."""
     asks_once_each(runs)
@@ -164,7 +141,6 @@ def test_missed(runs: Runs) -> None:
     asks=DECISION,
     task=4,
     scenarios=(DEADLINE, FULL, LATE_LIDAR, CLIP, TIMES),
-    needs=("wiring",),
     hint="4.1",
 )
 def test_levels(runs: Runs) -> None:
@@ -177,7 +153,7 @@ def test_levels(runs: Runs) -> None:
     reports(runs, "level", help=help)
 
 
-@check(points=5, asks=STATE, task=2, scenarios=(RAISES, SAYS_NAN), needs=("wiring",), hint="2.4")
+@check(points=5, asks=STATE, task=2, scenarios=(RAISES, SAYS_NAN), hint="2.4")
 def test_raised_calls(runs: Runs) -> None:
     """A call that raises leads to 0.0 and is not counted; one that returns NaN is counted."""
     raises = runs.only(RAISES)

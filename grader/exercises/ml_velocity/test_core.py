@@ -20,40 +20,39 @@ WITHOUT_MODEL = (
 SECTOR = "The front sector is |θ| ≤ 60°, with θ = angle_min + i · angle_increment, wrapped to ±π."
 
 follows_model = partial(predicts, tolerance=TOLERANCE)
-node_check = partial(check, needs=("wiring",))
 
 
-@check(points=3, asks=WIRING, task=1, scenarios=("ml_front_min",))
+@check(points=3, asks=WIRING, task=1, scenarios=("ml_front_min",), needs=())
 def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to /scan and publishes on /cmd_vel."""
     wired(runs)
 
 
-@node_check(points=3, asks=DECISION, task=4, scenarios=ANSWERED, requires=FOREST)
+@check(points=3, asks=DECISION, task=4, scenarios=ANSWERED, requires=FOREST)
 def test_one_command_per_scan(runs: Runs) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     answers_once(runs)
 
 
-@node_check(points=2, asks=DECISION, task=4, scenarios=("ml_front_min", WALL), requires=FOREST)
+@check(points=2, asks=DECISION, task=4, scenarios=("ml_front_min", WALL), requires=FOREST)
 def test_only_linear_x(runs: Runs) -> None:
     """Every field of the Twist but linear.x is zero."""
     only_linear_x(runs, "The model only chooses how fast to drive straight ahead.")
 
 
-@node_check(points=4, asks=DECISION, task=3, scenarios=("ml_front_min", HUNDRED), hint="3.1")
+@check(points=4, asks=DECISION, task=3, scenarios=("ml_front_min", HUNDRED), hint="3.1")
 def test_front_min(runs: Runs) -> None:
     """Feature 0 is the smallest distance of the front sector (|θ| ≤ 60°)."""
     follows_model(runs, help=f"The model echoes feature 0, times 0.08. {SECTOR}")
 
 
-@node_check(points=4, asks=DECISION, task=3, scenarios=("ml_front_mean",), hint="3.3")
+@check(points=4, asks=DECISION, task=3, scenarios=("ml_front_mean",), hint="3.3")
 def test_front_mean(runs: Runs) -> None:
     """Feature 1 is the mean distance of the front sector."""
     follows_model(runs, help=f"The model echoes feature 1, times 0.08. {SECTOR}")
 
 
-@node_check(points=4, asks=DECISION, task=3, scenarios=("ml_front_std",), hint="3.4")
+@check(points=4, asks=DECISION, task=3, scenarios=("ml_front_std",), hint="3.4")
 def test_front_std(runs: Runs) -> None:
     """Feature 2 is the population standard deviation of the front sector."""
     help = (
@@ -63,21 +62,21 @@ def test_front_std(runs: Runs) -> None:
     follows_model(runs, help=help)
 
 
-@node_check(points=3, asks=DECISION, task=3, scenarios=("ml_left_min",), hint="3.3")
+@check(points=3, asks=DECISION, task=3, scenarios=("ml_left_min",), hint="3.3")
 def test_left_min(runs: Runs) -> None:
     """Feature 3 is the smallest distance of the left sector (60° < θ ≤ 180°)."""
     help = "The model echoes feature 3, times 0.08. Left is positive (REP-103)."
     follows_model(runs, help=help)
 
 
-@node_check(points=3, asks=DECISION, task=3, scenarios=("ml_right_min",), hint="3.3")
+@check(points=3, asks=DECISION, task=3, scenarios=("ml_right_min",), hint="3.3")
 def test_right_min(runs: Runs) -> None:
     """Feature 4 is the smallest distance of the right sector (-180° ≤ θ < -60°)."""
     help = "The model echoes feature 4, times 0.08. Right is negative (REP-103)."
     follows_model(runs, help=help)
 
 
-@node_check(
+@check(
     points=3,
     asks=DECISION,
     task=3,
@@ -93,7 +92,7 @@ def test_infinite_readings(runs: Runs) -> None:
     follows_model(runs, help=help)
 
 
-@node_check(
+@check(
     points=3, asks=DECISION, task=3, scenarios=("ml_too_close", "ml_too_close_right"), hint="3.1"
 )
 def test_minus_infinity(runs: Runs) -> None:
@@ -105,7 +104,7 @@ def test_minus_infinity(runs: Runs) -> None:
     follows_model(runs, help=help)
 
 
-@node_check(
+@check(
     points=4,
     asks=DECISION,
     task=3,
@@ -118,20 +117,20 @@ def test_dropped_readings(runs: Runs) -> None:
     follows_model(runs, help=help)
 
 
-@node_check(points=4, asks=SAFETY, task=5, scenarios=("ml_blind",), hint="3.5")
+@check(points=4, asks=SAFETY, task=5, scenarios=("ml_blind",), hint="3.5")
 def test_blind_sector(runs: Runs) -> None:
     """A sector without a usable reading means 0.0, and the node goes on."""
     help = "Do not ask the model about a scan with a blind sector: command 0.0 and log why."
     follows_model(runs, help=help)
 
 
-@node_check(points=4, asks=SAFETY, task=5, scenarios=("ml_clip",), hint="5.2")
+@check(points=4, asks=SAFETY, task=5, scenarios=("ml_clip",), hint="5.2")
 def test_clipped(runs: Runs) -> None:
     """The prediction is clipped to 0 … max_speed (0.5 m/s)."""
     follows_model(runs, help="min(max(speed, 0.0), max_speed)")
 
 
-@node_check(
+@check(
     points=4,
     asks=WIRING,
     task=1,
@@ -150,9 +149,7 @@ def test_parameters(runs: Runs) -> None:
         follows_model(runs.of([recording]), help=help)
 
 
-@node_check(
-    points=4, asks=STATE, task=2, scenarios=("ml_loads_once", "ml_raises", HUNDRED), hint="2.1"
-)
+@check(points=4, asks=STATE, task=2, scenarios=("ml_loads_once", "ml_raises", HUNDRED), hint="2.1")
 def test_loads_once(runs: Runs) -> None:
     """The model is loaded once, while the node is constructed, and not again, whatever happens."""
     loads_once(runs)
@@ -160,20 +157,20 @@ def test_loads_once(runs: Runs) -> None:
     follows_model(runs.only("ml_loads_once"), help=help)
 
 
-@node_check(points=3, asks=SAFETY, task=5, scenarios=("ml_not_finite",), hint="5.2")
+@check(points=3, asks=SAFETY, task=5, scenarios=("ml_not_finite",), hint="5.2")
 def test_not_finite(runs: Runs) -> None:
     """A prediction that is not finite means 0.0, and the node goes on."""
     help = "min and max do not stop NaN, and clip +inf to full speed: ask math.isfinite first."
     follows_model(runs, help=help)
 
 
-@node_check(points=3, asks=SAFETY, task=5, scenarios=("ml_raises",), hint="5.1")
+@check(points=3, asks=SAFETY, task=5, scenarios=("ml_raises",), hint="5.1")
 def test_model_raises(runs: Runs) -> None:
     """When predict raises, the command is 0.0 and the node goes on."""
     follows_model(runs, help="try: … except Exception as error: around predict, and publish 0.0.")
 
 
-@node_check(points=4, asks=SAFETY, task=2, scenarios=WITHOUT_MODEL, hint="2.2")
+@check(points=4, asks=SAFETY, task=2, scenarios=WITHOUT_MODEL, hint="2.2")
 def test_no_model(runs: Runs) -> None:
     """Without a model that can be loaded: an error in the log, and 0.0 for every scan."""
     stands(runs)

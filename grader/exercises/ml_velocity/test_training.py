@@ -28,7 +28,7 @@ COMMAND = "python3 {} --data train.npz --out velocity_model.pkl --onnx velocity_
 trained = partial(check, scenarios=("ml_training",), requires=TRAINING)
 
 
-@trained(points=3, asks=WIRING, task=7)
+@trained(points=3, asks=WIRING, task=7, needs=())
 def test_training_runs(runs: Runs) -> None:
     """The training script runs in 60 s and writes the pickle that it is asked for."""
     recording, training = _trained(runs)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import PurePath
 
 from grader.checks.braking import LINEAR, PICKLE, model_says_go
 from grader.checks.case import Case
-from grader.checks.check import check
 from grader.checks.contract import Contract, Survived
 from grader.checks.model_cases import speed_cases
 from grader.checks.predictions import model_file, model_found
@@ -32,8 +31,6 @@ CONTRACT = Contract(
     delayed_in=("format_drive_pickle", "format_drive_onnx"),
     survives=Survived(sensors=300, commands=300),
 )
-
-node_check = partial(check, needs=("wiring",))
 
 
 @lru_cache(maxsize=2)  # a check asks for all cases, and for those of a tag

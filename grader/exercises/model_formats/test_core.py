@@ -10,33 +10,30 @@ from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, WIRING, check
 from grader.checks.model_commands import predicts
 from grader.checks.words import answers_once, only_linear_x, wired
-from grader.exercises.model_formats.contract import node_check
 
 READINGS, LONG, BLIND = "format_readings", "format_hundred", "format_blind"
 STANDING = (BLIND, "format_no_file", "format_raises_pickle")
 
 
-@check(points=3, asks=WIRING, task=1, scenarios=(READINGS,))
+@check(points=3, asks=WIRING, task=1, scenarios=(READINGS,), needs=())
 def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to /scan and publishes on /cmd_vel."""
     wired(runs)
 
 
-@node_check(
-    points=3, asks=DECISION, task=8, scenarios=(READINGS, LONG, BLIND, "format_says_pickle")
-)
+@check(points=3, asks=DECISION, task=8, scenarios=(READINGS, LONG, BLIND, "format_says_pickle"))
 def test_one_command_per_scan(runs: Runs) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     answers_once(runs)
 
 
-@node_check(points=2, asks=DECISION, task=8, scenarios=(READINGS, *STANDING))
+@check(points=2, asks=DECISION, task=8, scenarios=(READINGS, *STANDING))
 def test_only_linear_x(runs: Runs) -> None:
     """Every field of the Twist but linear.x is zero."""
     only_linear_x(runs, "The model only chooses how fast to drive straight ahead.")
 
 
-@node_check(points=4, asks=DECISION, task=2, scenarios=(READINGS, LONG))
+@check(points=4, asks=DECISION, task=2, scenarios=(READINGS, LONG))
 def test_readings(runs: Runs) -> None:
     """The features are those of exercise 2: infinities replaced, unusable readings dropped."""
     help = (
@@ -46,14 +43,14 @@ def test_readings(runs: Runs) -> None:
     predicts(runs, "readings", help=help)
 
 
-@node_check(points=4, asks=SAFETY, task=8, scenarios=(BLIND,))
+@check(points=4, asks=SAFETY, task=8, scenarios=(BLIND,))
 def test_blind_sector(runs: Runs) -> None:
     """A sector without a usable reading means 0.0, and the node goes on."""
     help = "Do not ask the model about a scan with a blind sector: command 0.0 and log why."
     predicts(runs, "blind", help=help)
 
 
-@node_check(
+@check(
     points=2, asks=WIRING, task=1, scenarios=("format_parameters", "format_held", "format_defaults")
 )
 def test_parameters(runs: Runs) -> None:

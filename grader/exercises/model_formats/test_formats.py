@@ -6,7 +6,7 @@ from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, check
 from grader.checks.model_commands import is_free, predicts
 from grader.checks.words import drives_on, keeps_distance
-from grader.exercises.model_formats.contract import KERAS, ONNX, SKLEARN, TORCH, node_check
+from grader.exercises.model_formats.contract import KERAS, ONNX, SKLEARN, TORCH
 
 FEATURES = (
     "The model is linear with five different weights: are the features right, and in their order?"
@@ -14,15 +14,13 @@ FEATURES = (
 SHAPES = "(n,) and (n, 1) both hold n numbers: np.ravel treats them alike."
 
 
-@node_check(
-    points=7, asks=DECISION, task=3, scenarios=("format_pickle",), requires=SKLEARN, hint="3.1"
-)
+@check(points=7, asks=DECISION, task=3, scenarios=("format_pickle",), requires=SKLEARN, hint="3.1")
 def test_pickle(runs: Runs) -> None:
     """Drives at the speed that a scikit-learn model predicts (.pkl)."""
     predicts(runs, "features", help=FEATURES)
 
 
-@node_check(points=8, asks=DECISION, task=4, scenarios=("format_onnx",), requires=ONNX, hint="4.1")
+@check(points=8, asks=DECISION, task=4, scenarios=("format_onnx",), requires=ONNX, hint="4.1")
 def test_onnx(runs: Runs) -> None:
     """Drives at the speed that an ONNX model predicts (.onnx, output (n, 1))."""
     predicts(runs, "features", help=f"{FEATURES} The session wants float32.")
@@ -43,18 +41,14 @@ def test_onnx_names(runs: Runs) -> None:
     predicts(runs, "features", help=help)
 
 
-@node_check(
-    points=6, asks=DECISION, task=5, scenarios=("format_torch",), requires=TORCH, hint="5.1"
-)
+@check(points=6, asks=DECISION, task=5, scenarios=("format_torch",), requires=TORCH, hint="5.1")
 def test_torch_export(runs: Runs) -> None:
     """Drives at the speed that a PyTorch program predicts (.pt2)."""
     help = "torch.export.load(path).module() is what can be called, with a float32 tensor (1, 5)."
     predicts(runs, "features", help=help)
 
 
-@node_check(
-    points=6, asks=DECISION, task=6, scenarios=("format_keras",), requires=KERAS, hint="6.1"
-)
+@check(points=6, asks=DECISION, task=6, scenarios=("format_keras",), requires=KERAS, hint="6.1")
 def test_keras(runs: Runs) -> None:
     """Drives at the speed that a Keras model predicts (.keras)."""
     predicts(runs, "features", help=f"{FEATURES} keras.saving.load_model(path) loads it.")

@@ -6,7 +6,7 @@ from grader.checks.case import Case, Runs
 from grader.checks.check import DECISION, SAFETY, STATE, check
 from grader.checks.model_commands import loads_once, predicts, stands
 from grader.checks.words import follows
-from grader.exercises.model_formats.contract import KERAS, ONNX, node_check
+from grader.exercises.model_formats.contract import KERAS, ONNX
 
 FILES = (
     "format_no_file", "format_broken_pickle", "format_empty_pickle", "format_foreign_pickle",
@@ -31,37 +31,37 @@ KNOWN = (
 LOAD_LATER = "Import a format's library in the function that loads that format, not at the top."
 
 
-@node_check(points=4, asks=DECISION, task=7, scenarios=UPPER, requires=ONNX, hint="7.1")
+@check(points=4, asks=DECISION, task=7, scenarios=UPPER, requires=ONNX, hint="7.1")
 def test_suffix_in_capitals(runs: Runs) -> None:
     """The suffix is what the path ends in, and may be in capitals: ./MODEL.ONNX, v1.2/Model.Pkl."""
     predicts(runs, "features", help="Path(path).suffix.lower()")
 
 
-@node_check(points=5, asks=SAFETY, task=7, scenarios=UNKNOWN, hint="7.1")
+@check(points=5, asks=SAFETY, task=7, scenarios=UNKNOWN, hint="7.1")
 def test_unknown_suffix(runs: Runs) -> None:
     """Any other suffix, or none: an error in the log, and 0.0 for every scan."""
     stands(runs, KNOWN)
 
 
-@node_check(points=4, asks=SAFETY, task=7, scenarios=FILES, hint="7.2")
+@check(points=4, asks=SAFETY, task=7, scenarios=FILES, hint="7.2")
 def test_no_model(runs: Runs) -> None:
     """A missing or broken file: an error in the log, and 0.0 for every scan."""
     stands(runs)
 
 
-@node_check(points=2, asks=SAFETY, task=7, scenarios=DEEP_FILES, requires=KERAS, hint="7.2")
+@check(points=2, asks=SAFETY, task=7, scenarios=DEEP_FILES, requires=KERAS, hint="7.2")
 def test_deep_no_model(runs: Runs) -> None:
     """A missing or broken .pt2 or .keras: an error in the log, and 0.0 for every scan."""
     stands(runs)
 
 
-@node_check(points=3, asks=SAFETY, task=7, scenarios=WITHOUT, hint="7.2")
+@check(points=3, asks=SAFETY, task=7, scenarios=WITHOUT, hint="7.2")
 def test_no_library(runs: Runs) -> None:
     """PyTorch or Keras is not installed and is needed: an error in the log, and 0.0."""
     stands(runs, LOAD_LATER)
 
 
-@node_check(
+@check(
     points=3,
     asks=DECISION,
     task=7,
@@ -75,7 +75,7 @@ def test_other_libraries(runs: Runs) -> None:
     predicts(runs.only(*ALONE), "features", help=LOAD_LATER)
 
 
-@node_check(points=5, asks=STATE, task=7, scenarios=(*SWAPPED, RAISES), requires=ONNX, hint="7.3")
+@check(points=5, asks=STATE, task=7, scenarios=(*SWAPPED, RAISES), requires=ONNX, hint="7.3")
 def test_loads_once(runs: Runs) -> None:
     """The .pkl and the .onnx are loaded once, while the node is constructed."""
     loads_once(runs.only(SWAPPED[0], RAISES))  # the judge keeps these

@@ -6,20 +6,20 @@ from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, check
 from grader.checks.model_commands import ERRORS, predicts
 from grader.checks.words import logs
-from grader.exercises.model_formats.contract import KERAS, ONNX, TORCH, node_check
+from grader.exercises.model_formats.contract import KERAS, ONNX, TORCH
 
 SAYS = ("format_says_pickle", "format_says_onnx")
 RAISES = ("format_raises_pickle", "format_raises_onnx", "format_long_raises")
 DEEP = ("format_says_torch", "format_says_keras", "format_raises_torch", "format_raises_keras")
 
 
-@node_check(points=3, asks=SAFETY, task=8, scenarios=SAYS, requires=ONNX)
+@check(points=3, asks=SAFETY, task=8, scenarios=SAYS, requires=ONNX)
 def test_clipped(runs: Runs) -> None:
     """The prediction is clipped to 0 … max_speed (0.5 m/s)."""
     predicts(runs, "clip", help="min(max(speed, 0.0), max_speed)")
 
 
-@node_check(points=3, asks=SAFETY, task=8, scenarios=(*SAYS, "format_long_nan"), requires=ONNX)
+@check(points=3, asks=SAFETY, task=8, scenarios=(*SAYS, "format_long_nan"), requires=ONNX)
 def test_not_finite(runs: Runs) -> None:
     """A prediction that is not finite means 0.0, and the node goes on."""
     help = "min and max do not stop NaN, and clip +inf to full speed: ask math.isfinite first."
@@ -27,12 +27,7 @@ def test_not_finite(runs: Runs) -> None:
 
 
 @check(
-    points=3,
-    asks=SAFETY,
-    task=8,
-    scenarios=DEEP,
-    needs=("torch_export", "keras"),
-    requires=KERAS,
+    points=3, asks=SAFETY, task=8, scenarios=DEEP, needs=("torch_export", "keras"), requires=KERAS
 )
 def test_deep_bounds(runs: Runs) -> None:
     """The same with .pt2 and .keras: clipped; 0.0 if not finite, or if the model raises."""
@@ -40,14 +35,14 @@ def test_deep_bounds(runs: Runs) -> None:
     predicts(runs, help=help)
 
 
-@node_check(points=3, asks=SAFETY, task=8, scenarios=RAISES, requires=ONNX)
+@check(points=3, asks=SAFETY, task=8, scenarios=RAISES, requires=ONNX)
 def test_model_raises(runs: Runs) -> None:
     """When the model raises, the command is 0.0 and the node goes on."""
     help = "try: … except Exception as error: around the prediction, and publish 0.0."
     predicts(runs, "raises", help=help)
 
 
-@node_check(
+@check(
     points=2,
     asks=DECISION,
     task=5,

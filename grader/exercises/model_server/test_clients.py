@@ -27,7 +27,7 @@ NEEDS = ("client_wiring", "never_blocks")
 READS = (*NEEDS, "publishes")
 
 
-@check(points=5, asks=WIRING, task=5, scenarios=(SLOW,))
+@check(points=5, asks=WIRING, task=5, scenarios=(SLOW,), needs=())
 def test_client_wiring(runs: Runs) -> None:
     """The client starts, spins, asks /detect and publishes on its topics."""
     wired(runs, "navigation_client")

@@ -19,7 +19,7 @@ NEEDS = ("server_wiring",)
 BOTH = ("server_wiring", "client_wiring")
 
 
-@check(points=5, asks=WIRING, task=1, scenarios=(PLAIN,))
+@check(points=5, asks=WIRING, task=1, scenarios=(PLAIN,), needs=())
 def test_server_wiring(runs: Runs) -> None:
     """The server starts, spins, listens to /scan and offers the service /detect."""
     wired(runs, "detection_server")

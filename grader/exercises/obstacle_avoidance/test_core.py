@@ -25,79 +25,53 @@ DRIVES = (
 CALLBACK_LIMIT = 0.1  # [s], p99
 
 
-@check(points=5, asks=WIRING, task=1, scenarios=("avoid_zones",))
+@check(points=5, asks=WIRING, task=1, scenarios=("avoid_zones",), needs=())
 def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to /scan and publishes on /cmd_vel."""
     wired(runs)
 
 
 @check(
-    points=5,
-    asks=DECISION,
-    task=4,
-    scenarios=("avoid_zones", HUNDRED, LONG, *DRIVES),
-    needs=("wiring",),
-    hint="4.1",
+    points=5, asks=DECISION, task=4, scenarios=("avoid_zones", HUNDRED, LONG, *DRIVES), hint="4.1"
 )
 def test_one_command_per_scan(runs: Runs) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     answers_once(runs)
 
 
-@check(
-    points=5,
-    asks=SAFETY,
-    task=4,
-    scenarios=("avoid_zones", "avoid_wall", LONG),
-    needs=("wiring",),
-    hint="4.1",
-)
+@check(points=5, asks=SAFETY, task=4, scenarios=("avoid_zones", "avoid_wall", LONG), hint="4.1")
 def test_only_linear_x(runs: Runs) -> None:
     """Every field of the Twist but linear.x is zero."""
     only_linear_x(runs)
 
 
-@check(
-    points=10,
-    asks=DECISION,
-    task=3,
-    scenarios=("avoid_zones", HUNDRED),
-    needs=("wiring",),
-    hint="3.2",
-)
+@check(points=10, asks=DECISION, task=3, scenarios=("avoid_zones", HUNDRED), hint="3.2")
 def test_clear_zone(runs: Runs) -> None:
     """From 1.0 m on the robot drives at 0.50 m/s."""
     follows(runs, "clear", help="1.0 m itself belongs to the clear zone.", explain=no_zone)
 
 
-@check(points=10, asks=DECISION, task=3, scenarios=("avoid_zones",), needs=("wiring",), hint="3.2")
+@check(points=10, asks=DECISION, task=3, scenarios=("avoid_zones",), hint="3.2")
 def test_slow_zone(runs: Runs) -> None:
     """From 0.5 m to below 1.0 m the robot drives at 0.15 m/s."""
     help = "0.5 m itself belongs to the slow zone; 30 % of 0.5 m/s is 0.15."
     follows(runs, "slow", help=help, explain=no_zone)
 
 
-@check(
-    points=10,
-    asks=SAFETY,
-    task=3,
-    scenarios=("avoid_zones", HUNDRED, LONG),
-    needs=("wiring",),
-    hint="3.2",
-)
+@check(points=10, asks=SAFETY, task=3, scenarios=("avoid_zones", HUNDRED, LONG), hint="3.2")
 def test_stop_zone(runs: Runs) -> None:
     """Below 0.5 m the robot stands still, for however long."""
     help = "Is d the smallest distance within ±90°, and is every d below 0.5 m a stop?"
     follows(runs, "stop", help=help, explain=no_zone)
 
 
-@check(points=5, asks=DECISION, task=2, scenarios=("avoid_zones",), needs=("wiring",), hint="2.1")
+@check(points=5, asks=DECISION, task=2, scenarios=("avoid_zones",), hint="2.1")
 def test_ignores_behind(runs: Runs) -> None:
     """What is behind the robot (beyond ±90°) does not matter."""
     follows(runs, "behind", help="Only beams within ±90° (±π/2 rad) of ahead count.")
 
 
-@check(points=10, asks=DECISION, task=2, scenarios=("avoid_zones",), needs=("wiring",), hint="2.1")
+@check(points=10, asks=DECISION, task=2, scenarios=("avoid_zones",), hint="2.1")
 def test_sees_sides(runs: Runs) -> None:
     """Whatever is ahead counts, be it small or far to one side (up to ±90°)."""
     help = (
@@ -107,15 +81,13 @@ def test_sees_sides(runs: Runs) -> None:
     follows(runs, "side", "ahead", help=help)
 
 
-@check(
-    points=5, asks=DECISION, task=2, scenarios=("avoid_infinity",), needs=("wiring",), hint="2.4"
-)
+@check(points=5, asks=DECISION, task=2, scenarios=("avoid_infinity",), hint="2.4")
 def test_infinite_readings(runs: Runs) -> None:
     """+inf means that nothing is within range: the way is free."""
     follows(runs, "infinite", help="Do not throw +inf away: it is a distance, a big one.")
 
 
-@check(points=5, asks=DECISION, task=2, scenarios=("avoid_invalid",), needs=("wiring",), hint="2.3")
+@check(points=5, asks=DECISION, task=2, scenarios=("avoid_invalid",), hint="2.3")
 def test_invalid_readings(runs: Runs) -> None:
     """NaN, and finite readings outside range_min … range_max, are ignored; the others count."""
     help = (
@@ -125,13 +97,13 @@ def test_invalid_readings(runs: Runs) -> None:
     follows(runs, "invalid", help=help)
 
 
-@check(points=5, asks=SAFETY, task=2, scenarios=("avoid_too_close",), needs=("wiring",), hint="2.4")
+@check(points=5, asks=SAFETY, task=2, scenarios=("avoid_too_close",), hint="2.4")
 def test_minus_infinity(runs: Runs) -> None:
     """-inf means closer than the sensor can measure: distance 0."""
     follows(runs, "minus_infinity", help="-inf is not free: it is as near as can be.")
 
 
-@check(points=5, asks=SAFETY, task=2, scenarios=("avoid_blind",), needs=("wiring",), hint="2.5")
+@check(points=5, asks=SAFETY, task=2, scenarios=("avoid_blind",), hint="2.5")
 def test_blind(runs: Runs) -> None:
     """Without any usable reading ahead the robot stands, and it drives on when it sees again."""
     follows(runs, "blind", help="No usable reading: the robot cannot know, so 0.0.")
@@ -151,7 +123,7 @@ def test_no_contact(runs: Runs) -> None:
     keeps_distance(runs, CLEARANCE, help)
 
 
-@check(points=5, asks=STATE, scenarios=(HUNDRED, LONG, *DRIVES), needs=("wiring",), hint="3.1")
+@check(points=5, asks=STATE, scenarios=(HUNDRED, LONG, *DRIVES), hint="3.1")
 def test_drives_on(runs: Runs) -> None:
     """The robot drives whenever the way ahead is free, also after a stop, and a long one."""
     for recording in runs.only(*DRIVES):

@@ -26,27 +26,20 @@ LONG = "safe_for_long"  # half a minute and more
 BUSY = "safe_busy"  # lidar and model at 40 Hz
 
 
-@check(points=5, asks=WIRING, task=1, scenarios=("safe_pass",))
+@check(points=5, asks=WIRING, task=1, scenarios=("safe_pass",), needs=())
 def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to 3 topics and publishes on /cmd_vel and /diagnostics."""
     wired(runs)
 
 
-@check(points=5, asks=TIMING, task=1, scenarios=(*EVERY, LONG), needs=("wiring",), hint="1.1")
+@check(points=5, asks=TIMING, task=1, scenarios=(*EVERY, LONG), hint="1.1")
 def test_control_rate(runs: Runs) -> None:
     """One command at each tick, 20 a second from the start on, whatever the reason for it."""
     for recording in runs:
         one_a_tick(recording)
 
 
-@check(
-    points=5,
-    asks=DECISION,
-    task=4,
-    scenarios=("safe_pass", "safe_obstacle"),
-    needs=("wiring",),
-    hint="1.1",
-)
+@check(points=5, asks=DECISION, task=4, scenarios=("safe_pass", "safe_obstacle"), hint="1.1")
 def test_passes_on(runs: Runs) -> None:
     """What is safe is passed on as it is, backwards too; the four other fields are zero."""
     help = "Where no rule stops or limits it, linear.x and angular.z go out as they came in."
@@ -56,9 +49,7 @@ def test_passes_on(runs: Runs) -> None:
         require_zero(recording, FIELDS[1:5], help)
 
 
-@check(
-    points=5, asks=SAFETY, task=4, scenarios=("safe_limits", LONG), needs=("wiring",), hint="4.1"
-)
+@check(points=5, asks=SAFETY, task=4, scenarios=("safe_limits", LONG), hint="4.1")
 def test_limits(runs: Runs) -> None:
     """linear.x is clamped to ±0.5 m/s and angular.z to ±1.9 rad/s, for however long."""
     for recording in runs:
@@ -68,7 +59,7 @@ def test_limits(runs: Runs) -> None:
     follows(runs.only("safe_limits"), "settled", help=help)
 
 
-@check(points=10, asks=DECISION, task=4, scenarios=EVERY, needs=("wiring",), hint="4.2")
+@check(points=10, asks=DECISION, task=4, scenarios=EVERY, hint="4.2")
 def test_acceleration(runs: Runs) -> None:
     """linear.x rises by at most 0.045 m/s a tick, from the last command published or from 0."""
     help = (
@@ -79,21 +70,14 @@ def test_acceleration(runs: Runs) -> None:
     follows(runs.only("safe_ramp"), "rising", help=help)
 
 
-@check(points=5, asks=SAFETY, task=4, scenarios=("safe_ramp", BUSY), needs=("wiring",), hint="4.2")
+@check(points=5, asks=SAFETY, task=4, scenarios=("safe_ramp", BUSY), hint="4.2")
 def test_never_delays(runs: Runs) -> None:
     """Slowing down, stopping and driving backwards take effect at once."""
     help = "The limit is for getting faster forwards only: min(asked, max(0, last) + 0.045)."
     follows(runs, "slower", help=help)
 
 
-@check(
-    points=10,
-    asks=SAFETY,
-    task=3,
-    scenarios=("safe_e_stop", BUSY, BUTTON, LONG),
-    needs=("wiring",),
-    hint="3.1",
-)
+@check(points=10, asks=SAFETY, task=3, scenarios=("safe_e_stop", BUSY, BUTTON, LONG), hint="3.1")
 def test_e_stop(runs: Runs) -> None:
     """While the last /e_stop was true the robot stands, from the next tick on."""
     help = "Keep the last /e_stop, whatever else holds: true holds until a false comes."
@@ -102,14 +86,7 @@ def test_e_stop(runs: Runs) -> None:
     goes_on(runs.only(BUSY), "after_e_stop", help)
 
 
-@check(
-    points=5,
-    asks=SAFETY,
-    task=3,
-    scenarios=("safe_bad_command", LONG),
-    needs=("wiring",),
-    hint="3.2",
-)
+@check(points=5, asks=SAFETY, task=3, scenarios=("safe_bad_command", LONG), hint="3.2")
 def test_bad_command(runs: Runs) -> None:
     """A command with NaN or infinity in a field stops the robot until a good one comes."""
     help = "math.isfinite on each field, before you compare: comparisons with NaN are false."
@@ -117,14 +94,7 @@ def test_bad_command(runs: Runs) -> None:
     goes_on(runs.only("safe_bad_command"), "after_bad_command", help)
 
 
-@check(
-    points=5,
-    asks=SAFETY,
-    task=3,
-    scenarios=("safe_stale_command", BUTTON, LONG),
-    needs=("wiring",),
-    hint="1.2",
-)
+@check(points=5, asks=SAFETY, task=3, scenarios=("safe_stale_command", BUTTON, LONG), hint="1.2")
 def test_stale_command(runs: Runs) -> None:
     """Without a raw command for more than 0.5 s (or at all) the robot stands."""
     help = "Note when each command arrives, and look at its age at every tick."
@@ -132,14 +102,7 @@ def test_stale_command(runs: Runs) -> None:
     goes_on(runs.only("safe_stale_command"), "moves", help)
 
 
-@check(
-    points=5,
-    asks=SAFETY,
-    task=3,
-    scenarios=("safe_stale_scan", BUTTON, LONG),
-    needs=("wiring",),
-    hint="1.2",
-)
+@check(points=5, asks=SAFETY, task=3, scenarios=("safe_stale_scan", BUTTON, LONG), hint="1.2")
 def test_stale_scan(runs: Runs) -> None:
     """Without a scan for more than 0.5 s (or at all) the robot stands."""
     help = "Note when each scan arrives, and look at its age at every tick."
@@ -147,7 +110,7 @@ def test_stale_scan(runs: Runs) -> None:
     goes_on(runs.only("safe_stale_scan"), "moves", help)
 
 
-@check(points=5, asks=SAFETY, task=3, scenarios=("safe_blind",), needs=("wiring",), hint="3.2")
+@check(points=5, asks=SAFETY, task=3, scenarios=("safe_blind",), hint="3.2")
 def test_blind_scan(runs: Runs) -> None:
     """When the newest scan has no usable reading ahead the robot stands; +inf is free."""
     help = "The newest scan counts: if it is blind, an older distance is no help."
@@ -155,14 +118,7 @@ def test_blind_scan(runs: Runs) -> None:
     goes_on(runs, "after_stale_scan", help)
 
 
-@check(
-    points=5,
-    asks=SAFETY,
-    task=4,
-    scenarios=("safe_obstacle", LONG, BUSY),
-    needs=("wiring",),
-    hint="3.1",
-)
+@check(points=5, asks=SAFETY, task=4, scenarios=("safe_obstacle", LONG, BUSY), hint="3.1")
 def test_obstacle(runs: Runs) -> None:
     """Below 0.5 m ahead no driving forwards; turning (clamped) and backing out as asked."""
     help = (
@@ -174,13 +130,13 @@ def test_obstacle(runs: Runs) -> None:
     goes_on(runs.only("safe_obstacle"), "moves", help)
 
 
-@check(points=5, asks=SAFETY, scenarios=("safe_drive",), needs=("wiring",))
+@check(points=5, asks=SAFETY, scenarios=("safe_drive",))
 def test_no_contact(runs: Runs) -> None:
     """With a model that never brakes the robot touches nothing, and drives."""
     keeps_distance(runs, clearance=0.0)
 
 
-@check(points=5, asks=DECISION, task=5, scenarios=SHORT, needs=("wiring",), hint="5.2")
+@check(points=5, asks=DECISION, task=5, scenarios=SHORT, hint="5.2")
 def test_status_text(runs: Runs) -> None:
     """Each message on /diagnostics has one status, whose text begins with a reason word."""
     help = "status.message begins with the word itself; anything may follow after a space."
@@ -227,7 +183,7 @@ def test_levels(runs: Runs) -> None:
     follows(runs, "level", topic=DIAGNOSTICS_TOPIC, help=help)
 
 
-@check(points=5, asks=TIMING, task=5, scenarios=(*EVERY, LONG), needs=("wiring",), hint="5.1")
+@check(points=5, asks=TIMING, task=5, scenarios=(*EVERY, LONG), hint="5.1")
 def test_heartbeat(runs: Runs) -> None:
     """/diagnostics is never silent for longer than a second, however long a reason holds."""
     for recording in runs:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.inferences import require_kept, require_one_at_a_time, require_one_load
@@ -41,22 +39,20 @@ RAISES, NOT_FINITE, BLIND = "slow_raises", "slow_nan", "slow_blind"
 WITHOUT_MODEL = ("slow_no_model", "slow_empty_model", "slow_late_model")
 SHORTEST_INFERENCE = 0.2  # [s] of the late lidar's model
 
-builds_on_wiring = partial(check, needs=("wiring",))
 
-
-@check(points=5, asks=WIRING, task=2, scenarios=(LEADER,))
+@check(points=5, asks=WIRING, task=2, scenarios=(LEADER,), needs=())
 def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to /scan and publishes on /cmd_vel."""
     wired(runs)
 
 
-@builds_on_wiring(points=10, asks=TIMING, task=2, scenarios=(LEADER, FAST, TOO_SLOW), hint="2.1")
+@check(points=10, asks=TIMING, task=2, scenarios=(LEADER, FAST, TOO_SLOW), hint="2.1")
 def test_control_period(runs: Runs) -> None:
     """A command every 50 ms (no gap over 75 ms), whether the model takes 200, 30 or 800 ms."""
     keeps_period(runs)
 
 
-@builds_on_wiring(points=5, asks=SAFETY, task=4, scenarios=("slow_late_lidar",), hint="4.3")
+@check(points=5, asks=SAFETY, task=4, scenarios=("slow_late_lidar",), hint="4.3")
 def test_starts_at_zero(runs: Runs) -> None:
     """From the first tick on there are commands; they are 0.0 until there is a prediction."""
     for recording in runs:
@@ -66,7 +62,7 @@ def test_starts_at_zero(runs: Runs) -> None:
     drives(runs, "Does inference still wait when no scan has come for 38 s?")
 
 
-@builds_on_wiring(points=10, asks=TIMING, task=3, scenarios=(LEADER, FAST), hint="3.1")
+@check(points=10, asks=TIMING, task=3, scenarios=(LEADER, FAST), hint="3.1")
 def test_inference_rate(runs: Runs) -> None:
     """Inference keeps going: at least 3 new predictions per second reach /cmd_vel."""
     keeps_going(runs, LEAST_RATE)
@@ -88,14 +84,14 @@ def test_scan_age(runs: Runs) -> None:
         takes_at_once(recording)
 
 
-@builds_on_wiring(points=5, asks=TIMING, task=3, scenarios=(SLOW_LIDAR,), hint="3.1")
+@check(points=5, asks=TIMING, task=3, scenarios=(SLOW_LIDAR,), hint="3.1")
 def test_slow_lidar(runs: Runs) -> None:
     """With a lidar of 5 Hz: at least 2.4 new predictions per second, scans at most 0.6 s old."""
     keeps_going(runs, LEAST_RATE_5_HZ)
     stays_young(runs, AGE_P95_5_HZ)
 
 
-@builds_on_wiring(points=10, asks=SAFETY, task=4, scenarios=(DROPOUT, LATE_SCANS), hint="4.1")
+@check(points=10, asks=SAFETY, task=4, scenarios=(DROPOUT, LATE_SCANS), hint="4.1")
 def test_too_old(runs: Runs) -> None:
     """When the lidar falls silent, the robot is told to stop within 0.65 s of the last scan."""
     help = (
@@ -109,7 +105,7 @@ def test_too_old(runs: Runs) -> None:
             stands(recording, last.stamp + LATEST_STOP + recording.slack, back, help=help)
 
 
-@builds_on_wiring(points=5, asks=STATE, task=4, scenarios=(DROPOUT, TOO_SLOW, STAMPS), hint="4.1")
+@check(points=5, asks=STATE, task=4, scenarios=(DROPOUT, TOO_SLOW, STAMPS), hint="4.1")
 def test_recovery(runs: Runs) -> None:
     """When the lidar comes back, or its clock, or the model is fast again, so do predictions."""
     takes_at_once(runs[DROPOUT], since=silence(runs[DROPOUT])[1])
@@ -119,7 +115,7 @@ def test_recovery(runs: Runs) -> None:
     heeds(runs.only(STAMPS), "stamps", help="The newest scan is the one that came last.")
 
 
-@builds_on_wiring(points=5, asks=DECISION, task=1, scenarios=("slow_features",))
+@check(points=5, asks=DECISION, task=1, scenarios=("slow_features",))
 def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
@@ -128,7 +124,7 @@ def test_features(runs: Runs) -> None:
         require_one_load(recording, recording.duration_s)
 
 
-@builds_on_wiring(points=5, asks=SAFETY, task=1, scenarios=(HELD, *CLIP))
+@check(points=5, asks=SAFETY, task=1, scenarios=(HELD, *CLIP))
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.8 m/s, or not set); the rest is 0."""
     stands(runs[HELD], help="max(0.0, min(max_speed, prediction)); in Python 0.0 is false.")
@@ -138,7 +134,7 @@ def test_clipped(runs: Runs) -> None:
     only_linear_x(runs)
 
 
-@builds_on_wiring(points=5, asks=SAFETY, task=3, scenarios=(RAISES,), hint="3.3")
+@check(points=5, asks=SAFETY, task=3, scenarios=(RAISES,), hint="3.3")
 def test_raising_model(runs: Runs) -> None:
     """A model that raises leaves the control loop running: 0.0, until it works again."""
     heeds(runs, "raises", help="No prediction means 0.0, after 0.6 s at the latest.")
@@ -148,7 +144,7 @@ def test_raising_model(runs: Runs) -> None:
         takes_at_once(recording)
 
 
-@builds_on_wiring(points=5, asks=SAFETY, task=3, scenarios=(NOT_FINITE, BLIND), hint="3.4")
+@check(points=5, asks=SAFETY, task=3, scenarios=(NOT_FINITE, BLIND), hint="3.4")
 def test_nan_model(runs: Runs) -> None:
     """NaN or ±inf from the model, or a blind sector: 0.0, until there is a prediction again."""
     odd, blind = runs.only(NOT_FINITE), runs.only(BLIND)
@@ -161,7 +157,7 @@ def test_nan_model(runs: Runs) -> None:
     heeds(runs, "good", help="After NaN or blindness the next prediction counts again.")
 
 
-@builds_on_wiring(points=10, asks=TIMING, task=3, scenarios=(ALONE, RAISES, TOO_SLOW), hint="3.2")
+@check(points=10, asks=TIMING, task=3, scenarios=(ALONE, RAISES, TOO_SLOW), hint="3.2")
 def test_one_at_a_time(runs: Runs) -> None:
     """One inference at a time: predict is never called while another call of it still runs."""
     drives(runs.only(ALONE))
@@ -169,7 +165,7 @@ def test_one_at_a_time(runs: Runs) -> None:
         require_one_at_a_time(recording)
 
 
-@builds_on_wiring(points=5, asks=SAFETY, task=4, scenarios=(TOO_SLOW,), hint="4.1")
+@check(points=5, asks=SAFETY, task=4, scenarios=(TOO_SLOW,), hint="4.1")
 def test_too_slow_model(runs: Runs) -> None:
     """A model that takes 800 ms is always too late: every command is 0.0.
 
@@ -179,7 +175,7 @@ def test_too_slow_model(runs: Runs) -> None:
     heeds(runs, "slow", "hangs", help=help)
 
 
-@builds_on_wiring(points=10, asks=SAFETY, task=1, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
+@check(points=10, asks=SAFETY, task=1, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
 def test_no_model(runs: Runs) -> None:
     """Without a model that can be loaded: an error in the log, and 0.0 at each tick."""
     drives(runs.only(LEADER))

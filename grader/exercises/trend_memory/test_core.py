@@ -21,32 +21,25 @@ IN_TIME, FAST, UNUSABLE = "trend_in_time", "trend_fast", "trend_unusable"
 DRIVES = ("trend_wall", "trend_cart")
 
 
-@check(points=5, asks=WIRING, task=1, scenarios=(NEAR,))
+@check(points=5, asks=WIRING, task=1, scenarios=(NEAR,), needs=())
 def test_wiring(runs: Runs) -> None:
     """The node starts, spins, listens to /scan and publishes on /closing_speed and /cmd_vel."""
     wired(runs)
 
 
-@check(
-    points=5,
-    asks=DECISION,
-    task=4,
-    scenarios=(APPROACH, LATE, *DRIVES),
-    needs=("wiring",),
-    hint="4.3",
-)
+@check(points=5, asks=DECISION, task=4, scenarios=(APPROACH, LATE, *DRIVES), hint="4.3")
 def test_one_command_per_scan(runs: Runs) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     answers_once(runs)
 
 
-@check(points=5, asks=SAFETY, task=4, scenarios=(APPROACH, IN_TIME), needs=("wiring",))
+@check(points=5, asks=SAFETY, task=4, scenarios=(APPROACH, IN_TIME))
 def test_only_linear_x(runs: Runs) -> None:
     """Every field of the Twist but linear.x is zero."""
     only_linear_x(runs)
 
 
-@check(points=5, asks=STATE, task=3, scenarios=(APPROACH, CHANGES), needs=("wiring",), hint="3.4")
+@check(points=5, asks=STATE, task=3, scenarios=(APPROACH, CHANGES), hint="3.4")
 def test_silent_until_ten(runs: Runs) -> None:
     """Nothing on /closing_speed before the tenth reading; then closing speeds come."""
     keeps_pace(runs, "filling", help="Return early: nothing is known yet, not even zero.")
@@ -57,7 +50,6 @@ def test_silent_until_ten(runs: Runs) -> None:
     asks=STATE,
     task=3,
     scenarios=(APPROACH, AWAY, REST, CHANGES, "trend_quick", "trend_seldom"),
-    needs=("wiring",),
     hint="3.4",
 )
 def test_one_speed_per_reading(runs: Runs) -> None:
@@ -66,14 +58,7 @@ def test_one_speed_per_reading(runs: Runs) -> None:
     keeps_pace(runs, "full", help=help)
 
 
-@check(
-    points=10,
-    asks=DECISION,
-    task=3,
-    scenarios=(APPROACH, AWAY, REST, RUSH),
-    needs=("wiring",),
-    hint="3.1",
-)
+@check(points=10, asks=DECISION, task=3, scenarios=(APPROACH, AWAY, REST, RUSH), hint="3.1")
 def test_closing_speed(runs: Runs) -> None:
     """It is minus the least-squares slope of distance over stamp: closer, away, at rest."""
     help = (
@@ -83,21 +68,21 @@ def test_closing_speed(runs: Runs) -> None:
     says(runs, "tenth", topic=TOPIC, help=help)
 
 
-@check(points=5, asks=DECISION, task=2, scenarios=("trend_ahead",), needs=("wiring",), hint="2.4")
+@check(points=5, asks=DECISION, task=2, scenarios=("trend_ahead",), hint="2.4")
 def test_looks_ahead(runs: Runs) -> None:
     """The distance is the smallest one within ±90° of ahead, as in exercise 1."""
     help = "Compute each beam's angle; what is behind the robot does not matter."
     says(runs, "full", topic=TOPIC, help=help)
 
 
-@check(points=5, asks=STATE, task=2, scenarios=(CHANGES, REST), needs=("wiring",), hint="2.2")
+@check(points=5, asks=STATE, task=2, scenarios=(CHANGES, REST), hint="2.2")
 def test_forgets_old(runs: Runs) -> None:
     """Only the last ten readings count: what was before is forgotten, one reading at a time."""
     help = "With each new reading the oldest one goes: deque(maxlen=10)."
     says(runs, "full", topic=TOPIC, help=help)
 
 
-@check(points=5, asks=STATE, task=2, scenarios=(STAMPS, EQUAL), needs=("wiring",), hint="2.3")
+@check(points=5, asks=STATE, task=2, scenarios=(STAMPS, EQUAL), hint="2.3")
 def test_uses_stamps(runs: Runs) -> None:
     """Time is the scan's header stamp: scans may be late or missing, stamps may be equal."""
     help = (
@@ -107,7 +92,7 @@ def test_uses_stamps(runs: Runs) -> None:
     says(runs, "full", topic=TOPIC, help=help)
 
 
-@check(points=5, asks=STATE, task=2, scenarios=(UNUSABLE,), needs=("wiring",), hint="2.4")
+@check(points=5, asks=STATE, task=2, scenarios=(UNUSABLE,), hint="2.4")
 def test_unusable_scans(runs: Runs) -> None:
     """Scans without a usable distance ahead, or with +inf, are not remembered."""
     help = (
@@ -118,39 +103,25 @@ def test_unusable_scans(runs: Runs) -> None:
     says(runs, "full", topic=TOPIC, help=help)
 
 
-@check(points=5, asks=STATE, task=5, scenarios=("trend_backwards",), needs=("wiring",), hint="5.1")
+@check(points=5, asks=STATE, task=5, scenarios=("trend_backwards",), hint="5.1")
 def test_clears_backwards(runs: Runs) -> None:
     """A stamp that goes backwards empties the memory first; then ten new readings are needed."""
     starts_over(runs)
 
 
-@check(points=5, asks=STATE, task=5, scenarios=("trend_jump",), needs=("wiring",), hint="5.1")
+@check(points=5, asks=STATE, task=5, scenarios=("trend_jump",), hint="5.1")
 def test_clears_jump(runs: Runs) -> None:
     """A stamp that jumps ahead by more than 1 s empties the memory first; 0.96 s does not."""
     starts_over(runs)
 
 
-@check(
-    points=5,
-    asks=SAFETY,
-    task=4,
-    scenarios=(NEAR, LATE, "trend_near_away"),
-    needs=("wiring",),
-    hint="4.1",
-)
+@check(points=5, asks=SAFETY, task=4, scenarios=(NEAR, LATE, "trend_near_away"), hint="4.1")
 def test_stops_near(runs: Runs) -> None:
     """Below 0.5 m the robot stands, whether or not a closing speed is known, and whatever it is."""
     says(runs, "near", help="Below 0.5 m: 0.0 m/s, from the first scan on.")
 
 
-@check(
-    points=10,
-    asks=SAFETY,
-    task=4,
-    scenarios=(IN_TIME, FAST, RUSH, UNUSABLE),
-    needs=("wiring",),
-    hint="4.2",
-)
+@check(points=10, asks=SAFETY, task=4, scenarios=(IN_TIME, FAST, RUSH, UNUSABLE), hint="4.2")
 def test_stops_in_time(runs: Runs) -> None:
     """The robot stands when less than 2 s are left: distance / closing speed < 2.0 s."""
     help = "Something comes: does the newest closing speed count?"
@@ -162,7 +133,6 @@ def test_stops_in_time(runs: Runs) -> None:
     asks=DECISION,
     task=4,
     scenarios=(NEAR, IN_TIME, AWAY, REST, LATE, UNUSABLE),
-    needs=("wiring",),
     hint="4.2",
 )
 def test_drives_free(runs: Runs) -> None:
@@ -174,14 +144,14 @@ def test_drives_free(runs: Runs) -> None:
     says(runs, "free", help=help)
 
 
-@check(points=5, asks=SAFETY, task=4, scenarios=("trend_blind",), needs=("wiring",), hint="4.1")
+@check(points=5, asks=SAFETY, task=4, scenarios=("trend_blind",), hint="4.1")
 def test_blind(runs: Runs) -> None:
     """Without any usable reading ahead the robot stands, and it drives on when it sees again."""
     says(runs, "blind", help="No usable reading: the robot cannot know, so 0.0.")
     says(runs, "seen", help="After blindness a good scan counts again.")
 
 
-@check(points=10, asks=SAFETY, scenarios=DRIVES, needs=("wiring",))
+@check(points=10, asks=SAFETY, scenarios=DRIVES)
 def test_no_contact(runs: Runs) -> None:
     """Before a wall and a cart that comes closer the robot keeps a clearance of 0.2 m."""
     help = "Watch the replay from two seconds before: what was the closing speed?"
