@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib.metadata
+import math
 import os
 import platform
 from collections.abc import Iterable, Iterator, Sequence
@@ -194,7 +195,8 @@ def grade(
         raise DiskFull(f"the disk is full: {full}") from full
     if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED) or not plugin.results:
         raise GraderError(f"the checks of {exercise.slug} can't be run (pytest: {code!r})")
-    checks, recordings = tuple(plugin.results.values()), tuple(trials.recordings())
+    checks = sorted(plugin.results.values(), key=_place)
+    recordings = tuple(trials.recordings())
     cause = _cause(exercise, checks, recordings)
     return Grading(
         exercise=exercise,
@@ -208,6 +210,11 @@ def grade(
         trial_notes=tuple(trials.notes()),
         cause=cause,
     )
+
+
+def _place(check: CheckResult) -> tuple[bool, float]:
+    """Return where a check is shown: by the README's tasks, those about all tasks after them."""
+    return check.kind == "field", check.task or math.inf
 
 
 def _cause(
@@ -313,7 +320,6 @@ def _arguments(exercise: Exercise) -> list[str]:
         "--import-mode=importlib",
         "--assert=plain",  # checks speak through fail(); rewriting would cost half a second
         "--capture=sys",
-        "--tb=native",  # nobody reads it, and pytest's own takes 20 ms a failure
         f"--rootdir={exercise.judge}",
         f"--config-file={os.devnull}",
         "-W", "ignore",

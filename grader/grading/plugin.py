@@ -123,6 +123,7 @@ class CheckPlugin:
             "markers",
             "check(points, field, scenarios, needs, requires, asks, task, hint): one check",
         )
+        config.option.tbstyle = "native"  # nobody reads it, and pytest's own takes 20 ms
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Select the checks, order each after those it needs, and start their trials."""
