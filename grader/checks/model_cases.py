@@ -12,15 +12,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from grader.checks.case import Allowed, Case, Interval, Said, exactly
-from grader.checks.commands import ZERO, Answer, answers
+from grader.checks.commands import Answer, answers
 from grader.checks.inferences import questions
 from grader.checks.predictions import (
-    TOLERANCE,
-    SpeedInterval,
+    Prediction,
     max_speed,
     model_file,
+    prediction,
     quick,
-    right_speeds,
 )
 from grader.models.features import possible_features
 from grader.models.files import is_kept, probe
@@ -44,8 +43,8 @@ def speed_cases(recording: Recording, model: Model | None) -> list[Case]:
     ends = [*(answer.scan.t for answer in found[1:]), recording.duration_s]
     cases = []
     for answer, end in zip(found, ends, strict=True):
-        right = right_speeds(source, answer.scan, limit)
-        allowed: dict[str, Allowed] = {SPEED: ((right.low, right.high),)}
+        right = prediction(source, answer.scan, limit)
+        allowed: dict[str, Allowed] = {SPEED: right.allowed}
         said: dict[str, Said] = {} if answer.speed is None else {SPEED: answer.speed}
         if kept and said and not np.isnan(possible_features(answer.scan)).any():
             asked = questions(recording, PREDICT, answer.scan.t, end)
@@ -64,23 +63,19 @@ def scan_in_words(recording: Recording, answer: Answer) -> str:
     return f"the scan at {answer.scan.t:.3f} s"
 
 
-def _answered(
-    asked: Sequence[Inference], right: SpeedInterval, limit: float
-) -> tuple[Interval, ...]:
+def _answered(asked: Sequence[Inference], right: Prediction, limit: float) -> tuple[Interval, ...]:
     """Return those of the right speeds that the model said; all of them if it said none."""
-    speeds = [s for s in _clipped(asked, limit) if right.allows(s, TOLERANCE)]
-    if asked and right.allows(0.0, ZERO):
-        speeds.append(0.0)
-    return exactly(*sorted(set(speeds))) or ((right.low, right.high),)
+    speeds = {s for s in (*_clipped(asked, limit), *([0.0] if asked else [])) if right.allows(s)}
+    return exactly(*sorted(speeds)) or right.allowed
 
 
-def _asked(asked: Sequence[Inference], right: SpeedInterval, limit: float) -> str:
+def _asked(asked: Sequence[Inference], right: Prediction, limit: float) -> str:
     """Return what the model was asked: the right speed may have been computed without it."""
     said = _clipped(asked, limit)
     if not asked:
         return f"not {CALLED}"
-    known = right.allows(0.0, ZERO) or any(right.allows(s, TOLERANCE) for s in said)
-    return CALLED if known or not said else f"{CALLED} with other features"
+    known = not said or any(map(right.allows, (0.0, *said)))
+    return CALLED if known else f"{CALLED} with other features"
 
 
 def _clipped(asked: Sequence[Inference], limit: float) -> list[float]:

@@ -15,8 +15,9 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from grader.checks.case import Interval, exactly
 from grader.checks.commands import ZERO
-from grader.models.features import FRONT_EDGE, Floats, possible_features
+from grader.models.features import Floats, possible_features
 from grader.models.files import probe
 from grader.recording import Recording, Scan
 from sim.scenario import Model, Scenario
@@ -25,35 +26,6 @@ MODEL = "velocity_model.pkl"
 MAX_SPEED = 0.5  # [m/s] without the parameter
 TOLERANCE = 5e-5  # [m/s] of a prediction
 BROKEN = ("garbage", "empty", "pickled", "foreign")  # in files that hold no model of their format
-
-
-@dataclass(frozen=True)
-class SpeedInterval:
-    """The speeds that are right for a scan; where a sector may be blind 0.0 is one of them."""
-
-    low: float  # [m/s]
-    high: float  # [m/s]
-
-    def allows(self, speed: float, tolerance: float) -> bool:
-        """Tell whether a command [m/s] is in the interval."""
-        return self.low - tolerance <= speed <= self.high + tolerance
-
-    def __str__(self) -> str:
-        """Return the middle, without trailing zeros."""
-        return f"{(self.low + self.high) / 2:.4f}".rstrip("0").ljust(4, "0")
-
-
-def right_speeds(model: Any, scan: Scan, limit: float, front: float = FRONT_EDGE) -> SpeedInterval:
-    """Return what a node with this probe (None: no model) may command; limit is max_speed [m/s].
-
-    Its front sector ends at ±`front` [°].
-    """
-    if model is None:
-        return SpeedInterval(0.0, 0.0)
-    speeds = [
-        _predict(model, features, limit) or 0.0 for features in possible_features(scan, front)
-    ]
-    return SpeedInterval(min(speeds), max(speeds))
 
 
 def model_file(scenario: Scenario) -> str:
@@ -99,13 +71,9 @@ class Prediction:
         return predicted or (self.missing and abs(speed) < ZERO)
 
     @property
-    def text(self) -> str:
-        """The prediction in words, for a student."""
-        if not self.exists:
-            return "0.0000 m/s (there is no prediction)"
-        if self.most - self.least < 0.0001:
-            return f"{(self.least + self.most) / 2:.4f} m/s" + " or 0.0" * self.missing
-        return f"{self.least:.4f} to {self.most:.4f} m/s" + " or 0.0" * self.missing
+    def allowed(self) -> tuple[Interval, ...]:
+        """The commands that are right [m/s]."""
+        return exactly(0.0) * self.missing + ((self.least, self.most),) * self.exists
 
 
 def predictions(recording: Recording) -> tuple[Prediction, ...]:
@@ -118,11 +86,13 @@ def predictions(recording: Recording) -> tuple[Prediction, ...]:
 @lru_cache(maxsize=32)  # several checks ask for the same
 def _predictions(scans: tuple[Scan, ...], packed: bytes, limit: float) -> tuple[Prediction, ...]:
     model = probe(quick(msgspec.msgpack.decode(packed, type=Model)))
-    return tuple(_prediction(model, scan, limit) for scan in scans)
+    return tuple(prediction(model, scan, limit) for scan in scans)
 
 
-def _prediction(model: Any, scan: Scan, limit: float) -> Prediction:
-    speeds = [_predict(model, features, limit) for features in possible_features(scan)]
+def prediction(model: Any, scan: Scan, limit: float) -> Prediction:
+    """Return what a probe (None: no model) predicts from a scan; limit is max_speed [m/s]."""
+    rows = () if model is None else possible_features(scan)
+    speeds = [_predict(model, features, limit) for features in rows]
     numbers = [speed for speed in speeds if speed is not None]
     if not numbers:
         return Prediction(scan, -math.inf, -math.inf, missing=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from grader.checks.case import Runs
+from grader.checks.case import Runs, spell_allowed
 from grader.checks.inferences import questions
 from grader.checks.predictions import TOLERANCE, Prediction, max_speed, predictions
 from grader.checks.turns import turns
@@ -93,7 +93,8 @@ def _require_a_call_each(recording: Recording, calls: list[Inference]) -> None:
     if len(missed) > (LATE_IN_REAL_TIME * len(said) if recording.live is not None else 0):
         fail(
             f"the model was not asked about the scan at {missed[0].scan.t:.2f} s",
-            expected=f"one call of predict, with one row, that returns {missed[0].text}",
+            expected=f"one call of predict, with one row, that returns "
+            f"{spell_allowed(missed[0].allowed, 'm/s')}",
             actual=f"{len(calls)} calls in all; {len(missed)} of {len(said)} scans without one",
             at=missed[0].scan.t,
             recording=recording,

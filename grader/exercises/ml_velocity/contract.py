@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 from grader.checks.braking import braking, model_says_go
 from grader.checks.case import Case
 from grader.checks.contract import Contract, Survived
@@ -25,7 +23,6 @@ CONTRACT = Contract(
 )
 
 
-@lru_cache(maxsize=2)  # a check asks for all cases, and for those of a tag
 def cases(recording: Recording) -> list[Case]:
     """Return an occasion for each scan: the speed that the scenario's model predicts, clipped."""
     return speed_cases(recording, model_found(recording.scenario))

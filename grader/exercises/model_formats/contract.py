@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import PurePath
 
 from grader.checks.braking import LINEAR, PICKLE, model_says_go
@@ -33,7 +32,6 @@ CONTRACT = Contract(
 )
 
 
-@lru_cache(maxsize=2)  # a check asks for all cases, and for those of a tag
 def cases(recording: Recording) -> list[Case]:
     """Return an occasion for each scan: the speed that the model predicts, clipped.
 

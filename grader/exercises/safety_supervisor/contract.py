@@ -7,7 +7,6 @@ import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 from typing import TypeVar
 
@@ -66,7 +65,6 @@ CONTRACT = Contract(
 )
 
 
-@lru_cache(maxsize=32)  # nearly every check asks
 def cases(recording: Recording) -> tuple[Case, ...]:
     """Return the occasions: at each tick a command and a reason, and each report.
 

@@ -11,7 +11,7 @@ from itertools import groupby
 import numpy as np
 
 from grader.checks.braking import braking, model_says_go
-from grader.checks.case import Case, Interval, exactly
+from grader.checks.case import Case, exactly
 from grader.checks.contract import Contract, Survived
 from grader.checks.predictions import max_speed, predictions
 from grader.models.features import possible_features
@@ -55,7 +55,6 @@ class Answer:
     speed: float  # [m/s], clipped; NaN: no number
 
 
-@lru_cache(maxsize=8)  # each check of a recording asks several times
 def cases(recording: Recording) -> tuple[Case, ...]:
     """Return an occasion for each command, and one for each that comes while a scan is held.
 
@@ -161,11 +160,7 @@ def _held(recording: Recording) -> Iterator[Case]:
     begins = [first.scan.t for _, first in holds]
     ends = [*begins[1:], recording.duration_s]
     for (spec, first), begin, end in zip(holds, begins, ends, strict=True):
-        right: tuple[Interval, ...] = exactly(0.0) if first.missing else ()
-        if first.exists:
-            right += ((first.least, first.most),)
-        if TOO_LATE & set(spec.tags):
-            right = exactly(0.0)
+        right = exactly(0.0) if TOO_LATE & set(spec.tags) else first.allowed
         case = Case(begin + LATEST_STOP, f"“{spec.label}”", frozenset(spec.tags), {SPEED: right})
         during = np.flatnonzero((twists.t >= case.at) & (twists.t < end))
         for i in during.tolist():

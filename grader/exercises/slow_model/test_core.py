@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
-from grader.checks.inferences import require_kept, require_one_at_a_time, require_one_load
+from grader.checks.model_commands import loads_once
 from grader.checks.predictions import TOLERANCE
 from grader.checks.words import logs, only_linear_x, wired
 from grader.exercises.slow_model.contract import (
@@ -24,6 +24,7 @@ from grader.exercises.slow_model.words import (
     heeds,
     keeps_going,
     keeps_period,
+    one_at_a_time,
     stands,
     stays_young,
     takes_at_once,
@@ -120,8 +121,7 @@ def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
     heeds(runs, "features", help=help, tolerance=TOLERANCE)
-    for recording in runs:
-        require_one_load(recording, recording.duration_s)
+    loads_once(runs)
 
 
 @check(points=5, asks=SAFETY, task=1, scenarios=(HELD, *CLIP))
@@ -139,8 +139,8 @@ def test_raising_model(runs: Runs) -> None:
     """A model that raises leaves the control loop running: 0.0, until it works again."""
     heeds(runs, "raises", help="No prediction means 0.0, after 0.6 s at the latest.")
     heeds(runs, "good", help="After an exception the next inference counts again.")
+    loads_once(runs)
     for recording in runs:
-        require_kept(recording)
         takes_at_once(recording)
 
 
@@ -162,7 +162,7 @@ def test_one_at_a_time(runs: Runs) -> None:
     """One inference at a time: predict is never called while another call of it still runs."""
     drives(runs.only(ALONE))
     for recording in runs:
-        require_one_at_a_time(recording)
+        one_at_a_time(recording)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=(TOO_SLOW,), hint="4.1")

@@ -5,6 +5,7 @@ keeps_going    new predictions reach /cmd_vel
 stays_young    the scans behind the commands are not too old
 takes_newest   inference takes the newest scan that there is
 takes_at_once  a scan that finds the model idle is taken
+one_at_a_time  no call of predict begins before the last one has ended
 heeds          the node drives on what its model says, and says what is allowed
 stands         0.0, and no silence
 drives         the node drives on what its model says
@@ -192,6 +193,21 @@ def takes_at_once(recording: Recording, since: float = 0.0) -> None:
             recording=recording,
             help="When one inference has ended, whatever came of it, the next scan is a new start.",
         )
+
+
+def one_at_a_time(recording: Recording) -> None:
+    """Fail if predict was called while another call of it still ran."""
+    for before, after in pairwise(calls(recording)):
+        if after.asked < before.answered:
+            fail(
+                "two inferences ran at the same time",
+                expected="the next one starts when the last one has ended",
+                actual=f"predict was called at {after.asked / 1e9:.3f} s, while the call of "
+                f"{before.asked / 1e9:.3f} s still ran",
+                at=after.asked / 1e9,
+                recording=recording,
+                help="A MutuallyExclusiveCallbackGroup, or a single worker thread, ensures that.",
+            )
 
 
 def asks_about_scans(recording: Recording, help: str) -> None:
