@@ -8,7 +8,10 @@ description are not inherited.
 A scenario with a `bench` has an empty world and no odometry where it says nothing of them. An entry
 of the bench may stand for several scans: `{ ramp = [5.0, 4.4], scans = 13 }` has fills from 5.0 to
 4.4 m, each labelled with its distance; `{}` in a label stands for it, and where there are patches
-without a range, they have it instead.
+without a range, they have it instead. `{ repeat = 24, of = [{ … }, { … }] }` are these scans, 24
+times in turn. So it is in the script, where `every` is the time from one turn to the next:
+`{ repeat = 9, every = 0.2, of = [{ at = 1.0, … }, { at = 1.1, … }] }`, or, of one event,
+`{ at = 1.0, repeat = 9, every = 0.2, … }`.
 
 A table `[matrix]` makes several scenarios of one file: `[matrix.onnx]` in `format_raises.toml` is
 `format_raises_onnx`, with these keys over the file's own. The file itself is none then.
@@ -16,7 +19,7 @@ A table `[matrix]` makes several scenarios of one file: `[matrix.onnx]` in `form
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +36,7 @@ SCENARIOS = (  # folders of folders of scenarios: the robot's own, and those of 
     (HERE.parent / "grader" / "exercises", "*/scenarios/*.toml"),
 )
 EXTENDS, MATRIX, RAMP = "extends", "matrix", "ramp"
+REPEAT, EVERY, OF = "repeat", "every", "of"
 BENCH_DEFAULTS = {
     "world": {"description": "Nothing: the bench says what the lidar sees."},
     "odometry": {"enabled": False},
@@ -206,7 +210,10 @@ def _base(name: Any, where: str) -> dict[str, Any]:
 def _scenario(doc: dict[str, Any], where: str) -> Scenario:
     """Resolve the world first: it is a name or a table, and has errors of its own."""
     if "bench" in doc:
-        doc = {**BENCH_DEFAULTS, **doc, "bench": _spelled_out(doc["bench"], where)}
+        bench = _spelled_out(doc["bench"], f"{where}: bench", _scans)
+        doc = {**BENCH_DEFAULTS, **doc, "bench": bench}
+    if "script" in doc:
+        doc = {**doc, "script": _spelled_out(doc["script"], f"{where}: script", _events)}
     if "world" not in doc:
         raise InputError(
             f"{where}: missing key 'world' (a world's name, or a table; `extends` inherits one)"
@@ -217,17 +224,64 @@ def _scenario(doc: dict[str, Any], where: str) -> Scenario:
     return msgspec.structs.replace(scenario, world=world)
 
 
-def _spelled_out(bench: Any, where: str) -> Any:
-    """Return the entries of a bench with its ramps spelled out; what is none is left as it is."""
-    if not isinstance(bench, list):
-        return bench
+def _spelled_out(entries: Any, at: str, spell: Callable[[dict[str, Any], str], list[Any]]) -> Any:
+    """Return the entries of a list with those that stand for several spelled out."""
+    if not isinstance(entries, list):
+        return entries
     found: list[Any] = []
-    for i, entry in enumerate(bench):
-        if isinstance(entry, dict) and RAMP in entry:
-            found += _ramp(entry, f"{where}: bench.{i}")
-        else:
-            found.append(entry)
+    for i, entry in enumerate(entries):
+        found += spell(entry, f"{at}.{i}") if isinstance(entry, dict) else [entry]
     return found
+
+
+def _scans(entry: dict[str, Any], at: str) -> list[Any]:
+    if OF not in entry:
+        return _scan_or_ramp(entry, at)
+    _refuse_others(entry, (REPEAT, OF), at)
+    turn = _spelled_out(_list_of(entry, at), f"{at}.{OF}", _scan_or_ramp)
+    return _times(entry, turn, at) * turn
+
+
+def _scan_or_ramp(entry: dict[str, Any], at: str) -> list[Any]:
+    return _ramp(entry, at) if RAMP in entry else [entry]
+
+
+def _events(entry: dict[str, Any], at: str) -> list[Any]:
+    if OF in entry:
+        _refuse_others(entry, (REPEAT, EVERY, OF), at)
+        turn = _list_of(entry, at)
+    elif REPEAT in entry:
+        turn = [{key: value for key, value in entry.items() if key not in (REPEAT, EVERY)}]
+    else:
+        return [entry]
+    count, every = _times(entry, turn, at), entry.get(EVERY)
+    if not _is_number(every):
+        raise InputError(f"{at}: {EVERY} = {shown(every)}: expected seconds from turn to turn")
+    return [_later(event, i * every) for i in range(count) for event in turn]
+
+
+def _list_of(entry: dict[str, Any], at: str) -> list[Any]:
+    if not isinstance(entry[OF], list):
+        raise InputError(f"{at}: {OF} = {shown(entry[OF])}: expected a list")
+    return entry[OF]
+
+
+def _times(entry: dict[str, Any], turn: list[Any], at: str) -> int:
+    count, most = entry.get(REPEAT), MAX_BENCH_SCANS // max(1, len(turn))
+    if not isinstance(count, int) or not 1 <= count <= most:
+        raise InputError(f"{at}: {REPEAT} = {shown(count)}: expected a count from 1 to {most}")
+    return count
+
+
+def _refuse_others(entry: dict[str, Any], known: tuple[str, ...], at: str) -> None:
+    for key in sorted(entry.keys() - known):
+        raise InputError(f"{at}: unknown key '{key}' beside '{OF}'")
+
+
+def _later(event: Any, seconds: float) -> Any:
+    if not isinstance(event, dict) or not _is_number(event.get("at")):
+        return event  # what is wrong with it is said as of any other
+    return {**event, "at": round(event["at"] + seconds, 6)}
 
 
 def _ramp(entry: dict[str, Any], at: str) -> list[dict[str, Any]]:
