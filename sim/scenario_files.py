@@ -6,27 +6,22 @@ other value, lists such as `[[script]]` included, replaces the inherited one as 
 description are not inherited.
 
 A scenario with a `bench` has an empty world and no odometry where it says nothing of them. An entry
-of the bench may stand for several scans: `{ ramp = [5.0, 4.4], scans = 13 }` has fills from 5.0 to
-4.4 m, each labelled with its distance; `{}` in a label stands for it, and where there are patches
-without a range, they have it instead. `{ repeat = 24, of = [{ … }, { … }] }` are these scans, 24
-times in turn. So it is in the script, where `every` is the time from one turn to the next:
-`{ repeat = 9, every = 0.2, of = [{ at = 1.0, … }, { at = 1.1, … }] }`, or, of one event,
-`{ at = 1.0, repeat = 9, every = 0.2, … }`.
+of its bench or script may stand for several; see `sim.scenario_lists`.
 
 A table `[matrix]` makes several scenarios of one file: `[matrix.onnx]` in `format_raises.toml` is
 `format_raises_onnx`, with these keys over the file's own. The file itself is none then.
 """
 
 import json
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from sim.errors import InputError
-from sim.scenario import MAX_BENCH_SCANS, Scenario
+from sim.scenario import Scenario
+from sim.scenario_lists import events_of, scans_of
 from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown, unknown_name
 from sim.world import World, load_world, world_from_doc, world_names
 
@@ -35,8 +30,7 @@ SCENARIOS = (  # folders of folders of scenarios: the robot's own, and those of 
     (HERE / "scenarios", "*/*.toml"),
     (HERE.parent / "grader" / "exercises", "*/scenarios/*.toml"),
 )
-EXTENDS, MATRIX, RAMP = "extends", "matrix", "ramp"
-REPEAT, EVERY, OF = "repeat", "every", "of"
+EXTENDS, MATRIX = "extends", "matrix"
 BENCH_DEFAULTS = {
     "world": {"description": "Nothing: the bench says what the lidar sees."},
     "odometry": {"enabled": False},
@@ -210,10 +204,10 @@ def _base(name: Any, where: str) -> dict[str, Any]:
 def _scenario(doc: dict[str, Any], where: str) -> Scenario:
     """Resolve the world first: it is a name or a table, and has errors of its own."""
     if "bench" in doc:
-        bench = _spelled_out(doc["bench"], f"{where}: bench", _scans)
+        bench = scans_of(doc["bench"], f"{where}: bench")
         doc = {**BENCH_DEFAULTS, **doc, "bench": bench}
     if "script" in doc:
-        doc = {**doc, "script": _spelled_out(doc["script"], f"{where}: script", _events)}
+        doc = {**doc, "script": events_of(doc["script"], f"{where}: script")}
     if "world" not in doc:
         raise InputError(
             f"{where}: missing key 'world' (a world's name, or a table; `extends` inherits one)"
@@ -222,89 +216,6 @@ def _scenario(doc: dict[str, Any], where: str) -> Scenario:
     empty = {**doc, "world": {}}
     scenario = convert(empty, Scenario, where, may_be_infinite=_MAY_BE_INFINITE)
     return msgspec.structs.replace(scenario, world=world)
-
-
-def _spelled_out(entries: Any, at: str, spell: Callable[[dict[str, Any], str], list[Any]]) -> Any:
-    """Return the entries of a list with those that stand for several spelled out."""
-    if not isinstance(entries, list):
-        return entries
-    found: list[Any] = []
-    for i, entry in enumerate(entries):
-        found += spell(entry, f"{at}.{i}") if isinstance(entry, dict) else [entry]
-    return found
-
-
-def _scans(entry: dict[str, Any], at: str) -> list[Any]:
-    if OF not in entry:
-        return _scan_or_ramp(entry, at)
-    _refuse_others(entry, (REPEAT, OF), at)
-    turn = _spelled_out(_list_of(entry, at), f"{at}.{OF}", _scan_or_ramp)
-    return _times(entry, turn, at) * turn
-
-
-def _scan_or_ramp(entry: dict[str, Any], at: str) -> list[Any]:
-    return _ramp(entry, at) if RAMP in entry else [entry]
-
-
-def _events(entry: dict[str, Any], at: str) -> list[Any]:
-    if OF in entry:
-        _refuse_others(entry, (REPEAT, EVERY, OF), at)
-        turn = _list_of(entry, at)
-    elif REPEAT in entry:
-        turn = [{key: value for key, value in entry.items() if key not in (REPEAT, EVERY)}]
-    else:
-        return [entry]
-    count, every = _times(entry, turn, at), entry.get(EVERY)
-    if not _is_number(every):
-        raise InputError(f"{at}: {EVERY} = {shown(every)}: expected seconds from turn to turn")
-    return [_later(event, i * every) for i in range(count) for event in turn]
-
-
-def _list_of(entry: dict[str, Any], at: str) -> list[Any]:
-    if not isinstance(entry[OF], list):
-        raise InputError(f"{at}: {OF} = {shown(entry[OF])}: expected a list")
-    return entry[OF]
-
-
-def _times(entry: dict[str, Any], turn: list[Any], at: str) -> int:
-    count, most = entry.get(REPEAT), MAX_BENCH_SCANS // max(1, len(turn))
-    if not isinstance(count, int) or not 1 <= count <= most:
-        raise InputError(f"{at}: {REPEAT} = {shown(count)}: expected a count from 1 to {most}")
-    return count
-
-
-def _refuse_others(entry: dict[str, Any], known: tuple[str, ...], at: str) -> None:
-    for key in sorted(entry.keys() - known):
-        raise InputError(f"{at}: unknown key '{key}' beside '{OF}'")
-
-
-def _later(event: Any, seconds: float) -> Any:
-    if not isinstance(event, dict) or not _is_number(event.get("at")):
-        return event  # what is wrong with it is said as of any other
-    return {**event, "at": round(event["at"] + seconds, 6)}
-
-
-def _ramp(entry: dict[str, Any], at: str) -> list[dict[str, Any]]:
-    ends, count = entry[RAMP], entry.get("scans")
-    if not isinstance(ends, list) or len(ends) != 2 or not all(map(_is_number, ends)):
-        raise InputError(f"{at}: {RAMP} = {shown(ends)}: expected two distances, [5.0, 0.4]")
-    if not isinstance(count, int) or not 2 <= count <= MAX_BENCH_SCANS:
-        raise InputError(f"{at}: scans = {shown(count)}: expected at least 2 for a {RAMP}")
-    rest = {key: value for key, value in entry.items() if key not in (RAMP, "scans")}
-    made = []
-    for i in range(count):
-        value = round(ends[0] + (ends[1] - ends[0]) * i / (count - 1), 6)
-        scan = {**rest, "label": str(rest.get("label", "{}")).replace("{}", f"{value} m")}
-        if "patches" in rest:
-            scan["patches"] = [{"range": value, **patch} for patch in rest["patches"]]
-        else:
-            scan["fill"] = value
-        made.append(scan)
-    return made
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, float | int) and math.isfinite(value)
 
 
 def _world(value: Any, where: str) -> World:
