@@ -6,16 +6,13 @@ other value, lists such as `[[script]]` included, replaces the inherited one as 
 description are not inherited.
 
 A scenario with a `bench` has an empty world and no odometry where it says nothing of them. An entry
-of the bench may stand for several scans: `{ ramp = [5.0, 4.4], scans = 13 }` has fills from 5.0 to
-4.4 m, each labelled with its distance; `{}` in a label stands for it, and where there are patches
-without a range, they have it instead.
+of its bench or script may stand for several; see `sim.scenario_lists`.
 
 A table `[matrix]` makes several scenarios of one file: `[matrix.onnx]` in `format_raises.toml` is
 `format_raises_onnx`, with these keys over the file's own. The file itself is none then.
 """
 
 import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -23,7 +20,8 @@ from typing import Any
 import msgspec
 
 from sim.errors import InputError
-from sim.scenario import MAX_BENCH_SCANS, Scenario
+from sim.scenario import Scenario
+from sim.scenario_lists import events_of, scans_of
 from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown, unknown_name
 from sim.world import World, load_world, world_from_doc, world_names
 
@@ -32,7 +30,7 @@ SCENARIOS = (  # folders of folders of scenarios: the robot's own, and those of 
     (HERE / "scenarios", "*/*.toml"),
     (HERE.parent / "grader" / "exercises", "*/scenarios/*.toml"),
 )
-EXTENDS, MATRIX, RAMP = "extends", "matrix", "ramp"
+EXTENDS, MATRIX = "extends", "matrix"
 BENCH_DEFAULTS = {
     "world": {"description": "Nothing: the bench says what the lidar sees."},
     "odometry": {"enabled": False},
@@ -206,7 +204,10 @@ def _base(name: Any, where: str) -> dict[str, Any]:
 def _scenario(doc: dict[str, Any], where: str) -> Scenario:
     """Resolve the world first: it is a name or a table, and has errors of its own."""
     if "bench" in doc:
-        doc = {**BENCH_DEFAULTS, **doc, "bench": _spelled_out(doc["bench"], where)}
+        bench = scans_of(doc["bench"], f"{where}: bench")
+        doc = {**BENCH_DEFAULTS, **doc, "bench": bench}
+    if "script" in doc:
+        doc = {**doc, "script": events_of(doc["script"], f"{where}: script")}
     if "world" not in doc:
         raise InputError(
             f"{where}: missing key 'world' (a world's name, or a table; `extends` inherits one)"
@@ -215,42 +216,6 @@ def _scenario(doc: dict[str, Any], where: str) -> Scenario:
     empty = {**doc, "world": {}}
     scenario = convert(empty, Scenario, where, may_be_infinite=_MAY_BE_INFINITE)
     return msgspec.structs.replace(scenario, world=world)
-
-
-def _spelled_out(bench: Any, where: str) -> Any:
-    """Return the entries of a bench with its ramps spelled out; what is none is left as it is."""
-    if not isinstance(bench, list):
-        return bench
-    found: list[Any] = []
-    for i, entry in enumerate(bench):
-        if isinstance(entry, dict) and RAMP in entry:
-            found += _ramp(entry, f"{where}: bench.{i}")
-        else:
-            found.append(entry)
-    return found
-
-
-def _ramp(entry: dict[str, Any], at: str) -> list[dict[str, Any]]:
-    ends, count = entry[RAMP], entry.get("scans")
-    if not isinstance(ends, list) or len(ends) != 2 or not all(map(_is_number, ends)):
-        raise InputError(f"{at}: {RAMP} = {shown(ends)}: expected two distances, [5.0, 0.4]")
-    if not isinstance(count, int) or not 2 <= count <= MAX_BENCH_SCANS:
-        raise InputError(f"{at}: scans = {shown(count)}: expected at least 2 for a {RAMP}")
-    rest = {key: value for key, value in entry.items() if key not in (RAMP, "scans")}
-    made = []
-    for i in range(count):
-        value = round(ends[0] + (ends[1] - ends[0]) * i / (count - 1), 6)
-        scan = {**rest, "label": str(rest.get("label", "{}")).replace("{}", f"{value} m")}
-        if "patches" in rest:
-            scan["patches"] = [{"range": value, **patch} for patch in rest["patches"]]
-        else:
-            scan["fill"] = value
-        made.append(scan)
-    return made
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, float | int) and math.isfinite(value)
 
 
 def _world(value: Any, where: str) -> World:

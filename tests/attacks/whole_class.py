@@ -19,7 +19,7 @@ HONEST = {
     "goal_seeking": (
         "goal_seeking_agent", "compact", "state_machine", "checks_only_x", "deaf_after_arrival",
     ),
-    "trend_memory": ("trend_agent", "running_sums", "afraid_of_leaving", "big_squares"),
+    "trend_memory": ("trend_agent", "numpy_polyfit", "afraid_of_leaving", "big_squares"),
     "slow_model": ("decoupled_controller", "dies_without_a_model"),
     "safety_supervisor": ("safety_supervisor", "all_errors"),
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Ramps of a bench, files that are several scenarios, and what a bench need not say."""
+"""Ramps and repeats, files that are several scenarios, and what a bench need not say."""
 
 from pathlib import Path
 
@@ -42,6 +42,47 @@ def test_a_ramp_that_is_none_is_named(ramp: str, said: str) -> None:
     with pytest.raises(InputError) as caught:
         scenario_from_toml(BENCH.format(ramp), "mine.toml")
     assert str(caught.value) == f"mine.toml: {said}"
+
+
+def test_scans_in_turn_are_repeated_together() -> None:
+    turn = "{ repeat = 2, of = [{ fill = 1.0 }, { ramp = [0.4, 0.3], scans = 2 }] }"
+    bench = scenario_from_toml(BENCH.format(turn), "mine.toml").bench
+    assert [scan.fill for scan in bench] == [1.0, 0.4, 0.3, 1.0, 0.4, 0.3]
+
+
+SCRIPT = 'title = "x"\nworld = "open"\nscript = [{}]\n'
+
+
+@pytest.mark.parametrize(
+    ("entries", "times"),
+    [
+        ("{ at = 1.0, e_stop = true, repeat = 3, every = 0.1 }", [1.0, 1.1, 1.2]),
+        (
+            "{ repeat = 2, every = 0.5, of = [{ at = 1.0, e_stop = true }, "
+            "{ at = 1.05, e_stop = false }] }",
+            [1.0, 1.05, 1.5, 1.55],
+        ),
+    ],
+)
+def test_events_are_repeated_later(entries: str, times: list[float]) -> None:
+    script = scenario_from_toml(SCRIPT.format(entries), "mine.toml").script
+    assert [event.at for event in script] == times
+
+
+@pytest.mark.parametrize(
+    ("text", "entry", "said"),
+    [
+        (BENCH, "{ of = [{}] }", "bench.0: repeat = null: expected a count from 1 to 20000"),
+        (BENCH, "{ repeat = 2, of = 3 }", "bench.0: of = 3: expected a list"),
+        (BENCH, "{ repeat = 2, of = [], fill = 1.0 }", "bench.0: unknown key 'fill' beside 'of'"),
+        (SCRIPT, "{ at = 1.0, repeat = 0, every = 1.0 }", "script.0: repeat = 0: expected a count"),
+        (SCRIPT, "{ at = 1.0, repeat = 2 }", "script.0: every = null: expected seconds from turn"),
+    ],
+)
+def test_a_repeat_that_is_none_is_named(text: str, entry: str, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        scenario_from_toml(text.format(entry), "mine.toml")
+    assert str(caught.value).startswith(f"mine.toml: {said}")
 
 
 def test_a_bench_stands_in_an_empty_world_without_odometry() -> None:

@@ -61,6 +61,8 @@ def no_policy(_row):
 
 
 def load(path, device, log):
+    if device != "cpu" and not path.lower().endswith(".pt2"):
+        log.warning(f"device = {device} means nothing to {path}")
     try:
         return LOADERS[Path(path.lower()).suffix](path, device, log.warning)
     except KeyError:
