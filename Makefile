@@ -58,14 +58,12 @@ prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which ch
 mutate: $(VENV)/.dev ## make thousands of mutants by machine, grade them, list the gaps (hours; goes on where it was)
 	$(BIN)/python -m grader.authoring.mutate
 
-# A checkout of ros2/rclpy at the tag of the installed wheels; a folder of checkouts with nodes
+# A checkout of ros2/rclpy at the tag of the installed wheels
 RCLPY ?=
-NODES ?=
-conform: $(VENV)/.dev ## is virtual time like time, and portable like real? RCLPY=… NODES=…
+conform: $(VENV)/.dev ## is virtual time like time, and portable like real? RCLPY=…
 	$(PIP) install --constraint constraints.txt 'ros-jazzy-test-msgs==2.0.3'
 	$(BIN)/python -m grader.authoring.conform cpython
 	$(if $(RCLPY),$(BIN)/python -m grader.authoring.conform rclpy $(RCLPY))
-	$(if $(NODES),$(BIN)/python -m grader.authoring.conform nodes $(NODES))
 	$(BIN)/python -m grader.authoring.conform portable
 	COURSE_PORTABLE=full $(PYTEST) tests/portable
 
