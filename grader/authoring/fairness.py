@@ -10,12 +10,9 @@ course without a node, and a recording is reused only after two students' runs w
 from __future__ import annotations
 
 import hashlib
-import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-
-import msgspec
 
 from grader.authoring.claims import Claim, claims, complete
 from grader.authoring.proof import objections
@@ -27,7 +24,6 @@ from grader.grading.plugin import INCONCLUSIVE, PASS, SKIP
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.trials import NodeTrials
-from sim.difficulty import Difficulty, difficulty
 from sim.layout import layout_to_json
 from sim.messages import EPOCH_NS
 from sim.scenario import Scenario
@@ -40,20 +36,14 @@ COURSE = ((0.3, 0.0), (0.4, 0.6), (0.2, -0.9), (0.5, 0.0))  # [m/s, rad/s] drive
 COURSE_NS = 100_000_000  # [ns] between two commands of the course
 
 
-class Verdict(msgspec.Struct, frozen=True):
+@dataclass(frozen=True)
+class Verdict:
     """How one right solution did in one student's worlds."""
 
-    solution: str  # "EXERCISE/reference/FILE"
-    exercise: str
     student: int
-    field: bool  # the field checks count, if the solution claims the badge
     against: tuple[str, ...]  # what went wrong; () if nothing did
-    unsure: tuple[str, ...]  # checks that could not judge in any attempt: the machine stalled
-    stalls: int  # gradings repeated because the machine stalled
     runs: int  # scenarios judged
     own: int  # of which run for this student
-    seconds: float
-    difficulties: dict[str, Difficulty]  # of the scenarios that differ from student to student
 
 
 def right_solutions(slug: str, *, variants: bool = True) -> list[Claim]:
@@ -86,32 +76,17 @@ def _examine(
     shared: Shared,
     field: bool,
 ) -> Verdict:
-    begin = time.perf_counter()
     seed = student_key(SECRET, f"student {student}", claim.exercise.slug)
     judged = field and claim.field_ready
-    stalls = 0
-    while True:
+    for _ in range(ATTEMPTS):
         trials = ThriftyTrials(submission, forkserver, seed=seed, shared=shared)
         with trials:
             grading = grade(claim.exercise, trials, file=claim.exercise.files[0], field=judged)
-        stalled = any(check.outcome == INCONCLUSIVE for check in grading.checks)
-        if not stalled or stalls == ATTEMPTS - 1:
+        if all(check.outcome != INCONCLUSIVE for check in grading.checks):
             break
-        stalls += 1
         shared.forget()
-    return Verdict(
-        solution=claim.name,
-        exercise=claim.exercise.slug,
-        student=student,
-        field=field,
-        against=tuple(_against(claim, grading)),
-        unsure=tuple(check.id for check in grading.checks if check.outcome == INCONCLUSIVE),
-        stalls=stalls,
-        runs=len(grading.recordings),
-        own=len(trials.made),
-        seconds=time.perf_counter() - begin,
-        difficulties=trials.difficulties,
-    )
+    against = tuple(_against(claim, grading))
+    return Verdict(student, against, len(grading.recordings), len(trials.made))
 
 
 def _against(claim: Claim, grading: Grading) -> list[str]:
@@ -169,7 +144,6 @@ class ThriftyTrials(NodeTrials):
 
     shared: Shared = field(default_factory=Shared)
     made: list[str] = field(default_factory=list)  # scenarios run for this student
-    difficulties: dict[str, Difficulty] = field(default_factory=dict)  # by scenario
 
     def _run(self, scenario: Scenario) -> Recording:
         seed = self.seed_of(scenario)
@@ -181,8 +155,6 @@ class ThriftyTrials(NodeTrials):
         self.made.append(scenario.name)
         if not own:
             self.shared.add(recording)
-        elif scenario.training is None and not scenario.bench:
-            self.difficulties[scenario.name] = difficulty(scenario, seed)
         return recording
 
 
