@@ -69,8 +69,7 @@ def _all_nodes(claim: Claim) -> bool:
 def judge(every_mutant: Sequence[Claim], keep: Path, workers: int) -> Iterator[Verdict]:
     """Yield the verdict on each mutant: those that are kept, and those that are made now.
 
-    The mutants of one right node come after those of another, and of each node last those that a
-    person has called equivalent: they take longest, and a gap shows before.
+    The mutants of one right node come after those of another.
     """
     kept = list(_read(keep))
     known = {verdict.key: verdict for verdict in kept if verdict.killed_by or not verdict.unsure}
@@ -78,17 +77,10 @@ def judge(every_mutant: Sequence[Claim], keep: Path, workers: int) -> Iterator[V
     keys = [_key(claim) for claim in every_mutant]
     yield from (known[key] for key in keys if key in known)
     left = [(c, key) for c, key in zip(every_mutant, keys, strict=True) if key not in known]
-    lists = {exercise: reviewed(exercise) for exercise in {claim.exercise for claim, _ in left}}
-
-    def is_equivalent(mutant: tuple[Claim, str]) -> bool:
-        claim, _ = mutant
-        return bool(lists[claim.exercise].reason(claim.stem))
-
     keep.parent.mkdir(parents=True, exist_ok=True)
     with keep.open("ab", buffering=0) as file:
         for _, of_one_node in groupby(left, lambda pair: pair[0].stem.partition(" ")[0]):
-            mutants = sorted(of_one_node, key=is_equivalent)
-            for verdict in _judge(mutants, suspects, workers):
+            for verdict in _judge(list(of_one_node), suspects, workers):
                 suspects[_change(verdict)] = verdict.killed_by
                 file.write(msgspec.json.encode(verdict) + b"\n")
                 yield verdict
