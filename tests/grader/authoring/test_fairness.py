@@ -1,10 +1,8 @@
 """Right solutions get full marks in the worlds of a few students; `make students` asks 200."""
 
 import os
-from dataclasses import replace
 
 import msgspec
-import numpy as np
 import pytest
 
 from grader.authoring.fairness import Shared, examine, fingerprint, is_own, right_solutions
@@ -42,11 +40,6 @@ def test_right_solutions_get_full_marks_in_everybodys_worlds(claim: Claim) -> No
     students = range(STUDENTS if claim.kind == "reference" else few)
     verdicts = examine(claim, students, field=few)
     assert {one.student: one.against for one in verdicts if one.against} == {}
-
-
-def test_variants_are_right_solutions_too() -> None:
-    kinds = {claim.kind for claim in right_solutions("goal_seeking")}
-    assert kinds == {"reference", "variant"}
 
 
 # --- what is the same for every student ----------------------------------------------------------
@@ -97,15 +90,9 @@ def test_a_run_is_used_again_when_two_students_had_the_same() -> None:
     shared = Shared()
     shared.add(recording(seed=1, speed=0.5))
     assert shared.get("avoid_zones") is None
-    shared.add(recording(seed=2, speed=0.5))
+    shared.add(recording(seed=2, speed=0.4))  # the node draws random numbers
+    assert shared.get("avoid_zones") is None
+    shared.add(recording(seed=3, speed=0.4))
     assert shared.get("avoid_zones") is not None
     shared.forget()
     assert shared.get("avoid_zones") is None
-
-
-def test_a_node_that_draws_random_numbers_runs_for_every_student() -> None:
-    shared = Shared()
-    for seed in range(4):
-        one = recording(seed=seed, speed=float(np.random.default_rng(seed).uniform()))
-        shared.add(replace(one, seed=seed))
-        assert shared.get("avoid_zones") is None
