@@ -153,7 +153,9 @@ def test_an_unknown_mutant_is_answered_with_the_nearest(exercise: Exercise) -> N
 # --- the command ----------------------------------------------------------------------------------
 
 
-def test_the_command_lists_and_prints(exercise: Exercise, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_lists_and_prints(
+    exercise: Exercise, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["1"]) == 0
     assert capsys.readouterr().out == "narrow: Looks only ±45° ahead. [field_lds01, sees_sides]\n"
     assert main(["obstacle_avoidance", "narrow"]) == 0
