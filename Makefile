@@ -64,7 +64,8 @@ conform: $(VENV)/.dev ## is virtual time like time, and portable like real? RCLP
 	$(PIP) install --constraint constraints.txt 'ros-jazzy-test-msgs==2.0.3'
 	$(BIN)/python -m grader.authoring.conform cpython
 	$(if $(RCLPY),$(BIN)/python -m grader.authoring.conform rclpy $(RCLPY))
-	$(BIN)/python -m grader.authoring.conform portable
+	$(BIN)/python -m grader.authoring.digests build/conform/real.json --all
+	$(BIN)/python -m grader.authoring.digests build/conform/real.json --all --portable --compare
 	COURSE_PORTABLE=full $(PYTEST) tests/portable
 
 wheel: $(VENV)/.course ## build the wheel for every system into dist (docs/portable.md)

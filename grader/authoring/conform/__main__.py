@@ -1,11 +1,7 @@
-"""Run what must behave the same in two places, and review what differs.
-
-The tests of rclpy and of CPython: in plain Python and in a host. Our own solutions: on the real
-rclpy and on the portable runtime.
+"""Run the tests of rclpy and of CPython in plain Python and in a host, and review what differs.
 
     python -m grader.authoring.conform rclpy CHECKOUT [MODULE …]
     python -m grader.authoring.conform cpython [MODULE …]
-    python -m grader.authoring.conform portable [PATTERN …]
 
 The checkout is of ros2/rclpy at the tag of the installed wheels. Exit status 1: something differs
 that the reviewed list does not know, or no longer differs as the list says.
@@ -18,14 +14,12 @@ import signal
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 import msgspec
 
-from grader.authoring.conform import runtimes, suites
+from grader.authoring.conform import suites
 from grader.authoring.conform.review import Difference, Review, differences, read_list, review
-from grader.course.exercises import all_exercises
 from grader.errors import GraderError, InputError
 from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
@@ -39,8 +33,6 @@ def main(arguments: Sequence[str]) -> int:
     # Where it is ignored, as in the background of a script, tests that wait for it would hang.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        if options.suite == "portable":
-            return run_portable(options.patterns)
         checkout = Path(options.path).resolve() if options.suite == "rclpy" else None
         return run_suite(options.suite, checkout, options.modules)
     except (InputError, GraderError) as error:
@@ -66,23 +58,6 @@ def run_suite(suite: str, checkout: Path | None, chosen: Sequence[str] = ()) -> 
             inside |= virtual.outcomes
             texts |= real.texts | {t: text for t, text in virtual.texts.items() if text}
     return _judge(suite, plain, inside, texts)
-
-
-def run_portable(patterns: Sequence[str]) -> int:
-    """Grade the solutions whose names fit (`EXERCISE/KIND/NAME`) on both runtimes."""
-    compared = runtimes.Compared()
-    for exercise in all_exercises():
-        if patterns and not any(_may_fit(pattern, exercise.slug) for pattern in patterns):
-            continue
-        for line in runtimes.compare(exercise, patterns, compared):
-            print(line, flush=True)
-    seconds = ", ".join(f"{name} {spent:.0f} s" for name, spent in compared.seconds.items())
-    print(f"\n{seconds}")
-    return _judge("portable", compared.expected, compared.outcomes, compared.texts)
-
-
-def _may_fit(pattern: str, slug: str) -> bool:
-    return fnmatchcase(slug, pattern.partition("/")[0])
 
 
 def _judge(suite: str, plain: dict[str, str], inside: dict[str, str], texts: dict[str, str]) -> int:
@@ -129,7 +104,6 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     rclpy.add_argument("path", help="a checkout of ros2/rclpy")
     rclpy.add_argument("modules", nargs="*")
     kinds.add_parser("cpython").add_argument("modules", nargs="*")
-    kinds.add_parser("portable").add_argument("patterns", nargs="*")
     return parser.parse_args(arguments)
 
 
