@@ -1,7 +1,6 @@
 """What changed since the last attempt, whatever became of the file that remembers it."""
 
 import json
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -78,16 +77,6 @@ def test_a_link_is_not_followed(file: Path, tmp_path: Path) -> None:
     since_last(grading(wiring="fail"), file)
     assert target.read_text() == "precious"
     assert since_last(grading(wiring="pass"), file) == "+10: wiring"
-
-
-def test_a_folder_that_can_not_be_written_is_no_error(
-    file: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refused(*_: object, **__: object) -> int:
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(os, "open", refused)
-    assert since_last(grading(wiring="pass"), file) == ""
 
 
 def test_a_folder_of_that_name_is_no_error(file: Path) -> None:
