@@ -6,12 +6,11 @@ anything is written, the release is searched for pieces of every solution.
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from grader.authoring.leaks import Leak, leaks
@@ -147,7 +146,7 @@ def release(
         if wrong:
             raise GraderError(f"nothing was released: {wrong[0]}" + _and_more(len(wrong) - 1))
         if archive:
-            _pack(files, packed, folder.name)
+            pack(packed, [(f"{folder.name}/{path}", data, 0o644) for path, data in files.items()])
         if folder.is_dir():
             folder.rmdir()  # empty, as was checked
         shutil.move(staged, folder)
@@ -270,15 +269,17 @@ def _check_free(folder: Path, packed: Path | None) -> None:
         raise InputError(f"{packed}: already exists; remove it or choose another folder")
 
 
-def _pack(files: dict[str, bytes], target: Path, top: str) -> None:
+def pack(target: Path, files: Iterable[tuple[str, bytes, int]], mode: int = 0o644) -> None:
+    """Write an archive of files, each its path, content and mode; it has itself this mode."""
     part = target.with_name(target.name + ".part")
     with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path, data in files.items():
-            entry = zipfile.ZipInfo(f"{top}/{path}", STAMP)
-            entry.external_attr = 0o644 << 16
+        for path, data, its_mode in files:
+            entry = zipfile.ZipInfo(path, STAMP)
+            entry.external_attr = its_mode << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, data)
-    os.replace(part, target)  # noqa: PTH105
+    part.chmod(mode)
+    part.replace(target)
 
 
 def _and_more(n: int) -> str:

@@ -177,7 +177,6 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--variants", type=int, default=VARIANTS, help="that are wrapped, too")
     parser.add_argument("--survivors", action="store_true", help="only those that survived before")
     parser.add_argument("--list", action="store_true", help="list the mutants, grade none")
-    parser.add_argument("--show", metavar="NAME", help="print the program of this mutant")
     parser.add_argument("--keep", type=Path, default=KEEP, help=f"verdicts; {KEEP} by default")
     cpus = len(os.sched_getaffinity(0))
     parser.add_argument("--workers", type=int, default=cpus, help=f"processes; {cpus} by default")
@@ -187,20 +186,16 @@ def main(arguments: list[str]) -> int:
     except InputError as error:
         parser.error(str(error))
     made = {exercise: list(mutants_of(exercise, options.variants)) for exercise in exercises}
-    if options.only or options.show:
-        words = options.only or options.show
-        made = {e: [m for m in every_one if words in m.stem] for e, every_one in made.items()}
+    if options.only:
+        made = {e: [m for m in found if options.only in m.stem] for e, found in made.items()}
     if options.survivors:
         lived = {(v.exercise, v.name) for v in _read(options.keep) if not v.killed_by}
         made = {
             e: [m for m in every_one if (e.slug, m.stem) in lived] for e, every_one in made.items()
         }
-    if options.list or options.show:
-        for exercise, every_one in made.items():
-            for claim in every_one:
-                print(f"{exercise.slug}: {claim.stem}")
-                if options.show == claim.stem:
-                    print("\n".join(claim.files.values()))
+    if options.list:
+        lines = [f"{exercise.slug}: {m.stem}" for exercise, found in made.items() for m in found]
+        print("\n".join(lines))
         return 0
     print(f"  {'exercise':20} generated killed equivalent gaps      time")
     bad: list[str] = []

@@ -6,8 +6,8 @@ from grader.course.submission import Submission
 from grader.drive.mishaps import Mishap
 from grader.drive.node import drive_in
 from grader.drive.search.account import MINUTES, account, how_far
-from grader.drive.search.arenas import Arena, arena_of
 from grader.drive.search.finder import Found, OnTry, Search, search
+from grader.drive.search.worlds import Arena, arena_of
 from grader.link.launcher import Launcher
 from grader.recording import Recording
 from sim.scenario import Scenario

@@ -32,9 +32,9 @@ from grader.drive.mishaps import (
     Mishap,
     mishap_of,
 )
-from grader.drive.search.arenas import Arena
 from grader.drive.search.toml import scenario_to_toml
 from grader.drive.search.words import sentence, title
+from grader.drive.search.worlds import Arena
 from grader.recording import Recording
 from sim.scenario import Scenario
 
