@@ -91,7 +91,7 @@ notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with 12 s
 	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks \
 	  tests/browser/test_jupyterlab.py tests/browser/test_formgrader.py
 
-students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour)
+students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to two hours)
 	COURSE_STUDENTS=200 $(PYTEST) tests/grader/authoring/test_fairness.py
 
 skeletons: $(VENV)/.dev ## make the skeletons, figures and notebooks anew

@@ -197,7 +197,7 @@ class DeadBand(Operator):
 class Sticks(Operator):
     """Changes only by more than a band: hysteresis."""
 
-    def __call__(self, number: float, t: float) -> float:
+    def __call__(self, number: float, t: float) -> Any:
         if self.last is None or not abs(number - self.last) <= self.amount:
             self.last = number
         return self.last
@@ -206,7 +206,7 @@ class Sticks(Operator):
 class LowPass(Operator):
     """Takes a part of the new number and the rest of the last one."""
 
-    def __call__(self, number: float, t: float) -> float:
+    def __call__(self, number: float, t: float) -> Any:
         if self.last is None or not math.isfinite(self.last):
             self.last = number
         self.last += self.amount * (number - self.last) if math.isfinite(number) else number
@@ -253,7 +253,7 @@ class ZeroFor(Operator):
 class NotZeroFor(Operator):
     """Goes to zero only when zero has been asked for during so many seconds."""
 
-    def __call__(self, number: float, t: float) -> float:
+    def __call__(self, number: float, t: float) -> Any:
         if abs(number) >= 1e-9:
             self.since, self.last = t, number
         return self.last if t - self.since < self.amount else number
