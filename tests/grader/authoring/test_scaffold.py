@@ -93,7 +93,7 @@ def test_nothing_is_written_if_something_is_in_its_way(root: Path) -> None:
 
 def test_what_cannot_be_generated_is_said(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "GENERATED", ("no_such_module",))
-    with pytest.raises(GraderError, match="python -m no_such_module: .*No module named"):
+    with pytest.raises(GraderError, match=r"python -m no_such_module: .*No module named"):
         scaffold("stop_line", root)
 
 
