@@ -16,8 +16,6 @@ from pathlib import Path, PurePosixPath
 from grader.authoring.leaks import Leak, leaks
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.errors import GraderError, InputError
-from sim.scenario_files import EXTENDS, names_of
-from sim.toml_input import parse_toml
 
 # The grader's packages and modules for instructors and contributors; not in the students' copy.
 INSTRUCTORS = (
@@ -174,26 +172,10 @@ def contents(
         found[QUIZ] = questions(found[QUIZ].decode("utf-8")).encode()
     if make is not None:
         found.update(make(left_out))
-    _check_bases(found)
     found["pyproject.toml"] = _pyproject((root / "pyproject.toml").read_text("utf-8")).encode()
     found["course_setup.py"] = SETUP.encode()
     found["README.md"] = _readme(left_out, PLAIN if make is None else WITH_SITE).encode()
     return dict(sorted(found.items()))
-
-
-def _check_bases(files: Mapping[str, bytes]) -> None:
-    """Refuse to release a scenario without the one that it extends: it could not be loaded."""
-    scenarios = [path for path in files if "scenarios" in PurePosixPath(path).parts]
-    docs = {path: parse_toml(files[path].decode(), path) for path in scenarios}
-    released = {
-        name for path, doc in docs.items() for name in names_of(PurePosixPath(path).stem, doc)
-    }
-    for path, doc in docs.items():
-        base = doc.get(EXTENDS)
-        if base is not None and base not in released:
-            raise GraderError(
-                f"nothing was released: {path} extends '{base}', which stays with the instructor"
-            )
 
 
 def questions(quiz: str) -> str:

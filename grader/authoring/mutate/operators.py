@@ -236,7 +236,7 @@ class RisesAtMost(Operator):
 class LeastOf(Operator):
     """Takes the smallest of the last numbers."""
 
-    def __call__(self, number: float, t: float) -> float:
+    def __call__(self, number: float, t: float) -> Any:
         self.kept = [*self.kept, number][-int(self.amount) :]
         return min(self.kept)
 
