@@ -1,4 +1,4 @@
-"""`course search`: the smallest world in which a node comes to grief."""
+"""`course search`: the smallest world in which a node fails."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def scaffold(name: str, root: Path = ROOT) -> Made:
     Raises
     ------
     InputError
-        The name is none, or taken, or this is no checkout.
+        The name will not do or is taken, or this is no checkout.
     GraderError
         What is generated could not be made.
     """

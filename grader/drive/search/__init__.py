@@ -1,4 +1,4 @@
-"""Look for worlds in which a node comes to grief (docs/search.md)."""
+"""Look for worlds in which a node fails (docs/search.md)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def search_node(
     seconds: float | None = None,
     on_try: OnTry = lambda tries, mishap: None,
 ) -> Search:
-    """Look for the smallest world in which this node comes to grief; see `search`."""
+    """Look for the smallest world in which this node fails; see `search`."""
 
     def drive(scenario: Scenario) -> Recording:
         return drive_in(submission, scenario, forkserver)

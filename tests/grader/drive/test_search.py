@@ -45,7 +45,7 @@ def by(policy):
 # --- what is found -------------------------------------------------------------------------------
 
 
-def test_who_never_brakes_touches_a_small_box_and_nothing_else_is_in_the_world():
+def test_a_node_that_never_brakes_touches_a_small_box_and_nothing_else_is_in_the_world():
     found = search(FIRST, by(reckless), tries=60).found
     assert found is not None
     assert found.mishap.kind == "touches"
@@ -57,7 +57,7 @@ def test_who_never_brakes_touches_a_small_box_and_nothing_else_is_in_the_world()
     assert found.sentence.endswith(f"the robot touches it at {found.mishap.at:.1f} s.")
 
 
-def test_who_stands_for_ever_is_found_in_the_simplest_world():
+def test_a_node_that_stands_for_ever_is_found_in_the_simplest_world():
     result = search(FIRST, by(timid), tries=30)
     assert result.found is not None
     assert result.found.mishap.kind == "stands"
@@ -68,7 +68,7 @@ def test_who_stands_for_ever_is_found_in_the_simplest_world():
     assert result.found.recording.scenario == result.found.scenario
 
 
-def test_who_is_careful_is_not_found():
+def test_a_careful_node_is_not_found():
     result = search(FIRST, by(careful), tries=40)
     assert (result.found, result.tries) == (None, 40)
 
@@ -263,7 +263,9 @@ def test_in_a_right_node_nothing_is_found(number):
 
 
 @pytest.mark.parametrize("second", ["completed", "hung"])
-def test_who_seems_to_hang_gets_a_second_look(monkeypatch: pytest.MonkeyPatch, second: str) -> None:
+def test_a_node_that_seems_to_hang_gets_a_second_look(
+    monkeypatch: pytest.MonkeyPatch, second: str
+) -> None:
     ends, limits_given = ["hung", second], []
 
     def drive_node(submission: Any, scenario: Any, forkserver: Any, *, limits: Any) -> Any:
