@@ -186,18 +186,6 @@ def test_two_types_on_one_topic(recording: Recording, tmp_path: Path) -> None:
 
 
 ODD = ["", "no slash", "/a: b\n- c", "/#x", "/'\"", "/\0", "/\x1b[0m", "/ü", "*", "/" * 256]
-    "",
-    "no slash",
-    "/a: b\n- c",
-    "/#x",
-    "/'\"",
-    "/\0",
-    "/\x1b[0m",
-    "/ü",
-    "*",
-    "/{a: 1}",
-    "/" * 256,
-]
 
 
 def test_odd_topics(recording: Recording, tmp_path: Path) -> None:
