@@ -36,10 +36,12 @@ def test_what_changed_is_told_by_the_points(file: Path) -> None:
     first = grading(wiring="pass", slow_zone="fail", stop_zone="skip", field_lds01="skip")
     assert since_last(first, file) == ""
     better = grading(wiring="fail", slow_zone="pass", stop_zone="pass", field_lds01="pass")
-    said = "+20: slow_zone, stop_zone; -10: wiring; now passing: field_lds01"
+    said = "+20: slow_zone, stop_zone, field_lds01; -10: wiring"
     assert since_last(better, file) == said
     assert since_last(better, file) == ""
-    assert since_last(first, file.parent).endswith("no longer passing: field_lds01")  # the folder
+    assert since_last(first, file.parent).endswith(
+        "-20: slow_zone, stop_zone, field_lds01"
+    )  # the folder
 
 
 def test_a_check_that_was_not_judged_or_not_run_changes_nothing(file: Path) -> None:
