@@ -5,41 +5,17 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from course_command import ROOT, Done, course
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import SOLUTIONS, find_exercise
 from sim.scenario_files import scenario_names
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
 SHORT = ("--scenario", "demo_wall", "--duration", "0.5")
-
-
-@dataclass(frozen=True)
-class Done:
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> dict:  # type: ignore[type-arg]
-        return json.loads(self.out)
-
-
-def course(*arguments: object, **environment: str) -> Done:
-    done = subprocess.run(
-        [sys.executable, "-m", "grader.cli", *map(os.fsencode, map(str, arguments))],
-        capture_output=True,
-        check=False,
-        cwd=ROOT,
-        env={**os.environ, "COLUMNS": "120", **environment},
-        timeout=120,
-    )
-    return Done(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
 def complains(done: Done, *words: str) -> None:
