@@ -27,10 +27,10 @@ def bold(scan):
     return 0.5 if scan.ranges.min() > 0.38 else 0.0
 
 
-def of(policy, monkeypatch, worlds=("avoid_wall",)):
+def of(policy, monkeypatch, worlds=("avoid_wall",), outcome=None):
     contract = replace(contract_of(FIRST), delayed_in=worlds)
     monkeypatch.setitem(delays.__globals__, "driving_contract_of", lambda exercise: contract)
-    return delays(FIRST, lambda scenario: drive_by(policy, scenario), steps=FEW)
+    return delays(FIRST, lambda scenario: drive_by(policy, scenario, outcome), steps=FEW)
 
 
 def test_a_careful_node_survives_every_delay(monkeypatch):
@@ -48,10 +48,13 @@ def test_a_bold_node_survives_only_without(monkeypatch):
     assert "touches something (avoid_wall, " in result.tried["sensors"][1].failed
 
 
-def test_a_reckless_node_survives_nothing(monkeypatch):
+def test_a_node_that_never_brakes_or_dies_survives_nothing(monkeypatch):
     result = of(reckless, monkeypatch)
     assert result.survived == Survived(-1, -1)
     assert table(result, None)[-1] == "Survives no late commands: it fails without any delay."
+    dead = of(careful, monkeypatch, outcome=Outcome("exception", "KeyError: 'x'", 1.0))
+    assert dead.survived == Survived(-1, -1)
+    assert "the node dies: KeyError: 'x' (avoid_wall, 1.0 s)" in dead.tried["sensors"][0].failed
 
 
 def test_the_worst_world_counts(monkeypatch):
@@ -90,15 +93,6 @@ def test_sensors_are_late_together_and_commands_alone():
 def test_exercises_that_do_not_drive_are_refused():
     with pytest.raises(InputError, match="exercise 6: its nodes do not drive by themselves"):
         delays(find_exercise("6"), lambda scenario: drive_by(careful, scenario))
-
-
-def test_a_node_that_dies_survives_nothing(monkeypatch):
-    contract = replace(contract_of(FIRST), delayed_in=("avoid_wall",))
-    monkeypatch.setitem(delays.__globals__, "driving_contract_of", lambda exercise: contract)
-    died = Outcome("exception", "KeyError: 'x'", 1.0)
-    result = delays(FIRST, lambda scenario: drive_by(careful, scenario, died), steps=FEW)
-    assert result.survived == Survived(-1, -1)
-    assert "the node dies: KeyError: 'x' (avoid_wall, 1.0 s)" in result.tried["sensors"][0].failed
 
 
 # --- what is shown -------------------------------------------------------------------------------

@@ -246,16 +246,14 @@ rclpy.spin(node)
 """
 
 
-def test_a_node_that_asks_for_input(tmp_path: Path, forkserver: ForkServer) -> None:
-    recording = drive_file(tmp_path, forkserver, ASKS, stdin="0.3\nfäst\n".encode())
+def test_a_node_that_asks_for_input_with_and_without_it(
+    tmp_path: Path, forkserver: ForkServer
+) -> None:
+    answered = drive_file(tmp_path, forkserver, ASKS, stdin="0.3\nfäst\n".encode())
+    assert answered.outcome.completed, answered.outcome
+    assert answered.log[0].text == "speed? said 0.3 fäst"
 
-    assert recording.outcome.completed, recording.outcome
-    assert recording.log[0].text == "speed? said 0.3 fäst"
-
-
-def test_a_node_that_asks_and_gets_no_input(tmp_path: Path, forkserver: ForkServer) -> None:
     outcome = drive_file(tmp_path, forkserver, ASKS).outcome
-
     assert outcome.kind == "exception"
     assert outcome.text.startswith("EOFError: EOF when reading a line")
     assert "--stdin FILE" in outcome.text
@@ -322,12 +320,8 @@ def test_computing_costs_time_if_charged(
 
 
 def test_a_sleep_begins_after_what_was_computed(tmp_path: Path, forkserver: ForkServer) -> None:
-    recording = drive_file(
-        tmp_path,
-        forkserver,
-        COMPUTES.format(before="", after="time.sleep(0.2)"),
-        charge_compute=True,
-    )
+    source = COMPUTES.format(before="", after="time.sleep(0.2)")
+    recording = drive_file(tmp_path, forkserver, source, charge_compute=True)
 
     assert round(recording.twists().t[0] - recording.times("/scan")[0], 6) >= 0.5
 
