@@ -58,15 +58,14 @@ prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which ch
 mutate: $(VENV)/.dev ## make thousands of mutants by machine, grade them, list the gaps (hours; goes on where it was)
 	$(BIN)/python -m grader.authoring.mutate
 
-# A checkout of ros2/rclpy at the tag of the installed wheels; a folder of checkouts with nodes
+# A checkout of ros2/rclpy at the tag of the installed wheels
 RCLPY ?=
-NODES ?=
-conform: $(VENV)/.dev ## is virtual time like time, and portable like real? RCLPY=… NODES=…
+conform: $(VENV)/.dev ## is virtual time like time, and portable like real? RCLPY=…
 	$(PIP) install --constraint constraints.txt 'ros-jazzy-test-msgs==2.0.3'
 	$(BIN)/python -m grader.authoring.conform cpython
 	$(if $(RCLPY),$(BIN)/python -m grader.authoring.conform rclpy $(RCLPY))
-	$(if $(NODES),$(BIN)/python -m grader.authoring.conform nodes $(NODES))
-	$(BIN)/python -m grader.authoring.conform portable
+	$(BIN)/python -m grader.authoring.digests build/conform/real.json --all
+	$(BIN)/python -m grader.authoring.digests build/conform/real.json --all --portable --compare
 	COURSE_PORTABLE=full $(PYTEST) tests/portable
 
 wheel: $(VENV)/.course ## build the wheel for every system into dist (docs/portable.md)
@@ -92,7 +91,7 @@ notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with 12 s
 	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks \
 	  tests/browser/test_jupyterlab.py tests/browser/test_formgrader.py
 
-students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to an hour)
+students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to two hours)
 	COURSE_STUDENTS=200 $(PYTEST) tests/grader/authoring/test_fairness.py
 
 skeletons: $(VENV)/.dev ## make the skeletons, figures and notebooks anew

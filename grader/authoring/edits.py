@@ -16,7 +16,7 @@ SEPARATOR = "@@"
 
 
 class EditError(ValueError):
-    """An edit that is none, or that does not fit its text."""
+    """Text that is no edit, or an edit that does not fit its text."""
 
 
 @dataclass(frozen=True)

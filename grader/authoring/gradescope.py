@@ -11,12 +11,11 @@ from __future__ import annotations
 
 import json
 import tempfile
-import zipfile
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from grader.authoring.leaks import leaks
-from grader.authoring.release import STAMP, contents
+from grader.authoring.release import contents, pack
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises, find_exercise
 from grader.errors import GraderError, InputError
 
@@ -139,17 +138,8 @@ def write_autograder(
         except OSError as error:
             raise InputError(f"{secret}: cannot read the secret ({error.strerror})") from None
     folder.mkdir(parents=True, exist_ok=True)
-    target = folder / NAME
-    part = folder / f"{NAME}.part"
-    with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path, data, mode in files:
-            entry = zipfile.ZipInfo(path, STAMP)
-            entry.external_attr = mode << 16
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, data)
-    part.chmod(0o600)  # it may hold the secret
-    part.replace(target)
-    return target
+    pack(folder / NAME, files, mode=0o600)  # it may hold the secret
+    return folder / NAME
 
 
 def setup(*, deep: bool) -> str:

@@ -6,19 +6,16 @@ anything is written, the release is searched for pieces of every solution.
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from grader.authoring.leaks import Leak, leaks
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.errors import GraderError, InputError
-from sim.scenario_files import EXTENDS, names_of
-from sim.toml_input import parse_toml
 
 # The grader's packages and modules for instructors and contributors; not in the students' copy.
 INSTRUCTORS = (
@@ -147,7 +144,7 @@ def release(
         if wrong:
             raise GraderError(f"nothing was released: {wrong[0]}" + _and_more(len(wrong) - 1))
         if archive:
-            _pack(files, packed, folder.name)
+            pack(packed, [(f"{folder.name}/{path}", data, 0o644) for path, data in files.items()])
         if folder.is_dir():
             folder.rmdir()  # empty, as was checked
         shutil.move(staged, folder)
@@ -175,26 +172,10 @@ def contents(
         found[QUIZ] = questions(found[QUIZ].decode("utf-8")).encode()
     if make is not None:
         found.update(make(left_out))
-    _check_bases(found)
     found["pyproject.toml"] = _pyproject((root / "pyproject.toml").read_text("utf-8")).encode()
     found["course_setup.py"] = SETUP.encode()
     found["README.md"] = _readme(left_out, PLAIN if make is None else WITH_SITE).encode()
     return dict(sorted(found.items()))
-
-
-def _check_bases(files: Mapping[str, bytes]) -> None:
-    """Refuse to release a scenario without the one that it extends: it could not be loaded."""
-    scenarios = [path for path in files if "scenarios" in PurePosixPath(path).parts]
-    docs = {path: parse_toml(files[path].decode(), path) for path in scenarios}
-    released = {
-        name for path, doc in docs.items() for name in names_of(PurePosixPath(path).stem, doc)
-    }
-    for path, doc in docs.items():
-        base = doc.get(EXTENDS)
-        if base is not None and base not in released:
-            raise GraderError(
-                f"nothing was released: {path} extends '{base}', which stays with the instructor"
-            )
 
 
 def questions(quiz: str) -> str:
@@ -270,15 +251,17 @@ def _check_free(folder: Path, packed: Path | None) -> None:
         raise InputError(f"{packed}: already exists; remove it or choose another folder")
 
 
-def _pack(files: dict[str, bytes], target: Path, top: str) -> None:
+def pack(target: Path, files: Iterable[tuple[str, bytes, int]], mode: int = 0o644) -> None:
+    """Write an archive of files, each its path, content and mode; it has itself this mode."""
     part = target.with_name(target.name + ".part")
     with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path, data in files.items():
-            entry = zipfile.ZipInfo(f"{top}/{path}", STAMP)
-            entry.external_attr = 0o644 << 16
+        for path, data, its_mode in files:
+            entry = zipfile.ZipInfo(path, STAMP)
+            entry.external_attr = its_mode << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, data)
-    os.replace(part, target)  # noqa: PTH105
+    part.chmod(mode)
+    part.replace(target)
 
 
 def _and_more(n: int) -> str:

@@ -7,22 +7,20 @@ from pathlib import Path
 
 import click
 
-from grader.cli.results import FULL, LESS, check_writable
+from grader.cli.results import FULL, LESS
 from grader.cli.start import portable_option, start_forkserver
 
 EXAMPLES = """\b
 Examples:
   course delay my_agent.py --exercise 1
-  course delay my_agent.py --exercise 1 --report delay.html
 """
 
 
 @click.command(epilog=EXAMPLES)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--exercise", metavar="N", help="Whose worlds; else the file's name tells.")
-@click.option("--report", type=click.Path(path_type=Path), help="Write a page with two plots.")
 @portable_option
-def delay(file: Path, exercise: str | None, report: Path | None, portable: bool) -> int:
+def delay(file: Path, exercise: str | None, portable: bool) -> int:
     """Find out how late sensors and commands may be for a node.
 
     It drives in its exercise's closed-loop worlds with delays of 0 to 300 ms. This is no grading:
@@ -36,14 +34,13 @@ def delay(file: Path, exercise: str | None, report: Path | None, portable: bool)
     from grader.course.submission import find_submission  # noqa: PLC0415
     from grader.drive import drive_in  # noqa: PLC0415
     from grader.drive.delay import delays  # noqa: PLC0415
-    from grader.drive.delay_page import page, table  # noqa: PLC0415
+    from grader.drive.delay_table import table  # noqa: PLC0415
     from grader.exercises import driving_contract_of  # noqa: PLC0415
     from grader.report.terminal import printable  # noqa: PLC0415
 
     chosen = exercise_for(exercise, file.name)
     contract = driving_contract_of(chosen)  # or refuse, before anything starts
     submission = find_submission(file, chosen.files[0])
-    check_writable(report)
     console = Console(file=sys.stderr, highlight=False)
     doing = f"Exercise {chosen.number}, {file.name}"
     with (
@@ -55,12 +52,8 @@ def delay(file: Path, exercise: str | None, report: Path | None, portable: bool)
             lambda scenario: drive_in(submission, scenario, forkserver),
             on_drive=lambda done, of: status.update(f"{doing}: drive {done} of {of}"),
         )
-    reference = contract.survives
     out = Console()
-    for line in table(result, reference):
+    for line in table(result, contract.survives):
         click.echo(printable(line, out))
-    if report is not None:
-        report.write_text(page(result, reference, file.name), "utf-8")
-        click.echo(f"Report with plots: {report}")
     survived = result.survived
     return FULL if min(survived.sensors, survived.commands) >= 0 else LESS

@@ -1,18 +1,14 @@
-"""`course search`: the smallest world in which a node comes to grief."""
+"""`course search`: the smallest world in which a node fails."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
-
-if TYPE_CHECKING:
-    from grader.drive.mishaps import Mishap
 
 EXAMPLES = """\b
 Examples:
@@ -54,6 +50,9 @@ def search(
 
     Exit code 0: nothing was found. 1: a world was found. 2: wrong usage.
     """
+    from rich.console import Console  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
     from grader.course.exercises import exercise_for  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
     from grader.drive import search as searching  # noqa: PLC0415
@@ -66,11 +65,18 @@ def search(
     seconds = (
         None if minutes is None and tries is not None else 60.0 * (minutes or searching.MINUTES)
     )
-    progress = _Progress(f"Exercise {chosen.number}, {file.name}")
-    with progress, start_forkserver(chosen.libraries, portable=portable) as forkserver:
+    doing = f"Exercise {chosen.number}, {file.name}"
+    console = Console(file=sys.stderr, highlight=False)
+    with (
+        console.status(f"{doing}: getting ready", spinner="line") as status,
+        start_forkserver(chosen.libraries, portable=portable) as forkserver,
+    ):
         result = searching.search_node(
-            arena, submission, forkserver, seed=seed, tries=tries, seconds=seconds, on_try=progress
-        )
+            arena, submission, forkserver, seed=seed, tries=tries, seconds=seconds,
+            on_try=lambda n, mishap: status.update(
+                Text(f"{doing}: {searching.how_far(n, mishap)}")
+            ),
+        )  # fmt: skip
     click.echo(searching.account(result, exercise=chosen.number, seed=seed))
     if result.found is None:
         return FULL
@@ -82,36 +88,3 @@ def search(
         title = f"{file.name}: {found.sentence}"
         write_report(report, None, [found.recording], title, opens_at=found.mishap.at)
     return LESS
-
-
-class _Progress:
-    """Shows on stderr how far the search is: a line that changes, or one for each kind found."""
-
-    def __init__(self, title: str) -> None:
-        from rich.console import Console  # noqa: PLC0415
-
-        self._console = Console(file=sys.stderr, highlight=False)
-        self._title = title
-        self._status = self._console.status(f"{title}: getting ready", spinner="line")
-        self._found = False
-
-    def __enter__(self) -> _Progress:
-        if self._console.is_terminal:
-            self._status.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._status.stop()
-
-    def __call__(self, tries: int, mishap: Mishap | None) -> None:
-        """Note a try."""
-        from rich.text import Text  # noqa: PLC0415
-
-        from grader.drive.search import how_far  # noqa: PLC0415
-
-        line = Text(f"{self._title}: {how_far(tries, mishap)}")
-        if self._console.is_terminal:
-            self._status.update(line)
-        elif mishap is not None and not self._found:
-            self._console.print(line, soft_wrap=True)
-        self._found = mishap is not None

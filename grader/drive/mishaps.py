@@ -18,7 +18,7 @@ from grader.recording import Recording
 
 DIES, TOUCHES, BREAKS, STANDS, LOST = "dies", "touches", "breaks", "stands", "lost"
 KINDS = (DIES, TOUCHES, BREAKS, STANDS, LOST)  # the worse of two at the same time comes first
-HAIR = 1e-6  # [m/s], [rad/s]
+TINY = 1e-6  # [m/s], [rad/s]
 TICKS = 0.1  # [s] in which a node hears of an emergency stop: two ticks
 MOTION = 0.02  # [m] less than this is standing
 LEAST_SCANS = 5  # that show a free way
@@ -78,7 +78,7 @@ def _excess(recording: Recording, contract: Contract) -> Mishap | None:
     for t, row in zip(twists.t.tolist(), twists.values.tolist(), strict=True):
         said = _beyond(row, before, limits)
         pressed = any(begin <= t < end for begin, end in stopped)
-        if not said and pressed and any(abs(value) > HAIR for value in row):
+        if not said and pressed and any(abs(value) > TINY for value in row):
             said = "drives on in an emergency stop"
         if said:
             return Mishap(BREAKS, t, f"the node {said}")
@@ -90,13 +90,13 @@ def _beyond(row: list[float], before: float, limits: Limits) -> str:
     speed, turn = row[0], row[5]
     if not np.isfinite(row).all():
         return "sends a command that is not finite"
-    if any(abs(value) > HAIR for value in row[1:5]):
+    if any(abs(value) > TINY for value in row[1:5]):
         return "sets a field other than linear.x and angular.z"
-    if not limits.slowest - HAIR <= speed <= limits.fastest + HAIR:
+    if not limits.slowest - TINY <= speed <= limits.fastest + TINY:
         return f"asks for {speed:.2f} m/s"
-    if abs(turn) > limits.turning + HAIR:
+    if abs(turn) > limits.turning + TINY:
         return f"asks for a turn of {turn:.2f} rad/s"
-    if limits.rise is not None and speed > max(0.0, before) + limits.rise + HAIR:
+    if limits.rise is not None and speed > max(0.0, before) + limits.rise + TINY:
         return f"speeds up from {before:.2f} to {speed:.2f} m/s at once"
     return ""
 
@@ -148,5 +148,5 @@ def _way(recording: Recording, since: float) -> float:
 
 
 def _last_motion(recording: Recording) -> float:
-    moving = np.flatnonzero(np.abs(recording.truth.v) > HAIR)
+    moving = np.flatnonzero(np.abs(recording.truth.v) > TINY)
     return float(recording.truth.t[moving[-1]] / 1e9) if len(moving) else 0.0

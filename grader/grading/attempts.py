@@ -1,4 +1,4 @@
-"""What changed since the last attempt: a small file beside the student's remembers its points.
+"""What changed since the last attempt: a small file beside the student's knows what passed.
 
 It is for the student's eyes only: no grading depends on it, and no result file quotes it. Nothing
 about it is ever an error: where it can't be read or written, nothing is said.
@@ -9,16 +9,14 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterable
 from pathlib import Path
-from typing import NamedTuple
 
 import msgspec
 
 from grader.course.exercises import SOLUTIONS
 from grader.course.submission import read_regular_file
 from grader.grading.grading import Grading
-from grader.grading.plugin import PASS, UNJUDGED, CheckResult
+from grader.grading.plugin import PASS, UNJUDGED
 
 FILE = ".course-attempts.json"
 MAX_BYTES = 64 * 1024
@@ -26,18 +24,11 @@ MAX_FILES = 20  # of one folder; the oldest go
 MAX_NAMES = 8  # of checks in a line
 
 
-class Mark(NamedTuple):
-    """How a check came out."""
-
-    points: int
-    passed: bool
-
-
-Marks = dict[str, Mark]  # by check
+Passed = dict[str, bool]  # by check
 
 
 class _History(msgspec.Struct):
-    attempts: dict[str, Marks]  # by exercise and file, the newest last
+    attempts: dict[str, Passed]  # by exercise and file, the newest last
 
 
 def since_last(grading: Grading, file: Path) -> str:
@@ -50,44 +41,20 @@ def since_last(grading: Grading, file: Path) -> str:
         return ""
     folder, name = (file, grading.exercise.files[0]) if file.is_dir() else (file.parent, file.name)
     path, key = folder / FILE, f"{grading.exercise.slug}/{name}"
-    now = {c.id: _mark(c) for c in grading.checks if c.outcome not in UNJUDGED}
+    judged = [check for check in grading.checks if check.outcome not in UNJUDGED]
+    now = {check.id: check.outcome == PASS for check in judged}
     attempts = _read(path)
     before = attempts.pop(key, {})
     attempts[key] = {**before, **now}  # with --only some checks are not run
     _write(path, dict(list(attempts.items())[-MAX_FILES:]))
-    return _told(before, now)
-
-
-def _mark(check: CheckResult) -> Mark:
-    return Mark(check.points, check.outcome == PASS)
-
-
-def _told(before: Marks, now: Marks) -> str:
-    known = [(name, before[name], mark) for name, mark in now.items() if name in before]
-    more = [(name, mark.points - old.points) for name, old, mark in known]
-    parts = [
-        _sum((name, points) for name, points in more if points > 0),
-        _sum((name, points) for name, points in more if points < 0),
-        *(
-            f"{word}: {_names(names)}"
-            for word, passed in (("now passing", True), ("no longer passing", False))
-            if (
-                names := [
-                    name
-                    for name, old, mark in known
-                    if mark.points == old.points and mark.passed is passed is not old.passed
-                ]
-            )
-        ),
-    ]
-    return "; ".join(filter(None, parts))
-
-
-def _sum(changes: Iterable[tuple[str, int]]) -> str:
-    changes = list(changes)
-    if not changes:
-        return ""
-    return f"{sum(points for _, points in changes):+d}: {_names([name for name, _ in changes])}"
+    points = {check.id: check.max_points for check in judged}
+    gained = [name for name in now if now[name] and before.get(name) is False]
+    lost = [name for name in now if not now[name] and before.get(name)]
+    return "; ".join(
+        f"{sign}{sum(points[name] for name in names)}: {_names(names)}"
+        for sign, names in (("+", gained), ("-", lost))
+        if names
+    )
 
 
 def _names(names: list[str]) -> str:
@@ -95,7 +62,7 @@ def _names(names: list[str]) -> str:
     return ", ".join(names[:MAX_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
-def _read(path: Path) -> dict[str, Marks]:
+def _read(path: Path) -> dict[str, Passed]:
     try:
         content = read_regular_file(path, MAX_BYTES)
         return msgspec.json.decode(content, type=_History).attempts
@@ -103,7 +70,7 @@ def _read(path: Path) -> dict[str, Marks]:
         return {}
 
 
-def _write(path: Path, attempts: dict[str, Marks]) -> None:
+def _write(path: Path, attempts: dict[str, Passed]) -> None:
     """Replace the file, whatever it is; another grading at the same time costs one of the two."""
     content = msgspec.json.encode(_History(attempts))
     if len(content) > MAX_BYTES:

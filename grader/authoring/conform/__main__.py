@@ -1,16 +1,10 @@
-"""Run what must behave the same in two places, and review what differs.
-
-The tests of rclpy and of CPython, and nodes from elsewhere: in plain Python and in a host. Our own
-solutions: on the real rclpy and on the portable runtime.
+"""Run the tests of rclpy and of CPython in plain Python and in a host, and review what differs.
 
     python -m grader.authoring.conform rclpy CHECKOUT [MODULE …]
     python -m grader.authoring.conform cpython [MODULE …]
-    python -m grader.authoring.conform nodes FOLDER
-    python -m grader.authoring.conform portable [PATTERN …]
 
-The checkout is of ros2/rclpy at the tag of the installed wheels; the folder holds checkouts with
-nodes (ros2/examples, ros2/demos, …). Exit status 1: something differs that the reviewed list does
-not know, or no longer differs as the list says.
+The checkout is of ros2/rclpy at the tag of the installed wheels. Exit status 1: something differs
+that the reviewed list does not know, or no longer differs as the list says.
 """
 
 from __future__ import annotations
@@ -20,14 +14,12 @@ import signal
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 import msgspec
 
-from grader.authoring.conform import nodes, runtimes, suites
+from grader.authoring.conform import suites
 from grader.authoring.conform.review import Difference, Review, differences, read_list, review
-from grader.course.exercises import all_exercises
 from grader.errors import GraderError, InputError
 from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
@@ -41,10 +33,6 @@ def main(arguments: Sequence[str]) -> int:
     # Where it is ignored, as in the background of a script, tests that wait for it would hang.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        if options.suite == "portable":
-            return run_portable(options.patterns)
-        if options.suite == "nodes":
-            return run_nodes(options.folder.resolve())
         checkout = Path(options.path).resolve() if options.suite == "rclpy" else None
         return run_suite(options.suite, checkout, options.modules)
     except (InputError, GraderError) as error:
@@ -72,38 +60,6 @@ def run_suite(suite: str, checkout: Path | None, chosen: Sequence[str] = ()) -> 
     return _judge(suite, plain, inside, texts)
 
 
-def run_nodes(folder: Path) -> int:
-    """Run all nodes of the checkouts in a folder; print the table."""
-    found = list(nodes.find_nodes(folder))
-    plain: dict[str, str] = {}
-    inside: dict[str, str] = {}
-    texts: dict[str, str] = {}
-    with ForkServer(EPOCH_NS) as forkserver:
-        for node in found:
-            both = nodes.run_node(node, found, forkserver)
-            plain[node.name], inside[node.name] = nodes.compared(both)
-            texts[node.name] = _other_words(both)
-            print(f"{plain[node.name]:32} {inside[node.name]:32} {node.name}", flush=True)
-    return _judge("nodes", plain, inside, texts)
-
-
-def run_portable(patterns: Sequence[str]) -> int:
-    """Grade the solutions whose names fit (`EXERCISE/KIND/NAME`) on both runtimes."""
-    compared = runtimes.Compared()
-    for exercise in all_exercises():
-        if patterns and not any(_may_fit(pattern, exercise.slug) for pattern in patterns):
-            continue
-        for line in runtimes.compare(exercise, patterns, compared):
-            print(line, flush=True)
-    seconds = ", ".join(f"{name} {spent:.0f} s" for name, spent in compared.seconds.items())
-    print(f"\n{seconds}")
-    return _judge("portable", compared.expected, compared.outcomes, compared.texts)
-
-
-def _may_fit(pattern: str, slug: str) -> bool:
-    return fnmatchcase(slug, pattern.partition("/")[0])
-
-
 def _judge(suite: str, plain: dict[str, str], inside: dict[str, str], texts: dict[str, str]) -> int:
     """Keep what was found, print what the list says of it, return the exit status."""
     found = differences(plain, inside, texts)
@@ -115,18 +71,11 @@ def _judge(suite: str, plain: dict[str, str], inside: dict[str, str], texts: dic
     return 0 if result.passed else 1
 
 
-def _other_words(both: dict[str, nodes.Behaviour]) -> str:
-    plain, inside = both["plain"].said, both["inside"].said
-    lines = [f"plain:  {line}" for line in sorted(plain - inside)]
-    return "\n".join(lines + [f"inside: {line}" for line in sorted(inside - plain)])
-
-
 def _print(plain: dict[str, str], inside: dict[str, str], result: Review) -> None:
     print(f"\nplain:  {_counts(plain)}\ninside: {_counts(inside)}")
     print(f"\n{len(result.meant)} differences are meant")
     reasons = Counter(entry.reason for _, entry in result.meant)
     print("".join(f"{count:5}  {reason}\n" for reason, count in reasons.most_common()), end="")
-    _print_list("known defects", [f"{d}: {e.reason}" for d, e in result.defects])
     _print_list("not in the list", [_in_full(difference) for difference in result.unlisted])
     _print_list("in the list, but no longer different", result.stale)
 
@@ -155,9 +104,6 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     rclpy.add_argument("path", help="a checkout of ros2/rclpy")
     rclpy.add_argument("modules", nargs="*")
     kinds.add_parser("cpython").add_argument("modules", nargs="*")
-    foreign = kinds.add_parser("nodes")
-    foreign.add_argument("folder", type=Path, help="a folder with checkouts")
-    kinds.add_parser("portable").add_argument("patterns", nargs="*")
     return parser.parse_args(arguments)
 
 

@@ -30,7 +30,6 @@ class Reviewed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The reviewed list of one suite."""
 
     meant: tuple[Entry, ...] = ()
-    defects: tuple[Entry, ...] = ()  # known and not mended: each fails the command
 
 
 class Difference(msgspec.Struct, frozen=True):
@@ -50,14 +49,13 @@ class Review:
     """What the list says about the differences that were found."""
 
     meant: list[tuple[Difference, Entry]] = field(default_factory=list)
-    defects: list[tuple[Difference, Entry]] = field(default_factory=list)
     unlisted: list[Difference] = field(default_factory=list)
     stale: list[str] = field(default_factory=list)  # patterns whose tests no longer differ
 
     @property
     def passed(self) -> bool:
         """Everything that differs is meant, and all that is listed differs."""
-        return not (self.defects or self.unlisted or self.stale)
+        return not (self.unlisted or self.stale)
 
 
 def read_list(suite: str, path: Path = LIST) -> Reviewed:
@@ -91,18 +89,16 @@ def review(found: Iterable[Difference], ran: Iterable[str], reviewed: Reviewed) 
     result = Review()
     used: set[str] = set()
     for difference in found:
-        entry, pattern = _find(difference, (*reviewed.defects, *reviewed.meant))
+        entry, pattern = _find(difference, reviewed.meant)
         used.add(pattern)
         if entry is None:
             result.unlisted.append(difference)
-        elif entry in reviewed.defects:
-            result.defects.append((difference, entry))
         else:
             result.meant.append((difference, entry))
     names = list(ran)
     result.stale = [
         pattern
-        for entry in (*reviewed.defects, *reviewed.meant)
+        for entry in reviewed.meant
         if not entry.flaky
         for pattern in entry.tests
         if pattern not in used and any(fnmatchcase(name, pattern) for name in names)

@@ -69,8 +69,7 @@ def _all_nodes(claim: Claim) -> bool:
 def judge(every_mutant: Sequence[Claim], keep: Path, workers: int) -> Iterator[Verdict]:
     """Yield the verdict on each mutant: those that are kept, and those that are made now.
 
-    The mutants of one right node come after those of another, and of each node last those that a
-    person has called equivalent: they take longest, and a gap shows before.
+    The mutants of one right node come after those of another.
     """
     kept = list(_read(keep))
     known = {verdict.key: verdict for verdict in kept if verdict.killed_by or not verdict.unsure}
@@ -78,17 +77,10 @@ def judge(every_mutant: Sequence[Claim], keep: Path, workers: int) -> Iterator[V
     keys = [_key(claim) for claim in every_mutant]
     yield from (known[key] for key in keys if key in known)
     left = [(c, key) for c, key in zip(every_mutant, keys, strict=True) if key not in known]
-    lists = {exercise: reviewed(exercise) for exercise in {claim.exercise for claim, _ in left}}
-
-    def is_equivalent(mutant: tuple[Claim, str]) -> bool:
-        claim, _ = mutant
-        return bool(lists[claim.exercise].reason(claim.stem))
-
     keep.parent.mkdir(parents=True, exist_ok=True)
     with keep.open("ab", buffering=0) as file:
         for _, of_one_node in groupby(left, lambda pair: pair[0].stem.partition(" ")[0]):
-            mutants = sorted(of_one_node, key=is_equivalent)
-            for verdict in _judge(mutants, suspects, workers):
+            for verdict in _judge(list(of_one_node), suspects, workers):
                 suspects[_change(verdict)] = verdict.killed_by
                 file.write(msgspec.json.encode(verdict) + b"\n")
                 yield verdict
@@ -185,7 +177,6 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--variants", type=int, default=VARIANTS, help="that are wrapped, too")
     parser.add_argument("--survivors", action="store_true", help="only those that survived before")
     parser.add_argument("--list", action="store_true", help="list the mutants, grade none")
-    parser.add_argument("--show", metavar="NAME", help="print the program of this mutant")
     parser.add_argument("--keep", type=Path, default=KEEP, help=f"verdicts; {KEEP} by default")
     cpus = len(os.sched_getaffinity(0))
     parser.add_argument("--workers", type=int, default=cpus, help=f"processes; {cpus} by default")
@@ -195,20 +186,16 @@ def main(arguments: list[str]) -> int:
     except InputError as error:
         parser.error(str(error))
     made = {exercise: list(mutants_of(exercise, options.variants)) for exercise in exercises}
-    if options.only or options.show:
-        words = options.only or options.show
-        made = {e: [m for m in every_one if words in m.stem] for e, every_one in made.items()}
+    if options.only:
+        made = {e: [m for m in found if options.only in m.stem] for e, found in made.items()}
     if options.survivors:
         lived = {(v.exercise, v.name) for v in _read(options.keep) if not v.killed_by}
         made = {
             e: [m for m in every_one if (e.slug, m.stem) in lived] for e, every_one in made.items()
         }
-    if options.list or options.show:
-        for exercise, every_one in made.items():
-            for claim in every_one:
-                print(f"{exercise.slug}: {claim.stem}")
-                if options.show == claim.stem:
-                    print("\n".join(claim.files.values()))
+    if options.list:
+        lines = [f"{exercise.slug}: {m.stem}" for exercise, found in made.items() for m in found]
+        print("\n".join(lines))
         return 0
     print(f"  {'exercise':20} generated killed equivalent gaps      time")
     bad: list[str] = []

@@ -1,8 +1,8 @@
 """What a wrapper does to the messages, or to one number of them, on their way to or from a node.
 
-Each class goes as source text into the file of a node (`grader.authoring.mutate.wrappers`), so it
-needs nothing but what stands in it. An operator on messages returns those to pass on; one on
-numbers returns the number to put in the place of another.
+Each class goes as source text into the file of a node (`grader.authoring.mutate.wrappers`), after
+`Operator`, so it needs nothing but the two. An operator on messages returns those to pass on; one
+on numbers returns the number to put in the place of another. `t` is the node's time [s].
 """
 
 from __future__ import annotations
@@ -10,172 +10,140 @@ from __future__ import annotations
 import math
 from typing import Any
 
+
+class Operator:
+    """Has one amount, and remembers what came before."""
+
+    def __init__(self, amount: float = 0) -> None:
+        """Take how many messages, how many seconds, which factor, limit, step or part."""
+        self.amount = amount
+        self.count = 0
+        self.since = -math.inf
+        self.last: Any = None
+        self.kept: list[Any] = []
+
+
 # --- on messages ----------------------------------------------------------------------------------
 
 
-class Late:
+class Late(Operator):
     """Passes each message on only when so many others have come."""
 
-    def __init__(self, messages: int) -> None:
-        self.messages = messages
-        self.waiting: list[Any] = []
-
     def __call__(self, message: Any, t: float) -> list[Any]:
-        self.waiting.append(message)
-        return [self.waiting.pop(0)] if len(self.waiting) > self.messages else []
+        self.kept.append(message)
+        return [self.kept.pop(0)] if len(self.kept) > self.amount else []
 
 
-class OneIn:
+class OneIn(Operator):
     """Passes on the first of so many messages."""
 
-    def __init__(self, messages: int) -> None:
-        self.messages = messages
-        self.count = 0
-
     def __call__(self, message: Any, t: float) -> list[Any]:
         self.count += 1
-        return [message] if self.count % self.messages == 1 else []
+        return [message] if self.count % self.amount == 1 else []
 
 
-class DropsOneIn:
+class DropsOneIn(Operator):
     """Loses one of so many messages."""
 
-    def __init__(self, messages: int) -> None:
-        self.messages = messages
-        self.count = 0
-
     def __call__(self, message: Any, t: float) -> list[Any]:
         self.count += 1
-        return [] if self.count % self.messages == 0 else [message]
+        return [] if self.count % self.amount == 0 else [message]
 
 
-class OldOneIn:
+class OldOneIn(Operator):
     """Repeats the message before in the place of one of so many."""
-
-    def __init__(self, messages: int) -> None:
-        self.messages = messages
-        self.count = 0
-        self.last: Any = None
 
     def __call__(self, message: Any, t: float) -> list[Any]:
         self.count += 1
         old, self.last = self.last, message
-        return [old] if self.count % self.messages == 0 else [message]
+        return [old] if self.count % self.amount == 0 else [message]
 
 
-class Holds:
+class Holds(Operator):
     """Repeats a message in the place of those that come within so many seconds of it."""
 
-    def __init__(self, seconds: float) -> None:
-        self.seconds = seconds
-        self.since = -math.inf
-        self.held: Any = None
-
     def __call__(self, message: Any, t: float) -> list[Any]:
-        if t - self.since >= self.seconds:
-            self.since, self.held = t, message
-        return [self.held]
+        if t - self.since >= self.amount:
+            self.since, self.last = t, message
+        return [self.last]
 
 
-class AtMostEvery:
+class AtMostEvery(Operator):
     """Drops what comes within so many seconds of the last message that was passed on."""
 
-    def __init__(self, seconds: float) -> None:
-        self.seconds = seconds
-        self.since = -math.inf
-
     def __call__(self, message: Any, t: float) -> list[Any]:
-        if t - self.since < self.seconds:
+        if t - self.since < self.amount:
             return []
         self.since = t
         return [message]
 
 
-class IgnoresFirst:
+class IgnoresFirst(Operator):
     """Ignores the first messages."""
 
-    def __init__(self, messages: int) -> None:
-        self.left = messages
-
     def __call__(self, message: Any, t: float) -> list[Any]:
-        self.left -= 1
-        return [] if self.left >= 0 else [message]
+        self.count += 1
+        return [] if self.count <= self.amount else [message]
 
 
-class IgnoresAfter:
+class IgnoresAfter(Operator):
     """Ignores everything after so many messages."""
 
-    def __init__(self, messages: int) -> None:
-        self.left = messages
-
     def __call__(self, message: Any, t: float) -> list[Any]:
-        self.left -= 1
-        return [message] if self.left >= 0 else []
+        self.count += 1
+        return [message] if self.count <= self.amount else []
 
 
-class DeafAfter:
+class DeafAfter(Operator):
     """Ignores everything that comes so many seconds after the first message."""
 
-    def __init__(self, seconds: float) -> None:
-        self.seconds = seconds
-        self.first: float | None = None
-
     def __call__(self, message: Any, t: float) -> list[Any]:
-        self.first = t if self.first is None else self.first
-        return [message] if t - self.first < self.seconds else []
+        self.last = t if self.last is None else self.last
+        return [message] if t - self.last < self.amount else []
 
 
-class Latches:
+class Latches(Operator):
     """Keeps the first message for good, and repeats it in the place of every other."""
 
-    def __init__(self) -> None:
-        self.first: Any = None
-
     def __call__(self, message: Any, t: float) -> list[Any]:
-        self.first = message if self.first is None else self.first
-        return [self.first]
+        self.last = message if self.last is None else self.last
+        return [self.last]
 
 
-class Twice:
+class Twice(Operator):
     """Passes each message on twice."""
 
     def __call__(self, message: Any, t: float) -> list[Any]:
         return [message, message]
 
 
-class Reorders:
+class Reorders(Operator):
     """Swaps each message with the one after it."""
 
-    def __init__(self) -> None:
-        self.waiting: Any = None
-
     def __call__(self, message: Any, t: float) -> list[Any]:
-        if self.waiting is None:
-            self.waiting = message
-            return []
-        first, self.waiting = self.waiting, None
-        return [message, first]
+        self.kept.insert(0, message)
+        both, self.kept = (self.kept, []) if len(self.kept) == 2 else ([], self.kept)
+        return both
 
 
-class OnlyNewer:
+class OnlyNewer(Operator):
     """Drops a message whose stamp is not newer than every one before it."""
-
-    def __init__(self) -> None:
-        self.newest = (0, 0)
 
     def __call__(self, message: Any, t: float) -> list[Any]:
         stamp = (message.header.stamp.sec, message.header.stamp.nanosec)
-        if stamp <= self.newest:
+        if stamp <= (self.last or (0, 0)):
             return []
-        self.newest = stamp
+        self.last = stamp
         return [message]
 
 
-class Expires:
+class Expires(Operator):
     """Says something empty when nothing has come for so many seconds (see `hears`)."""
 
-    def __init__(self, seconds: float) -> None:
-        self.silence = seconds
+    @property
+    def silence(self) -> float:
+        """After so long [s]."""
+        return self.amount
 
     def __call__(self, message: Any, t: float) -> list[Any]:
         return [message]
@@ -184,155 +152,108 @@ class Expires:
 # --- on numbers -----------------------------------------------------------------------------------
 
 
-class Times:
+class Times(Operator):
     """Multiplies: another unit, another sign, a wrong gain."""
 
-    def __init__(self, factor: float) -> None:
-        self.factor = factor
-
     def __call__(self, number: float, t: float) -> float:
-        return number * self.factor
+        return number * self.amount
 
 
-class Plus:
+class Plus(Operator):
     """Adds an offset."""
 
-    def __init__(self, offset: float) -> None:
-        self.offset = offset
-
     def __call__(self, number: float, t: float) -> float:
-        return number + self.offset
+        return number + self.amount
 
 
-class Clips:
+class Clips(Operator):
     """Clips to plus and minus a limit."""
 
-    def __init__(self, limit: float) -> None:
-        self.limit = limit
-
     def __call__(self, number: float, t: float) -> float:
-        return max(-self.limit, min(self.limit, number))
+        return max(-self.amount, min(self.amount, number))
 
 
-class NanIs:
+class NanIs(Operator):
     """Takes a certain number for NaN."""
 
-    def __init__(self, number: float) -> None:
-        self.number = number
-
     def __call__(self, number: float, t: float) -> float:
-        return self.number if math.isnan(number) else number
+        return self.amount if math.isnan(number) else number
 
 
-class Quantises:
+class Quantises(Operator):
     """Rounds to steps."""
 
-    def __init__(self, step: float) -> None:
-        self.step = step
-
     def __call__(self, number: float, t: float) -> float:
-        return round(number / self.step) * self.step if math.isfinite(number) else number
+        return round(number / self.amount) * self.amount if math.isfinite(number) else number
 
 
-class DeadBand:
+class DeadBand(Operator):
     """Takes small numbers for zero."""
 
-    def __init__(self, band: float) -> None:
-        self.band = band
-
     def __call__(self, number: float, t: float) -> float:
-        return 0.0 if abs(number) < self.band else number
+        return 0.0 if abs(number) < self.amount else number
 
 
-class Sticks:
+class Sticks(Operator):
     """Changes only by more than a band: hysteresis."""
 
-    def __init__(self, band: float) -> None:
-        self.band = band
-        self.last: float | None = None
-
-    def __call__(self, number: float, t: float) -> float:
-        if self.last is None or not abs(number - self.last) <= self.band:
+    def __call__(self, number: float, t: float) -> Any:
+        if self.last is None or not abs(number - self.last) <= self.amount:
             self.last = number
         return self.last
 
 
-class LowPass:
+class LowPass(Operator):
     """Takes a part of the new number and the rest of the last one."""
 
-    def __init__(self, part: float) -> None:
-        self.part = part
-        self.last: float | None = None
-
-    def __call__(self, number: float, t: float) -> float:
+    def __call__(self, number: float, t: float) -> Any:
         if self.last is None or not math.isfinite(self.last):
             self.last = number
-        self.last += self.part * (number - self.last) if math.isfinite(number) else number
+        self.last += self.amount * (number - self.last) if math.isfinite(number) else number
         return self.last
 
 
-class FallsAtMost:
+class FallsAtMost(Operator):
     """Falls by at most a step from message to message: a gentle stop."""
 
-    def __init__(self, step: float) -> None:
-        self.step = step
-        self.last: float | None = None
-
     def __call__(self, number: float, t: float) -> float:
         if self.last is not None:
-            number = max(number, self.last - self.step)
+            number = max(number, self.last - self.amount)
         self.last = number
         return number
 
 
-class RisesAtMost:
+class RisesAtMost(Operator):
     """Rises by at most a step from message to message."""
 
-    def __init__(self, step: float) -> None:
-        self.step = step
-        self.last: float | None = None
-
     def __call__(self, number: float, t: float) -> float:
         if self.last is not None:
-            number = min(number, self.last + self.step)
+            number = min(number, self.last + self.amount)
         self.last = number
         return number
 
 
-class LeastOf:
+class LeastOf(Operator):
     """Takes the smallest of the last numbers."""
 
-    def __init__(self, messages: int) -> None:
-        self.messages = messages
-        self.last: list[float] = []
-
-    def __call__(self, number: float, t: float) -> float:
-        self.last = [*self.last, number][-self.messages :]
-        return min(self.last)
+    def __call__(self, number: float, t: float) -> Any:
+        self.kept = [*self.kept, number][-int(self.amount) :]
+        return min(self.kept)
 
 
-class ZeroFor:
+class ZeroFor(Operator):
     """Stays at zero for so many seconds once it is there."""
 
-    def __init__(self, seconds: float) -> None:
-        self.seconds = seconds
-        self.since = -math.inf
-
     def __call__(self, number: float, t: float) -> float:
-        if abs(number) < 1e-9 and t - self.since >= self.seconds:
+        if abs(number) < 1e-9 and t - self.since >= self.amount:
             self.since = t
-        return 0.0 if t - self.since < self.seconds else number
+        return 0.0 if t - self.since < self.amount else number
 
 
-class NotZeroFor:
+class NotZeroFor(Operator):
     """Goes to zero only when zero has been asked for during so many seconds."""
 
-    def __init__(self, seconds: float) -> None:
-        self.seconds = seconds
-        self.moving = -math.inf
-        self.last = 0.0
-
-    def __call__(self, number: float, t: float) -> float:
+    def __call__(self, number: float, t: float) -> Any:
         if abs(number) >= 1e-9:
-            self.moving, self.last = t, number
-        return self.last if t - self.moving < self.seconds else number
+            self.since, self.last = t, number
+        return self.last if t - self.since < self.amount else number

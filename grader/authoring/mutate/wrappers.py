@@ -97,7 +97,8 @@ class Wrapper:
     @property
     def source(self) -> str:
         """The text that goes into the node's file."""
-        parts = [getattr(operators, self.operator), hooks.hears if self.hears else hooks.says]
+        hook = hooks.hears if self.hears else hooks.says
+        parts = [operators.Operator, getattr(operators, self.operator), hook]
         make = f"{self.operator}({'' if self.number is None else repr_of(self.number)})"
         if self.field:
             parts.append(hooks.at)

@@ -35,19 +35,19 @@ class Made:
     slug: str
     number: int
     new: list[Path] = field(default_factory=list)  # relative to the course
-    edited: dict[Path, str] = field(default_factory=dict)  # with the text before
+    edited: list[Path] = field(default_factory=list)
     left: list[str] = field(default_factory=list)  # commands that could not be run here
 
 
 def scaffold(name: str, root: Path = ROOT) -> Made:
     """Make an exercise of that name; return what was made.
 
-    Nothing is left if it fails.
+    Nothing is written if something is in its way; git takes the rest back.
 
     Raises
     ------
     InputError
-        The name is none, or taken, or this is no checkout.
+        The name will not do or is taken, or this is no checkout.
     GraderError
         What is generated could not be made.
     """
@@ -55,20 +55,16 @@ def scaffold(name: str, root: Path = ROOT) -> Made:
     number = max(exercise.number for exercise in all_exercises()) + 1
     made = Made(name, number)
     words = _words(name, number, root)
-    try:
-        for path, text in _files(words):
-            if (root / path).exists():
-                raise InputError(f"{path} is there already; choose another name")
-            made.new.append(path)
-            (root / path).parent.mkdir(parents=True, exist_ok=True)
-            (root / path).write_text(text, "utf-8")
-        for path, text in _edits(words, root):
-            made.edited[path] = (root / path).read_text("utf-8")
-            (root / path).write_text(text, "utf-8")
-        _generate(made, root)
-    except BaseException:
-        _take_back(made, root)
-        raise
+    new, edited = dict(_files(words)), dict(_edits(words, root))
+    for path in new:
+        if (root / path).exists():
+            raise InputError(f"{path} is there already; choose another name")
+    for path, text in (new | edited).items():
+        (root / path).parent.mkdir(parents=True, exist_ok=True)
+        (root / path).write_text(text, "utf-8")
+    made.new += new
+    made.edited += edited
+    _generate(made, root)
     return made
 
 
@@ -82,8 +78,7 @@ def _check(name: str, root: Path) -> None:
             f"{name!r}: expected a name such as stop_line: small letters, digits and single "
             f"underscores, at most {LONGEST} characters"
         )
-    slugs = [exercise.slug for exercise in all_exercises()]
-    near = difflib.get_close_matches(name, slugs, n=1, cutoff=0.9)
+    near = difflib.get_close_matches(name, [e.slug for e in all_exercises()], n=1, cutoff=0.9)
     if near:
         raise InputError(f"{name!r} is too close to the exercise {near[0]}; choose another name")
     taken = [
@@ -191,17 +186,3 @@ def _generate(made: Made, root: Path) -> None:
         if done.returncode:
             last = (done.stdout + done.stderr).strip().splitlines() or ["no words"]
             raise GraderError(f"python -m {module}: {last[-1]}")
-
-
-def _take_back(made: Made, root: Path) -> None:
-    for path, text in made.edited.items():
-        (root / path).write_text(text, "utf-8")
-    for path in made.new:
-        (root / path).unlink(missing_ok=True)
-        for folder in (root / path).parents:
-            if folder == root or not folder.is_dir() or any(folder.iterdir()):
-                break
-            folder.rmdir()
-
-
-__all__ = ["Made", "scaffold"]

@@ -1,4 +1,4 @@
-"""Look for worlds in which a node comes to grief (docs/search.md)."""
+"""Look for worlds in which a node fails (docs/search.md)."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from grader.course.submission import Submission
 from grader.drive.mishaps import Mishap
 from grader.drive.node import drive_in
 from grader.drive.search.account import MINUTES, account, how_far
-from grader.drive.search.arenas import Arena, arena_of
 from grader.drive.search.finder import Found, OnTry, Search, search
+from grader.drive.search.worlds import Arena, arena_of
 from grader.link.launcher import Launcher
 from grader.recording import Recording
 from sim.scenario import Scenario
@@ -35,7 +35,7 @@ def search_node(
     seconds: float | None = None,
     on_try: OnTry = lambda tries, mishap: None,
 ) -> Search:
-    """Look for the smallest world in which this node comes to grief; see `search`."""
+    """Look for the smallest world in which this node fails; see `search`."""
 
     def drive(scenario: Scenario) -> Recording:
         return drive_in(submission, scenario, forkserver)

@@ -1,4 +1,4 @@
-"""Look for the smallest world in which a node comes to grief: hypothesis draws and shrinks.
+"""Look for the smallest world in which a node fails: hypothesis draws and shrinks.
 
 Each try is one drive in virtual time. Half of the search looks for what is worse than standing; if
 nothing of the kind turns up, the other half shrinks a world in which the robot stands. The first
@@ -32,9 +32,9 @@ from grader.drive.mishaps import (
     Mishap,
     mishap_of,
 )
-from grader.drive.search.arenas import Arena
 from grader.drive.search.toml import scenario_to_toml
 from grader.drive.search.words import sentence, title
+from grader.drive.search.worlds import Arena
 from grader.recording import Recording
 from sim.scenario import Scenario
 
@@ -48,7 +48,7 @@ Drive = Callable[[Scenario], Recording]
 
 @dataclass(frozen=True)
 class Found:
-    """A world in which the node comes to grief."""
+    """A world in which the node fails."""
 
     scenario: Scenario
     recording: Recording
@@ -105,7 +105,7 @@ class _Hunt:
         kinds = sorted(self._smallest, key=lambda kind: (kind not in self.wanted, _RANK[kind]))
         return self._smallest[kinds[0]] if kinds else None
 
-    def comes_to_grief(self, scenario: Scenario) -> bool:
+    def fails(self, scenario: Scenario) -> bool:
         """Drive in a world, unless that is known; tell whether it is one to be looked for."""
         text = scenario_to_toml(scenario)
         if text not in self._known:
@@ -191,7 +191,7 @@ def _run(hunt: _Hunt, seed: int, wanted: frozenset[str], share: float) -> None:
         phases=(Phase.generate, Phase.shrink),
     )
     with _by_seed_alone(), contextlib.suppress(NoSuchExample, _Over):
-        find(hunt.arena.worlds, hunt.comes_to_grief, settings=how, random=Random(seed))
+        find(hunt.arena.worlds, hunt.fails, settings=how, random=Random(seed))
     if hunt.trouble is not None:
         raise hunt.trouble
 

@@ -1,4 +1,4 @@
-"""Worlds to try, as hypothesis draws them: it begins with the simplest and shrinks to it.
+"""Worlds to search a node in, as hypothesis draws them: the simplest first, and shrunk to it.
 
 Everything is drawn in whole steps (decimetres, 15°, 50 ms) for files that a person can read. What
 the exercises ask only of nodes with the badge field-ready, other lidars, lost messages and drivers
@@ -9,16 +9,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn, SearchStrategy
 from msgspec.structs import replace
 
+from grader.checks.contract import Contract
+from grader.course.exercises import Exercise
 from grader.drive.search.fair import is_fair
+from grader.exercises import driving_contract_of
 from sim.scenario import (
     Faults,
     LidarSpec,
-    NodeSpec,
     OdometrySpec,
     Qos,
     RawCommands,
@@ -35,10 +38,32 @@ LIDARS = ("default", "lds02", "lds01", "wide")
 Place = tuple[float, float, float]  # x [m], y [m], yaw [°]
 SILENCE = 4.0  # [s] that a lidar falls silent
 E_STOP = 2.0  # [s] that an emergency stop lasts
-_PLAIN = st.just(NodeSpec())
 _NONE = st.just(0.0)
 _LOSS = st.sampled_from((0.0, 0.1, 0.2))
 _QOS = st.sampled_from((Qos(), Qos(sensors="sensor_data")))
+
+
+@dataclass(frozen=True)
+class Arena:
+    """Where a node of an exercise is looked at, and by what it is judged."""
+
+    worlds: SearchStrategy[Scenario]
+    contract: Contract
+
+
+def arena_of(exercise: Exercise, *, field: bool = False) -> Arena:
+    """Return the worlds and the contract of an exercise.
+
+    `field`: also what only nodes with the badge field-ready have to cope with.
+
+    Raises
+    ------
+    InputError
+        Its nodes do not drive.
+    """
+    contract = driving_contract_of(exercise)
+    worlds = _goals(field) if contract.goals else _driving(contract, field).filter(is_fair)
+    return Arena(worlds, contract)
 
 
 def _dm(value: int) -> float:
@@ -87,21 +112,15 @@ def _lidar_faults(draw: DrawFn, field: bool) -> Faults:
 
 
 @st.composite
-def _driving(
-    draw: DrawFn,
-    duration: float,
-    nodes: SearchStrategy[NodeSpec],
-    supervises: bool,
-    field: bool,
-) -> Scenario:
+def _driving(draw: DrawFn, contract: Contract, field: bool) -> Scenario:
     """Draw a world of things that stand, and a lidar."""
     return Scenario(
         title="",
         world=draw(_world()),
-        duration=duration,
-        node=draw(nodes),
-        raw=draw(_raw(duration)) if supervises else (),
-        script=draw(_e_stops()) if supervises else (),
+        duration=contract.search_for,
+        node=draw(st.sampled_from(contract.nodes)),
+        raw=draw(_raw(contract.search_for)) if contract.supervises else (),
+        script=draw(_e_stops()) if contract.supervises else (),
         lidar=LidarSpec(profile=draw(st.sampled_from(LIDARS if field else LIDARS[:1]))),
         faults=draw(_lidar_faults(field)),
         qos=draw(_QOS) if field else Qos(),
@@ -138,21 +157,6 @@ def _e_stops(draw: DrawFn) -> tuple[ScriptEvent, ...]:
     return (ScriptEvent(at=float(at), e_stop=True), ScriptEvent(at=at + E_STOP, e_stop=False))
 
 
-def driving_worlds(
-    duration: float,
-    *,
-    nodes: SearchStrategy[NodeSpec] = _PLAIN,
-    supervises: bool = False,
-    field: bool = False,
-) -> SearchStrategy[Scenario]:
-    """Return fair worlds for a node that sees by lidar and drives straight ahead.
-
-    `nodes`: with what the node is started, such as a model; `supervises`: commands come in, and an
-    e-stop; `field`: other sensors and networks, too.
-    """
-    return _driving(duration, nodes, supervises, field).filter(is_fair)
-
-
 @st.composite
 def _goals(draw: DrawFn, field: bool) -> Scenario:
     """Draw a start, and one goal or two, far enough from it and near enough to be reached."""
@@ -186,8 +190,3 @@ def _time_for(start: Place, goals: Sequence[Place], last: float) -> float:
     """Return a duration in which even a slow turner arrives: 4 s for each metre, and 8 s [s]."""
     way = max(math.dist(place[:2], goals[-1][:2]) for place in (start, *goals))
     return round(last + 8.0 + 4.0 * way, 1)
-
-
-def goal_worlds(*, field: bool = False) -> SearchStrategy[Scenario]:
-    """Return worlds for a node that drives to goals, without obstacles."""
-    return _goals(field)

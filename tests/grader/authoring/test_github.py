@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,7 +14,7 @@ import yaml
 
 from grader.authoring import github
 from grader.authoring.release import release
-from grader.course.exercises import ROOT, find_exercise
+from grader.course.exercises import find_exercise
 
 ONE, SIX = find_exercise("1"), find_exercise("6")
 
@@ -84,22 +83,3 @@ def test_a_release_has_the_container(template: Path) -> None:
     assert file == (template / "Dockerfile").resolve()
     assert about["remoteUser"] == "jovyan"
     assert ".github" not in (template / ".dockerignore").read_text("utf-8").splitlines()
-
-
-def test_the_dockerfile_keeps_to_binders_rules() -> None:
-    """Binder, "Preparing your Dockerfile": a user of its choice, who owns the home; no ENTRYPOINT.
-
-    The base image is pinned to a tag, Jupyter and JupyterHub are installed, the contents of the
-    repository lie in the home, and the last USER is not root.
-    """
-    text = (ROOT / "Dockerfile").read_text("utf-8")
-    lines = [line for line in text.splitlines() if not line.startswith("#")]
-
-    assert re.match(r"FROM \S+:(?!latest)\S+$", next(filter(None, lines)))
-    assert {"ARG NB_USER=jovyan", "ARG NB_UID=1000"} <= set(lines)
-    assert "ENV USER=${NB_USER} NB_UID=${NB_UID} HOME=/home/${NB_USER}" in lines
-    assert "COPY --chown=${NB_UID} . ${HOME}" in lines
-    assert [line for line in lines if line.startswith("USER ")][-1] == "USER ${NB_USER}"
-    assert not [line for line in lines if line.startswith("ENTRYPOINT")]
-    assert "'jupyterhub>=5,<6' 'notebook>=7,<8'" in text
-    assert "[ros,ml,notebooks]" in text

@@ -61,13 +61,6 @@ def test_what_is_written_is_what_the_autograder_reads(made: Path, tmp_path: Path
     assert settings == Settings(SLUGS, False, ("worlds",))
 
 
-@pytest.mark.long
-def test_the_same_choice_gives_the_same_bytes(made: Path, secret: Path, tmp_path: Path) -> None:
-    again = write_autograder(tmp_path / "again", exercises=SLUGS, hide=["worlds"], secret=secret)
-
-    assert again.read_bytes() == made.read_bytes()
-
-
 @pytest.mark.parametrize("deep", [False, True])
 def test_the_scripts_are_bash(deep: bool, tmp_path: Path) -> None:
     script = tmp_path / "setup.sh"

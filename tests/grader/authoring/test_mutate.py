@@ -155,16 +155,6 @@ def test_what_killed_a_change_is_suspected_in_other_nodes(
     assert [verdict.killed_by for verdict in verdicts] == ["e_stop", "", "", "e_stop"]
 
 
-def test_mutants_that_are_called_equivalent_come_last(
-    tmp_path: Path, graded: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    list_ = Reviewed((Equivalent(("* as good",), "As good as right, whoever asks."),))
-    monkeypatch.setattr(mutate, "reviewed", lambda exercise: list_)
-    names = ("one as good", "one killed", "two as good", "two lives")
-    list(mutate.judge([mutant(name, name) for name in names], tmp_path / "kept", 1))
-    assert graded == ["one killed", "one as good", "two lives", "two as good"]
-
-
 def test_survivors_are_equivalent_or_gaps(
     tmp_path: Path, graded: list[str], monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:

@@ -77,9 +77,9 @@ def test_numbers(operator: Any, numbers: list[float], become: list[float]) -> No
 
 
 def test_every_operator_is_tried_and_tested() -> None:
-    made = {name for name, value in vars(operators).items() if inspect.isclass(value)} - {"Any"}
+    made = {name for name, value in vars(operators).items() if inspect.isclass(value)}
     used = {*ON_MESSAGES, *HEARD, *STAMPED, *ON_NUMBERS, *ON_READINGS}
-    assert made == used
+    assert made - {"Any", "Operator"} == used
     source = inspect.getsource(inspect.getmodule(test_numbers) or wrappers)
     assert [name for name in used if f"operators.{name}(" not in source] == []
 

@@ -13,13 +13,10 @@ from grader.trial.trials import SavedTrials
 from sim.scenario import NodeSpec, ProgramSpec, Scenario
 
 
-def test_nothing_is_missing() -> None:
-    assert why_not(()) == ""
-
-
 def test_it_says_what_is_missing_and_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    assert why_not(("torch",)) == ("skipped: PyTorch is not installed here; pip install torch")
+    assert why_not(()) == ""
+    assert why_not(("torch",)) == "skipped: PyTorch is not installed here; pip install torch"
     assert why_not(("sklearn", "keras")) == (
         "skipped: scikit-learn and Keras are not installed here; pip install scikit-learn keras"
     )
@@ -28,13 +25,12 @@ def test_it_says_what_is_missing_and_what_to_do(monkeypatch: pytest.MonkeyPatch)
 def test_a_folder_of_that_name_is_no_library(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
+    def find_spec(name: str) -> importlib.machinery.ModuleSpec | None:
+        return importlib.machinery.PathFinder.find_spec(name, [str(tmp_path)])
+
     (tmp_path / "torch").mkdir()
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: _spec(name, tmp_path))
+    monkeypatch.setattr(importlib.util, "find_spec", find_spec)
     assert "PyTorch" in why_not(("torch",))
-
-
-def _spec(name: str, folder: Path) -> importlib.machinery.ModuleSpec | None:
-    return importlib.machinery.PathFinder.find_spec(name, [str(folder)])
 
 
 def test_a_library_that_nobody_knows() -> None:
@@ -88,8 +84,3 @@ def test_several_programs_can_hide_libraries(run_node, short_scenario: Scenario)
     recording = run_node(IMPORTS, several)  # a program without a file is the one that is graded
     assert recording.outcome.completed
     assert "ModuleNotFoundError: No module named 'colorsys'" in [x.text for x in recording.log]
-
-
-def test_without_the_key_they_are_there(run_node) -> None:
-    recording = run_node("import colorsys, xml.dom\nrclpy.init()\nrclpy.spin(Echo())\n")
-    assert recording.outcome.completed

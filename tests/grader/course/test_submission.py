@@ -1,7 +1,6 @@
 """Which file is the submission, and what is wrong with it before it runs."""
 
 import os
-import socket
 from pathlib import Path
 
 import pytest
@@ -24,27 +23,22 @@ def refused(path: Path, expected: str | None = None) -> str:
     return str(caught.value)
 
 
-def test_a_file(agent: Path) -> None:
-    assert find_submission(agent) == Submission(agent)
-
-
-def test_a_file_of_another_name_will_do(agent: Path) -> None:
-    assert find_submission(agent, "other.py").path == agent
-
-
-def test_a_folder_with_the_file(agent: Path) -> None:
-    assert find_submission(agent.parent, "agent.py").path == agent
-
-
-def test_a_relative_path(agent: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ("agent.py", None),
+        ("agent.py", "other.py"),  # a file of another name will do
+        (".", "agent.py"),
+        ("link.py", None),
+    ],
+)
+def test_a_file_a_folder_or_a_link_of_ones_own(
+    agent: Path, given: str, expected: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    agent.with_name("link.py").symlink_to(agent)
+    assert find_submission(agent.parent / given, expected) == Submission(agent)
     monkeypatch.chdir(agent.parent)
-    assert find_submission(Path("agent.py")).path == agent
-
-
-def test_a_link(agent: Path) -> None:
-    link = agent.with_name("link.py")
-    link.symlink_to(agent)
-    assert find_submission(link).path == agent
+    assert find_submission(Path(given), expected).path == agent
 
 
 def test_files_beside_it_belong_to_it(agent: Path) -> None:
@@ -68,50 +62,34 @@ def test_any_of_several_files_may_be_given(given: str, tmp_path: Path) -> None:
     assert len(submission.others) == 1
 
 
-def test_the_copy_is_gone_afterwards(agent: Path) -> None:
-    with Submission(agent).folder() as folder:
-        assert (folder / "agent.py").read_text() == agent.read_text()
-        (folder / "new.txt").touch()
-    assert not folder.exists()
+def test_a_copy_is_ones_own_and_gone_afterwards(agent: Path) -> None:
+    with Submission(agent).folder() as one, Submission(agent).folder() as two:
+        assert one != two
+        assert (one / "agent.py").read_text() == agent.read_text()
+        (one / "new.txt").touch()
+    assert not one.exists()
     assert agent.exists()
 
 
-def test_two_copies_are_two_folders(agent: Path) -> None:
-    with Submission(agent).folder() as one, Submission(agent).folder() as two:
-        assert one != two
-
-
-def test_nothing_there(tmp_path: Path) -> None:
-    assert "no such file" in refused(tmp_path / "absent.py")
-
-
-def test_a_link_to_nothing(tmp_path: Path) -> None:
-    (tmp_path / "link.py").symlink_to(tmp_path / "absent.py")
-    assert "no such file" in refused(tmp_path / "link.py")
-
-
-def test_a_folder_without_it(agent: Path) -> None:
-    said = refused(agent.parent, "seeker.py")
-    assert "expected a file seeker.py" in said
-    assert "it holds agent.py" in said
-
-
-def test_an_empty_folder(tmp_path: Path) -> None:
-    assert "it holds no Python file" in refused(tmp_path, "seeker.py")
-
-
-def test_a_folder_where_a_file_is_expected(tmp_path: Path) -> None:
-    assert "this is a folder" in refused(tmp_path)
-
-
-def test_a_folder_of_that_name(tmp_path: Path) -> None:
-    (tmp_path / "agent.py").mkdir()
-    assert "expected a file agent.py" in refused(tmp_path, "agent.py")
-
-
-def test_a_pipe(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "agent.py")
-    assert "not a regular file" in refused(tmp_path / "agent.py")
+@pytest.mark.parametrize(
+    ("given", "expected", "said"),
+    [
+        ("absent.py", None, "no such file"),
+        ("to_nothing.py", None, "no such file"),
+        (".", "seeker.py", "expected a file seeker.py in this folder; it holds agent.py"),
+        ("empty", "seeker.py", "it holds no Python file"),
+        (".", None, "this is a folder"),
+        ("of_that_name", "agent.py", "expected a file agent.py"),
+        ("pipe.py", None, "not a regular file"),
+    ],
+)
+def test_what_is_no_submission(agent: Path, given: str, expected: str | None, said: str) -> None:
+    folder = agent.parent
+    (folder / "to_nothing.py").symlink_to(folder / "absent.py")
+    (folder / "empty").mkdir()
+    (folder / "of_that_name" / "agent.py").mkdir(parents=True)
+    os.mkfifo(folder / "pipe.py")
+    assert said in refused(folder / given, expected)
 
 
 @pytest.mark.parametrize("name", [b"caf\xe9.py", b"a\nb.py", b"a\x1b[31m.py"])
@@ -214,17 +192,12 @@ def test_what_becomes_a_link_after_it_was_found_is_not_copied(ben: Path) -> None
         pytest.fail("copied")
 
 
-@pytest.mark.parametrize("kind", ["pipe", "socket", "folder", "device"])
+@pytest.mark.parametrize("kind", ["pipe", "folder", "device"])
 def test_what_is_no_file_is_not_opened(kind: str, tmp_path: Path) -> None:
-    path = tmp_path / "x"
+    path = Path("/dev/zero") if kind == "device" else tmp_path / "x"
     if kind == "pipe":
         os.mkfifo(path)
     elif kind == "folder":
         path.mkdir()
-    elif kind == "socket":
-        with socket.socket(socket.AF_UNIX) as server:
-            server.bind(str(path))
-    else:
-        path = Path("/dev/zero")
     with pytest.raises(OSError):
         read_regular_file(path)

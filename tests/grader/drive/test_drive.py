@@ -5,6 +5,7 @@ import sys
 import textwrap
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -34,13 +35,9 @@ def test_without_changes_it_is_the_scenario_with_transforms() -> None:
     assert msgspec.structs.replace(scenario, transforms=Transforms()) == load_scenario("demo_wall")
 
 
-@pytest.mark.parametrize("profile", ["default", "lds01", "lds02", "wide"])
-def test_another_lidar(profile: str) -> None:
-    assert scenario_for("demo_wall", lidar=profile).lidar.profile == profile
-
-
-def test_another_duration() -> None:
-    assert scenario_for("demo_wall", duration=3.5).duration == 3.5
+def test_another_lidar_and_duration() -> None:
+    changed = scenario_for("demo_wall", lidar="lds01", duration=3.5)
+    assert (changed.lidar.profile, changed.duration) == ("lds01", 3.5)
 
 
 def test_goals_are_spread_over_the_drive() -> None:
@@ -63,22 +60,25 @@ def test_goals_replace_those_of_the_scenario_only() -> None:
     assert [event.goal for event in after if event.goal is not None] == [(1, 2, 0.0)]
 
 
-@pytest.mark.parametrize("profile", ["lds1", "", "LDS01", "../default"])
-def test_unknown_lidars(profile: str) -> None:
-    with pytest.raises(InputError, match="unknown lidar profile"):
-        scenario_for("demo_wall", lidar=profile)
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        *(({"lidar": name}, "unknown lidar profile") for name in ("lds1", "", "../default")),
+        *(({"duration": each}, "--duration") for each in (float("nan"), float("inf"), 0.0, -1.0)),
+    ],
+)
+def test_changes_that_make_no_scenario(change: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        scenario_for("demo_wall", **change)
 
 
-@pytest.mark.parametrize("duration", [float("nan"), float("inf"), 0.0, -1.0])
-def test_durations_that_are_none(duration: float) -> None:
-    with pytest.raises(InputError, match="--duration"):
-        scenario_for("demo_wall", duration=duration)
-
-
-def test_parameters_become_arguments() -> None:
+def test_parameters_remappings_and_files_become_arguments() -> None:
     assert arguments_of([]) == []
-    assert arguments_of(["speed:=0.3", "a.b_c:=two words"]) == [
-        "--ros-args", "-p", "speed:=0.3", "-p", "a.b_c:=two words",
+    assert arguments_of(
+        ["speed:=0.3", "a.b_c:=two words"], ["/scan:=/lidar", "__node:=me"], [Path("x/p.yaml")]
+    ) == [
+        "--ros-args", "-r", "/scan:=/lidar", "-r", "__node:=me",
+        "--params-file", "p.yaml", "-p", "speed:=0.3", "-p", "a.b_c:=two words",
     ]  # fmt: skip
 
 
@@ -88,6 +88,12 @@ def test_parameters_become_arguments() -> None:
 def test_malformed_parameters(param: str) -> None:
     with pytest.raises(InputError, match="expected NAME:=VALUE"):
         arguments_of([param])
+
+
+@pytest.mark.parametrize("rule", ["", "/scan", "/scan:=", ":=/scan", "/scan=/lidar", "a b:=c"])
+def test_malformed_remappings(rule: str) -> None:
+    with pytest.raises(InputError, match="expected FROM:=TO"):
+        arguments_of([], [rule])
 
 
 @pytest.fixture
@@ -157,31 +163,15 @@ def test_texts_of_students_are_not_markup(
     drive: Recording, capsys: pytest.CaptureFixture[str]
 ) -> None:
     outcome = Outcome("exception", "[bold]E[/] \x1b[31m", 0.5, "[/] \x1b]0;title\x07 detail")
-    said = summary(replace(drive, outcome=outcome), capsys)
-
-    assert "[bold]E[/]" in said
-    assert "\x1b" not in said
-    assert "\x07" not in said
-
-
-def test_a_node_that_never_started(drive: Recording, capsys: pytest.CaptureFixture[str]) -> None:
-    nothing = replace(drive, endpoints=(), delivered=(), published=(), duration_s=0.0)
+    started = replace(drive, outcome=outcome)
+    nothing = replace(started, endpoints=(), delivered=(), published=(), duration_s=0.0)
     said = summary(nothing, capsys)
 
     assert "the node created no publisher and no subscription" in said
 
-
-def test_remappings_and_parameter_files_become_arguments() -> None:
-    assert arguments_of(["a:=1"], ["/scan:=/lidar", "__node:=me"], [Path("x/p.yaml")]) == [
-        "--ros-args", "-r", "/scan:=/lidar", "-r", "__node:=me",
-        "--params-file", "p.yaml", "-p", "a:=1",
-    ]  # fmt: skip
-
-
-@pytest.mark.parametrize("rule", ["", "/scan", "/scan:=", ":=/scan", "/scan=/lidar", "a b:=c"])
-def test_malformed_remappings(rule: str) -> None:
-    with pytest.raises(InputError, match="expected FROM:=TO"):
-        arguments_of([], [rule])
+    assert "[bold]E[/]" in said
+    assert "\x1b" not in said
+    assert "\x07" not in said
 
 
 def test_parameter_files_that_cannot_be_laid_beside_the_node(tmp_path: Path) -> None:
@@ -256,16 +246,14 @@ rclpy.spin(node)
 """
 
 
-def test_a_node_that_asks_for_input(tmp_path: Path, forkserver: ForkServer) -> None:
-    recording = drive_file(tmp_path, forkserver, ASKS, stdin="0.3\nfäst\n".encode())
+def test_a_node_that_asks_for_input_with_and_without_it(
+    tmp_path: Path, forkserver: ForkServer
+) -> None:
+    answered = drive_file(tmp_path, forkserver, ASKS, stdin="0.3\nfäst\n".encode())
+    assert answered.outcome.completed, answered.outcome
+    assert answered.log[0].text == "speed? said 0.3 fäst"
 
-    assert recording.outcome.completed, recording.outcome
-    assert recording.log[0].text == "speed? said 0.3 fäst"
-
-
-def test_a_node_that_asks_and_gets_no_input(tmp_path: Path, forkserver: ForkServer) -> None:
     outcome = drive_file(tmp_path, forkserver, ASKS).outcome
-
     assert outcome.kind == "exception"
     assert outcome.text.startswith("EOFError: EOF when reading a line")
     assert "--stdin FILE" in outcome.text
@@ -332,12 +320,8 @@ def test_computing_costs_time_if_charged(
 
 
 def test_a_sleep_begins_after_what_was_computed(tmp_path: Path, forkserver: ForkServer) -> None:
-    recording = drive_file(
-        tmp_path,
-        forkserver,
-        COMPUTES.format(before="", after="time.sleep(0.2)"),
-        charge_compute=True,
-    )
+    source = COMPUTES.format(before="", after="time.sleep(0.2)")
+    recording = drive_file(tmp_path, forkserver, source, charge_compute=True)
 
     assert round(recording.twists().t[0] - recording.times("/scan")[0], 6) >= 0.5
 

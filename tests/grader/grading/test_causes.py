@@ -94,8 +94,9 @@ def test_the_beams_that_a_node_reacts_to_are_named(
 def test_a_node_that_sees_right_reads_nothing_about_beams(
     run_node: RunNode, beams: str, slow: str
 ) -> None:
-    failed = [Check("slow_zone", scenario="avoid_zones")]
-    assert find_cause(EXERCISE, failed, [run(run_node, beams, slow)]) is None
+    recording = run(run_node, beams, slow)
+    assert find_cause(EXERCISE, [Check("slow_zone", scenario="avoid_zones")], [recording]) is None
+    assert find_cause(EXERCISE, [], [recording]) is None
 
 
 def test_an_error_that_is_caught_again_and_again_is_quoted(run_node: RunNode) -> None:
@@ -118,19 +119,22 @@ def test_what_a_model_raises_on_purpose_is_no_cause(run_node: RunNode, said: str
     assert find_cause(EXERCISE, [Check("slow_zone", scenario="avoid_zones")], [recording]) is None
 
 
-def test_two_commands_for_each_scan_are_named(run_node: RunNode) -> None:
-    recording = run(run_node, "beams[90:271]", publish=f"{PUBLISH}; {PUBLISH}")
+@pytest.mark.parametrize(
+    ("publish", "said"),
+    [
+        (f"{PUBLISH}; {PUBLISH}", "two commands for each scan"),
+        (f"[{PUBLISH} for _ in range(40)]", "40 commands at one moment"),
+        (
+            f"import time; time.sleep(0.3); {PUBLISH}",
+            "comes 0.30 s after the first scan, when 3 more have come",
+        ),
+    ],
+)
+def test_the_rhythm_of_the_commands_is_named(run_node: RunNode, publish: str, said: str) -> None:
     failed = [Check("one_command_per_scan", scenario="avoid_zones")]
-    cause = find_cause(EXERCISE, failed, [recording])
+    cause = find_cause(EXERCISE, failed, [run(run_node, "beams[90:271]", publish=publish)])
     assert cause is not None
-    assert "two commands for each scan" in cause.text
-
-
-def test_a_loop_that_publishes_is_named(run_node: RunNode) -> None:
-    recording = run(run_node, "beams[90:271]", publish=f"[{PUBLISH} for _ in range(40)]")
-    cause = find_cause(EXERCISE, [Check("one", scenario="avoid_zones")], [recording])
-    assert cause is not None
-    assert "40 commands at one moment" in cause.text
+    assert said in cause.text
 
 
 def test_a_death_is_the_cause_whatever_else_failed(run_node: RunNode) -> None:
@@ -150,10 +154,6 @@ def test_every_hint_of_a_check_is_there(exercise: Exercise) -> None:
     checks = grade(exercise, SavedTrials([]), file="x.py", field=True).checks
     for check in checks:
         assert hint_for(exercise, [check]) or not check.hint, check.id
-
-
-def test_no_failure_has_no_cause() -> None:
-    assert find_cause(EXERCISE, [], []) is None
 
 
 def test_a_node_that_never_stops_reads_about_the_order_of_the_comparisons(
@@ -197,14 +197,6 @@ def test_a_thread_that_died_is_named_with_its_line(run_node: RunNode) -> None:
     assert "A thread of the node died at 0.00 s" in cause.text
     assert "has no attribute 'wrok'" in cause.text
     assert cause.where.endswith("in work")
-
-
-def test_a_late_answer_is_named(run_node: RunNode) -> None:
-    recording = run(run_node, "beams[90:271]", publish=f"import time; time.sleep(0.3); {PUBLISH}")
-    failed = [Check("one_command_per_scan", scenario="avoid_zones")]
-    cause = find_cause(EXERCISE, failed, [recording])
-    assert cause is not None
-    assert "comes 0.30 s after the first scan, when 3 more have come" in cause.text
 
 
 @pytest.mark.parametrize(

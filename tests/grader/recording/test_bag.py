@@ -47,11 +47,6 @@ def test_what_models_were_asked_is_kept(recording: Recording, tmp_path: Path) ->
     assert after.digest() == before.digest() != recording.digest()
 
 
-def test_that_computing_was_charged_is_kept(recording: Recording, tmp_path: Path) -> None:
-    charged = replace(recording, charged=True)
-    assert bag.load(bag.save(charged, tmp_path / "charged")).charged
-
-
 @pytest.mark.parametrize("part", ["truth", "compute"])
 def test_arrays_are_equal_bit_for_bit(part: str, recording: Recording, saved: Path) -> None:
     loaded = bag.load(saved)
@@ -63,33 +58,14 @@ def test_arrays_are_equal_bit_for_bit(part: str, recording: Recording, saved: Pa
         assert before.tobytes() == after.tobytes(), field.name
 
 
-def test_what_is_derived_is_equal(recording: Recording, saved: Path) -> None:
-    loaded = bag.load(saved)
-
-    np.testing.assert_array_equal(loaded.twists().values, recording.twists().values)
-    np.testing.assert_array_equal(loaded.odometry().yaw, recording.odometry().yaw)
-    np.testing.assert_array_equal(loaded.goals().x, [1.0])
-    for before, after in zip(recording.scans(), loaded.scans(), strict=True):
-        np.testing.assert_array_equal(before.ranges, after.ranges)
-
-
-def test_the_mcap_file_will_do(recording: Recording, saved: Path) -> None:
+def test_a_bag_may_be_read_by_its_file_saved_again_and_replaced(
+    recording: Recording, saved: Path, tmp_path: Path
+) -> None:
     assert bag.load(saved / "bag.mcap").digest() == recording.digest()
-
-
-def test_saving_again_replaces_the_bag(recording: Recording, saved: Path) -> None:
+    again = bag.save(bag.load(saved), tmp_path / "a" / "b" / "c")
+    assert bag.load(again).digest() == recording.digest()
     bag.save(replace(recording, seed=99), saved)
-
     assert bag.load(saved).seed == 99
-
-
-def test_folders_are_made(recording: Recording, tmp_path: Path) -> None:
-    assert bag.load(bag.save(recording, tmp_path / "a" / "b" / "c")).name == recording.name
-
-
-def test_a_loaded_recording_can_be_saved(saved: Path, tmp_path: Path) -> None:
-    first = bag.load(saved)
-    assert bag.load(bag.save(first, tmp_path / "again")).digest() == first.digest()
 
 
 def test_a_trial_that_never_was(recording: Recording, tmp_path: Path) -> None:
@@ -101,10 +77,14 @@ def test_a_trial_that_never_was(recording: Recording, tmp_path: Path) -> None:
     assert len(loaded.compute.wall) == 0
 
 
-def test_cpu_times_may_be_unknown(recording: Recording, tmp_path: Path) -> None:
+def test_cpu_times_may_be_unknown_and_computing_charged(
+    recording: Recording, tmp_path: Path
+) -> None:
     unknown = Compute(np.array([0.5]), np.array([0.1]), np.array([np.nan]), np.zeros(1))
-    loaded = bag.load(bag.save(replace(recording, compute=unknown), tmp_path / "bag"))
+    odd = replace(recording, compute=unknown, charged=True)
+    loaded = bag.load(bag.save(odd, tmp_path / "bag"))
 
+    assert loaded.charged
     np.testing.assert_array_equal(loaded.compute.cpu, [np.nan])
 
 
@@ -205,24 +185,11 @@ def test_two_types_on_one_topic(recording: Recording, tmp_path: Path) -> None:
     assert sorted(loaded.published, key=repr) == sorted(mixed, key=repr)
 
 
-ODD = [
-    "",
-    "no slash",
-    "/a: b\n- c",
-    "/#x",
-    "/'\"",
-    "/\x00",
-    "/\x1b[0m",
-    "/ü",
-    "*",
-    "/{a: 1}",
-    "/" * 256,
-]
+ODD = ["", "no slash", "/a: b\n- c", "/#x", "/'\"", "/\0", "/\x1b[0m", "/ü", "*", "/" * 256]
 
 
-@pytest.mark.parametrize("topic", ODD)
-def test_odd_topics(topic: str, recording: Recording, tmp_path: Path) -> None:
-    odd = Message(topic, "std_msgs/msg/String", 10, b"\xff" * 5)
-    loaded = bag.load(bag.save(replace(recording, published=(odd,)), tmp_path / "bag"))
+def test_odd_topics(recording: Recording, tmp_path: Path) -> None:
+    odd = tuple(Message(topic, "std_msgs/msg/String", 10, b"\xff" * 5) for topic in ODD)
+    loaded = bag.load(bag.save(replace(recording, published=odd), tmp_path / "bag"))
 
-    assert loaded.published == (odd,)
+    assert sorted(loaded.published, key=repr) == sorted(odd, key=repr)

@@ -26,19 +26,10 @@ def refused(path: Path) -> str:
     return said
 
 
-@pytest.mark.parametrize("name", ["absent", "absent.mcap"])
-def test_nothing_is_not_a_bag(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["absent", "absent.mcap", ".", "bag.txt"])
+def test_what_is_not_a_bag(name: str, tmp_path: Path) -> None:
+    (tmp_path / "bag.txt").write_text("no")
     assert "expected a bag" in refused(tmp_path / name)
-
-
-def test_an_empty_folder_is_not_a_bag(tmp_path: Path) -> None:
-    assert "expected a bag" in refused(tmp_path)
-
-
-def test_a_file_is_not_a_bag(tmp_path: Path) -> None:
-    file = tmp_path / "bag.txt"
-    file.write_text("no")
-    assert "expected a bag" in refused(file)
 
 
 def test_a_bag_without_its_messages(saved: Path) -> None:
@@ -120,36 +111,20 @@ def test_a_document_of_another_form(
 # --- what is not to be overwritten ---------------------------------------------------------------
 
 
-def keeps(recording: Recording, place: Path) -> None:
+@pytest.mark.parametrize("place", ["thesis", "bag", "thesis/thesis.tex", "link"])
+def test_what_is_not_only_a_bag_is_kept(
+    place: str, recording: Recording, saved: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "link").symlink_to(saved)
+    theirs = [folder / "thesis.tex" for folder in (saved, tmp_path / "thesis") if place != "link"]
+    for file in theirs:
+        file.write_text("years of work")
     with pytest.raises(InputError, match="exists and is not a bag") as caught:
-        bag.save(recording, place)
+        bag.save(recording, tmp_path / place)
     assert "\n" not in str(caught.value)
-
-
-def test_a_folder_of_other_things_is_kept(recording: Recording, tmp_path: Path) -> None:
-    (tmp_path / "thesis.tex").write_text("years of work")
-    keeps(recording, tmp_path)
-    assert (tmp_path / "thesis.tex").exists()
-
-
-def test_a_folder_with_metadata_and_other_things_is_kept(recording: Recording, saved: Path) -> None:
-    (saved / "thesis.tex").write_text("years of work")
-    keeps(recording, saved)
-    assert (saved / "thesis.tex").exists()
-
-
-def test_a_file_is_kept(recording: Recording, tmp_path: Path) -> None:
-    file = tmp_path / "file"
-    file.write_text("years of work")
-    keeps(recording, file)
-    assert file.read_text() == "years of work"
-
-
-def test_a_link_to_a_bag_is_kept(recording: Recording, saved: Path, tmp_path: Path) -> None:
-    link = tmp_path / "link"
-    link.symlink_to(saved)
-    keeps(recording, link)
-    assert bag.load(saved).digest() == recording.digest()
+    assert all(file.read_text() == "years of work" for file in theirs)
+    assert bag.load(saved / "bag.mcap").digest() == recording.digest()
 
 
 def test_the_bag_may_be_moved(recording: Recording, saved: Path, tmp_path: Path) -> None:
