@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from node_runs import RunNode
 
+from grader.link.output import MAX_OUTPUT
 from grader.trial.virtual_time import Limits
 
 # --- how a program can end -----------------------------------------------------------------------
@@ -142,3 +143,14 @@ def test_hosts_leave_no_shared_memory_behind(run_node: RunNode) -> None:
     (line,) = [line.text for line in recording.log if line.level == "stdout"]
     assert "fastrtps_" in line
     assert not set(line.split()) & set(os.listdir("/dev/shm"))
+
+
+def test_endless_output_is_cut(run_node: RunNode) -> None:
+    recording = run_node("""
+        rclpy.init(); node = Echo()
+        for _ in range(30): print('x' * 100_000)
+        rclpy.spin(node)
+    """)
+
+    assert (recording.outcome.completed, recording.log_truncated) == (True, True)
+    assert sum(len(line.text) for line in recording.log) <= MAX_OUTPUT

@@ -75,7 +75,7 @@ def test_writing_outside(places: dict[str, Path], name: str) -> None:
         "move in": lambda: (places["own"] / "file").rename(folder / "new"),
         "link out": lambda: os.link(folder / "file", places["own"] / "new"),
     }
-    for way, body in ways.items():
+    for way, body in ways.items():  # a move is EXDEV where Landlock knows none
         assert try_in(places, body) in ("EACCES", "EXDEV"), way
     assert (folder / "file").read_text() == name
 
@@ -126,15 +126,9 @@ def test_links_lead_nowhere(places: dict[str, Path]) -> None:
 @landlock
 def test_a_single_file_can_be_shown(places: dict[str, Path]) -> None:
     file = places["closed"] / "file"
-    assert confined(file.read_text, read=(file,)) == "'closed'"
+    assert confined(file.read_text, read=(file, places["own"] / "not there")) == "'closed'"
     said = confined(lambda: error_of((places["closed"] / "program").read_text), read=(file,))
     assert said == "'EACCES'"
-
-
-@landlock
-def test_what_is_not_there_needs_no_rule(places: dict[str, Path], tmp_path: Path) -> None:
-    said = confined((places["own"] / "file").read_text, (tmp_path / "no",), (places["own"],))
-    assert said == "'own'"
 
 
 @landlock
