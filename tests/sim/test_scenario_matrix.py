@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from sim import scenario_files
 from sim.errors import InputError
 from sim.scenario_files import load_scenario, scenario_from_toml, scenario_names
 
@@ -50,13 +49,6 @@ def test_a_bench_stands_in_an_empty_world_without_odometry() -> None:
     assert scenario.world.description == "Nothing: the bench says what the lidar sees."
     other = BENCH.format("{ fill = 1.0 }") + '[world]\ndescription = "A hall"\n'
     assert scenario_from_toml(other, "mine.toml").world.description == "A hall"
-
-
-@pytest.fixture
-def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(scenario_files, "SCENARIOS", ((tmp_path, "*/*.toml"),))
-    (tmp_path / "walls").mkdir()
-    return tmp_path / "walls"
 
 
 CELLS = """

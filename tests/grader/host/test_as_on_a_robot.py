@@ -154,6 +154,12 @@ PROGRAMS = {
         for handle in handles: handle.unregister()
         print('over')
     """, "returned", ["over"]),
+    "wait_for_message": ("""
+        from rclpy.wait_for_message import wait_for_message
+        rclpy.init(); node = Node('patient')
+        print(wait_for_message(LaserScan, node, '/scan')[0], time.monotonic())
+        print(wait_for_message(LaserScan, node, '/other', time_to_wait=0.5), time.monotonic())
+    """, "returned", ["True 1000.013", "(False, None) 1000.513"]),
     "sleeping on a clock is refused as usual": ("""
         from rclpy.duration import Duration
         from rclpy.time import Time

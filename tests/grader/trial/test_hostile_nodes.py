@@ -72,15 +72,13 @@ def test_a_thousand_messages_at_once_are_no_flood(run_node: RunNode) -> None:
     assert len(recording.published) == 5_000
 
 
-@pytest.mark.parametrize(("count", "size"), [(1_000, 0), (1, 50 << 20)])
-def test_a_full_folder_ends_the_trial(run_node: RunNode, count: int, size: int) -> None:
-    recording = run_node(f"""
+def test_a_full_folder_ends_the_trial(run_node: RunNode) -> None:
+    recording = run_node("""
         class Hoarder(Echo):
             def on_scan(self, scan):
                 self.count = getattr(self, 'count', 0) + 1
                 try:
-                    for i in range({count}):
-                        with open(f'{{self.count}}_{{i}}', 'wb') as file: file.write(bytes({size}))
+                    for i in range(1_000): open(f'{self.count}_{i}', 'wb').close()
                 except OSError: pass
         rclpy.init(); rclpy.spin(Hoarder())
     """)
@@ -92,19 +90,15 @@ def test_a_full_folder_ends_the_trial(run_node: RunNode, count: int, size: int) 
 
 ATTACKS = {
     "writes garbage": "for fd in range(3, 21): write(fd, b'garbage' * 100)",
-    "writes half a length": "for fd in range(3, 21): write(fd, b'x')",
     "writes large lengths": "for fd in range(3, 21): write(fd, bytes([255] * 4))",
-    "writes empty frames": "for fd in range(3, 21): write(fd, bytes(4))",
     "closes everything": "os.closerange(0, 50)",
     "closes everything and goes on for ever": "os.closerange(0, 50)\n"
     + " " * 16
     + "while True: pass",
     "closes its output": "os.closerange(1, 3)",
     "turns the link round": "for fd in range(4, 21): dup2(3, fd)",
-    "stops itself": "os.kill(os.getpid(), 19)",
     "kills itself": "os.kill(os.getpid(), 9)",
     "kills its parent": "kill(os.getppid(), 9)",
-    "leaves at once": "os._exit(0)",
 }
 ENDS = {"forged", "died", "hung", "exception"}
 
@@ -141,16 +135,6 @@ def test_the_next_trial_knows_nothing_of_an_attack(run_node: RunNode) -> None:
     run_node("for fd in range(3, 21):\n    try: os.write(fd, b'x' * 99)\n    except OSError: pass")
 
     assert run_node(source).digest() == before
-
-
-def test_forged_time_marks_do_not_disturb_the_log(run_node: RunNode) -> None:
-    recording = run_node("""
-        print('\\x1e' + '9' * 19); print('\\x1e²'); print('\\x1e-5'); print('after')
-        rclpy.init(); rclpy.spin(Echo())
-    """)
-
-    assert recording.outcome.completed
-    assert [line.time for line in recording.log] == [0] * 4
 
 
 def test_a_node_can_not_write_into_the_bags_own_topics(run_node: RunNode) -> None:

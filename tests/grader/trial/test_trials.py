@@ -41,17 +41,15 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> Counter[tuple[float, float, float
 def test_a_graded_trial_builds_one_simulation(
     forkserver: ForkServer, builds: Counter[tuple[float, float, float]], seed: int | None
 ) -> None:
+    scenario = load_scenario(CLUTTERED)
+    chosen = trial_seed(scenario, seed)
+    assert (chosen == scenario.seed) == (seed is None)
+    assert not builds  # nor does choosing a seed build one
     with NodeTrials(Submission(REFERENCE), forkserver, seed=seed) as trials:
         recording = trials.get(CLUTTERED)
 
-    assert recording.outcome.completed
-    assert recording.seed == trial_seed(load_scenario(CLUTTERED), seed)
+    assert (recording.outcome.completed, recording.seed) == (True, chosen)
     assert builds == {recording.layout.start: 1}
-
-
-def test_choosing_a_seed_builds_none(builds: Counter[tuple[float, float, float]]) -> None:
-    assert trial_seed(load_scenario(CLUTTERED), 7) != load_scenario(CLUTTERED).seed
-    assert not builds
 
 
 # --- a fault of ours -------------------------------------------------------------------------
@@ -73,20 +71,14 @@ def fault(monkeypatch: pytest.MonkeyPatch) -> str:
 
 def test_a_fault_in_one_trial_leaves_the_others(forkserver: ForkServer, fault: str) -> None:
     with NodeTrials(Submission(REFERENCE), forkserver) as trials:
-        trials.prepare([fault, "avoid_wall"])
+        trials.prepare([fault, "nowhere", "avoid_wall"])
         with pytest.raises(TrialFault, match=r"trial avoid_zones \(ZeroDivisionError: of ours\)"):
             trials.get(fault)
-        assert trials.get("avoid_wall").outcome.completed
-        assert [recording.name for recording in trials.recordings()] == ["avoid_wall"]
-        assert [each.scenario for each in trials.faults()] == [fault]
-
-
-def test_a_scenario_that_can_not_be_read_is_a_fault_of_its_own(forkserver: ForkServer) -> None:
-    with NodeTrials(Submission(REFERENCE), forkserver) as trials:
-        trials.prepare(["nowhere", "avoid_wall"])
         with pytest.raises(TrialFault, match="trial nowhere"):
             trials.get("nowhere")
         assert trials.get("avoid_wall").outcome.completed
+        assert [recording.name for recording in trials.recordings()] == ["avoid_wall"]
+        assert [each.scenario for each in trials.faults()] == [fault, "nowhere"]
 
 
 def test_the_grading_goes_on(forkserver: ForkServer, fault: str) -> None:
