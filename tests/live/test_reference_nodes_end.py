@@ -71,13 +71,6 @@ def interrupt(nodes: dict[Path, Process]) -> None:
         assert "Traceback" not in said, f"{path.name}:\n{said}"
 
 
-def test_there_are_ten_nodes_of_which_eight_drive() -> None:
-    assert len(REFERENCES) == 10
-    assert len(DRIVERS) == 8
-    assert len(WITH_MODEL) == 5
-    assert len(WITH_PARAMETERS) == 6
-
-
 def test_the_last_command_stops_the_robot(here: Town) -> None:
     course = here.start("course.py", *(path.stem for path in DRIVERS))
     course.ask("begin")

@@ -52,14 +52,6 @@ def test_a_cart_stands_moves_and_stands():
     assert np.ptp(cart.corners(np.array([3.0]))[0], axis=0) == pytest.approx([0.4, 0.6])
 
 
-@pytest.mark.parametrize("loop", [False, True])
-def test_one_pose_of_a_cart_is_the_same_as_one_of_many(loop):
-    path = np.array([[0.3, 0.1, 0.7], [1.7, 1.3, 0.2], [2.2, 1.3, 0.2], [4.1, 0.1, 0.7]])
-    cart = Cart(SQUARE, path, loop=loop)
-    times = np.concatenate((np.arange(0.0, 12.0, 0.01), path[:, 0]))
-    assert [cart.pose(t) for t in times.tolist()] == [tuple(p) for p in cart.poses(times).tolist()]
-
-
 def test_a_cart_in_a_loop_goes_on_and_keeps_its_heading_while_it_halts():
     path = np.array([[1, 0, 0], [2, 1, 0], [3, 1, 0], [4, 0, 0]], float)
     cart = Cart(SQUARE, path, loop=True)
@@ -69,11 +61,6 @@ def test_a_cart_in_a_loop_goes_on_and_keeps_its_heading_while_it_halts():
     assert cart.pose(3.5) == (0.5, 0.0, math.pi)
     assert cart.pose(4.5) == cart.pose(1.5)
     assert cart.pose(31.5) == cart.pose(1.5)
-
-
-def test_a_cart_with_one_waypoint_is_a_box():
-    cart = Cart(SQUARE, np.array([[0, 2, 1]], float))
-    assert cart.pose(5.0) == (2.0, 1.0, 0.0)
 
 
 @pytest.mark.parametrize("loop", [False, True])
