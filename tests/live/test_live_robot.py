@@ -140,7 +140,7 @@ def test_after_a_stall_nothing_stale_is_sent_in_a_burst() -> None:
 def test_reset_begins_anew_and_draws_with_another_seed() -> None:
     clocks = Clocks()
     scenario = scenario_from_toml(
-        'title = "t"\nworld = "open"\nduration = 0.25\n[robot]\nstart_jitter = [1, 1, 20]\n', "t"
+        'title = "t"\nworld = "open"\n[robot]\nstart_jitter = [1, 1, 20]\n', "t"
     )
     robot = LiveRobot(scenario, clocks.timeline())
     start = robot.simulation.layout.start
@@ -149,8 +149,7 @@ def test_reset_begins_anew_and_draws_with_another_seed() -> None:
     drive(robot, clocks, 0.1)
     assert robot.simulation.pose == start
     robot.command(0.5, 0.0)
-    drive(robot, clocks, 0.2)
-    assert robot.over
+    drive(robot, clocks, 0.4)
     assert robot.simulation.pose != start
     robot.begin(robot.planned(scenario.seed))
     assert robot.simulation.now == 0
@@ -158,6 +157,16 @@ def test_reset_begins_anew_and_draws_with_another_seed() -> None:
     assert robot.timeline.epoch == clocks.wall()
     robot.begin(robot.planned(scenario.seed + 1))
     assert robot.simulation.pose != start
+
+
+def test_the_robot_is_over_after_its_duration() -> None:
+    clocks = Clocks()
+    short = msgspec.structs.replace(load_scenario("demo_wall"), duration=0.25)
+    robot = LiveRobot(short, running(clocks))
+    while not robot.over:
+        clocks.move(max(robot.due(), 0.0))
+        robot.step()
+    assert clocks.elapsed == 250_000_000
 
 
 def test_a_seed_that_blocks_the_start_is_refused() -> None:

@@ -42,7 +42,7 @@ def test_a_scan_has_its_features_to_the_letter() -> None:
     ranges[np.abs(DEGREES) == 60] = 1.0
     ranges[DEGREES == 61] = 0.5
     scan = Scan(0.0, 0.0, -math.pi, math.radians(1), 0.15, 12.0, ranges)
-    assert set(possible_features(scan)[:, 0]) == {1.0, 4.0}  # at the edge of a sector
+    assert set(possible_features(scan)[:, 0]) == {0.5, 1.0, 4.0}  # at the edge of a sector
     found = scan_features(scan)
     assert found[[0, 3, 4]].tolist() == [1.0, 0.5, 4.0]
     assert any(np.allclose(found, row) for row in possible_features(scan))
