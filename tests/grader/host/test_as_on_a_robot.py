@@ -267,28 +267,25 @@ ROSOUT = """
 """
 
 
-@pytest.mark.parametrize("qos, heard_first", [("past", ["before"]), ("10", [])])
-def test_what_nodes_log_is_heard_on_rosout(
-    run_node: RunNode, qos: str, heard_first: list[str]
-) -> None:
-    source = ROSOUT.format(arguments="", node="'talker'", name="talker", qos=qos)
-    recording = run_node(source)
-    assert recording.outcome.completed, recording.outcome
-    before = [f"talker 20 {text} <module> True" for text in heard_first]
-    assert said(recording) == [*before, "talker.part 30 after <module> True"]
+OFF = "args=['--ros-args', '--disable-rosout-logs']"
 
 
 @pytest.mark.parametrize(
-    "arguments, node",
+    "arguments, node, qos, heard",
     [
-        ("args=['--ros-args', '--disable-rosout-logs']", "'talker'"),
-        ("", "'talker', enable_rosout=False"),
+        ("", "'talker'", "past", ["talker 20 before", "talker.part 30 after"]),
+        ("", "'talker'", "10", ["talker.part 30 after"]),
+        ("", "'talker', enable_rosout=False", "past", []),
+        (OFF, "'talker'", "past", []),
     ],
 )
-def test_rosout_can_be_switched_off(run_node: RunNode, arguments: str, node: str) -> None:
-    recording = run_node(ROSOUT.format(arguments=arguments, node=node, name="talker", qos="past"))
+def test_what_nodes_log_is_heard_on_rosout(
+    run_node: RunNode, arguments: str, node: str, qos: str, heard: list[str]
+) -> None:
+    source = ROSOUT.format(arguments=arguments, node=node, name="talker", qos=qos)
+    recording = run_node(source)
     assert recording.outcome.completed, recording.outcome
-    assert said(recording) == []
+    assert said(recording) == [f"{line} <module> True" for line in heard]
 
 
 @pytest.mark.parametrize("executor", ["SingleThreadedExecutor()", "MultiThreadedExecutor(3)"])

@@ -59,9 +59,7 @@ def test_a_shell_command_says_that_it_did_nothing(run_node: RunNode) -> None:
 
 OWN = {
     "a value": "int('x')",
-    "a file that is not there": "open('no_such_file')",
     "an import of one's own": "import no_such_module",
-    "an end of a file": "import pickle, io; pickle.load(io.BytesIO(b''))",
     "a refusal of one's own": "raise PermissionError('not you')",
     "an exception that can't be shown": """
         class Odd(OSError):
@@ -90,9 +88,6 @@ def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:
     ("name", "advice"),
     [
         ("tf2_ros", "`sudo apt install ros-jazzy-tf2-ros-py`"),
-        ("message_filters", "`sudo apt install ros-jazzy-message-filters`"),
-        ("sensor_msgs_py", "`sudo apt install ros-jazzy-sensor-msgs-py`"),
-        ("example_interfaces", "`sudo apt install ros-jazzy-example-interfaces`"),
         ("tf2_msgs", "`sudo apt install ros-jazzy-tf2-msgs`"),
         ("test_msgs", "`pip install ros-jazzy-test-msgs`"),
         ("tf", "in ROS 2 it is tf2_ros"),

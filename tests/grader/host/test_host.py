@@ -21,10 +21,6 @@ SPINNING = {
         while rclpy.ok():
             rclpy.spin_once(node, timeout_sec=0)
     """,
-    "executor.spin": """
-        rclpy.init(); executor = SingleThreadedExecutor()
-        executor.add_node(Echo()); executor.spin()
-    """,
     "MultiThreadedExecutor": """
         rclpy.init(); executor = MultiThreadedExecutor(); executor.add_node(Echo()); executor.spin()
     """,
@@ -90,12 +86,6 @@ SPINNING = {
             async def on_scan(self, scan):
                 self.publisher.publish(Twist())
         rclpy.init(); rclpy.spin(Coroutine())
-    """,
-    "two nodes": """
-        rclpy.init(); executor = SingleThreadedExecutor()
-        other = Node('other')
-        other.create_timer(0.07, lambda: None)
-        executor.add_node(other); executor.add_node(Echo()); executor.spin()
     """,
 }
 

@@ -1,11 +1,6 @@
 """The kernel alone: threads, locks and waits in virtual time."""
 
-import pytest
 from alone import run
-
-
-def test_sleep_takes_virtual_time() -> None:
-    assert run("time.sleep(0.25); say('awake')") == [[0.25, "awake"]]
 
 
 def test_sleepers_wake_in_order_of_time_then_of_arrival() -> None:
@@ -54,29 +49,6 @@ def test_timeouts_of_locks_queues_events_and_joins() -> None:
         [0.5, True],
         [1.4, False],
     ]
-
-
-def test_an_event_wakes_its_waiter_at_once() -> None:
-    assert run("""
-        event = threading.Event()
-        def waiter():
-            event.wait()
-            say('woken')
-        thread = threading.Thread(target=waiter); thread.start()
-        time.sleep(0.35); event.set(); thread.join()
-    """) == [[0.35, "woken"]]
-
-
-def test_asyncio_runs_in_virtual_time() -> None:
-    assert run("""
-        import asyncio
-        async def nap(name, seconds):
-            await asyncio.sleep(seconds)
-            say(name)
-        async def main():
-            await asyncio.gather(nap('b', 0.2), nap('a', 0.1))
-        asyncio.run(main())
-    """) == [[pytest.approx(0.1, abs=0.002), "a"], [pytest.approx(0.2, abs=0.002), "b"]]
 
 
 def test_misuse_is_refused_as_usual() -> None:

@@ -9,7 +9,6 @@ from click.testing import CliRunner
 from rich.console import Console
 
 from grader.cli import cli
-from grader.errors import GraderError
 from grader.host.frames import Hello
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
 from grader.link import doctor
@@ -119,14 +118,3 @@ def test_the_exit_code(found: Diagnosis, code: int, monkeypatch: pytest.MonkeyPa
 
     assert result.return_value == code
     assert ("No node can run here: no ROS 2" in result.output) == (code == 2)
-
-
-def test_a_machine_without_ros_is_diagnosed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_forkserver(*_: object) -> None:
-        raise GraderError("ROS 2 Jazzy was not found")
-
-    monkeypatch.setattr(doctor, "ForkServer", no_forkserver)
-    found = diagnose()
-
-    assert (found.ros, found.problem) == ("", "ROS 2 Jazzy was not found")
-    assert not any(layer.here for layer in found.layers)

@@ -36,17 +36,6 @@ try:
 except OSError as error: print(error.strerror)
 print(got)
 """,
-    "mapped": """
-import mmap
-got, held = 0, []
-try:
-    for number in range(8):
-        fd = os.open('file', os.O_CREAT | os.O_RDWR); os.unlink('file')
-        os.posix_fallocate(fd, 0, 60 << 20); got += 60 << 20
-        held.append(mmap.mmap(fd, 4096)); os.close(fd)
-except OSError as error: print(error.strerror)
-print(got)
-""",
     "files": """
 got = 0
 try:
@@ -66,8 +55,7 @@ while got < 700 and not libc.pthread_create(
 print(got)
 """,
 }  # fmt: skip
-BYTES = ("unlinked", "mapped")
-MOST = {**dict.fromkeys(BYTES, MAX_FOLDER), "files": MAX_FOLDER_FILES, "threads": 512}
+MOST = {"unlinked": MAX_FOLDER, "files": MAX_FOLDER_FILES, "threads": 512}
 SCENE = """
 import json, sys, tempfile
 from pathlib import Path
