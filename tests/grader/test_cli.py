@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -185,60 +184,24 @@ def test_a_mutant_does_not(tmp_path: Path) -> None:
     assert failed["expected"]
 
 
-@pytest.fixture
-def write(tmp_path: Path) -> Callable[[bytes], Path]:
-    def write(content: bytes) -> Path:
-        file = tmp_path / "agent.py"
-        file.write_bytes(content)
-        return file
-
-    return write
-
-
 BAD_FILES = {
-    "empty": (b"", "the file is empty"),
     "not UTF-8": (b"x = '\xff\xfe'\n", "SyntaxError"),
-    "null bytes": (b"x = 1\0\n", "null bytes"),
     "raises": (b"raise RuntimeError('as I said')\n", "as I said"),
     "ends": (b"x = 1\n", "ran to its end"),
 }
 
 
-QUICK = ("not UTF-8", "raises", "ends")  # in `make test`
-
-
-@pytest.mark.parametrize(
-    "what",
-    [pytest.param(what, marks=() if what in QUICK else pytest.mark.long) for what in BAD_FILES],
-)
-def test_bad_files_cost_points_and_nothing_else(what: str, write: Callable[[bytes], Path]) -> None:
+@pytest.mark.parametrize("what", BAD_FILES)
+def test_bad_files_cost_points_and_nothing_else(what: str, tmp_path: Path) -> None:
     content, words = BAD_FILES[what]
-    done = course("grade", "1", write(content), "--only", "wiring", "--json", "-")
+    file = tmp_path / "agent.py"
+    file.write_bytes(content)
+    done = course("grade", "1", file, "--only", "wiring", "--json", "-")
 
     assert (done.code, done.err) == (1, "")
     assert done.json["score"] == 0
     check = done.json["checks"][0]
     assert (check["outcome"], words in check["message"] + check["actual"]) == ("fail", True), check
-
-
-@pytest.mark.long
-def test_a_node_that_hangs_up_is_judged_like_any_other(write: Callable[[bytes], Path]) -> None:
-    """The judge writes into a closed pipe, and must not die of it."""
-    node = b"""
-import os, rclpy, threading
-from rclpy.node import Node
-rclpy.init()
-node = Node('obstacle_avoidance_agent')
-def quit():
-    os.closerange(3, 20)
-    while True: pass
-node.create_timer(0.05, quit)
-rclpy.spin(node)
-"""
-    done = course("grade", "1", write(node), "--only", "wiring", "--json", "-")
-
-    assert (done.code, done.err) == (1, "")
-    assert verdicts(done.json) == {"wiring": "fail"}
 
 
 def test_a_closed_pipe_is_no_crash() -> None:

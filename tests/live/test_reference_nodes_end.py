@@ -20,7 +20,6 @@ REFERENCES = [exercise.solutions / file for exercise, file in PROGRAMS]
 SKELETONS = [exercise.folder / file for exercise, file in PROGRAMS]
 DRIVERS = [path for path in REFERENCES if "Twist" in path.read_text("utf-8")]
 WITH_MODEL = [path for path in REFERENCES if "model_path" in path.read_text("utf-8")]
-WITH_PARAMETERS = [path for path in REFERENCES if "declare_parameter" in path.read_text("utf-8")]
 
 # What a Ctrl-C that comes in the wrong microsecond makes of rclpy itself, in any node.
 RACES = (
@@ -95,13 +94,3 @@ def test_a_model_that_loads_can_be_interrupted(here: Town) -> None:
     for node in nodes.values():
         node.wait_for("loading")
     interrupt(nodes)
-
-
-def test_what_the_constructor_raises_is_told_once(here: Town) -> None:
-    wrong = ["-p", "model_path:=1", "-p", "role:=1"]
-    nodes = {path: start(here, path, *wrong, alone=True) for path in WITH_PARAMETERS}
-    for path, node in nodes.items():
-        said = node.rest()
-        assert node.popen.returncode == 1, f"{path.name}:\n{said}"
-        assert said.count("Traceback") == 1, f"{path.name}:\n{said}"
-        assert "InvalidParameterTypeException" in said, f"{path.name}:\n{said}"

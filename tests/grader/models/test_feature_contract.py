@@ -149,15 +149,11 @@ def check(extract: Callable[[Any], np.ndarray | None], make: Callable[[Scan], An
 # --- the tests -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("path", [TRAINING, *NODES])
-@pytest.mark.parametrize("name", [FUNCTION, CONSTANT])
-def test_the_references_have_one_text(path: str, name: str) -> None:
-    other = (ROOT / "solutions" / path).read_text("utf-8")
-    assert ast.unparse(definition(other, name)) == ast.unparse(definition(REFERENCE, name))
-
-
 @pytest.mark.parametrize("path", [CONTROLLER, TRAINING, *NODES])
-def test_the_skeletons_promise_the_same_and_leave_it_open(path: str) -> None:
+def test_the_references_have_one_text_which_the_skeletons_promise(path: str) -> None:
+    other = (ROOT / "solutions" / path).read_text("utf-8")
+    for name in (FUNCTION, CONSTANT):
+        assert ast.unparse(definition(other, name)) == ast.unparse(definition(REFERENCE, name))
     theirs = definition((ROOT / "exercises" / path).read_text("utf-8"), FUNCTION)
     ours = definition(REFERENCE, FUNCTION)
     assert isinstance(theirs, ast.FunctionDef)
@@ -180,14 +176,3 @@ def test_a_students_own_function_fits_into_the_training_script(student: str) -> 
         script[FUNCTION],
         lambda scan: script["LaserScan"](**{**fields(scan), "ranges": scan.ranges.tolist()}),
     )
-
-
-@pytest.mark.parametrize(
-    ("right_part", "wrong_part"),
-    [("reshape(1, 5)", "reshape(5)"), ("float32", "float64"), ("np.mean(front)", "0.0")],
-)
-def test_a_function_of_another_form_is_noticed(right_part: str, wrong_part: str) -> None:
-    names: dict[str, Any] = {"math": math, "np": np}
-    exec(BEGINNER.replace(right_part, wrong_part), names)
-    with pytest.raises(AssertionError):
-        check(names[FUNCTION], message)
