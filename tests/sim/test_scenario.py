@@ -1,7 +1,5 @@
 """Scenario files: what they say, and that they survive JSON."""
 
-import math
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -11,7 +9,6 @@ from sim.scenario import Faults, Scenario, ScriptEvent
 from sim.scenario_files import (
     load_scenario,
     scenario_from_json,
-    scenario_from_toml,
     scenario_names,
     scenario_to_json,
 )
@@ -66,15 +63,3 @@ def test_every_scenario_of_the_course_runs(name):
 def test_a_scenario_is_found_by_name_path_and_text_of_a_path(tmp_path):
     path = scenario_names()["demo_wall"]
     assert load_scenario("demo_wall") == load_scenario(path) == load_scenario(str(path))
-
-
-def test_a_bench_is_repeated():
-    scenario = scenario_from_toml(
-        'title = "x"\nworld = "open"\n'
-        '[[bench]]\nlabel = "a"\nrepeat = 2\nfill = 0.42\n[[bench]]\nlabel = "b"\nempty = true\n',
-        "x",
-    )
-    assert [scan.label for scan in scenario.bench_scans] == ["a", "a", "b"]
-    assert scenario.bench_scans[0].fill == 0.42
-    assert scenario.bench_scans[1].fill == 0.42
-    assert math.isinf(scenario.bench_scans[2].fill)

@@ -137,42 +137,12 @@ PROGRAMS = {
         node.destroy_node(); print('destroyed')
         rclpy.spin(Echo())
     """, "completed", ["destroyed"]),
-    "a callback may destroy its node": ("""
-        rclpy.init(); node = rclpy.create_node('short'); other = rclpy.create_node('other')
-        executor = SingleThreadedExecutor(); executor.add_node(node); executor.add_node(other)
-        node.create_timer(0.2, node.destroy_node); other.create_timer(0.5, rclpy.shutdown)
-        executor.spin(); print('over')
-    """, "returned", ["over"]),
-    "time does not jump": ("""
-        from rclpy.clock import JumpThreshold, ROSClock
-        from rclpy.duration import Duration
-        rclpy.init(); node = rclpy.create_node('n')
-        threshold = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=None)
-        handles = [clock.create_jump_callback(threshold, post_callback=print)
-                   for clock in (node.get_clock(), ROSClock())]
-        for _ in range(5): rclpy.spin_once(node, timeout_sec=0.1)
-        for handle in handles: handle.unregister()
-        print('over')
-    """, "returned", ["over"]),
     "wait_for_message": ("""
         from rclpy.wait_for_message import wait_for_message
         rclpy.init(); node = Node('patient')
         print(wait_for_message(LaserScan, node, '/scan')[0], time.monotonic())
         print(wait_for_message(LaserScan, node, '/other', time_to_wait=0.5), time.monotonic())
     """, "returned", ["True 1000.013", "(False, None) 1000.513"]),
-    "sleeping on a clock is refused as usual": ("""
-        from rclpy.duration import Duration
-        from rclpy.time import Time
-        rclpy.init(); node = Echo(); clock = node.get_clock()
-        try: clock.sleep_until(Time())
-        except ValueError as error: print(error)
-        threading.Timer(0.2, rclpy.shutdown).start()
-        before = time.monotonic()
-        print(clock.sleep_for(Duration(seconds=1.0)), round(time.monotonic() - before, 6))
-        try: clock.sleep_for(Duration(seconds=1.0))
-        except Exception as error: print(type(error).__name__)
-    """, "returned", ["until's clock type does not match this clock's type", "False 0.2",
-                      "NotInitializedException"]),
 }  # fmt: skip
 
 

@@ -78,55 +78,6 @@ def test_rlock_condition_barrier_semaphore() -> None:
     """) == [[0.0, "in twice"], [0.1, "met"], [0.2, False]]
 
 
-def test_a_thread_starts_once() -> None:
-    assert run("""
-        thread = threading.Thread(target=time.sleep, args=(0.01,)); thread.start()
-        for again in range(2):
-            try: thread.start()
-            except RuntimeError as error: say(str(error))
-            thread.join()
-        class Unborn(threading.Thread):
-            def __init__(self): pass
-        try: Unborn().start()
-        except RuntimeError as error: say(str(error))
-        time.sleep(0.1); say('alive')
-    """) == [
-        [0.0, "threads can only be started once"],
-        [0.01, "threads can only be started once"],
-        [0.01, "thread.__init__() not called"],
-        [0.11, "alive"],
-    ]
-
-
-def test_an_exception_in_a_bare_thread_names_its_function() -> None:
-    assert run("""
-        import _thread
-        told = []
-        def task(): raise ValueError('no')
-        sys.unraisablehook = told.append
-        _thread.start_new_thread(task, ())
-        _thread.start_new_thread(sys.exit, (3,))
-        time.sleep(0.01)
-        say(len(told), told[0].object is task, told[0].err_msg, str(told[0].exc_value),
-            told[0].exc_traceback.tb_frame.f_code is task.__code__)
-    """) == [[0.01, 1, True, "Exception ignored in thread started by", "no", True]]
-
-
-def test_locks_refuse_what_pythons_refuse() -> None:
-    assert run("""
-        lock = threading.Lock()
-        for options in ((False, 1), (True, -5), (True, threading.TIMEOUT_MAX * 2)):
-            try: lock.acquire(*options)
-            except (ValueError, OverflowError) as error: say(type(error).__name__, str(error))
-        say(lock.acquire(True, -1), 'locked' in repr(lock), lock.locked())
-    """) == [
-        [0.0, "ValueError", "can't specify a timeout for a non-blocking call"],
-        [0.0, "ValueError", "timeout value must be a non-negative number"],
-        [0.0, "OverflowError", "timeout value is too large"],
-        [0.0, True, True, True],
-    ]
-
-
 def test_a_cached_property_that_sleeps_is_computed_once() -> None:
     assert run("""
         import functools

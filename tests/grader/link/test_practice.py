@@ -73,14 +73,13 @@ def test_a_program_that_ends_says_how(server: PracticeServer, tmp_path: Path) ->
     )  # fmt: skip
 
 
-def test_a_process_that_goes_is_gone(server: PracticeServer, tmp_path: Path) -> None:
+def test_a_process_that_goes_is_gone_and_one_that_says_nothing_hangs(
+    server: PracticeServer, tmp_path: Path
+) -> None:
     with server.host(tmp_path) as link:
         with pytest.raises(HostDied):
             link.run(start_of(tmp_path, "import os; os._exit(7)"), LIMIT)
         assert link.wait(LIMIT) == "7"
-
-
-def test_a_process_that_says_nothing_hangs(server: PracticeServer, tmp_path: Path) -> None:
     with server.host(tmp_path) as link:
         with pytest.raises(HostHung):
             link.run(start_of(tmp_path, "while True: pass"), 0.5)

@@ -14,7 +14,6 @@ from grader.host.frames import (
     MAX_NAME,
     MAX_PUBLISHED,
     Ended,
-    EndpointReport,
     Published,
     Slept,
     encode,

@@ -1,7 +1,5 @@
 """One trial: what the robot makes of what comes out of a host, and that it is the same again."""
 
-import os
-import tempfile
 import textwrap
 from pathlib import Path
 
@@ -111,26 +109,6 @@ def test_an_unreadable_file_is_not_run(forkserver: object, tmp_path: Path) -> No
 
 
 # --- the same again ------------------------------------------------------------------------------
-
-
-def test_the_digest_does_not_depend_on_the_folder(
-    run_node: RunNode, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    source = """
-        class Talking(Echo):
-            def on_scan(self, scan):
-                print(__file__)
-                super().on_scan(scan)
-        rclpy.init(); rclpy.spin(Talking())
-    """
-    first = run_node(source)
-    with tempfile.TemporaryDirectory(prefix="a-much-longer-name-of-a-folder-") as elsewhere:
-        os.chmod(elsewhere, 0o755)
-        monkeypatch.setattr("tempfile.tempdir", elsewhere)
-        second = run_node(source)
-
-    assert first.digest() == second.digest()
-    assert {line.text for line in first.log + second.log} == {"node.py"}
 
 
 def test_the_digest_depends_on_what_was_said_and_on_the_seed(run_node: RunNode) -> None:
