@@ -12,7 +12,7 @@ from sim.errors import InputError
 from sim.live.health import HealthMeter
 from sim.live.robot import LiveRobot
 from sim.live.timeline import Timeline
-from sim.live.topics import patience, sent_topics
+from sim.live.topics import sent_topics
 from sim.messages import EPOCH_NS, ODOM_TOPIC, SCAN_TOPIC, decode
 from sim.scenario_files import load_scenario, scenario_from_toml
 
@@ -198,13 +198,6 @@ def test_a_seed_that_blocks_the_start_is_refused() -> None:
 def test_only_what_the_scenario_sends_has_a_topic(name: str, topics: dict[str, float]) -> None:
     sent = sent_topics(load_scenario(name))
     assert {topic: sent.get(topic) for topic in topics} == topics
-
-
-def test_patience_is_two_periods_of_the_fastest_sensor() -> None:
-    assert patience({"/scan": 10.0, "/odom": 20.0}) == 0.1
-    assert patience({"/odom": 200.0}) == 0.05
-    assert patience({"/goal_pose": 0.0}) == 0.1
-    assert patience({}) == 0.1
 
 
 def test_health_starts_over_with_each_look() -> None:

@@ -46,7 +46,6 @@ CONFTEST = """
     """
 RIGHT = """
     import asyncio
-    import datetime
     import os
     import queue
     import random
@@ -86,14 +85,6 @@ RIGHT = """
 
 
 
-
-
-    @pytest.mark.virtual_time(limit=90_000)
-    def test_a_whole_day_on_every_clock(virtual_time):
-        before = time.time(), time.monotonic(), datetime.datetime.now()
-        time.sleep(86_400.0)
-        assert time.time() - before[0] == time.monotonic() - before[1] == 86_400.0
-        assert datetime.datetime.now() - before[2] == datetime.timedelta(days=1)
 
 
 

@@ -14,6 +14,7 @@ from grader.host.frames import (
     MAX_NAME,
     MAX_PUBLISHED,
     Ended,
+    EndpointReport,
     Published,
     Slept,
     encode,

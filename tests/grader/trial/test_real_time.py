@@ -18,7 +18,7 @@ from grader.recording import Recording, bag
 from grader.trial.real_time import run_live_trial
 from grader.trial.real_time_hosts import LiveHosts
 from sim.messages import EPOCH_NS, STRING, decode
-from sim.scenario import ProgramSpec, ScriptEvent
+from sim.scenario import ProgramSpec
 
 RunLive = Callable[..., Recording]
 
@@ -79,26 +79,6 @@ def test_stamps_and_clocks_are_of_today(run_live: RunLive) -> None:
     assert {line.text for line in recording.log} == {"fresh"}
     assert recording.epoch > EPOCH_NS
     assert np.allclose([scan.stamp for scan in recording.scans()], recording.times("/scan"))
-
-
-def test_a_goal_and_what_is_said_about_it(run_live: RunLive) -> None:
-    scenario = msgspec.structs.replace(
-        short(1.0, "demo_open"), script=(ScriptEvent(at=0.25, goal=(1.0, -2.0, 0.0)),)
-    )
-    recording = run_live(
-        """
-        from geometry_msgs.msg import PoseStamped
-        rclpy.init(); node = Node('listener')
-        node.create_subscription(PoseStamped, 'goal_pose',
-            lambda goal: print(goal.pose.position.x, goal.pose.position.y), 10)
-        rclpy.spin(node)
-        """,
-        scenario,
-    )
-
-    assert [line.text for line in recording.log] == ["1.0 -2.0"]
-    assert recording.log[0].t >= 0.25
-    assert (recording.goals().x, recording.goals().y) == ([1.0], [-2.0])
 
 
 ENDS = {
