@@ -102,6 +102,11 @@ MISTAKES = {
         "world.carts[0].path = [[0, 0, 0], [0, 1, 1]]: "
         "expected increasing times, got 0.0 after 0.0",
     ),
+    "cart too fast": (
+        INLINE + "[[world.carts]]\nsize = [1, 1]\npath = [[0, 0, 0], [1, 9, 0]]",
+        "world.carts[0].path = [[0, 0, 0], [1, 9, 0]]: "
+        "expected at most 2.0 m/s, got 9 m/s at 0.0 s",
+    ),
     "loop that does not close": (
         INLINE + "[[world.carts]]\nsize = [1, 1]\npath = [[0, 0, 0], [1, 1, 0]]\nloop = true",
         "world.carts[0].path = [[0, 0, 0], [1, 1, 0]]: expected a loop to end where it begins",

@@ -71,7 +71,6 @@ def wide() -> Scan:
 SEEN = {
     "plain": full_turn(),
     "nan": full_turn((slice(170, 190), math.nan)),
-    "plus_infinity": full_turn((slice(150, 200), math.inf)),
     "minus_infinity": full_turn((slice(240, 360), -math.inf), (slice(180, 181), -math.inf)),
     "too_near_and_too_far": full_turn((slice(100, 110), 0.1), (slice(200, 210), 13.0)),
     "lds_01": full_turn((slice(0, 20), 0.0), start=0.0, low=0.12),
@@ -79,9 +78,7 @@ SEEN = {
 }
 BLIND = {
     "front": full_turn((slice(118, 243), math.nan)),
-    "left": full_turn((slice(238, 360), 0.0), (slice(0, 1), math.nan)),
     "right": full_turn((slice(0, 123), math.nan)),
-    "everywhere": full_turn((slice(None), math.nan)),
     "no_beams": Scan(0.0, 0.0, -math.pi, 0.1, 0.15, 12.0, np.empty(0, np.float32)),
 }
 
