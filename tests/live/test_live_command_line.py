@@ -16,20 +16,8 @@ from sim.live.cli import main, split_ros_args
 
 
 def test_arguments_of_ros_are_taken_out() -> None:
-    own, ros = split_ros_args(
-        [
-            "--clock",
-            "--ros-args",
-            "-p",
-            "rate:=2.0",
-            "--",
-            "--seed",
-            "3",
-            "--ros-args",
-            "-r",
-            "a:=b",
-        ]
-    )
+    line = "--clock --ros-args -p rate:=2.0 -- --seed 3 --ros-args -r a:=b"
+    own, ros = split_ros_args(line.split())
     assert own == ["--clock", "--seed", "3"]
     assert ros == ["--ros-args", "-p", "rate:=2.0", "--", "--ros-args", "-r", "a:=b"]
 

@@ -4,6 +4,7 @@ import hashlib
 import os
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -71,17 +72,7 @@ def run(simulation, cuts, commands):
         left = left[len(now) :]
         messages += simulation.advance(until, now)
     truth = simulation.truth()
-    fields = (
-        truth.t,
-        truth.x,
-        truth.y,
-        truth.yaw,
-        truth.v,
-        truth.w,
-        truth.clearance,
-        truth.contact,
-    )
-    return messages, b"".join(field.tobytes() for field in fields)
+    return messages, b"".join(getattr(truth, field.name).tobytes() for field in fields(truth))
 
 
 WHOLE = run(Simulation(scenario_from_toml(EVERYTHING, "x")), [6 * SECOND], COMMANDS)

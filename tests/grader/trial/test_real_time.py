@@ -83,9 +83,7 @@ def test_stamps_and_clocks_are_of_today(run_live: RunLive) -> None:
 
 ENDS = {
     "exception": "raise KeyError('x')",
-    "exited": "rclpy.init(); sys.exit(3)",
     "returned": "rclpy.init(); Echo()",
-    "syntax_error": "def",
     "died": "os._exit(7)",
     "never_spun": "rclpy.init(); node = Echo(); threading.Event().wait()",
 }

@@ -23,7 +23,7 @@ def test_a_program_that_sleeps_before_it_spins_misses_nothing(run_node: RunNode)
         rclpy.spin(Echo())
     """
     source = textwrap.dedent(echo)
-    late = "time.sleep(0.7)\nend = time.time() + 0.3\nwhile time.time() < end: pass\n" + source
+    late = "time.sleep(0.7)\nend = time.time() + 0.02\nwhile time.time() < end: pass\n" + source
     prompt, asleep = run_node(source, short(1.0)), run_node(late, short(1.0))
 
     assert asleep.outcome.completed
