@@ -4,24 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from simulated import CROWD, crowd
 
 from sim.layout import Cart, layout_from_json, layout_to_json
 from sim.placement import build_layout
-from sim.world import Box, Clutter, MovingCart, Pillar, Wall, World
+from sim.world import Box, Wall, World
 
-CROWD = World(
-    walls=(Wall(((-3, -3), (6, -3), (6, 3))),),
-    boxes=(Box((2, 1), (0.5, 1.0), 30.0),),
-    pillars=(Pillar((0, 2), 0.2),),
-    clutter=(Clutter(((1, -2), (5, 2)), 15, keep_clear=((3, 0, 0.5),)),),
-    carts=(MovingCart((0.6, 0.4), ((0, 3, -3), (6, 3, 3))),),
-)
 SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 BOX = np.array([[0.5, 0.3], [-0.5, 0.3], [-0.5, -0.3], [0.5, -0.3]])
-
-
-def crowd(seed=1, **options):
-    return build_layout(CROWD, rng=np.random.default_rng(seed), **options)
 
 
 def test_a_layout_survives_json_to_the_last_bit():

@@ -6,28 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from simulated import crowd
 
 from sim.clearance import clearance, is_inside
 from sim.errors import InputError
 from sim.layout import Layout
 from sim.placement import build_layout, place, scenario_layout
 from sim.scenario_files import scenario_from_toml
-from sim.world import Box, Clutter, MovingCart, Pillar, Wall, World, load_world
+from sim.world import load_world
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
 INLINE = 'title = "x"\n[world]\n'
 CLUTTER = INLINE + "[[world.clutter]]\narea = [[1, -1], [2, 1]]\n"
-CROWD = World(
-    walls=(Wall(((-3, -3), (6, -3), (6, 3))),),
-    boxes=(Box((2, 1), (0.5, 1.0), 30.0),),
-    pillars=(Pillar((0, 2), 0.2),),
-    clutter=(Clutter(((1, -2), (5, 2)), 15, keep_clear=((3, 0, 0.5),)),),
-    carts=(MovingCart((0.6, 0.4), ((0, 3, -3), (6, 3, 3))),),
-)
-
-
-def crowd(seed=1, **options):
-    return build_layout(CROWD, rng=np.random.default_rng(seed), **options)
 
 
 def area(polygon):
