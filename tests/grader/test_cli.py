@@ -11,7 +11,8 @@ from command_line import ROOT, SHORT, Done, course
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import SOLUTIONS, find_exercise
-from sim.scenario_files import scenario_names
+from grader.trial.seeds import trial_seed
+from sim.scenario_files import load_scenario, scenario_names
 
 REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
 
@@ -45,6 +46,13 @@ def test_every_command_has_help_with_examples(command: str) -> None:
     assert (done.code, done.err) == (0, "")
     assert "Examples:" in done.out
     assert f"  course {command}" in done.out.split("Examples:")[1] or command == "check-bag"
+
+
+def test_without_a_command_it_says_what_there_is() -> None:
+    done = course()
+
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith("Usage:")
 
 
 # --- wrong usage ---------------------------------------------------------------------------------
@@ -87,6 +95,10 @@ def test_wrong_usage_takes_one_line(what: str, given: Path) -> None:
     arguments, words = WRONG[what]
     done = course(*(str(argument).replace("@", str(given)) for argument in arguments))
     complains(done, *words)
+
+
+def test_a_report_that_can_not_be_written() -> None:
+    complains(course(*GRADE, "--only", "wiring", "--json", "/proc/x.json"), "/proc")
 
 
 def test_a_name_that_is_not_utf8(tmp_path: Path) -> None:
@@ -196,10 +208,12 @@ def test_bad_files_cost_points_and_nothing_else(what: str, tmp_path: Path) -> No
     content, words = BAD_FILES[what]
     file = tmp_path / "agent.py"
     file.write_bytes(content)
-    done = course("grade", "1", file, "--only", "wiring", "--json", "-")
+    done = course("grade", "1", file, "--only", "wiring", "--seed", "1", "--json", "-")
 
     assert (done.code, done.err) == (1, "")
     assert done.json["score"] == 0
+    for run in done.json["recordings"]:
+        assert run["seed"] == trial_seed(load_scenario(run["scenario"]), 1)
     check = done.json["checks"][0]
     assert (check["outcome"], words in check["message"] + check["actual"]) == ("fail", True), check
 
