@@ -16,13 +16,12 @@ from ordinary import OUT_OF_REACH, ROOT, run_as_ordinary, said_by_ordinary
 from grader.course.submission import Submission
 from grader.errors import GraderError
 from grader.host.sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES
-from grader.host.sandbox.layers import LAYERS, MOUNTS
+from grader.host.sandbox.layers import MOUNTS
 from grader.link.hosts import ForkServer
 from grader.link.scratch import fresh_folder
 from grader.link.workplace import Excess, check_folder
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 
 LONG = functools.partial(pytest.param, marks=pytest.mark.long)
 SPIN = "\nrclpy.init(); rclpy.spin(Echo())\n"
@@ -59,9 +58,10 @@ MOST = {"unlinked": MAX_FOLDER, "files": MAX_FOLDER_FILES, "threads": 512}
 SCENE = """
 import json, sys, tempfile
 from pathlib import Path
-import test_workplace
-with tempfile.TemporaryDirectory() as folder, test_workplace.ForkServer(test_workplace.EPOCH_NS) as forkserver:
-    runs = {name: test_workplace.run(name, Path(folder), forkserver) for name in test_workplace.GREEDY}
+from sim.messages import EPOCH_NS
+from test_workplace import GREEDY, ForkServer, run
+with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH_NS) as forkserver:
+    runs = {name: run(name, Path(folder), forkserver) for name in GREEDY}
     said = {name: (r.outcome.kind, r.outcome.text, [x.text for x in r.log]) for name, r in runs.items()}
     print(json.dumps((forkserver.layers, forkserver.means.counted, said)))
 """  # noqa: E501
@@ -77,13 +77,6 @@ def run(name: str, folder: Path, forkserver: ForkServer) -> Recording:
 # --- the limits ----------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def without_mounts() -> Iterator[ForkServer]:
-    layers = [layer for layer in LAYERS if layer != MOUNTS]
-    with ForkServer(EPOCH_NS, layers=layers) as forkserver:
-        yield forkserver
-
-
 @pytest.mark.parametrize("name", GREEDY)
 def test_the_kernel_limits_a_host(name: str, forkserver: ForkServer, tmp_path: Path) -> None:
     if MOUNTS not in forkserver.layers or not forkserver.means.counted:
@@ -93,16 +86,6 @@ def test_the_kernel_limits_a_host(name: str, forkserver: ForkServer, tmp_path: P
     got = [int(line.text) for line in recording.log if line.text.isdigit()]
     assert got and 0 < got[0] <= MOST[name]
     assert recording.outcome.kind in ("completed", "flooded", "exception")
-
-
-@pytest.mark.parametrize("name", ["unlinked", "files"])
-def test_without_mounts_the_judge_looks(
-    name: str, without_mounts: ForkServer, tmp_path: Path
-) -> None:
-    outcome = run(name, tmp_path, without_mounts).outcome
-
-    assert (outcome.kind, outcome.at) == ("flooded", 0.0)
-    assert outcome.text.endswith("more than 5,000 files or 268,435,456 bytes in its folder")
 
 
 @pytest.mark.parametrize("namespaces", [LONG(True), False])
@@ -120,6 +103,7 @@ def test_an_ordinary_user_has_limits_too(namespaces: bool) -> None:
     else:
         assert {kind for kind, _, _ in runs.values()} == {"flooded"}
         assert "threads" in runs["threads"][1]
+        assert "more than 5,000 files or 268,435,456 bytes" in runs["files"][1]
 
 
 def test_a_full_folder_is_told_from_a_full_disk(forkserver: ForkServer, tmp_path: Path) -> None:
