@@ -8,7 +8,6 @@ from itertools import pairwise
 import msgspec
 import pytest
 
-from sim.errors import InputError
 from sim.live.health import HealthMeter
 from sim.live.robot import LiveRobot
 from sim.live.timeline import Timeline
@@ -167,23 +166,6 @@ def test_the_robot_is_over_after_its_duration() -> None:
         clocks.move(max(robot.due(), 0.0))
         robot.step()
     assert clocks.elapsed == 250_000_000
-
-
-def test_a_seed_that_blocks_the_start_is_refused() -> None:
-    scenario = scenario_from_toml(
-        'title = "t"\n[robot]\nstart_jitter = [1, 0, 0]\n[world]\n'
-        "boxes = [{ center = [0.7, 0], size = [0.4, 0.4] }]\n",
-        "t.toml",
-    )
-    outcomes = set()
-    for seed in range(20):
-        try:
-            LiveRobot(msgspec.structs.replace(scenario, seed=seed), Clocks().timeline())
-            outcomes.add("free")
-        except InputError as error:
-            assert "would stand in something" in str(error)
-            outcomes.add("blocked")
-    assert outcomes == {"free", "blocked"}
 
 
 @pytest.mark.parametrize(

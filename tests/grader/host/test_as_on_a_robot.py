@@ -200,7 +200,7 @@ def test_every_clock_of_rclpy_is_virtual(run_node: RunNode, clock: str) -> None:
     assert said(recording) == ["True 0.1 True", "0.01", "0.25 0.5 0.75"]
 
 
-def test_message_info_tells_virtual_times(run_node: RunNode) -> None:
+def test_message_info_has_virtual_times(run_node: RunNode) -> None:
     recording = run_node("""
         class Late(Node):
             def __init__(self):

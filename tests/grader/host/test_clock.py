@@ -6,7 +6,7 @@ from alone import run
 SECONDS = 1_700_000_000  # of the epoch in these tests
 
 
-def test_every_clock_tells_the_same_time() -> None:
+def test_every_clock_shows_the_same_time() -> None:
     """Each has moved on by what was slept, and each shows the time of day that ROS shows."""
     (shown,) = run("""
         import calendar, datetime, logging, os, uuid

@@ -109,7 +109,7 @@ def test_a_wait_that_lasts_longer_than_a_turn_counts_in_one(
     assert queue.pending() == 0.0
 
 
-def test_who_runs_does_not_wait(queue: RunQueue, tmp_path: Path, clock: Clock) -> None:
+def test_a_thread_that_runs_does_not_wait(queue: RunQueue, tmp_path: Path, clock: Clock) -> None:
     """Whenever one looks, and whenever one asks."""
     say(tmp_path, 1, 0, ran=0)
     queue.worst()
@@ -151,7 +151,7 @@ def test_what_threads_of_a_process_take_from_one_another_does_not_count(
     assert again.worst(unseen_too=True) == pytest.approx(0.2 * others)
 
 
-def test_who_waits_for_something_to_come_is_not_ready() -> None:
+def test_a_process_that_waits_for_input_is_not_ready() -> None:
     with subprocess.Popen(["cat"], stdin=subprocess.PIPE) as cat:
         limit = time.monotonic() + 20.0
         while is_ready(cat.pid) and time.monotonic() < limit:

@@ -106,7 +106,7 @@ def test_an_ordinary_user_has_limits_too(namespaces: bool) -> None:
         assert "more than 5,000 files or 268,435,456 bytes" in runs["files"][1]
 
 
-def test_a_full_folder_is_told_from_a_full_disk(forkserver: ForkServer, tmp_path: Path) -> None:
+def test_a_full_folder_is_no_full_disk(forkserver: ForkServer, tmp_path: Path) -> None:
     """A node that meets the limit has met its own, with a sentence that says so."""
     if MOUNTS not in forkserver.layers:
         pytest.skip("no mounts on this machine")

@@ -178,7 +178,7 @@ def test_a_check_that_stands_alone_is_judged_all_the_same(
 
 
 @pytest.mark.long
-def test_whoever_waits_is_told_what_runs_and_what_has_passed(forkserver: ForkServer) -> None:
+def test_progress_says_what_runs_and_what_has_passed(forkserver: ForkServer) -> None:
     exercise, steps = find_exercise("obstacle_avoidance"), list[Step]()
     grade_submission(
         exercise, Submission(REFERENCE), forkserver, file="x.py", on_progress=steps.append
