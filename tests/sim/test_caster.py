@@ -14,7 +14,7 @@ from sim.lidar import PROFILES
 from sim.placement import build_layout
 from sim.world import Box, Pillar, Wall, World
 
-SETTINGS = settings(derandomize=True, deadline=None, max_examples=120)
+SETTINGS = settings(derandomize=True, deadline=None, max_examples=40)
 coordinates = st.floats(-8, 8)
 points = st.tuples(coordinates, coordinates)
 sizes = st.floats(0.05, 4)

@@ -109,11 +109,19 @@ def test_the_page_names_what_is_missing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("found", "code"),
-    [(machine(), 0), (machine(layers=(LIMITS,)), 1), (machine("no ROS 2"), 2)],
+    ("found", "tried", "code"),
+    [
+        (machine(), "", 0),
+        (machine(layers=(LIMITS,)), "", 1),
+        (machine("no ROS 2"), "", 2),
+        (machine(), "no ROS 2", 2),  # what trying to grade a skeleton says
+    ],
 )
-def test_the_exit_code(found: Diagnosis, code: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_exit_code(
+    found: Diagnosis, tried: str, code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(doctor, "diagnose", lambda: found)
+    monkeypatch.setattr("grader.grading.trying.why_none_runs", lambda: tried)
     result = CliRunner().invoke(cli, ["doctor"], standalone_mode=False)
 
     assert result.return_value == code
