@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from rich.console import Console
 
 from grader.cli import cli
+from grader.grading.trying import why_none_runs
 from grader.host.frames import Hello
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
 from grader.link import doctor
@@ -19,7 +20,7 @@ from grader.report.terminal import render_diagnosis
 def test_this_machine_can_run_nodes() -> None:
     found = diagnose()
 
-    assert found.problem == ""
+    assert (found.problem, why_none_runs()) == ("", "")
     assert found.ros
     assert tuple(layer.name for layer in found.layers) == LAYERS
     assert found.layers[0] == Layer(LIMITS, True)
