@@ -1,5 +1,7 @@
 """What the tests of hosts and trials share: a small node, a short scenario."""
 
+import os
+import select
 from collections.abc import Callable
 
 import msgspec
@@ -36,3 +38,12 @@ def short(duration: float, name: str = "demo_wall") -> Scenario:
     scenario = load_scenario(name)
     odometry = msgspec.structs.replace(scenario.odometry, enabled=False)
     return msgspec.structs.replace(scenario, duration=duration, odometry=odometry)
+
+
+def is_over(handle: int) -> bool:
+    """Wait for the end of the process that a pidfd stands for."""
+    poll = select.poll()
+    poll.register(handle, select.POLLIN)
+    over = bool(poll.poll(20_000))  # [ms]
+    os.close(handle)
+    return over

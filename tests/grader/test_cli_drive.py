@@ -3,12 +3,13 @@
 from pathlib import Path
 
 import pytest
-from course_command import ROOT, course
+from command_line import ROOT, SHORT, course
 
 from grader.recording import bag
 
 NODES = ROOT / "tests" / "nodes"
-SHORT = ("--scenario", "demo_wall", "--duration", "0.5")
+
+# --- drive ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,6 @@ from grader.link.ros_environment import find_ros
 
 NODES = Path(__file__).parent / "nodes"
 ROOT = Path(__file__).resolve().parents[2]
-ALONE = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}  # the environment of who meets nobody
 LIMIT = 90.0  # [s] for anything to happen, on any machine
 
 Line = dict[str, Any]
@@ -139,12 +138,11 @@ class Town:
     def listener(self, reliability: str = "reliable") -> Process:
         return self.start("listener.py", reliability)
 
-    def start(self, node: str, *arguments: str, alone: bool = False) -> Process:
-        """Start a node; who is alone neither meets nor hears anybody."""
-        return self._start([str(NODES / node), *arguments], alone=alone)
+    def start(self, node: str, *arguments: str) -> Process:
+        return self._start([str(NODES / node), *arguments])
 
-    def _start(self, command: list[str], *, alone: bool = False) -> Process:
-        process = Process(command, {**self._env, **(ALONE if alone else {})}, self.folder)
+    def _start(self, command: list[str]) -> Process:
+        process = Process(command, self._env, self.folder)
         self._stack.callback(process.kill)
         return process
 

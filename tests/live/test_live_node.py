@@ -102,19 +102,14 @@ def test_it_can_be_paused(square: Square) -> None:
     listener.next_json("/scan")
 
 
-@pytest.mark.parametrize(
-    ("order", "reason"),
-    [
-        ("rate 2.0", "start the robot with --clock"),
-        ("rate 50.0", "Parameter rate out of range"),
-        ("rate nan", "Parameter rate out of range"),
-        ("command_timeout 2.0", "read-only"),
-    ],
-)
-def test_a_parameter_is_refused_with_a_reason(square: Square, order: str, reason: str) -> None:
-    answer = square.listener.ask(f"set {order}")
-    assert not answer["success"]
-    assert reason in answer["message"]
+def test_a_parameter_is_refused_with_a_reason(square: Square) -> None:
+    for order, reason in {
+        "rate 2.0": "start the robot with --clock",
+        "rate nan": "Parameter rate out of range",
+        "command_timeout 2.0": "read-only",
+    }.items():
+        answer = square.listener.ask(f"set {order}")
+        assert (answer["success"], reason in answer["message"]) == (False, True), answer
 
 
 def test_a_sensor_data_lidar_is_heard_by_best_effort_only(here: Town) -> None:

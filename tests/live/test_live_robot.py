@@ -8,12 +8,11 @@ from itertools import pairwise
 import msgspec
 import pytest
 
-from sim.errors import InputError
 from sim.live.health import HealthMeter
 from sim.live.robot import LiveRobot
 from sim.live.timeline import Timeline
-from sim.live.topics import patience, sent_topics
-from sim.messages import EPOCH_NS, LASER_SCAN, ODOM_TOPIC, ODOMETRY, SCAN_TOPIC, decode
+from sim.live.topics import sent_topics
+from sim.messages import EPOCH_NS, ODOM_TOPIC, SCAN_TOPIC, decode
 from sim.scenario_files import load_scenario, scenario_from_toml
 
 TODAY = 1_800_000_000 * 10**9
@@ -115,7 +114,12 @@ def test_messages_leave_on_time_with_stamps_of_today() -> None:
 def test_after_a_stall_nothing_stale_is_sent_in_a_burst() -> None:
     clocks = Clocks()
     robot = LiveRobot(load_scenario("demo_wall"), running(clocks))
-    drive(robot, clocks, 1.0)
+    drive(robot, clocks, 0.5)
+    clocks.move(0.08)
+    drive(robot, clocks, 0.42)
+    short_delay = robot.meter.take(1.0, 1.0)  # which is made up for
+    assert (robot.simulation.now >= 0.99e9, short_delay.keeps_up) == (True, True)
+    assert 0.0 < short_delay.worst_lateness <= 0.08
     clocks.move(3.0)
     sent = drive(robot, clocks, 1.0)
 
@@ -132,47 +136,17 @@ def test_after_a_stall_nothing_stale_is_sent_in_a_burst() -> None:
     assert health.slipped == pytest.approx(3.0, abs=0.1)
 
 
-def test_a_short_delay_is_made_up_for() -> None:
-    clocks = Clocks()
-    robot = LiveRobot(load_scenario("demo_wall"), running(clocks))
-    drive(robot, clocks, 0.5)
-    clocks.move(0.08)
-    drive(robot, clocks, 0.42)
-    assert robot.simulation.now >= 0.99e9
-    health = robot.meter.take(1.0, 1.0)
-    assert health.keeps_up
-    assert 0.0 < health.worst_lateness <= 0.08
-
-
-def test_a_command_counts_for_half_a_second_and_then_the_robot_brakes() -> None:
-    clocks = Clocks()
-    robot = LiveRobot(load_scenario("demo_wall"), running(clocks))
-    for _ in range(20):
-        robot.command(0.5, 0.0)
-        drive(robot, clocks, 0.05)
-    assert robot.simulation.truth().v[-1] == pytest.approx(0.5, abs=0.01)
-    drive(robot, clocks, 2.0)
-    truth = robot.simulation.truth()
-    at_rest = truth.t[truth.v > 1e-3].max() / 1e9
-    assert at_rest <= 0.95 + 0.5 + 0.5 / 0.9 + 0.05  # last command, in force, ramp, sampling
-
-
-def test_no_command_counts_while_time_stands_still() -> None:
-    clocks = Clocks()
-    robot = LiveRobot(load_scenario("demo_wall"), clocks.timeline())
-    robot.command(0.5, 0.0)
-    robot.timeline.run(True)
-    drive(robot, clocks, 0.5)
-    assert robot.simulation.truth().v[-1] == 0.0
-
-
 def test_reset_begins_anew_and_draws_with_another_seed() -> None:
     clocks = Clocks()
     scenario = scenario_from_toml(
-        'title = "t"\nworld = "open"\n[robot]\nstart_jitter = [1, 1, 20]\n', "t.toml"
+        'title = "t"\nworld = "open"\n[robot]\nstart_jitter = [1, 1, 20]\n', "t"
     )
-    robot = LiveRobot(scenario, running(clocks))
+    robot = LiveRobot(scenario, clocks.timeline())
     start = robot.simulation.layout.start
+    robot.command(0.5, 0.0)  # no command counts while time stands still
+    robot.timeline.run(True)
+    drive(robot, clocks, 0.1)
+    assert robot.simulation.pose == start
     robot.command(0.5, 0.0)
     drive(robot, clocks, 0.4)
     assert robot.simulation.pose != start
@@ -182,23 +156,6 @@ def test_reset_begins_anew_and_draws_with_another_seed() -> None:
     assert robot.timeline.epoch == clocks.wall()
     robot.begin(robot.planned(scenario.seed + 1))
     assert robot.simulation.pose != start
-
-
-def test_a_seed_that_blocks_the_start_is_refused() -> None:
-    scenario = scenario_from_toml(
-        'title = "t"\n[robot]\nstart_jitter = [1, 0, 0]\n[world]\n'
-        "boxes = [{ center = [0.7, 0], size = [0.4, 0.4] }]\n",
-        "t.toml",
-    )
-    outcomes = set()
-    for seed in range(20):
-        try:
-            LiveRobot(msgspec.structs.replace(scenario, seed=seed), Clocks().timeline())
-            outcomes.add("free")
-        except InputError as error:
-            assert "would stand in something" in str(error)
-            outcomes.add("blocked")
-    assert outcomes == {"free", "blocked"}
 
 
 def test_the_robot_is_over_after_its_duration() -> None:
@@ -225,13 +182,6 @@ def test_only_what_the_scenario_sends_has_a_topic(name: str, topics: dict[str, f
     assert {topic: sent.get(topic) for topic in topics} == topics
 
 
-def test_patience_is_two_periods_of_the_fastest_sensor() -> None:
-    assert patience({"/scan": 10.0, "/odom": 20.0}) == 0.1
-    assert patience({"/odom": 200.0}) == 0.05
-    assert patience({"/goal_pose": 0.0}) == 0.1
-    assert patience({}) == 0.1
-
-
 def test_health_starts_over_with_each_look() -> None:
     meter = HealthMeter({"/scan": 10.0})
     for _ in range(5):
@@ -243,15 +193,3 @@ def test_health_starts_over_with_each_look() -> None:
     assert not first.keeps_up
     assert second.rates == {"/scan": (20.0, 0.0)}
     assert second.keeps_up
-
-
-def test_messages_are_whole_after_the_epoch_is_put_in() -> None:
-    clocks = Clocks()
-    robot = LiveRobot(load_scenario("demo_wall"), running(clocks))
-    kinds = set()
-    for _ in range(6):
-        clocks.move(max(robot.due(), 0.0))
-        for message in robot.step()[0]:
-            kinds.add(message.type)
-            decode(message.data, message.type)
-    assert kinds == {LASER_SCAN, ODOMETRY}

@@ -1,49 +1,16 @@
 """/tf by the names of REP-105. tf2_msgs has no wheel, so its one message is stood in for."""
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from types import SimpleNamespace
 
 import pytest
+from geometry_msgs.msg import Transform, TransformStamped
 
 from sim.live.transforms import Transforms
 from sim.messages import ODOMETRY, decode, odometry
 from sim.scenario import LidarSpec
 
-
-@dataclass
-class Vector:
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
-    w: float = 1.0
-
-
-@dataclass
-class Header:
-    stamp: Any = None
-    frame_id: str = ""
-
-
-@dataclass
-class Transform:
-    translation: Vector = field(default_factory=Vector)
-    rotation: Vector = field(default_factory=Vector)
-
-
-@dataclass
-class TransformStamped:
-    header: Header = field(default_factory=Header)
-    child_frame_id: str = ""
-    transform: Transform = field(default_factory=Transform)
-
-
-@dataclass
-class TFMessage:
-    transforms: list[TransformStamped]
-
-
-TRANSFORMS = Transforms(TFMessage, TransformStamped)
+TRANSFORMS = Transforms(lambda transforms: SimpleNamespace(transforms=transforms), TransformStamped)
 
 
 def test_odometry_becomes_a_transform_of_the_same_time() -> None:

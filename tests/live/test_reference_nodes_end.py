@@ -2,14 +2,13 @@
 
 import functools
 import pickle
-import runpy
 import signal
 import types
 from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import NODES, Process, Town
+from processes import Process, Town
 
 from grader.course.exercises import all_exercises
 
@@ -19,8 +18,6 @@ PROGRAMS = [(e, file) for e in all_exercises() for file in e.files if "train" no
 REFERENCES = [exercise.solutions / file for exercise, file in PROGRAMS]
 SKELETONS = [exercise.folder / file for exercise, file in PROGRAMS]
 DRIVERS = [path for path in REFERENCES if "Twist" in path.read_text("utf-8")]
-WITH_MODEL = [path for path in REFERENCES if "model_path" in path.read_text("utf-8")]
-WITH_PARAMETERS = [path for path in REFERENCES if "declare_parameter" in path.read_text("utf-8")]
 
 # What a Ctrl-C that comes in the wrong microsecond makes of rclpy itself, in any node.
 RACES = (
@@ -31,29 +28,15 @@ RACES = (
 )
 
 
-class Call:
-    """Pickled, it is a call that unpickling makes."""
-
-    def __init__(self, function: object, *arguments: object) -> None:
-        self.call = (function, arguments)
-
-    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
-        return self.call
-
-
 # Of the scans of nodes/course.py, 5 m all around, this predicts 4 m/s: every node drives.
 MODEL = types.SimpleNamespace(predict=functools.partial(np.mean, axis=1))
-SLOW_MODEL = Call(runpy.run_path, str(NODES / "slow_load.py"))
 
 
-def start(
-    town: Town, path: Path, *words: str, model: object = MODEL, alone: bool = False
-) -> Process:
-    """Start a node with this model, and with further arguments of ROS."""
+def start(town: Town, path: Path, *words: str) -> Process:
+    """Start a node with a model, and with further arguments of ROS."""
     model_path = town.folder / f"{path.stem}.pkl"
-    model_path.write_bytes(pickle.dumps(model))
-    words = ("--ros-args", "-p", f"model_path:={model_path}", *words)
-    return town.start(str(path), *words, alone=alone)
+    model_path.write_bytes(pickle.dumps(MODEL))
+    return town.start(str(path), "--ros-args", "-p", f"model_path:={model_path}", *words)
 
 
 def interrupt(nodes: dict[Path, Process]) -> None:
@@ -69,13 +52,6 @@ def interrupt(nodes: dict[Path, Process]) -> None:
             continue
         assert node.popen.returncode == 0, f"{path.name}:\n{said}"
         assert "Traceback" not in said, f"{path.name}:\n{said}"
-
-
-def test_there_are_ten_nodes_of_which_eight_drive() -> None:
-    assert len(REFERENCES) == 10
-    assert len(DRIVERS) == 8
-    assert len(WITH_MODEL) == 5
-    assert len(WITH_PARAMETERS) == 6
 
 
 def test_the_last_command_stops_the_robot(here: Town) -> None:
@@ -95,20 +71,3 @@ def test_without_a_message_they_end_too(here: Town, paths: list[Path]) -> None:
     for path in nodes:
         course.ask(f"meet {path.stem}")
     interrupt(nodes)
-
-
-def test_a_model_that_loads_can_be_interrupted(here: Town) -> None:
-    nodes = {path: start(here, path, model=SLOW_MODEL, alone=True) for path in WITH_MODEL}
-    for node in nodes.values():
-        node.wait_for("loading")
-    interrupt(nodes)
-
-
-def test_what_the_constructor_raises_is_told_once(here: Town) -> None:
-    wrong = ["-p", "model_path:=1", "-p", "role:=1"]
-    nodes = {path: start(here, path, *wrong, alone=True) for path in WITH_PARAMETERS}
-    for path, node in nodes.items():
-        said = node.rest()
-        assert node.popen.returncode == 1, f"{path.name}:\n{said}"
-        assert said.count("Traceback") == 1, f"{path.name}:\n{said}"
-        assert "InvalidParameterTypeException" in said, f"{path.name}:\n{said}"

@@ -40,19 +40,12 @@ class IfCondition:
         return said in ("true", "1")
 
 
+@dataclass
 class DeclareLaunchArgument:
-    def __init__(
-        self,
-        name: str,
-        *,
-        default_value: str | None = None,
-        description: str | None = None,
-        choices: Sequence[str] | None = None,
-    ) -> None:
-        if choices and default_value is not None and default_value not in choices:
-            raise RuntimeError(f"{name}: {default_value!r} is none of {choices}")
-        self.name, self.default_value = name, default_value
-        self.description, self.choices = description, choices
+    name: str
+    default_value: str | None = None
+    description: str | None = None
+    choices: Sequence[str] | None = None
 
     def visit(self, context: LaunchContext) -> None:
         given = context.launch_configurations
@@ -64,17 +57,14 @@ class DeclareLaunchArgument:
             raise RuntimeError(f"{self.name}: expected one of {self.choices}")
 
 
-@dataclass
+@dataclass(kw_only=True)
 class OpaqueFunction:
     function: Callable[..., list[Any] | None]
 
-    def __init__(self, *, function: Callable[..., list[Any] | None]) -> None:
-        self.function = function
 
-
+@dataclass(kw_only=True)
 class Shutdown:
-    def __init__(self, *, reason: str = "") -> None:
-        self.reason = reason
+    reason: str = ""
 
 
 @dataclass
@@ -82,34 +72,23 @@ class PythonLaunchDescriptionSource:
     location: str
 
 
+@dataclass
 class IncludeLaunchDescription:
-    def __init__(
-        self,
-        launch_description_source: PythonLaunchDescriptionSource,
-        *,
-        launch_arguments: Iterable[tuple[str, str]] = (),
-        condition: IfCondition | None = None,
-    ) -> None:
-        self.location = launch_description_source.location
-        self.arguments, self.condition = dict(launch_arguments), condition
+    source: PythonLaunchDescriptionSource
+    launch_arguments: Iterable[tuple[str, str]] = ()
+    condition: IfCondition | None = None
 
 
+@dataclass(kw_only=True)
 class Node:
-    def __init__(
-        self,
-        *,
-        executable: str,
-        package: str | None = None,
-        name: str | None = None,
-        parameters: Sequence[str | Mapping[str, Any]] | None = None,
-        arguments: Iterable[str] = (),
-        output: str = "log",
-        on_exit: Shutdown | None = None,
-        condition: IfCondition | None = None,
-    ) -> None:
-        self.package, self.executable, self.name = package, executable, name
-        self.parameters, self.arguments = list(parameters or ()), list(arguments)
-        self.output, self.on_exit, self.condition = output, on_exit, condition
+    executable: str
+    package: str | None = None
+    name: str | None = None
+    parameters: Sequence[str | Mapping[str, Any]] = ()
+    arguments: Sequence[str] = ()
+    output: str = "log"
+    on_exit: Shutdown | None = None
+    condition: IfCondition | None = None
 
 
 @dataclass
@@ -162,8 +141,8 @@ def _started(file: Path, context: LaunchContext) -> list[Node]:
         elif entity.condition is not None and not entity.condition.evaluate(context):
             continue
         elif isinstance(entity, IncludeLaunchDescription):
-            context.launch_configurations.update(entity.arguments)
-            found += _started(Path(entity.location), context)
+            context.launch_configurations.update(entity.launch_arguments)
+            found += _started(Path(entity.source.location), context)
         else:
             found.append(entity)
     return found

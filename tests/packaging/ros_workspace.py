@@ -53,23 +53,6 @@ while not (seen and moved and moved[-1] > 0.2):
 print(len(seen[-1].ranges))
 """
 
-MOVES = """
-import rclpy
-from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
-from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
-
-rclpy.init()
-node, said, moved = Node("moves"), [], []
-node.create_subscription(Twist, "/cmd_vel", said.append, 10)
-node.create_subscription(
-    Odometry, "/odom", lambda o: moved.append(o.twist.twist.linear.x), qos_profile_sensor_data)
-while not (said and moved and moved[-1] > 0.1):
-    rclpy.spin_once(node)
-print(node.count_publishers("/clock"))
-"""
-
 
 def copy_sources(source: Path) -> None:
     """Copy both packages, as a checkout in a workspace has them; exercise 1 is done there."""

@@ -6,14 +6,12 @@
 from __future__ import annotations
 
 import ast
-import fcntl
-import os
 import re
 import subprocess
 import sys
 import tomllib
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -55,20 +53,16 @@ def install(source: Path, name: str, prefix: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def prefixes(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+def prefixes(made_once: Callable[[str, Callable[[Path], object]], Path]) -> list[Path]:
     """The install spaces of both packages, made once for all of pytest's workers."""
     pytest.importorskip("setuptools", reason="setuptools is not installed")
-    base = tmp_path_factory.getbasetemp()
-    root = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-    folder = root / "ros_packages"
-    found = [folder / "install" / name for name in FOLDERS]
-    with (root / "ros_packages.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not folder.exists():
-            copy_sources(folder / "src")
-            for name, prefix in zip(FOLDERS, found, strict=True):
-                install(folder / "src", name, prefix)
-    return found
+
+    def make(folder: Path) -> None:
+        copy_sources(folder / "src")
+        for name in FOLDERS:
+            install(folder / "src", name, folder / "install" / name)
+
+    return [made_once("ros_packages", make) / "install" / name for name in FOLDERS]
 
 
 def test_names_and_versions_are_the_same_everywhere(prefixes: list[Path]) -> None:
@@ -123,12 +117,6 @@ def imports_of(file: Path) -> Iterator[str]:
             yield node.module
 
 
-def test_programs_run_with_the_python_of_the_terminal(prefixes: list[Path]) -> None:
-    for prefix in prefixes:
-        for program in (prefix / "lib" / prefix.name).iterdir():
-            assert program.read_text("utf-8").startswith("#!/usr/bin/env python3\n"), program
-
-
 def test_every_program_is_found_in_its_package(prefixes: list[Path]) -> None:
     lines = ask(WHERE, environment(prefixes)).splitlines()
     found = dict(line.split(" ", 1) for line in lines)
@@ -138,6 +126,8 @@ def test_every_program_is_found_in_its_package(prefixes: list[Path]) -> None:
         owner = prefixes[0] if name == "mock_robot" else prefixes[1]
         assert Path(file).is_relative_to(owner), name
         assert f"def {attribute}(" in Path(file).read_text("utf-8"), name
+        program = owner / "lib" / owner.name / name
+        assert program.read_text("utf-8").startswith("#!/usr/bin/env python3\n"), program
 
 
 def test_an_exercise_that_is_done_answers_a_scan(prefixes: list[Path], tmp_path: Path) -> None:

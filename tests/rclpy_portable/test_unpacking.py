@@ -50,14 +50,6 @@ def test_only_python_is_taken(source: Path, tmp_path: Path) -> None:
     assert list(target.parent.iterdir()) == [target]  # nothing half made is left
 
 
-def test_who_comes_second_takes_what_is_there(source: Path, tmp_path: Path) -> None:
-    target = tmp_path / "_ros"
-    unpacking.unpack(target, source)
-    (target / "mark").touch()
-    unpacking.unpack(target, source)
-    assert (target / "mark").exists()
-
-
 def test_what_is_missing_is_named(source: Path, tmp_path: Path) -> None:
     next(source.glob("ros_std_msgs-*")).unlink()
     with pytest.raises(wheels.DownloadFailed, match="std_msgs"):

@@ -41,10 +41,6 @@ def test_later_patches_cover_earlier_ones():
     assert ranges[0] == 5.0
 
 
-def test_an_empty_scan_has_no_beams():
-    assert bench_ranges(BenchScan(empty=True), PROFILES["wide"]).shape == (0,)
-
-
 def jittered(scan, seed):
     return bench_ranges(scan, PROFILES["default"], np.random.default_rng(seed))
 

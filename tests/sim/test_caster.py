@@ -10,13 +10,11 @@ from hypothesis import strategies as st
 
 from sim.caster import Caster, faces, static_faces
 from sim.clearance import clearance, is_inside
-from sim.layout import Layout
 from sim.lidar import PROFILES
 from sim.placement import build_layout
-from sim.world import Box, Pillar, Wall, World, load_world
+from sim.world import Box, Pillar, Wall, World
 
-SETTINGS = settings(derandomize=True, deadline=None, max_examples=120)
-START = (0.0, 0.0, 0.0)
+SETTINGS = settings(derandomize=True, deadline=None, max_examples=40)
 coordinates = st.floats(-8, 8)
 points = st.tuples(coordinates, coordinates)
 sizes = st.floats(0.05, 4)
@@ -74,24 +72,6 @@ def test_casts_what_the_dense_oracle_casts(world, place, yaw, name):
     assert_exact(ranges, segments, place, profile.angles + yaw, profile.range_max)
 
 
-@pytest.mark.parametrize("name", ["hall", "corridor", "store", "open"])
-def test_casts_the_worlds_of_the_course_as_the_oracle_does(name):
-    layout = build_layout(load_world(name), rng=np.random.default_rng(3))
-    profile = PROFILES["wide"]
-    caster = caster_for(layout, profile)
-    for x, y, yaw in [(0, 0, 0), (0, 0, math.pi / 2), (0.5, -0.25, math.pi), (1.0, 0.7, -3.1)]:
-        ranges = caster.cast(x, y, yaw)
-        assert_exact(ranges, layout.segments(), (x, y), profile.angles + yaw, profile.range_max)
-
-
-@SETTINGS
-@given(st.integers(0, 3), st.integers(0, 359))
-def test_no_beam_slips_through_a_corner(quarter, turn):
-    hall = build_layout(load_world("hall"), rotate_deg=90.0 * quarter)
-    ranges = caster_for(hall, PROFILES["default"]).cast(0.0, 0.0, math.radians(turn))
-    assert np.isfinite(ranges).all()
-
-
 def test_beams_exactly_through_the_corners_of_a_square_see_them():
     square = build_layout(World(walls=(Wall(((-1, -1), (1, -1), (1, 1), (-1, 1)), closed=True),)))
     ranges = caster_for(square, PROFILES["default"]).cast(0.0, 0.0, 0.0)
@@ -107,11 +87,8 @@ def test_walls_are_seen_from_both_sides_and_solids_from_outside():
     box = build_layout(World(boxes=(Box((0, 0), (1, 1)),)))
     inside = caster_for(box, PROFILES["default"]).cast(0.0, 0.0, 0.0)
     assert np.isinf(inside).all()
-
-
-def test_a_wall_seen_edge_on_is_a_line_and_invisible():
-    wall = build_layout(World(walls=(Wall(((1, 0), (3, 0))),)))
-    assert np.isinf(caster_for(wall, PROFILES["default"]).cast(0.0, 0.0, 0.0)).all()
+    edge_on = build_layout(World(walls=(Wall(((1, 0), (3, 0))),)))
+    assert np.isinf(caster_for(edge_on, PROFILES["default"]).cast(0.0, 0.0, 0.0)).all()
 
 
 def test_moving_faces_count_for_one_scan_only():
@@ -121,24 +98,7 @@ def test_moving_faces_count_for_one_scan_only():
     assert np.isinf(caster.cast(0.0, 0.0, 0.0)).all()
 
 
-def test_moving_faces_equal_static_ones():
-    box = np.array([[2.0, -0.5], [3.0, -0.5], [3.0, 0.5], [2.0, 0.5]])
-    hall = build_layout(load_world("hall"))
-    both = Layout(hall.walls, (box,), (), START)
-    profile = PROFILES["lds02"]
-    moving = caster_for(hall, profile).cast(0.3, 0.4, 0.5, moving=faces(box))
-    assert np.array_equal(moving, caster_for(both, profile).cast(0.3, 0.4, 0.5))
-
-
 def test_nothing_beyond_range_max_is_seen():
     far = build_layout(World(walls=(Wall(((3.6, -9), (3.6, 9))),)))
     assert np.isinf(caster_for(far, PROFILES["lds01"]).cast(0.0, 0.0, 0.0)).all()
     assert caster_for(far, PROFILES["lds01"]).cast(0.2, 0.0, 0.0)[0] == pytest.approx(3.4)
-
-
-def test_the_same_pose_gives_the_same_ranges_whatever_was_cast_before():
-    layout = build_layout(load_world("store"))
-    fresh, used = (caster_for(layout, PROFILES["default"]) for _ in range(2))
-    for step in range(40):
-        used.cast(0.1 * step, 0.05 * step, 0.2 * step)
-    assert np.array_equal(fresh.cast(0.5, 0.5, 1.0), used.cast(0.5, 0.5, 1.0))

@@ -4,24 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from simulated import CROWD, crowd
 
 from sim.layout import Cart, layout_from_json, layout_to_json
 from sim.placement import build_layout
-from sim.world import Box, Clutter, MovingCart, Pillar, Wall, World
+from sim.world import Box, Wall, World
 
-CROWD = World(
-    walls=(Wall(((-3, -3), (6, -3), (6, 3))),),
-    boxes=(Box((2, 1), (0.5, 1.0), 30.0),),
-    pillars=(Pillar((0, 2), 0.2),),
-    clutter=(Clutter(((1, -2), (5, 2)), 15, keep_clear=((3, 0, 0.5),)),),
-    carts=(MovingCart((0.6, 0.4), ((0, 3, -3), (6, 3, 3))),),
-)
 SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 BOX = np.array([[0.5, 0.3], [-0.5, 0.3], [-0.5, -0.3], [0.5, -0.3]])
-
-
-def crowd(seed=1, **options):
-    return build_layout(CROWD, rng=np.random.default_rng(seed), **options)
 
 
 def test_a_layout_survives_json_to_the_last_bit():
@@ -52,14 +42,6 @@ def test_a_cart_stands_moves_and_stands():
     assert np.ptp(cart.corners(np.array([3.0]))[0], axis=0) == pytest.approx([0.4, 0.6])
 
 
-@pytest.mark.parametrize("loop", [False, True])
-def test_one_pose_of_a_cart_is_the_same_as_one_of_many(loop):
-    path = np.array([[0.3, 0.1, 0.7], [1.7, 1.3, 0.2], [2.2, 1.3, 0.2], [4.1, 0.1, 0.7]])
-    cart = Cart(SQUARE, path, loop=loop)
-    times = np.concatenate((np.arange(0.0, 12.0, 0.01), path[:, 0]))
-    assert [cart.pose(t) for t in times.tolist()] == [tuple(p) for p in cart.poses(times).tolist()]
-
-
 def test_a_cart_in_a_loop_goes_on_and_keeps_its_heading_while_it_halts():
     path = np.array([[1, 0, 0], [2, 1, 0], [3, 1, 0], [4, 0, 0]], float)
     cart = Cart(SQUARE, path, loop=True)
@@ -69,11 +51,6 @@ def test_a_cart_in_a_loop_goes_on_and_keeps_its_heading_while_it_halts():
     assert cart.pose(3.5) == (0.5, 0.0, math.pi)
     assert cart.pose(4.5) == cart.pose(1.5)
     assert cart.pose(31.5) == cart.pose(1.5)
-
-
-def test_a_cart_with_one_waypoint_is_a_box():
-    cart = Cart(SQUARE, np.array([[0, 2, 1]], float))
-    assert cart.pose(5.0) == (2.0, 1.0, 0.0)
 
 
 @pytest.mark.parametrize("loop", [False, True])

@@ -1,29 +1,11 @@
 """Lidar profiles, and the readings that they make of ranges."""
 
 import math
-import re
 
 import numpy as np
 import pytest
 
-from sim import lidar
 from sim.lidar import PROFILES, bench_readings, readings
-
-
-def test_the_table_in_the_docstring_says_what_the_profiles_are():
-    rows = re.findall(
-        r"^(\w+) +(\d+) +(-?\d+) … (-?[\d.]+) +(\d+) +([\d.]+) \u2013 ([\d.]+)",
-        lidar.__doc__,
-        re.MULTILINE,
-    )
-    assert {row[0] for row in rows} == set(PROFILES)
-    for name, beams, first, last, rate, least, most in rows:
-        profile = PROFILES[name]
-        assert profile.beams == int(beams)
-        assert np.degrees(profile.angles[[0, -1]]) == pytest.approx([float(first), float(last)])
-        assert (profile.rate, profile.range_min, profile.range_max) == tuple(
-            map(float, (rate, least, most))
-        )
 
 
 @pytest.mark.parametrize(
@@ -45,10 +27,6 @@ def test_readings_of_the_default_lidar_follow_rep_117():
 def test_an_lds_sends_zero_for_nothing_and_for_too_near():
     sent = readings(np.array([0.05, 3.0, 3.6, math.inf]), PROFILES["lds01"])
     assert np.array_equal(sent, np.array([0.0, 3.0, 0.0, 0.0], np.float32))
-
-
-def test_nan_stays_nan():
-    assert np.isnan(readings(np.array([math.nan]), PROFILES["default"]))[0]
 
 
 def test_every_finite_reading_lies_within_the_limits_of_the_message():

@@ -1,5 +1,6 @@
 """The CDR of our messages, against rosbags and byte by byte."""
 
+import contextlib
 import math
 import struct
 import subprocess
@@ -11,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim import messages
-from sim.lidar import PROFILES
 from sim.messages import EPOCH_NS, Message, decode, encode, twist_from_cdr
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
@@ -70,50 +70,16 @@ def test_a_patched_odometry_has_the_bytes_of_rosbags(time, pose, speeds):
     assert not value.twist.covariance.any()
 
 
-@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
-def test_a_scan_decodes_to_what_went_in(profile):
-    ranges = np.linspace(0.2, 3.0, profile.beams, dtype=np.float32)
-    message = scan(
-        ranges,
-        stamp=1_000_000_000,
-        angle_min=profile.angle_min,
-        angle_increment=profile.angle_increment,
-        range_max=profile.range_max,
-    )
-    value = decode(message.data, message.type)
-    assert (message.topic, message.time) == ("/scan", 1_500_000_007)
-    assert (value.header.frame_id, value.header.stamp.sec) == ("laser", 1_700_000_001)
-    assert value.angle_max == pytest.approx(profile.angles[-1], abs=1e-6)
-    assert np.array_equal(value.ranges, ranges)
-    assert len(value.intensities) == 0
-
-
-def test_an_odometry_pose_that_is_not_finite_has_no_orientation():
-    value = decode(
-        messages.odometry(time=1, x=math.nan, y=1.0, yaw=math.inf).data, messages.ODOMETRY
-    )
-    assert math.isnan(value.pose.pose.position.x)
-    assert math.isnan(value.pose.pose.orientation.z)
-
-
-def test_a_goal_decodes_to_what_went_in():
-    message = messages.pose_stamped(time=10**9, x=5.0, y=3.0, yaw=1.0)
-    value = decode(message.data, "geometry_msgs/msg/PoseStamped")
-    assert (message.topic, value.header.frame_id) == ("/goal_pose", "odom")
-    assert value.header.stamp.sec == 1_700_000_001
-    assert (value.pose.position.x, value.pose.position.y) == (5.0, 3.0)
-    turn = value.pose.orientation
-    assert 2 * math.atan2(turn.z, turn.w) == pytest.approx(1.0)
-
-
 @pytest.mark.parametrize(
     ("stamp", "seconds"),
     [(None, 1_700_000_001), (-(10**10), 1_699_999_990), (-messages.EPOCH_NS, 0)],
 )
 def test_a_goal_may_have_another_stamp(stamp: int | None, seconds: int) -> None:
     message = messages.pose_stamped(time=10**9, x=5.0, y=3.0, stamp=stamp)
-    header = decode(message.data, "geometry_msgs/msg/PoseStamped").header
-    assert (message.time, header.stamp.sec) == (10**9, seconds)
+    value = decode(message.data, "geometry_msgs/msg/PoseStamped")
+    assert (message.topic, message.time, value.header.frame_id) == ("/goal_pose", 10**9, "odom")
+    assert value.header.stamp.sec == seconds
+    assert (value.pose.position.x, value.pose.position.y) == (5.0, 3.0)
 
 
 @pytest.mark.parametrize(
@@ -135,11 +101,8 @@ def test_a_twist_has_the_bytes_of_rosbags_and_comes_back():
     message = messages.twist(time=1, linear_x=0.5, angular_z=-1.25)
     assert encode(decode(message.data, message.type), message.type) == message.data
     assert twist_from_cdr(message.data) == (0.5, 0, 0, 0, 0, -1.25)
-
-
-def test_a_big_endian_twist_is_read_too():
-    data = b"\0\0\0\0" + struct.pack(">6d", 1, 2, 3, 4, 5, 6)
-    assert twist_from_cdr(data) == (1, 2, 3, 4, 5, 6)
+    big_endian = b"\0\0\0\0" + struct.pack(">6d", 1, 2, 3, 4, 5, 6)
+    assert twist_from_cdr(big_endian) == (1, 2, 3, 4, 5, 6)
 
 
 @SETTINGS
@@ -154,16 +117,11 @@ def test_bytes_that_are_no_twist_are_refused(data):
 
 def test_a_stamped_twist_is_read_and_a_short_one_refused():
     types = messages.typestore().types
-    vector = types["geometry_msgs/msg/Vector3"]
+    twist = decode(b"\0\1\0\0" + struct.pack("<6d", 1, 2, 3, 4, 5, 6), messages.TWIST)
+    stamp = types["builtin_interfaces/msg/Time"](sec=1, nanosec=2)
     for frame in ("", "base_link"):
-        value = types[messages.TWIST_STAMPED](
-            header=types["std_msgs/msg/Header"](
-                stamp=types["builtin_interfaces/msg/Time"](sec=1, nanosec=2), frame_id=frame
-            ),
-            twist=types[messages.TWIST](
-                linear=vector(1.0, 2.0, 3.0), angular=vector(4.0, 5.0, 6.0)
-            ),
-        )
+        header = types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame)
+        value = types[messages.TWIST_STAMPED](header=header, twist=twist)
         data = encode(value, messages.TWIST_STAMPED)
         assert messages.twist_stamped_from_cdr(data) == (1, 2, 3, 4, 5, 6)
     with pytest.raises(ValueError, match="too few"):
@@ -174,27 +132,17 @@ def test_a_stamped_twist_is_read_and_a_short_one_refused():
 @given(st.binary(max_size=100))
 def test_decode_raises_nothing_but_value_error(data):
     for type_ in (messages.LASER_SCAN, messages.STRING, messages.ODOMETRY):
-        try:
+        with contextlib.suppress(ValueError):
             decode(data, type_)
-        except ValueError:
-            continue
-
-
-def test_decode_names_a_type_that_is_unknown():
     with pytest.raises(ValueError, match="unknown message type 'a/msg/B'"):
-        decode(b"", "a/msg/B")
+        decode(data, "a/msg/B")
 
 
-def test_importing_sim_loads_neither_rosbags_nor_pymunk_nor_numpy():
-    code = "import sys, sim; print(sorted({'rosbags', 'pymunk', 'numpy'} & set(sys.modules)))"
+def test_importing_the_simulation_loads_neither_rosbags_nor_rclpy_and_sim_nothing():
+    code = "import sys, sim; print(sorted({'rosbags', 'pymunk', 'numpy'} & set(sys.modules)));"
+    code += "import sim.simulation; print(sorted({'rosbags', 'rclpy'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
-def test_importing_the_simulation_does_not_load_rosbags_or_rclpy():
-    code = "import sys, sim.simulation; print(sorted({'rosbags', 'rclpy'} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    assert done.stdout.split() == ["[]", "[]"]
 
 
 def test_a_message_can_be_of_another_epoch() -> None:
@@ -207,11 +155,8 @@ def test_a_message_can_be_of_another_epoch() -> None:
     assert moved.time == message.time
     assert moved.data[12:] == message.data[12:]
     assert messages.with_epoch(message, EPOCH_NS) == message
-
-
-def test_a_message_without_a_header_has_no_epoch() -> None:
-    message = messages.twist(time=5, linear_x=0.1)
-    assert messages.with_epoch(message, 0) is message
+    headless = messages.twist(time=5, linear_x=0.1)
+    assert messages.with_epoch(headless, 0) is headless
 
 
 def test_padding_is_no_part_of_a_message():

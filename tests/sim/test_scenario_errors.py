@@ -14,7 +14,6 @@ from sim import scenario_files
 from sim import world as world_module
 from sim.errors import InputError
 from sim.scenario_files import load_scenario, scenario_from_json, scenario_from_toml, scenario_names
-from sim.world import load_world
 
 HEAD = 'title = "x"\nworld = "hall"\n'
 INLINE = 'title = "x"\n[world]\n'
@@ -27,10 +26,6 @@ MISTAKES = {
         "missing key 'world' (a world's name, or a table; `extends` inherits one)",
     ),
     "misspelt key": (HEAD + "duraton = 3", "unknown key 'duraton'; did you mean 'duration'?"),
-    "misspelt key in a table": (
-        HEAD + "[robot]\nraduis = 1",
-        "unknown key 'robot.raduis'; did you mean 'radius'?",
-    ),
     "unlike any key": (
         HEAD + "[qos]\nxyz = 1",
         "unknown key 'qos.xyz'; there is: sensors",
@@ -43,34 +38,7 @@ MISTAKES = {
         HEAD + 'duration = "long"',
         'duration = "long": expected a number, got a string',
     ),
-    "number for a truth value": (
-        HEAD + "mirror = 1",
-        "mirror = 1: expected true or false, got a whole number",
-    ),
-    "fraction for a whole number": (
-        HEAD + "seed = 1.5",
-        "seed = 1.5: expected a whole number, got a number",
-    ),
-    "negative seed": (
-        HEAD + "seed = -1",
-        "seed = -1: expected a whole number >= 0 and <= 9007199254740992",
-    ),
-    "no duration": (HEAD + "duration = 0", "duration = 0: expected a number > 0 and <= 3600"),
     "endless": (HEAD + "duration = inf", "duration = inf: expected a number > 0 and <= 3600"),
-    "absurd rate": (
-        HEAD + "[lidar]\nrate = 1e6",
-        "lidar.rate = 1000000.0: expected a number > 0 and <= 200",
-    ),
-    "two numbers for three": (
-        HEAD + "[robot]\nstart = [1, 2]",
-        "robot.start = [1, 2]: expected a list of 3 values, got 2",
-    ),
-    "text in a list": (
-        HEAD + '[robot]\nstart = [1, 2, "a"]',
-        'robot.start[2] = "a": expected a number, got a string',
-    ),
-    "number for a table": (HEAD + "robot = 5", "robot = 5: expected a table, got a whole number"),
-    "number for a list": (HEAD + "bench = 3", "bench = 3: expected a list, got a whole number"),
     "misspelt world": (
         'title = "x"\nworld = "hal"',
         "world = \"hal\": no world is called that; did you mean 'hall'?",
@@ -78,10 +46,6 @@ MISTAKES = {
     "number for a world": (
         'title = "x"\nworld = 3',
         "world = 3: expected a world's name or a table",
-    ),
-    "misspelt profile": (
-        HEAD + '[lidar]\nprofile = "lds1"',
-        "lidar.profile = \"lds1\": no lidar profile is called that; did you mean 'lds01'?",
     ),
     "limits in the wrong order": (
         HEAD + "[lidar]\nlimits = [5.0, 0.3]",
@@ -95,57 +59,17 @@ MISTAKES = {
         HEAD + "[[script]]\nat = 1",
         "script[0]: expected at and exactly one of goal, odom, teleport and e_stop",
     ),
-    "event with two contents": (
-        HEAD + "[[script]]\nat = 1\ngoal = [1, 2, 3]\nodom = [1, 2, 3]",
-        "script[0]: expected at and exactly one of goal, odom, teleport and e_stop",
-    ),
     "position without a stamp": (
         HEAD + "[[script]]\nat = 1\nteleport = [1, 2, 3]\nunstamped = true",
-        "script[0]: unstamped and stamp_offset are said of goals, w of goals and odom",
-    ),
-    "odometry by a wrong clock": (
-        HEAD + "[[script]]\nat = 1\nodom = [1, 2, 3]\nstamp_offset = 2.0",
         "script[0]: unstamped and stamp_offset are said of goals, w of goals and odom",
     ),
     "goal with a wrong stamp and none": (
         HEAD + "[[script]]\nat = 1\ngoal = [1, 2, 3]\nunstamped = true\nstamp_offset = 2.0",
         "script[0]: expected unstamped or stamp_offset, not both",
     ),
-    "position with a quaternion": (
-        HEAD + "[[script]]\nat = 1\nteleport = [1, 2, 3]\nw = -1.0",
-        "script[0]: unstamped and stamp_offset are said of goals, w of goals and odom",
-    ),
-    "event before the start": (
-        HEAD + "[[script]]\nat = 0\ngoal = [1, 2, 3]",
-        "script[0].at = 0: expected a number > 0 and <= 3600",
-    ),
-    "teleport to nowhere": (
-        HEAD + "[[script]]\nat = 1\nteleport = [nan, 0, 0]",
-        "script[0].teleport[0] = nan: expected a number >= -1000 and <= 1000",
-    ),
     "interval upside down": (
         HEAD + "[faults]\nfreeze = [[2, 1]]",
         "faults.freeze = [[2, 1]]: expected [begin, end] with begin < end",
-    ),
-    "probability over one": (
-        HEAD + "[faults]\nscan_loss = 20",
-        "faults.scan_loss = 20: expected a number >= 0 and <= 1",
-    ),
-    "noise that is not a number": (
-        HEAD + "[odometry]\nyaw_noise = nan",
-        "odometry.yaw_noise = nan: expected a number >= 0 and <= 10",
-    ),
-    "patch without an end": (
-        HEAD + "[[bench]]\npatches = [{from_deg = 1, range = 2.0}]",
-        "missing key 'bench[0].patches[0].to_deg'",
-    ),
-    "patch behind ±180°": (
-        HEAD + "[[bench]]\npatches = [{from_deg = 1, to_deg = 270, range = 2.0}]",
-        "bench[0].patches[0].to_deg = 270: expected a number >= -180 and <= 180",
-    ),
-    "clock set too far": (
-        HEAD + "[[bench]]\nstamp_offset = -1e10",
-        "bench[0].stamp_offset = -10000000000.0: expected a number >= -1700000000.0 and <= 3600",
     ),
     "endless bench": (
         HEAD + "[[bench]]\nrepeat = 10000\n" * 3,
@@ -160,14 +84,6 @@ MISTAKES = {
         "world.walls[0].points = [[0, 0], [0, 0]]: "
         "expected each at least 0.001 m from the one before",
     ),
-    "misspelt list of a world": (
-        INLINE + "[[world.boxs]]",
-        "unknown key 'world.boxs'; did you mean 'boxes'?",
-    ),
-    "box without a size": (
-        INLINE + "[[world.boxes]]\ncenter = [1, 1]\nsize = [0, 1]",
-        "world.boxes[0].size[0] = 0: expected a number >= 0.001 and <= 1000",
-    ),
     "area upside down": (
         INLINE + "[[world.clutter]]\narea = [[1, 1], [0, 2]]\ncount = 1",
         "world.clutter[0].area = [[1, 1], [0, 2]]: "
@@ -176,10 +92,6 @@ MISTAKES = {
     "sizes upside down": (
         CLUTTER + "count = 1\nsize = [0.6, 0.2]",
         "world.clutter[0].size = [0.6, 0.2]: expected [shortest, longest]",
-    ),
-    "too much clutter": (
-        CLUTTER + "count = 2001",
-        "world.clutter[0].count = 2001: expected a whole number >= 0 and <= 2000",
     ),
     "too much in all": (
         CLUTTER + "count = 2000\n[[world.pillars]]\ncenter = [0, 0]",
@@ -203,10 +115,6 @@ MISTAKES = {
         HEAD + "[[program]]\nsupplied = true",
         "program[0]: expected a file with supplied = true",
     ),
-    "a library that is no name": (
-        HEAD + "[node]\nhides = ['torch.nn']",
-        "node.hides[0] = \"torch.nn\": expected a string matching regex '^\\\\w+$'",
-    ),
     "a number too large": (
         HEAD + "duration = 1" + 400 * "0",
         "duration = 1" + 58 * "0" + "…: number out of range",
@@ -214,10 +122,6 @@ MISTAKES = {
     "broken TOML": (
         HEAD + "robot = [",
         "not valid TOML: Invalid value (at end of document)",
-    ),
-    "two values for a key": (
-        HEAD + "seed = 1\nseed = 2",
-        "not valid TOML: Cannot overwrite a value (at end of document)",
     ),
 }
 
@@ -238,40 +142,26 @@ def test_goals_and_scripted_poses_may_be_infinite_but_nothing_else():
     assert len(scenario_from_toml(text, "x").script) == 2
 
 
-def test_a_missing_file_and_a_folder_are_named(tmp_path):
-    with pytest.raises(InputError) as caught:
-        load_scenario(tmp_path / "none.toml")
-    assert str(caught.value) == (
-        f"{tmp_path / 'none.toml'}: cannot read this file: no such file or directory"
-    )
-    with pytest.raises(InputError) as caught:
-        load_scenario(tmp_path)
-    assert str(caught.value) == f"{tmp_path}: cannot read this file: is a directory"
-
-
-def test_a_file_that_is_not_text_is_named(tmp_path):
-    path = tmp_path / "photo.toml"
-    path.write_bytes(b"\x89PNG\xff")
-    with pytest.raises(InputError) as caught:
-        load_scenario(str(path))
-    assert str(caught.value) == f"{path}: not UTF-8 text (byte 0)"
-
-
-def test_a_file_that_is_huge_is_not_parsed(tmp_path):
-    path = tmp_path / "huge.toml"
-    path.write_bytes(b"#" * 4_000_001)
-    with pytest.raises(InputError) as caught:
-        load_scenario(path)
-    assert str(caught.value) == f"{path}: 4000001 bytes, expected at most 4000000"
+def test_a_file_that_can_not_be_read_is_named(tmp_path):
+    (tmp_path / "folder.toml").mkdir()
+    (tmp_path / "photo.toml").write_bytes(b"\x89PNG\xff")
+    (tmp_path / "huge.toml").write_bytes(b"#" * 4_000_001)
+    for name, said in {
+        "none": "cannot read this file: no such file or directory",
+        "folder": "cannot read this file: is a directory",
+        "photo": "not UTF-8 text (byte 0)",
+        "huge": "4000001 bytes, expected at most 4000000",
+    }.items():
+        path = tmp_path / f"{name}.toml"
+        with pytest.raises(InputError) as caught:
+            load_scenario(path)
+        assert str(caught.value) == f"{path}: {said}"
 
 
 def test_an_unknown_name_gets_the_nearest_one():
     with pytest.raises(InputError) as caught:
         load_scenario("demo_wal")
     assert str(caught.value) == "no scenario is called 'demo_wal'; did you mean 'demo_wall'?"
-    with pytest.raises(InputError) as caught:
-        load_world("corido")
-    assert str(caught.value) == "no world is called 'corido'; did you mean 'corridor'?"
 
 
 def test_a_broken_world_file_is_named(tmp_path, monkeypatch):
@@ -348,7 +238,7 @@ anything = st.recursive(
 )
 
 
-@settings(derandomize=True, deadline=None, max_examples=300)
+@settings(derandomize=True, deadline=None, max_examples=60)
 @given(st.sampled_from(places(RICH)), anything, st.text(max_size=4) | st.none())
 def test_whatever_stands_anywhere_gives_a_scenario_or_one_line(key, value, new_key):
     doc = copy.deepcopy(RICH)

@@ -3,7 +3,6 @@
 import pytest
 from simulated import SECOND, simulate
 
-from sim.messages import LASER_SCAN, ODOMETRY
 from sim.scenario_files import scenario_from_toml
 from sim.schedule import Kind, schedule
 
@@ -40,12 +39,6 @@ def test_lost_scans_use_up_no_bench_entry():
     assert [e.index for e in events(text, Kind.SCAN)] == list(range(7))
 
 
-def test_sensors_can_be_switched_off():
-    off = "[lidar]\nenabled = false\n[odometry]\nenabled = false"
-    assert not events(off, Kind.SCAN)
-    assert not events(off, Kind.ODOM)
-
-
 def test_messages_come_in_order_with_odometry_before_the_scan():
     _, messages = simulate("[lidar]\nphase = 0.05\n[odometry]\nphase = 0.05")
     assert [m.time for m in messages] == sorted(m.time for m in messages)
@@ -59,9 +52,3 @@ def test_nothing_comes_after_the_duration():
     assert simulation.next_event() is None
     assert simulation.advance(5 * SECOND) == []
     assert simulation.truth().t[-1] == 5 * SECOND
-
-
-def test_the_rate_can_be_changed():
-    _, messages = simulate("[lidar]\nrate = 25\n[odometry]\nrate = 50", seconds=2.0)
-    assert sum(m.type == LASER_SCAN for m in messages) == 50
-    assert sum(m.type == ODOMETRY for m in messages) == 100

@@ -1,7 +1,6 @@
 """What a simulation sends and does: commands, script, truth. Determinism has a file of its own."""
 
 import math
-import re
 
 import msgspec
 import numpy as np
@@ -9,10 +8,8 @@ import pytest
 from simulated import SECOND, simulate
 
 from sim import simulation as simulation_module
-from sim.lidar import PROFILES
 from sim.messages import LASER_SCAN, ODOMETRY, decode
 from sim.robot import Robot
-from sim.scenario import RobotSpec
 from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
@@ -93,46 +90,31 @@ def test_the_lidar_sees_the_hall_and_the_odometry_the_motion():
 def test_the_script_sends_goals_and_poses_at_their_times():
     text = """
     rotate_deg = 90
-    [odometry]
-    enabled = false
-    [lidar]
-    enabled = false
-    [[script]]
-    at = 1.5
-    goal = [2, 0, 0]
-    [[script]]
-    at = 1.0
-    odom = [inf, 1, 0]
-    [[script]]
-    at = 2.0
-    odom = [1, 0, 0]
+    odometry = { enabled = false }
+    lidar = { enabled = false }
+    script = [
+        { at = 1.5, goal = [2, 0, 0] },
+        { at = 1.0, odom = [inf, 1, 0] },
+        { at = 2.0, odom = [1, 0, 0] },
+        { at = 2.5, goal = [2, 0, 0], stamp_offset = -1.5 },
+        { at = 3.0, goal = [2, 0, 0], unstamped = true },
+    ]
     """
     _, messages = simulate(text)
-    assert [(m.topic, m.time) for m in messages] == [
-        ("/odom", SECOND),
-        ("/goal_pose", 1_500_000_000),
-        ("/odom", 2 * SECOND),
+    assert [(m.topic, m.time / SECOND) for m in messages] == [
+        ("/odom", 1.0),
+        ("/goal_pose", 1.5),
+        ("/odom", 2.0),
+        ("/goal_pose", 2.5),
+        ("/goal_pose", 3.0),
     ]
-    first, goal, last = (decode(m.data, m.type) for m in messages)
+    first, goal, last, *others = (decode(m.data, m.type) for m in messages)
     assert math.isinf(first.pose.pose.position.x)
     assert (goal.pose.position.x, goal.pose.position.y) == (0.0, 2.0)
     assert (last.pose.pose.position.x, last.pose.pose.position.y) == (0.0, 1.0)
-
-
-def test_a_scripted_goal_has_the_stamp_that_its_senders_clock_gives_it():
-    goals = "".join(
-        f"[[script]]\nat = {at}\ngoal = [2, 0, 0]\n{stamp}\n"
-        for at, stamp in ((1.0, ""), (2.0, "stamp_offset = -1.5"), (3.0, "unstamped = true"))
-    )
-    quiet = "[odometry]\nenabled = false\n[lidar]\nenabled = false\n"
-    _, messages = simulate(quiet + goals)
-    stamps = [decode(m.data, m.type).header.stamp for m in messages]
-    assert [m.time for m in messages] == [SECOND, 2 * SECOND, 3 * SECOND]
-    assert [(stamp.sec, stamp.nanosec) for stamp in stamps] == [
-        (1_700_000_001, 0),
-        (1_700_000_000, 500_000_000),
-        (0, 0),
-    ]
+    stamps = [other.header.stamp for other in (goal, *others)]
+    assert [stamp.sec for stamp in stamps] == [1_700_000_001, 1_700_000_001, 0]
+    assert [stamp.nanosec for stamp in stamps] == [500_000_000, 0, 0]
 
 
 def test_a_teleport_moves_the_robot_stops_it_and_is_seen_by_the_odometry():
@@ -164,14 +146,3 @@ def test_a_mirrored_and_rotated_world_gives_the_mirrored_run():
         for ms in (scans, mirrored)
     )
     assert reflected[1:][::-1] == pytest.approx(last[1:], abs=1.1e-3)
-
-
-def test_the_docstring_says_what_the_defaults_are():
-    text = simulation_module.__doc__
-    robot, lidar = RobotSpec(), PROFILES["default"]
-    row = re.search(r"LaserScan .*\| ([\d.]+) … (\d+), ±inf", text)
-    assert [float(x) for x in row.groups()] == [lidar.range_min, lidar.range_max]
-    assert f"| ±{robot.max_linear} " in text
-    assert f"| ±{robot.max_angular} " in text
-    assert f"{robot.max_acceleration} m/s² and {robot.max_angular_acceleration:g} rad/s²" in text
-    assert f"{robot.command_timeout} s after the last" in text

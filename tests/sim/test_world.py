@@ -8,7 +8,3 @@ from sim.world import load_world, world_names
 @pytest.mark.parametrize("name", world_names())
 def test_every_world_says_what_it_is(name):
     assert load_world(name).description
-
-
-def test_there_are_the_worlds_that_lessons_name():
-    assert {"corridor", "hall", "open", "store"} <= set(world_names())

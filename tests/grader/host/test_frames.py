@@ -1,11 +1,10 @@
-"""What goes into a frame comes out of it; anything else is refused."""
+"""What goes into a frame comes out of it; anything else is refused.
 
-import contextlib
+tests/attacks/test_fuzz.py damages frames for every decoder.
+"""
 
 import msgspec
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from grader.host.frames import (
     LENGTH,
@@ -28,52 +27,22 @@ from grader.host.frames import (
 )
 
 REFUSALS = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
-fixed = settings(derandomize=True, deadline=None, max_examples=60)
-
-names = st.text(st.characters(exclude_categories=["Cs"]), max_size=MAX_NAME)
-texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=200)
-times = st.integers(0, 2**62)
-data = st.binary(max_size=200)
-published = st.lists(st.builds(Published, times, names, names, data), max_size=5)
-endpoints = st.lists(
-    st.builds(
-        EndpointReport,
-        kind=st.sampled_from(["publisher", "subscription", "service", "client"]),
-        node=names,
-        topic=names,
-        type=names,
-        reliability=names,
-        durability=names,
-        depth=st.integers(-(2**63), 2**63 - 1),
-        mismatch=texts,
-    ),
-    max_size=5,
+SAID = [Published(2**62, "/t", "a/msg/B", bytes(range(256))), Published(0, "", "ü" * MAX_NAME, b"")]
+ENDS = [
+    EndpointReport(kind, "/n", "/t", "a/msg/B", "reliable", "volatile", -(2**63), "why not")
+    for kind in ("publisher", "subscription", "service", "client")
+]
+TO_JUDGE = (
+    Settled(0, True, False, []),
+    Settled(2**62, False, True, SAID, ENDS),
+    Ended(5, "flooded", "text", "detail", SAID, ENDS),
+    Ended(0, "returned", "", "\x00\n\u2028", []),
 )
-settled = st.builds(Settled, times, st.booleans(), st.booleans(), published, endpoints)
-ended = st.builds(
-    Ended,
-    times,
-    st.sampled_from(["returned", "exited", "exception", "syntax_error", "flooded"]),
-    texts,
-    texts,
-    published,
-    endpoints,
-)
-programs = st.builds(
-    ProgramStart,
-    file=texts,
-    arguments=st.lists(texts, max_size=3).map(tuple),
-    start=times,
-    stop=st.none() | times,
-)
-starts = st.builds(
-    Start,
-    programs=st.lists(programs, max_size=3).map(tuple),
-    epoch=times,
-    seed=st.integers(0, 2**31),
-    offers=st.lists(st.builds(Offer, names, names, st.booleans()), max_size=3).map(tuple),
-)
-runs = st.builds(Run, times, st.lists(st.builds(Delivery, names, data), max_size=5).map(tuple))
+TO_HOST = (
+    Start((ProgramStart("a.py", ("-p", "x"), 5, None), ProgramStart("b.py", (), 0, 2**62)),
+          epoch=2**62, seed=2**31, offers=(Offer("/scan", "a/msg/B", True),)),
+    Run(2**62, (Delivery("/scan", bytes(1_000_000)), Delivery("", b""))),
+)  # fmt: skip
 
 
 def body(encoded: bytes) -> bytes:
@@ -82,55 +51,26 @@ def body(encoded: bytes) -> bytes:
     return encoded[LENGTH.size :]
 
 
-@fixed
-@given(settled | ended)
+@pytest.mark.parametrize("frame", TO_JUDGE)
 def test_what_a_host_says_arrives(frame: Settled | Ended) -> None:
     assert decode_to_judge(body(encode(frame))) == frame
 
 
-@fixed
-@given(starts | runs)
+@pytest.mark.parametrize("frame", TO_HOST)
 def test_what_the_judge_says_arrives(frame: Start | Run) -> None:
     assert decode_to_host(body(encode(frame))) == frame
 
 
-@settings(derandomize=True, deadline=None, max_examples=300)
-@given(st.binary(max_size=300))
-def test_other_bytes_are_refused(noise: bytes) -> None:
-    with pytest.raises(REFUSALS):
-        decode_to_judge(noise)
-
-
-@settings(derandomize=True, deadline=None, max_examples=300)
-@given(settled | ended, st.data())
-def test_a_damaged_frame_is_refused_or_still_a_frame(
-    frame: Settled | Ended, choice: st.DataObject
-) -> None:
-    damaged = bytearray(body(encode(frame)))
-    at = choice.draw(st.integers(0, len(damaged) - 1))
-    damaged[at] = choice.draw(st.integers(0, 255))
-    with contextlib.suppress(REFUSALS):
-        assert isinstance(decode_to_judge(bytes(damaged)), Settled | Ended)
-
-
 GOOD = {"type": "settled", "now": 0, "spinning": True, "asleep": False, "published": []}
 WRONG = {
-    "no type": {key: GOOD[key] for key in GOOD if key != "type"},
     "another type": {**GOOD, "type": "start"},
-    "a list": list(GOOD.values()),
     "time as text": {**GOOD, "now": "0"},
-    "time as a float": {**GOOD, "now": 0.5},
     "time before the start": {**GOOD, "now": -1},
     "time without end": {**GOOD, "now": 2**62 + 1},
-    "no published": {key: GOOD[key] for key in GOOD if key != "published"},
     "a message too many": {**GOOD, "published": [[0, "/a", "b", b""]] * (MAX_PUBLISHED + 1)},
     "a topic too long": {**GOOD, "published": [[0, "x" * (MAX_NAME + 1), "b", b""]]},
     "a type that is bytes": {**GOOD, "published": [[0, "/a", b"b", b""]]},
-    "data that is a list": {**GOOD, "published": [[0, "/a", "b", [1, 2]]]},
-    "a message too short": {**GOOD, "published": [[0, "/a", "b"]]},
-    "a message within a message": {**GOOD, "published": [[0, "/a", "b", [[0, "/a", "b", b""]]]]},
     "endpoints without end": {**GOOD, "endpoints": [["client", "n", "/t", "x"]] * 501},
-    "an endpoint of no kind": {**GOOD, "endpoints": [["spy", "n", "/t", "x"]]},
     "a reason too long": {
         **GOOD,
         "endpoints": [["client", "n", "/t", "x", "", "", 0, "m" * (MAX_TEXT + 1)]],

@@ -11,7 +11,6 @@ from grader.host.hints import (
     FILES,
     KEYBOARD,
     NETWORK,
-    ONLY_APT,
     PROCESSES,
     WHEELS,
     hint,
@@ -20,20 +19,7 @@ from grader.host.hints import (
 
 REFUSED = {
     "subprocess": ("import subprocess; subprocess.run(['echo', 'hi'])", PROCESSES),
-    "os.popen": ("os.popen('echo hi')", PROCESSES),
     "os.fork": ("os.fork()", PROCESSES),
-    "multiprocessing": (
-        "import multiprocessing; multiprocessing.Process(target=print).start()",
-        PROCESSES,
-    ),
-    "a pool of processes": (
-        """
-        from concurrent.futures import ProcessPoolExecutor
-        with ProcessPoolExecutor(1) as pool:
-            pool.submit(pow, 2, 3).result()
-        """,
-        PROCESSES,
-    ),
     "a socket": ("import socket; socket.socket()", NETWORK),
     "a download": (
         "import urllib.request; urllib.request.urlopen('http://example.com')",
@@ -73,9 +59,7 @@ def test_a_shell_command_says_that_it_did_nothing(run_node: RunNode) -> None:
 
 OWN = {
     "a value": "int('x')",
-    "a file that is not there": "open('no_such_file')",
     "an import of one's own": "import no_such_module",
-    "an end of a file": "import pickle, io; pickle.load(io.BytesIO(b''))",
     "a refusal of one's own": "raise PermissionError('not you')",
     "an exception that can't be shown": """
         class Odd(OSError):
@@ -104,9 +88,6 @@ def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:
     ("name", "advice"),
     [
         ("tf2_ros", "`sudo apt install ros-jazzy-tf2-ros-py`"),
-        ("message_filters", "`sudo apt install ros-jazzy-message-filters`"),
-        ("sensor_msgs_py", "`sudo apt install ros-jazzy-sensor-msgs-py`"),
-        ("example_interfaces", "`sudo apt install ros-jazzy-example-interfaces`"),
         ("tf2_msgs", "`sudo apt install ros-jazzy-tf2-msgs`"),
         ("test_msgs", "`pip install ros-jazzy-test-msgs`"),
         ("tf", "in ROS 2 it is tf2_ros"),
@@ -121,10 +102,6 @@ def test_where_a_package_comes_from(name: str, advice: str) -> None:
 @pytest.mark.parametrize("name", ["", "torch", "msgs", "interfaces", "my_helper", "cv2"])
 def test_packages_that_are_not_of_ros(name: str) -> None:
     assert missing_package(name) == ""
-
-
-def test_no_package_is_said_to_be_both_on_pip_and_not() -> None:
-    assert not WHEELS & set(ONLY_APT)
 
 
 def test_what_is_said_to_be_in_the_wheels_is_there() -> None:

@@ -21,22 +21,8 @@ SPINNING = {
         while rclpy.ok():
             rclpy.spin_once(node, timeout_sec=0)
     """,
-    "spin_once without waiting, then sleep": """
-        rclpy.init(); node = Echo()
-        while rclpy.ok():
-            rclpy.spin_once(node, timeout_sec=0)
-            time.sleep(0.01)
-    """,
-    "executor.spin": """
-        rclpy.init(); executor = SingleThreadedExecutor()
-        executor.add_node(Echo()); executor.spin()
-    """,
     "MultiThreadedExecutor": """
         rclpy.init(); executor = MultiThreadedExecutor(); executor.add_node(Echo()); executor.spin()
-    """,
-    "MultiThreadedExecutor(2)": """
-        rclpy.init(); executor = MultiThreadedExecutor(2)
-        executor.add_node(Echo()); executor.spin()
     """,
     "spin_until_future_complete": """
         rclpy.init(); node = Echo()
@@ -52,13 +38,6 @@ SPINNING = {
         rate = node.create_rate(10)
         while rclpy.ok():
             rate.sleep()
-    """,
-    "closures": """
-        rclpy.init(); node = rclpy.create_node('echo')
-        publisher = node.create_publisher(Twist, 'cmd_vel', 1)
-        node.create_subscription(LaserScan, 'scan', lambda _: publisher.publish(Twist()),
-                                 qos_profile_sensor_data)
-        rclpy.spin(node)
     """,
     "worker thread and queue": """
         import queue
@@ -102,27 +81,11 @@ SPINNING = {
                 self.pool.submit(self.publisher.publish, Twist())
         rclpy.init(); rclpy.spin(Pooled())
     """,
-    "asyncio": """
-        import asyncio
-        async def main():
-            rclpy.init(); node = Echo()
-            while rclpy.ok():
-                rclpy.spin_once(node, timeout_sec=0)
-                await asyncio.sleep(0.01)
-        asyncio.run(main())
-    """,
     "coroutine callback": """
         class Coroutine(Echo):
             async def on_scan(self, scan):
                 self.publisher.publish(Twist())
         rclpy.init(); rclpy.spin(Coroutine())
-    """,
-    "arguments of its own": "rclpy.init(args=[]); rclpy.spin(Echo())",
-    "two nodes": """
-        rclpy.init(); executor = SingleThreadedExecutor()
-        other = Node('other')
-        other.create_timer(0.07, lambda: None)
-        executor.add_node(other); executor.add_node(Echo()); executor.spin()
     """,
 }
 
@@ -140,9 +103,8 @@ def test_every_way_of_spinning_answers_every_scan(style: str, run_node: RunNode)
 
 
 def test_same_node_same_recording(run_node: RunNode) -> None:
-    styles = ("worker thread and queue", "MultiThreadedExecutor", "ThreadPoolExecutor")
-    for style in styles:
-        digests = {run_node(SPINNING[style]).digest() for _ in range(4)}
+    for style in ("worker thread and queue", "MultiThreadedExecutor", "ThreadPoolExecutor"):
+        digests = {run_node(SPINNING[style]).digest() for _ in range(2)}
         assert len(digests) == 1, style
 
 
@@ -164,42 +126,19 @@ SLEEPY = """
 """
 
 
-def test_sleep_blocks_a_single_threaded_executor(run_node: RunNode) -> None:
-    recording = run_node(SLEEPY + "    rclpy.spin(Sleepy())", short(10.0))
-
-    np.testing.assert_allclose(np.diff(recording.times("/cmd_vel")), 0.2, atol=1e-9)
+GROUPS = "executor = MultiThreadedExecutor(); executor.add_node(Sleepy('groups')); executor.spin()"
 
 
-def test_callback_groups_keep_the_control_rate(run_node: RunNode) -> None:
-    source = """
-        executor = MultiThreadedExecutor()
-        executor.add_node(Sleepy('groups'))
-        executor.spin()
-    """
-    recording = run_node(SLEEPY + source.replace("        ", "    "), short(10.0))
+@pytest.mark.parametrize(("spin", "period"), [("rclpy.spin(Sleepy())", 0.2), (GROUPS, 0.05)])
+def test_sleep_blocks_one_thread_and_callback_groups_keep_the_control_rate(
+    run_node: RunNode, spin: str, period: float
+) -> None:
+    recording = run_node(SLEEPY + f"    {spin}", short(4.0))
 
-    np.testing.assert_allclose(np.diff(recording.times("/cmd_vel")), 0.05, atol=1e-9)
-
-
-def test_a_profiler_reads_virtual_time(run_node: RunNode) -> None:
-    recording = run_node(SLEEPY + "    rclpy.spin(Sleepy())")
-
+    np.testing.assert_allclose(np.diff(recording.times("/cmd_vel")), period, atol=1e-9)
     measured = [float(line.text) for line in recording.log if line.level == "stdout"]
-    assert len(measured) >= 8
-    np.testing.assert_allclose(measured, 0.2, atol=1e-9)
-
-
-def test_timers_are_exact(run_node: RunNode) -> None:
-    recording = run_node("""
-        class Ticker(Node):
-            def __init__(self):
-                super().__init__('ticker')
-                publisher = self.create_publisher(Twist, 'cmd_vel', 10)
-                self.create_timer(0.1, lambda: publisher.publish(Twist()))
-        rclpy.init(); rclpy.spin(Ticker())
-    """)
-
-    np.testing.assert_allclose(recording.times("/cmd_vel"), np.arange(1, 20) / 10, atol=1e-9)
+    assert len(measured) > 10
+    np.testing.assert_allclose(measured, 0.2, atol=1e-9)  # as a profiler in the node sees it
 
 
 def test_all_clocks_agree(run_node: RunNode) -> None:
@@ -250,32 +189,3 @@ def test_parameters_and_remapping_come_from_the_command_line(run_node: RunNode) 
 
     assert set(recording.twists().linear_x) == {0.25}
     assert {endpoint.node for endpoint in recording.endpoints} == {"/renamed"}
-
-
-def test_nodes_of_one_process_use_topics_and_services(run_node: RunNode) -> None:
-    recording = run_node("""
-        from std_srvs.srv import Trigger
-        class Server(Node):
-            def __init__(self):
-                super().__init__('server')
-                self.create_service(Trigger, 'ask', self.on_ask)
-            def on_ask(self, request, response):
-                response.success, response.message = True, 'yes'
-                return response
-        class Client(Echo):
-            def __init__(self):
-                super().__init__('client')
-                self.client = self.create_client(Trigger, 'ask')
-            def on_scan(self, scan):
-                self.client.call_async(Trigger.Request()).add_done_callback(self.on_answer)
-            def on_answer(self, future):
-                twist = Twist()
-                twist.linear.x = 0.1 if future.result().message == 'yes' else 0.0
-                self.publisher.publish(twist)
-        rclpy.init(); executor = SingleThreadedExecutor()
-        executor.add_node(Server()); executor.add_node(Client()); executor.spin()
-    """)
-
-    assert list(recording.twists().linear_x) == [0.1] * 20
-    kinds = {(endpoint.kind, endpoint.topic) for endpoint in recording.endpoints}
-    assert {("service", "/ask"), ("client", "/ask")} <= kinds

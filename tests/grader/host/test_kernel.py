@@ -1,11 +1,6 @@
 """The kernel alone: threads, locks and waits in virtual time."""
 
-import pytest
 from alone import run
-
-
-def test_sleep_takes_virtual_time() -> None:
-    assert run("time.sleep(0.25); say('awake')") == [[0.25, "awake"]]
 
 
 def test_sleepers_wake_in_order_of_time_then_of_arrival() -> None:
@@ -56,56 +51,13 @@ def test_timeouts_of_locks_queues_events_and_joins() -> None:
     ]
 
 
-def test_an_event_wakes_its_waiter_at_once() -> None:
-    assert run("""
-        event = threading.Event()
-        def waiter():
-            event.wait()
-            say('woken')
-        thread = threading.Thread(target=waiter); thread.start()
-        time.sleep(0.35); event.set(); thread.join()
-    """) == [[0.35, "woken"]]
-
-
-def test_asyncio_runs_in_virtual_time() -> None:
-    assert run("""
-        import asyncio
-        async def nap(name, seconds):
-            await asyncio.sleep(seconds)
-            say(name)
-        async def main():
-            await asyncio.gather(nap('b', 0.2), nap('a', 0.1))
-        asyncio.run(main())
-    """) == [[pytest.approx(0.1, abs=0.002), "a"], [pytest.approx(0.2, abs=0.002), "b"]]
-
-
-def test_clocks_start_where_a_robots_would_and_agree() -> None:
-    ((_, wall, steady, same),) = run("""
-        time.sleep(1.5)
-        say(time.time(), time.monotonic(), time.perf_counter() == time.monotonic())
-    """)
-    assert (wall, steady, same) == (1_700_000_001.5, 1001.5, True)
-
-
-def test_a_busy_wait_ends() -> None:
-    ((now,),) = run("""
-        end = time.monotonic() + 0.02
-        while time.monotonic() < end: pass
-        say()
-    """)
-    assert now == pytest.approx(0.02, abs=0.001)
-
-
 def test_misuse_is_refused_as_usual() -> None:
     assert run("""
-        try: time.sleep(-1)
-        except ValueError as error: say(str(error))
         try: threading.Lock().release()
         except RuntimeError as error: say(str(error))
         try: threading.current_thread().join()
         except RuntimeError as error: say(str(error))
     """) == [
-        [0.0, "sleep length must be non-negative"],
         [0.0, "release unlocked lock"],
         [0.0, "cannot join current thread"],
     ]
@@ -124,65 +76,6 @@ def test_rlock_condition_barrier_semaphore() -> None:
         semaphore = threading.Semaphore(1)
         semaphore.acquire(); say(semaphore.acquire(timeout=0.1))
     """) == [[0.0, "in twice"], [0.1, "met"], [0.2, False]]
-
-
-def test_a_thread_starts_once() -> None:
-    assert run("""
-        thread = threading.Thread(target=time.sleep, args=(0.01,)); thread.start()
-        for again in range(2):
-            try: thread.start()
-            except RuntimeError as error: say(str(error))
-            thread.join()
-        class Unborn(threading.Thread):
-            def __init__(self): pass
-        try: Unborn().start()
-        except RuntimeError as error: say(str(error))
-        time.sleep(0.1); say('alive')
-    """) == [
-        [0.0, "threads can only be started once"],
-        [0.01, "threads can only be started once"],
-        [0.01, "thread.__init__() not called"],
-        [0.11, "alive"],
-    ]
-
-
-def test_a_thread_that_has_ended_says_so() -> None:
-    assert run("""
-        thread = threading.Thread(target=time.sleep, args=(0.01,), name='nap')
-        for wait in (0, 0.005, 0.01):
-            if wait: time.sleep(wait)
-            say(*repr(thread).split()[1:2], thread.is_alive())
-            if not wait: thread.start()
-    """) == [[0.0, "initial)>", False], [0.005, "started", True], [0.015, "stopped", False]]
-
-
-def test_an_exception_in_a_bare_thread_names_its_function() -> None:
-    assert run("""
-        import _thread
-        told = []
-        def task(): raise ValueError('no')
-        sys.unraisablehook = told.append
-        _thread.start_new_thread(task, ())
-        _thread.start_new_thread(sys.exit, (3,))
-        time.sleep(0.01)
-        say(len(told), told[0].object is task, told[0].err_msg, str(told[0].exc_value),
-            told[0].exc_traceback.tb_frame.f_code is task.__code__)
-    """) == [[0.01, 1, True, "Exception ignored in thread started by", "no", True]]
-
-
-def test_locks_refuse_what_pythons_refuse() -> None:
-    assert run("""
-        lock = threading.Lock()
-        for options in ((False, 1), (True, -5), (True, threading.TIMEOUT_MAX * 2)):
-            try: lock.acquire(*options)
-            except (ValueError, OverflowError) as error: say(type(error).__name__, str(error))
-        say(lock.acquire(True, -1), 'locked' in repr(lock), lock.locked())
-    """) == [
-        [0.0, "ValueError", "can't specify a timeout for a non-blocking call"],
-        [0.0, "ValueError", "timeout value must be a non-negative number"],
-        [0.0, "OverflowError", "timeout value is too large"],
-        [0.0, True, True, True],
-    ]
 
 
 def test_a_cached_property_that_sleeps_is_computed_once() -> None:

@@ -43,12 +43,11 @@ def test_a_late_subscription_hears_all_of_it_at_once_in_every_run(
     file = tmp_path / "late.py"
     file.write_text(LATE, "utf-8")
     said = []
-    for _ in range(3):
+    for _ in range(2):
         recording = run_trial(
-            Submission(file), scenario_for("demo_wall", duration=0.42), forkserver
+            Submission(file), scenario_for("demo_wall", duration=0.22), forkserver
         )
         heard = [m for m in recording.published if m.topic == "/heard"]
         said.append([(m.time, decode(m.data, m.type).data) for m in heard])
-    right = [(50_000_000 * (k + 1), f"{k} {number}") for k in range(8) for number in range(1, 4)]
-    assert said[0] == right
-    assert said[1] == said[2] == right
+    right = [(50_000_000 * (k + 1), f"{k} {number}") for k in range(4) for number in range(1, 4)]
+    assert said == [right, right]

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
-import pytest
 from node_runs import PREAMBLE, short
 
 from grader.course.submission import Submission
@@ -113,7 +112,7 @@ def test_several_programs_are_as_deterministic_as_one(
 ) -> None:
     programs = (ProgramSpec("server.py", stop=1.5), client("left"), client("right", start=0.4))
 
-    assert len({run(forkserver, tmp_path, *programs).digest() for _ in range(4)}) == 1
+    assert len({run(forkserver, tmp_path, *programs).digest() for _ in range(2)}) == 1
 
 
 def test_a_program_that_ends_by_itself_ends_the_trial(
@@ -128,26 +127,12 @@ def test_a_program_that_ends_by_itself_ends_the_trial(
     assert recording.outcome.text.startswith("client.py: ZeroDivisionError")
 
 
-@pytest.mark.parametrize("executor", ["SingleThreadedExecutor", "MultiThreadedExecutor"])
-def test_programs_may_use_executors_of_their_own(
-    executor: str, forkserver: ForkServer, tmp_path: Path
-) -> None:
-    source = CLIENT.replace(
-        "rclpy.spin(Client())",
-        f"executor = {executor}(); executor.add_node(Client()); executor.spin()",
-    )
-    recording = run(
-        forkserver, tmp_path, ProgramSpec("server.py"), client("a"), client_source=source
-    )
-
-    assert len(recording.times("/a/answer")) == 29
-
-
 def test_shutdown_is_a_programs_own(forkserver: ForkServer, tmp_path: Path) -> None:
     source = CLIENT.replace(
         "rclpy.spin(Client())",
-        "node = Client()\n"
-        "    for _ in range(5): rclpy.spin_once(node)\n"
+        "node, executor = Client(), MultiThreadedExecutor()\n"
+        "    executor.add_node(node)\n"
+        "    for _ in range(5): executor.spin_once()\n"
         "    rclpy.shutdown()\n"
         "    print('ok is', rclpy.ok())\n"
         "    time.sleep(100)",

@@ -27,7 +27,7 @@ def topics(pulse: Any) -> list[str]:
     return [end.topic for end in pulse.endpoints]
 
 
-def test_each_endpoint_is_told_once(vitals: Vitals) -> None:
+def test_each_endpoint_is_reported_once(vitals: Vitals) -> None:
     vitals.on_endpoint("publisher", "/n", PUBLISHER)
     vitals.on_endpoint("subscription", "/n", SUBSCRIPTION)
     first, second = vitals.pulse(), vitals.pulse()
@@ -51,7 +51,7 @@ def test_an_endpoint_is_not_lost_when_a_pulse_comes_while_it_is_described(
     assert [*told, *topics(vitals.pulse())] == ["/scan"]
 
 
-def test_who_spins_has_told_of_all_that_its_constructor_made(vitals: Vitals) -> None:
+def test_a_node_that_spins_has_reported_all_of_its_constructor(vitals: Vitals) -> None:
     """The node may make an endpoint and spin while a pulse is made: that pulse says neither."""
 
     class Slow:
@@ -78,7 +78,7 @@ def test_who_spins_has_told_of_all_that_its_constructor_made(vitals: Vitals) -> 
     assert (pulse.spinning, topics(pulse)) == (True, ["/scan"])
 
 
-def test_of_a_start_up_the_last_messages_are_told(
+def test_of_a_start_up_the_last_messages_are_reported(
     vitals: Vitals, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(live, "type_name", lambda _: "a/msg/B")

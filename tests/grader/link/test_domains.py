@@ -16,11 +16,3 @@ def test_a_domain_whose_port_is_in_use_is_taken() -> None:
         other.bind(("127.0.0.1", 0))
         port = other.getsockname()[1]
         assert (port - 7400) // 250 in domains_in_use()
-
-
-def test_a_domain_is_free_again_afterwards() -> None:
-    seen = set()
-    for _ in range(3):
-        with own_domain() as domain:
-            seen.add(domain)
-    assert seen <= set(DOMAINS)

@@ -4,7 +4,7 @@ import os
 import tracemalloc
 from collections.abc import Iterator
 from contextlib import contextmanager
-from itertools import chain, pairwise, repeat
+from itertools import chain, repeat
 
 import pytest
 from fake_host import FakeHost, frame, settled, talking, write_all
@@ -16,7 +16,6 @@ from grader.host.frames import (
     MARK,
     MAX_FRAME,
     Delivery,
-    Ended,
     ProgramStart,
     Published,
     Run,
@@ -27,7 +26,6 @@ from grader.host.frames import (
 from grader.link import pipes
 from grader.link.exchange import MAX_REASON, HostDied, HostForged, HostHung
 from grader.link.link import Link
-from grader.link.log import LogLine
 from grader.link.output import MAX_LINES, MAX_OUTPUT, Output
 from grader.link.pipes import Pipes
 
@@ -61,66 +59,30 @@ def test_an_answer_arrives_whole() -> None:
     assert cost.wall > 0
 
 
-def test_an_end_arrives() -> None:
-    end = Ended(0, "exception", "ValueError: no", "Traceback …", [])
-    with linked(encode(end)) as (link, _):
-        assert link.run(START, LIMIT)[0] == end
-
-
-@settings(derandomize=True, deadline=None, max_examples=150)
-@given(st.binary(max_size=400))
-def test_arbitrary_bytes(noise: bytes) -> None:
-    with linked(noise) as (link, _), pytest.raises((HostDied, HostForged)):
-        link.run(START, LIMIT)
-
-
-@settings(derandomize=True, deadline=None, max_examples=150)
-@given(st.binary(max_size=400))
-def test_arbitrary_bodies(noise: bytes) -> None:
-    with linked(frame(noise)) as (link, _), pytest.raises((HostDied, HostForged)):
-        link.run(START, LIMIT)
-
-
-BOMB = b"\x82\xa4type\xa7settled\xa9published"
-FORGERIES = {
+FORGERIES = {  # tests/attacks/test_fuzz.py has more of what a decoder refuses
     "an oversized length": LENGTH.pack(MAX_FRAME + 1),
     "the largest length": b"\xff\xff\xff\xff",
     "an empty frame": frame(b""),
     "deep nesting": frame(b"\x91" * 1_000_000),
-    "deep nesting in an unknown field": frame(
-        b"\x82\xa4type\xa7settled\xa1x" + b"\x91" * 1_000_000
-    ),
-    "an array of four billion": frame(BOMB + b"\xdd\xff\xff\xff\xff"),
-    "a map of four billion": frame(b"\xdf\xff\xff\xff\xff"),
+    "an array of four billion": frame(b"\x82\xa4type\xa7settled\xa9published\xdd\xff\xff\xff\xff"),
     "a text of four gigabytes": frame(b"\x81\xa4type\xdb\xff\xff\xff\xff"),
-    "text that is not UTF-8": frame(b"\x82\xa4type\xa5ended\xa4text\xa2\xff\xfe"),
-    "a kind that is not UTF-8": frame(b"\x81\xa4type\xa2\xff\xfe"),
     "a megabyte of kind": frame({"type": "A" * 1_000_000}),
     "trailing bytes": frame(settled()[LENGTH.size :] + b"\0"),
     "the judge's own frame": encode(START),
-    "fields of wrong types": frame({"type": "settled", "now": "0", "spinning": 1, "asleep": None}),
-    "a time before the start": frame({"type": "settled", "now": -1}),
 }
 
 
 @pytest.mark.parametrize("what", FORGERIES)
-def test_forgeries(what: str) -> None:
-    with linked(FORGERIES[what], hang_up=False) as (link, _), pytest.raises(HostForged) as caught:
-        link.run(START, LIMIT)
-
-    assert len(str(caught.value)) <= MAX_REASON
-
-
-@pytest.mark.parametrize("what", FORGERIES)
-def test_forgeries_do_not_fill_the_memory(what: str) -> None:
+def test_forgeries_are_refused_in_a_line_and_do_not_fill_the_memory(what: str) -> None:
     with linked(FORGERIES[what], hang_up=False) as (link, _):
         tracemalloc.start()
-        with pytest.raises(HostForged):
+        with pytest.raises(HostForged) as caught:
             link.run(START, LIMIT)
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
 
     assert peak < 16 * 1024 * 1024
+    assert len(str(caught.value)) <= MAX_REASON
 
 
 def test_a_stream_without_end_is_not_collected() -> None:
@@ -178,14 +140,6 @@ def test_nobody_is_waited_for_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     with linked(hang_up=False) as (link, host), pytest.raises(HostHung):
         host.ready = repeat(True)
         link.run(START, SOON)
-
-
-def test_a_host_that_is_gone_is_a_death() -> None:
-    with linked() as (link, host):
-        os.close(host.their_in)
-        host.their_in = -1
-        with pytest.raises(HostDied):
-            link.run(START, LIMIT)
 
 
 def test_an_answer_before_the_question_is_forged() -> None:
@@ -259,46 +213,36 @@ def said(*pieces: bytes, limit: int = 10**12) -> list[tuple[int, str, str]]:
     return [(line.time, line.level, line.text) for line in output.lines]
 
 
-def test_marks_say_when_something_was_printed() -> None:
-    assert said(f"one\n{MARK}5\ntwo\n{MARK}7\n".encode()) == [
-        (0, "stdout", "one"),
-        (5, "stdout", "two"),
-    ]
-
-
-def test_a_mark_ends_an_unfinished_line() -> None:
-    assert said(f"no newline{MARK}5\nlater".encode()) == [
-        (0, "stdout", "no newline"),
-        (5, "stdout", "later"),
-    ]
-
-
-@settings(derandomize=True, deadline=None, max_examples=60)
-@given(st.lists(st.integers(0, 60), max_size=8))
-def test_it_does_not_matter_where_the_output_is_cut(cuts: list[int]) -> None:
-    text = f"grüß\n{MARK}5\n[WARN] [node]: ärger\n{MARK}70\nrest ohne Ende".encode()
-    ends = [0, *sorted(cuts), len(text)]
-    pieces = [text[a:b] for a, b in pairwise(ends)]
-
-    assert said(*pieces) == [
+LINES: dict[bytes, list[tuple[int, str, str]]] = {
+    f"one\n{MARK}5\ntwo\n{MARK}7\n".encode(): [(0, "stdout", "one"), (5, "stdout", "two")],
+    f"no newline{MARK}5\nlater".encode(): [(0, "stdout", "no newline"), (5, "stdout", "later")],
+    f"grüß\n{MARK}5\n[WARN] [a.node]: ärger: [x]\n".encode(): [
         (0, "stdout", "grüß"),
-        (5, "warn", "ärger"),
-        (70, "stdout", "rest ohne Ende"),
-    ]
+        (5, "warn", "ärger: [x]"),
+    ],
+    b"[FATAL] [n]: x\n[INFO] no\n[NOTE] [n]: x\n\n": [
+        (0, "fatal", "x"),
+        (0, "stdout", "[INFO] no"),
+        (0, "stdout", "[NOTE] [n]: x"),
+        (0, "stdout", ""),
+    ],
+    b"\x1e\n\x1ex\n": [(0, "stdout", "\x1e"), (0, "stdout", "\x1ex")],
+    b"\xff\xfe caf\xe9\n": [(0, "stdout", "\ufffd\ufffd caf\ufffd")],
+    f"{MARK}50\na\n{MARK}40\nb\n".encode(): [
+        (50, "stdout", "a"),
+        (50, "stdout", f"{MARK}40"),  # time does not go back
+        (50, "stdout", "b"),
+    ],
+    b"x" * 5_000: [(0, "stdout", "x" * 2_000)],
+}
 
 
-@pytest.mark.parametrize("level", ["DEBUG", "INFO", "WARN", "ERROR", "FATAL"])
-def test_ros_lines_have_their_level(level: str) -> None:
-    assert said(f"[{level}] [my.node]: text: [x]\n".encode()) == [(0, level.lower(), "text: [x]")]
-
-
-@pytest.mark.parametrize("text", ["[INFO] no", "[NOTE] [n]: x", "", " ", "[[", "\x1e", "\x1ex"])
-def test_other_lines_are_kept_as_they_are(text: str) -> None:
-    assert said(f"{text}\n".encode()) == [(0, "stdout", text)]
-
-
-def test_invalid_utf8_is_replaced() -> None:
-    assert said(b"\xff\xfe caf\xe9\n") == [(0, "stdout", "\ufffd\ufffd caf\ufffd")]
+@pytest.mark.parametrize(("output", "lines"), LINES.items())
+@pytest.mark.parametrize("size", [10_000, 1, 7], ids="in pieces of {}".format)
+def test_output_becomes_lines_wherever_it_is_cut(
+    output: bytes, lines: list[tuple[int, str, str]], size: int
+) -> None:
+    assert said(*(output[at : at + size] for at in range(0, len(output), size))) == lines
 
 
 FORGED_MARKS = ["²", "٣", "-1", "1.5", "9" * 19, "9" * 30, "1_000", " 5", "+5", "0x5", "101"]
@@ -310,11 +254,6 @@ def test_a_forged_mark_is_text(time: str) -> None:
     lines = said(f"{MARK}50\n{MARK}{time}\nnext\n".encode(), limit=100)
 
     assert lines == [(50, "stdout", f"{MARK}{time}"), (50, "stdout", "next")]
-
-
-def test_time_does_not_go_back() -> None:
-    times = [time for time, _, _ in said(f"{MARK}50\na\n{MARK}40\nb\n".encode())]
-    assert times == [50, 50, 50]
 
 
 @settings(derandomize=True, deadline=None, max_examples=200)
@@ -329,25 +268,11 @@ def test_any_output_gives_lines_in_order(pieces: list[bytes]) -> None:
 
 
 def test_too_much_output_is_cut() -> None:
-    output = Output("stdout")
+    long, many = Output("stdout"), Output("stdout")
     for _ in range(40):
-        output.feed(b"x" * 32_000 + b"\n")
+        long.feed(b"x" * 32_000 + b"\n")
+    many.feed(b"\n" * (MAX_LINES + 1))
 
-    assert output.truncated
-    assert sum(len(line.text) for line in output.lines) <= MAX_OUTPUT
-
-
-def test_too_many_lines_are_cut() -> None:
-    output = Output("stdout")
-    output.feed(b"\n" * (MAX_LINES + 1))
-
-    assert output.truncated
-    assert len(output.lines) == MAX_LINES
-
-
-def test_long_lines_are_cut() -> None:
-    assert said(b"x" * 5_000) == [(0, "stdout", "x" * 2_000)]
-
-
-def test_a_line_knows_its_time_in_seconds() -> None:
-    assert LogLine(1_500_000_000, "info", "x").t == 1.5
+    assert (long.truncated, many.truncated) == (True, True)
+    assert sum(len(line.text) for line in long.lines) <= MAX_OUTPUT
+    assert len(many.lines) == MAX_LINES

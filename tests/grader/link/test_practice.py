@@ -5,20 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import msgspec
 import pytest
 
-from grader.course.exercises import ROOT, find_exercise
+from grader.course.exercises import ROOT
 from grader.course.submission import find_submission
 from grader.drive import drive_node, scenario_for
 from grader.errors import GraderError
-from grader.grading.grading import grade_submission
 from grader.host.frames import Ended, ProgramStart, Run, Settled, Start
 from grader.link import practice
 from grader.link.exchange import HostDied, HostForged, HostHung
-from grader.link.link import Link
-from grader.link.output import Output
-from grader.link.practice import PRACTICE, PracticeHost, PracticeServer
+from grader.link.practice import PracticeServer
 from grader.trial.trials import NodeTrials
 from sim.messages import EPOCH_NS
 from sim.scenario_files import load_scenario
@@ -77,14 +73,13 @@ def test_a_program_that_ends_says_how(server: PracticeServer, tmp_path: Path) ->
     )  # fmt: skip
 
 
-def test_a_process_that_goes_is_gone(server: PracticeServer, tmp_path: Path) -> None:
+def test_a_process_that_goes_is_gone_and_one_that_says_nothing_hangs(
+    server: PracticeServer, tmp_path: Path
+) -> None:
     with server.host(tmp_path) as link:
         with pytest.raises(HostDied):
             link.run(start_of(tmp_path, "import os; os._exit(7)"), LIMIT)
         assert link.wait(LIMIT) == "7"
-
-
-def test_a_process_that_says_nothing_hangs(server: PracticeServer, tmp_path: Path) -> None:
     with server.host(tmp_path) as link:
         with pytest.raises(HostHung):
             link.run(start_of(tmp_path, "while True: pass"), 0.5)
@@ -103,15 +98,6 @@ def test_what_a_program_says_in_the_hosts_place_is_refused(
         link.run(start_of(tmp_path, source), LIMIT)
 
 
-def test_an_answer_before_the_question_is_refused(server: PracticeServer, tmp_path: Path) -> None:
-    host = PracticeHost.__new__(PracticeHost)
-    host._said = practice.queue.Queue()
-    host._said.put(msgspec.msgpack.encode("early"))
-    host.stdout, host.stderr = Output("stdout"), Output("stderr")
-    with pytest.raises(HostForged, match="before the question"):
-        Link(host).run(Run(1), 1.0)
-
-
 def test_a_host_that_can_not_start_says_why(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -122,18 +108,6 @@ def test_a_host_that_can_not_start_says_why(
         server.host(tmp_path),
     ):
         pass
-
-
-def test_a_grading_says_that_it_is_practice(server: PracticeServer) -> None:
-    exercise = find_exercise("obstacle_avoidance")
-    submission = find_submission(ROOT / "solutions/obstacle_avoidance", exercise.files[0])
-    grading = grade_submission(
-        exercise, submission, server, file="agent.py", only=["stop_zone"]
-    ).as_dict()
-    assert grading["practice"] == PRACTICE
-    assert grading["isolation"].startswith("none")
-    assert grading["notes"][0] == f"P{PRACTICE[1:]}."
-    assert grading["score"] == grading["max_score"] > 0
 
 
 def test_a_drive_is_the_same_as_on_the_real_rclpy(

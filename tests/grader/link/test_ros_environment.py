@@ -60,12 +60,15 @@ def test_wheels_in_a_venv(venv: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         venv / "ros_jazzy_rmw_fastrtps_cpp.libs",
         prefix / "lib",
     )
+    variables = ros.variables()
+    assert (variables["ROS_DISTRO"], variables["_ROS_WHEELS_BOOTSTRAP_COMPLETE"]) == ("jazzy", "1")
+    assert variables["LD_LIBRARY_PATH"].split(os.pathsep)[-1] == str(prefix / "lib")
 
 
 def test_wheels_under_debians_python(tmp_path: Path) -> None:
     lib = tmp_path / "usr" / "local" / "lib" / f"python{VERSION}"
     wheels = install(lib / "site-packages")
-    libraries = bundle(wheels)
+    libraries = [*bundle(wheels), *bundle(lib / "dist-packages")]  # next door
     (lib / "dist-packages" / "rclpy").mkdir(parents=True)  # the empty shell
     ros = find_ros({}, [lib / "dist-packages", wheels])
 
@@ -75,26 +78,13 @@ def test_wheels_under_debians_python(tmp_path: Path) -> None:
     assert set(libraries) < set(ros.library_path)
 
 
-def test_wheels_whose_libraries_lie_next_door(tmp_path: Path) -> None:
-    lib = tmp_path / "usr" / "local" / "lib" / f"python{VERSION}"
-    wheels = install(lib / "site-packages")
-    libraries = bundle(lib / "dist-packages")
-    ros = find_ros({}, [wheels])
-
-    assert ros.library_path == (*libraries, tmp_path / "usr" / "local" / "lib")
-
-
-def test_a_sourced_apt_installation(apt: dict[str, str]) -> None:
-    ros = find_ros(apt, [])
+def test_a_sourced_apt_installation_comes_first(apt: dict[str, str], venv: Path) -> None:
+    ros = find_ros(apt, [venv])
 
     assert ros.kind == "apt"
     assert [str(path) for path in ros.python_path] == [apt["PYTHONPATH"]]
     assert ros.variables()["LD_LIBRARY_PATH"] == apt["LD_LIBRARY_PATH"]
     assert ros.variables()["AMENT_PREFIX_PATH"] == apt["AMENT_PREFIX_PATH"]
-
-
-def test_what_is_sourced_comes_first(apt: dict[str, str], venv: Path) -> None:
-    assert find_ros(apt, [venv]).kind == "apt"
 
 
 def test_a_workspace_on_top(apt: dict[str, str], tmp_path: Path) -> None:
@@ -108,14 +98,6 @@ def test_a_workspace_on_top(apt: dict[str, str], tmp_path: Path) -> None:
 
     assert ros.prefixes == (workspace, Path(apt["AMENT_PREFIX_PATH"]))
     assert len(ros.python_path) == 2
-
-
-def test_the_variables_of_a_child(venv: Path) -> None:
-    variables = find_ros({}, [venv]).variables()
-
-    assert variables["ROS_DISTRO"] == "jazzy"
-    assert variables["_ROS_WHEELS_BOOTSTRAP_COMPLETE"] == "1"
-    assert variables["LD_LIBRARY_PATH"].split(os.pathsep)[-1] == str(venv.parents[2] / "lib")
 
 
 NOTHING = "none", "shell", "no libraries", "another Python", "not sourced", "half sourced"

@@ -75,30 +75,14 @@ def test_a_long_wait_counts_as_far_as_it_was_seen(
     assert queue.worst() == PATIENCE
 
 
-def test_looks_that_follow_at_once_are_one(queue: RunQueue, tmp_path: Path, clock: Clock) -> None:
-    say(tmp_path, 1, 0)
-    queue.worst()
-    say(tmp_path, 1, 100_000_000, "R")
-    for _ in range(100):
-        queue.look()
-    assert queue.worst() == PATIENCE
-
-
-def test_a_new_thread_starts_from_nothing(queue: RunQueue, tmp_path: Path) -> None:
-    queue.worst()
-    say(tmp_path, 7, 9_000_000_000)
-    assert queue.worst() == 0.0
-
-
-def test_what_cannot_be_read_is_left_out(queue: RunQueue, tmp_path: Path) -> None:
+def test_what_cannot_be_read_or_is_new_is_left_out(queue: RunQueue, tmp_path: Path) -> None:
     (tmp_path / "3").mkdir()
     (tmp_path / "4").mkdir()
     (tmp_path / "4" / "schedstat").write_text("nonsense")
     assert queue.worst() == 0.0
-
-
-def test_a_process_that_is_gone_waits_for_nothing() -> None:
-    assert RunQueue(2**22 + 1, PATIENCE).worst() == 0.0
+    say(tmp_path, 7, 9_000_000_000)
+    assert queue.worst() == 0.0
+    assert RunQueue(2**22 + 1, PATIENCE).worst() == 0.0  # a process that is gone
 
 
 @pytest.mark.skipif(
@@ -125,7 +109,7 @@ def test_a_wait_that_lasts_longer_than_a_turn_counts_in_one(
     assert queue.pending() == 0.0
 
 
-def test_who_runs_does_not_wait(queue: RunQueue, tmp_path: Path, clock: Clock) -> None:
+def test_a_thread_that_runs_does_not_wait(queue: RunQueue, tmp_path: Path, clock: Clock) -> None:
     """Whenever one looks, and whenever one asks."""
     say(tmp_path, 1, 0, ran=0)
     queue.worst()
@@ -161,24 +145,17 @@ def test_what_threads_of_a_process_take_from_one_another_does_not_count(
     own_threads(queue, tmp_path, clock, busy)
     assert queue.pending() == pytest.approx(0.18 * others)
     assert queue.worst() == pytest.approx(min(0.2, 0.18 * others + PATIENCE))
+    again = RunQueue(os.getpid(), PATIENCE, clock, processors=2)
+    again._tasks = str(tmp_path)
+    own_threads(again, tmp_path, clock, busy)
+    assert again.worst(unseen_too=True) == pytest.approx(0.2 * others)
 
 
-@pytest.mark.parametrize(("busy", "others"), [(0, 1.0), (1, 0.5), (2, 0.0)])
-def test_nor_does_it_count_when_unseen_waits_count(
-    queue: RunQueue, tmp_path: Path, clock: Clock, busy: int, others: float
-) -> None:
-    own_threads(queue, tmp_path, clock, busy)
-    assert queue.worst(unseen_too=True) == pytest.approx(0.2 * others)
-
-
-def test_who_waits_for_something_to_come_is_not_ready() -> None:
+def test_a_process_that_waits_for_input_is_not_ready() -> None:
     with subprocess.Popen(["cat"], stdin=subprocess.PIPE) as cat:
         limit = time.monotonic() + 20.0
         while is_ready(cat.pid) and time.monotonic() < limit:
             pass  # it starts
         assert not is_ready(cat.pid)
     assert not is_ready(cat.pid)  # it is gone
-
-
-def test_who_computes_is_ready() -> None:
     assert is_ready(os.getpid())

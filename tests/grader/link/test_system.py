@@ -34,27 +34,17 @@ def test_where_nobody_has_run_it_the_doctor_says_so(
     assert not system.has_ros_wheels()
 
 
-def test_where_it_was_run_it_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    be(monkeypatch, *TRIED)
-    assert system.never_run() == ""
-
-
 @pytest.mark.parametrize("version", [(3, 13), (3, 14)])
-def test_wheels_end_with_python_3_13(
-    monkeypatch: pytest.MonkeyPatch, version: tuple[int, int]
-) -> None:
-    be(monkeypatch, *TRIED)
-    monkeypatch.setattr(sys, "version_info", version)
-    assert system.has_ros_wheels() == (version < (3, 14))
-
-
 @pytest.mark.parametrize("found", [TRIED, *UNTRIED], ids="-".join)
-def test_nobody_is_told_to_install_wheels_that_there_are_none_of(
-    monkeypatch: pytest.MonkeyPatch, found: tuple[str, str]
+def test_nobody_is_asked_to_install_wheels_that_there_are_none_of(
+    monkeypatch: pytest.MonkeyPatch, found: tuple[str, str], version: tuple[int, int]
 ) -> None:
     be(monkeypatch, *found)
+    monkeypatch.setattr(sys, "version_info", version)
     with pytest.raises(InputError) as error:
         find_ros({}, ())
-    there_are = found == TRIED and sys.version_info < system.WHEELS_BEFORE
+    there_are = found == TRIED and version < (3, 14)
+    assert (system.never_run() == "") == (found == TRIED)
+    assert system.has_ros_wheels() == there_are
     assert ("pip install" in str(error.value)) == there_are
     assert ("no wheels of it" in str(error.value)) != there_are

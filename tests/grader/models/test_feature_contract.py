@@ -25,28 +25,6 @@ NODES = (
     "latency_monitor/profiled_controller.py",
 )
 REFERENCE = (ROOT / "solutions" / CONTROLLER).read_text("utf-8")
-BEGINNER = '''\
-def extract_features(scan):
-    """Another student's function: plain loops, and angles counted down from the last beam's."""
-    front, left, right = [], [], []
-    angle = scan.angle_max
-    for reading in reversed(scan.ranges):
-        degrees = (math.degrees(angle) + 180.0) % 360.0 - 180.0
-        angle -= scan.angle_increment
-        if reading == -math.inf:
-            reading = scan.range_min
-        if math.isnan(reading) or reading < scan.range_min:
-            continue
-        sector = front if abs(degrees) <= 60.0 else left if degrees > 0.0 else right
-        sector.append(min(reading, scan.range_max))
-    if not front or not left or not right:
-        return None
-    row = [min(front), np.mean(front), np.std(front), min(left), min(right)]
-    return np.array(row, dtype=np.float32).reshape(1, 5)
-'''
-STUDENTS = pytest.mark.parametrize(
-    "student", [REFERENCE, BEGINNER], ids=["the_reference", "a_beginner"]
-)
 
 
 # --- scans -----------------------------------------------------------------------------------
@@ -71,7 +49,6 @@ def wide() -> Scan:
 SEEN = {
     "plain": full_turn(),
     "nan": full_turn((slice(170, 190), math.nan)),
-    "plus_infinity": full_turn((slice(150, 200), math.inf)),
     "minus_infinity": full_turn((slice(240, 360), -math.inf), (slice(180, 181), -math.inf)),
     "too_near_and_too_far": full_turn((slice(100, 110), 0.1), (slice(200, 210), 13.0)),
     "lds_01": full_turn((slice(0, 20), 0.0), start=0.0, low=0.12),
@@ -79,9 +56,7 @@ SEEN = {
 }
 BLIND = {
     "front": full_turn((slice(118, 243), math.nan)),
-    "left": full_turn((slice(238, 360), 0.0), (slice(0, 1), math.nan)),
     "right": full_turn((slice(0, 123), math.nan)),
-    "everywhere": full_turn((slice(None), math.nan)),
     "no_beams": Scan(0.0, 0.0, -math.pi, 0.1, 0.15, 12.0, np.empty(0, np.float32)),
 }
 
@@ -149,15 +124,11 @@ def check(extract: Callable[[Any], np.ndarray | None], make: Callable[[Scan], An
 # --- the tests -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("path", [TRAINING, *NODES])
-@pytest.mark.parametrize("name", [FUNCTION, CONSTANT])
-def test_the_references_have_one_text(path: str, name: str) -> None:
-    other = (ROOT / "solutions" / path).read_text("utf-8")
-    assert ast.unparse(definition(other, name)) == ast.unparse(definition(REFERENCE, name))
-
-
 @pytest.mark.parametrize("path", [CONTROLLER, TRAINING, *NODES])
-def test_the_skeletons_promise_the_same_and_leave_it_open(path: str) -> None:
+def test_the_references_have_one_text_which_the_skeletons_promise(path: str) -> None:
+    other = (ROOT / "solutions" / path).read_text("utf-8")
+    for name in (FUNCTION, CONSTANT):
+        assert ast.unparse(definition(other, name)) == ast.unparse(definition(REFERENCE, name))
     theirs = definition((ROOT / "exercises" / path).read_text("utf-8"), FUNCTION)
     ours = definition(REFERENCE, FUNCTION)
     assert isinstance(theirs, ast.FunctionDef)
@@ -166,28 +137,15 @@ def test_the_skeletons_promise_the_same_and_leave_it_open(path: str) -> None:
     assert [ast.unparse(line) for line in theirs.body[1:]] == ["return None"]
 
 
-@STUDENTS
 @pytest.mark.parametrize("path", NODES)
-def test_a_students_own_function_fits_into_every_node(path: str, student: str) -> None:
-    check(pasted(student, ROOT / "exercises" / path)[FUNCTION], message)
+def test_a_students_own_function_fits_into_every_node(path: str) -> None:
+    check(pasted(REFERENCE, ROOT / "exercises" / path)[FUNCTION], message)
 
 
-@STUDENTS
-def test_a_students_own_function_fits_into_the_training_script(student: str) -> None:
+def test_a_students_own_function_fits_into_the_training_script() -> None:
     pytest.importorskip("skl2onnx")
-    script = pasted(student, ROOT / "exercises" / TRAINING)
+    script = pasted(REFERENCE, ROOT / "exercises" / TRAINING)
     check(
         script[FUNCTION],
         lambda scan: script["LaserScan"](**{**fields(scan), "ranges": scan.ranges.tolist()}),
     )
-
-
-@pytest.mark.parametrize(
-    ("right_part", "wrong_part"),
-    [("reshape(1, 5)", "reshape(5)"), ("float32", "float64"), ("np.mean(front)", "0.0")],
-)
-def test_a_function_of_another_form_is_noticed(right_part: str, wrong_part: str) -> None:
-    names: dict[str, Any] = {"math": math, "np": np}
-    exec(BEGINNER.replace(right_part, wrong_part), names)
-    with pytest.raises(AssertionError):
-        check(names[FUNCTION], message)

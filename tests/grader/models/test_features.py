@@ -37,42 +37,25 @@ def test_features_are_those_of_the_contract(seed: int) -> None:
     assert found == pytest.approx(slow_features(ranges, low, high), rel=1e-12)
 
 
-def test_a_blind_sector_has_no_features() -> None:
-    ranges = np.full((1, 360), 2.0)
-    ranges[0, DEGREES < -60] = math.nan
-    found = features(ranges, DEGREES, 0.15, 12.0)[0]
-    assert np.isnan(found[4])
-    assert not np.isnan(found[:4]).any()
-
-
-def test_a_scan_without_beams_is_blind() -> None:
-    assert np.isnan(features(np.zeros((1, 0)), np.zeros(0), 0.15, 12.0)).all()
-
-
-def test_edges_do_not_split_hairs() -> None:
-    ranges = np.full(360, 4.0, np.float32)
-    ranges[np.abs(DEGREES) == 60] = 1.0
-    step = math.radians(1)
-    possible = possible_features(Scan(0.0, 0.0, -math.pi, step, 0.15, 12.0, ranges))
-    assert set(possible[:, 0]) == {1.0, 4.0}
-
-
 def test_a_scan_has_its_features_to_the_letter() -> None:
     ranges = np.full(360, 4.0, np.float32)
     ranges[np.abs(DEGREES) == 60] = 1.0
     ranges[DEGREES == 61] = 0.5
     scan = Scan(0.0, 0.0, -math.pi, math.radians(1), 0.15, 12.0, ranges)
+    assert set(possible_features(scan)[:, 0]) == {0.5, 1.0, 4.0}  # at the edge of a sector
     found = scan_features(scan)
     assert found[[0, 3, 4]].tolist() == [1.0, 0.5, 4.0]
     assert any(np.allclose(found, row) for row in possible_features(scan))
 
 
-def test_a_blind_scan_has_no_possible_features() -> None:
+def test_a_blind_scan_has_no_features() -> None:
+    assert np.isnan(features(np.zeros((1, 0)), np.zeros(0), 0.15, 12.0)).all()
+    half = np.full((1, 360), 2.0)
+    half[0, DEGREES < -60] = math.nan
+    found = features(half, DEGREES, 0.15, 12.0)[0]
+    assert np.isnan(found).tolist() == [False] * 4 + [True]
+    assert spell_features(found) == "[2.000, 2.000, 0.000, 2.000, ?] m"
     ranges = np.full(360, math.nan, np.float32)
     scan = Scan(0.0, 0.0, -math.pi, math.radians(1), 0.15, 12.0, ranges)
     assert np.isnan(scan_features(scan)).all()
     assert np.isnan(possible_features(scan)).all()
-
-
-def test_features_as_a_student_sees_them() -> None:
-    assert spell_features(np.array([1.0, 2.34567, np.nan])) == "[1.000, 2.346, ?] m"

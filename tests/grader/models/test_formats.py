@@ -128,22 +128,15 @@ def test_a_model_that_raises(suffix: str, tmp_path: Path) -> None:
         model(near)
 
 
-def test_the_suffix_says_the_format_also_in_capitals(tmp_path: Path) -> None:
+def test_a_file_has_the_format_of_its_suffix_or_the_one_that_is_named(tmp_path: Path) -> None:
     pytest.importorskip("onnx")
-    write_models(
-        {"MODEL.ONNX": LINEAR, "policy.joblib": Model("constant", {"value": 1.0})}, tmp_path
-    )
-    assert (tmp_path / "MODEL.ONNX").read_bytes() == model_bytes(LINEAR, ".onnx")
-    assert pickle.loads((tmp_path / "policy.joblib").read_bytes()).predict([[0]]) == 1.0
-
-
-def test_a_file_may_have_another_format_than_its_suffix(tmp_path: Path) -> None:
-    pytest.importorskip("onnx")
-    write_models({"policy.pt": Model("linear", {**LINEAR.settings, "format": ".onnx"})}, tmp_path)
-    assert np.array_equal(
-        answers(".onnx", (tmp_path / "policy.pt").read_bytes(), tmp_path),
-        answers(".onnx", model_bytes(LINEAR, ".onnx"), tmp_path),
-    )
+    named = Model("linear", {**LINEAR.settings, "format": ".onnx"})
+    write_models({"MODEL.ONNX": LINEAR, "policy.pt": named}, tmp_path)
+    for name in ("MODEL.ONNX", "policy.pt"):
+        np.testing.assert_allclose(
+            answers(".onnx", (tmp_path / name).read_bytes(), tmp_path),
+            answers(".onnx", model_bytes(LINEAR, ".onnx"), tmp_path),
+        )
 
 
 @pytest.fixture
@@ -159,13 +152,9 @@ def test_what_can_not_be_exported_is_the_graders_fault(exporter: Exporter) -> No
     assert exporter.content(".onnx", "linear", {"weights": [0, 0, 0, 0, 0]})  # it lives on
 
 
-def test_a_file_is_made_once(exporter: Exporter) -> None:
-    first = exporter.content(".onnx", "linear", LINEAR.settings)
-    assert exporter.content(".onnx", "linear", LINEAR.settings) is first
-
-
 def test_the_exporter_starts_again_after_its_end(exporter: Exporter) -> None:
     first = exporter.content(".onnx", "linear", LINEAR.settings)
+    assert exporter.content(".onnx", "linear", LINEAR.settings) is first  # made once
     exporter.close()
     exporter._made.clear()
     assert exporter.content(".onnx", "linear", LINEAR.settings) == first

@@ -1,7 +1,7 @@
 """The models that the judge keeps: answers come when their time is over, and are counted."""
 
+import copy
 import pickle
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -109,18 +109,11 @@ def test_a_model_that_raises_takes_its_time_too() -> None:
 def test_a_model_raises_what_its_settings_name(monkeypatch: pytest.MonkeyPatch) -> None:
     settings = {"distance": 3.0, "raises": "RuntimeError TypeError"}
     node = replace(LEADER.node, models={FILE: Model("raises_near", settings)})
-    monkeypatch.setattr(kept.desk, "ask", desk(service(replace(LEADER, node=node))))
+    monkeypatch.setattr(kept.desk, "ask", service(replace(LEADER, node=node)).at_once)
     model = kept.load(kept.Kept, FILE)
     for distance, kind in ((0.2, RuntimeError), (1.0, TypeError), (2.6, TypeError)):
         with pytest.raises(kind, match="can't say anything"):
             model.predict([[distance, 3.0, 0.5, 4.0, 5.0]])
-
-
-def test_probabilities_are_noted_with_the_words_that_belong_to_them() -> None:
-    models = ModelService(load_scenario("detect_answers"), 1)
-    for method in ("load", "predict_proba"):
-        models.at_once(replace(question(method), file="describes.pkl"))
-    assert models.inferences[-1].labels == ("2.0000 3.0000 0.5000 4.0000 5.0000",)
 
 
 def test_times_by_distance_differ_between_students_a_little() -> None:
@@ -154,13 +147,10 @@ def test_a_quick_row_does_not_hide_a_slow_one() -> None:
 
 
 def test_nobody_asks_without_end() -> None:
-    models = service()
     with pytest.raises(TooManyQuestions):
+        models = service()
         for _ in range(MOST + 1):
             models.at_once(Question(0, "load", "none.pkl"))
-
-
-def test_nobody_asks_for_all_that_a_model_could_say() -> None:
     models = service()
     with pytest.raises(TooManyQuestions, match="rows"):
         for _ in range(MOST_ROWS // MAX_ROWS + 1):
@@ -171,18 +161,14 @@ def test_nobody_asks_for_all_that_a_model_could_say() -> None:
 # --- the node's side ------------------------------------------------------------------------------
 
 
-def desk(models: ModelService) -> Callable[[Question], Told]:
-    return models.at_once
-
-
 def test_a_kept_model_is_loaded_and_asked_like_any_other(
-    tmp_path: object, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     models = service()
-    write_models(LEADER.node.models, tmp_path)  # type: ignore[arg-type]
-    content = (tmp_path / FILE).read_bytes()  # type: ignore[operator]
+    write_models(LEADER.node.models, tmp_path)
+    content = (tmp_path / FILE).read_bytes()
     assert b"0.04" not in content
-    monkeypatch.setattr(kept.desk, "ask", desk(models))
+    monkeypatch.setattr(kept.desk, "ask", models.at_once)
     model = pickle.loads(content)
 
     assert model.predict([[2.0, 3.0, 0.5, 4.0, 5.0]]) == pytest.approx([0.08])
@@ -190,23 +176,20 @@ def test_a_kept_model_is_loaded_and_asked_like_any_other(
     for wrong in ([2.0, 3.0], [[1.0]], np.zeros((0, 5))):
         with pytest.raises(ValueError, match="shape"):
             model.predict(wrong)
-    assert sum(i.is_load for i in models.inferences) == 1
-
-
-def test_a_copy_of_a_loaded_model_is_no_load(monkeypatch: pytest.MonkeyPatch) -> None:
-    import copy  # noqa: PLC0415
-
-    models = service()
-    monkeypatch.setattr(kept.desk, "ask", desk(models))
-    model = kept.load(kept.Kept, FILE)
     for other in (copy.copy(model), copy.deepcopy(model)):
         assert other.predict(ROW) == pytest.approx([0.08])
     assert sum(i.is_load for i in models.inferences) == 1
+    three = service(load_scenario("ml_clip"))  # a model that wants three features
+    monkeypatch.setattr(kept.desk, "ask", three.at_once)
+    assert kept.load(kept.Kept, FILE).predict(ROW[:, :3]) == pytest.approx([9.9])
 
 
-def test_outside_a_trial_nobody_answers() -> None:
+def test_outside_a_trial_nobody_answers_and_no_model_lies_outside(tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="in a trial"):
         kept.Kept(FILE, 1).predict(ROW)
+    for name in ("../model.pkl", "/model.pkl", "a/../../model.pkl"):
+        with pytest.raises(GraderError, match="working folder"):
+            write_models({name: Model("empty", {})}, tmp_path / "node")
 
 
 @pytest.mark.parametrize("scenario", ["detect_numbers", "detect_answers"])
@@ -215,7 +198,7 @@ def test_a_classifier_says_what_it_would_say_in_the_node(
 ) -> None:
     models = service(load_scenario(scenario))
     file, spec = next(iter(models.scenario.node.models.items()))
-    monkeypatch.setattr(kept.desk, "ask", desk(models))
+    monkeypatch.setattr(kept.desk, "ask", models.at_once)
     model, there = kept.load(kept.KeptClassifier, file), probe(spec)
     for method in ("predict", "predict_proba"):
         here, right = getattr(model, method)(ROW), getattr(there, method)(ROW)
@@ -224,23 +207,6 @@ def test_a_classifier_says_what_it_would_say_in_the_node(
     _, label, sure = models.inferences
     assert [str(x) for x in (*label.labels, *map(int, label.said))] == [str(model.predict(ROW)[0])]
     assert sure.said == pytest.approx([model.predict_proba(ROW).max()])
-
-
-def test_a_model_that_wants_three_features_gets_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    models = service(load_scenario("ml_clip"))
-    monkeypatch.setattr(kept.desk, "ask", desk(models))
-    assert kept.load(kept.Kept, FILE).predict(ROW[:, :3]) == pytest.approx([9.9])
-
-
-def test_a_model_may_lie_in_a_folder_of_the_working_folder(tmp_path: Path) -> None:
-    write_models({"v1.onnx/Model.Pkl": Model("constant", {"value": 0.1})}, tmp_path)
-    assert (tmp_path / "v1.onnx" / "Model.Pkl").is_file()
-
-
-@pytest.mark.parametrize("name", ["../model.pkl", "/model.pkl", "a/../../model.pkl"])
-def test_no_model_lies_outside(tmp_path: Path, name: str) -> None:
-    with pytest.raises(GraderError, match="working folder"):
-        write_models({name: Model("empty", {})}, tmp_path / "node")
 
 
 @pytest.mark.parametrize(

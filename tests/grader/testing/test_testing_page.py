@@ -20,17 +20,6 @@ KILLS = {  # as the page says
     "latched_stop": "test_drives_on_when_the_cart_has_passed",
     "two_twists_per_scan": "test_answers_each_scan_once",
 }
-DIGESTS = """
-def test_digests(drive, record_property):
-    for scenario in ("avoid_wall", "avoid_cart"):
-        run = drive("my_agent.py", scenario=scenario)
-        record_property(scenario, run.digest())
-        record_property(f"{scenario} messages", len(run.messages("/cmd_vel")))
-"""
-
-
-def test_the_first_test_file_has_about_ten_lines() -> None:
-    assert sum(bool(line.strip()) for line in DRIVEN.splitlines()) == 10
 
 
 @pytest.mark.long
@@ -65,18 +54,6 @@ def test_wrong_nodes_fail_the_test_that_the_page_names(tmp_path: Path) -> None:
     quoted = re.findall(r"(?m)^  nearest to an obstacle: .*$", PAGE)
     assert len(quoted) == 1
     assert quoted[0] in session.output
-
-
-@pytest.mark.long
-def test_two_runs_have_equal_recordings(tmp_path: Path) -> None:
-    shutil.copy(AGENT, tmp_path / "my_agent.py")
-    (tmp_path / "test_digests.py").write_text(DIGESTS, "utf-8")
-    first, second = (
-        pytest_in(tmp_path).tests["test_digests.test_digests"].properties for _ in range(2)
-    )
-    assert first == second
-    assert first["avoid_wall"] != first["avoid_cart"]
-    assert first["avoid_cart messages"] == "170"
 
 
 @pytest.mark.parametrize("name", ["drive", pytest.param("virtual_time", marks=pytest.mark.long)])

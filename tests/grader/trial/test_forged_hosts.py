@@ -25,8 +25,7 @@ from grader.link.pipes import Pipes
 from grader.recording import Recording
 from grader.trial import recorder, virtual_time
 from grader.trial.virtual_time import Limits, run_trial
-from sim.messages import LASER_SCAN, TWIST, twist
-from sim.scenario import Scenario
+from sim.messages import TWIST, twist
 
 SCANS = [13_000_000 + i * 100_000_000 for i in range(10)]  # [ns] when the lidar of `short` sends
 FIRST = SCANS[0]
@@ -59,11 +58,6 @@ def forge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-u
         return run_trial(Submission(file), short(1.0), forkserver, limits=limits)  # type: ignore[arg-type]
 
     return run
-
-
-def test_the_fixture_is_what_the_tests_assume(short_scenario: Scenario) -> None:
-    assert short_scenario.lidar.phase == FIRST / 1e9
-    assert short(1.0).odometry.enabled is False
 
 
 def test_an_honest_fake_host_completes(forge) -> None:  # type: ignore[no-untyped-def]
@@ -157,11 +151,3 @@ def test_broken_commands_do_not_move_the_robot(forge, data: bytes) -> None:  # t
 
     assert recording.outcome.completed
     assert np.ptp(recording.truth.x) == pytest.approx(0.0, abs=1e-9)
-
-
-def test_a_scan_of_the_nodes_own_is_not_the_robots(forge) -> None:  # type: ignore[no-untyped-def]
-    own = Published(FIRST, "/scan", LASER_SCAN, b"")
-    recording = forge(settled(), settled(FIRST, published=[own]))
-
-    assert len(recording.scans()) == len(recording.of("/scan"))
-    assert recording.published[0].topic == "/from_node/scan"

@@ -83,7 +83,7 @@ def test_a_thread_that_is_called_instead_of_started_is_named(tmp_path: Path) -> 
     assert "target" in death.advice
 
 
-def test_a_constructor_that_waits_is_not_told_to_spin(tmp_path: Path) -> None:
+def test_a_constructor_that_waits_is_not_advised_to_spin(tmp_path: Path) -> None:
     outcome = hung(tmp_path, WAITS, "never_spun").outcome
     death = death_of(outcome.detail)
 

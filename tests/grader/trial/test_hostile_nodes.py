@@ -11,26 +11,27 @@ from sim.messages import TWIST
 
 PATIENT = Limits(start=60.0, step=60.0, total=120.0)
 FLOODS = {
-    "20,000 messages at once": "for _ in range(20_000): self.publisher.publish(Twist())",
-    "a message of 10 MB": "self.text.publish(String(data='x' * 10_000_000))",
-    "many messages of 1 MB": "for _ in range(6): self.text.publish(String(data='x' * 1_000_000))",
+    "1,000 messages": ("completed", "for _ in range(1_000): self.publisher.publish(Twist())"),
+    "20,000 messages": ("flooded", "for _ in range(20_000): self.publisher.publish(Twist())"),
+    "10 MB": ("flooded", "self.text.publish(String(data='x' * 10_000_000))"),
+    "6 MB": ("flooded", "for _ in range(6): self.text.publish(String(data='x' * 1_000_000))"),
 }
 
 
 @pytest.mark.parametrize("flood", FLOODS)
 def test_floods_end_the_trial(run_node: RunNode, flood: str) -> None:
+    kind, body = FLOODS[flood]
     recording = run_node(f"""
         class Flooding(Echo):
             def __init__(self):
                 super().__init__()
                 self.text = self.create_publisher(String, '/text', 10)
             def on_scan(self, scan):
-                {FLOODS[flood]}
+                {body}
         rclpy.init(); rclpy.spin(Flooding())
-    """, limits=PATIENT)  # fmt: skip
+    """, short(0.2), limits=PATIENT)  # fmt: skip
 
-    assert recording.outcome.kind == "flooded"
-    assert recording.outcome.at < 0.2
+    assert recording.outcome.kind == kind
 
 
 @pytest.mark.parametrize("limit", [("MAX_BYTES", 10_000), ("MAX_MESSAGES", 50)])
@@ -60,27 +61,13 @@ def test_a_start_up_has_one_limit_however_often_it_asks(run_node: RunNode) -> No
     assert recording.outcome.kind == "hung"
 
 
-def test_a_thousand_messages_at_once_are_no_flood(run_node: RunNode) -> None:
+def test_a_full_folder_ends_the_trial(run_node: RunNode) -> None:
     recording = run_node("""
-        class Busy(Echo):
-            def on_scan(self, scan):
-                for _ in range(1_000): self.publisher.publish(Twist())
-        rclpy.init(); rclpy.spin(Busy())
-    """, short(0.5))  # fmt: skip
-
-    assert recording.outcome.completed
-    assert len(recording.published) == 5_000
-
-
-@pytest.mark.parametrize(("count", "size"), [(1_000, 0), (1, 50 << 20)])
-def test_a_full_folder_ends_the_trial(run_node: RunNode, count: int, size: int) -> None:
-    recording = run_node(f"""
         class Hoarder(Echo):
             def on_scan(self, scan):
                 self.count = getattr(self, 'count', 0) + 1
                 try:
-                    for i in range({count}):
-                        with open(f'{{self.count}}_{{i}}', 'wb') as file: file.write(bytes({size}))
+                    for i in range(1_000): open(f'{self.count}_{i}', 'wb').close()
                 except OSError: pass
         rclpy.init(); rclpy.spin(Hoarder())
     """)
@@ -92,19 +79,15 @@ def test_a_full_folder_ends_the_trial(run_node: RunNode, count: int, size: int) 
 
 ATTACKS = {
     "writes garbage": "for fd in range(3, 21): write(fd, b'garbage' * 100)",
-    "writes half a length": "for fd in range(3, 21): write(fd, b'x')",
     "writes large lengths": "for fd in range(3, 21): write(fd, bytes([255] * 4))",
-    "writes empty frames": "for fd in range(3, 21): write(fd, bytes(4))",
     "closes everything": "os.closerange(0, 50)",
     "closes everything and goes on for ever": "os.closerange(0, 50)\n"
     + " " * 16
     + "while True: pass",
     "closes its output": "os.closerange(1, 3)",
     "turns the link round": "for fd in range(4, 21): dup2(3, fd)",
-    "stops itself": "os.kill(os.getpid(), 19)",
     "kills itself": "os.kill(os.getpid(), 9)",
     "kills its parent": "kill(os.getppid(), 9)",
-    "leaves at once": "os._exit(0)",
 }
 ENDS = {"forged", "died", "hung", "exception"}
 
@@ -141,16 +124,6 @@ def test_the_next_trial_knows_nothing_of_an_attack(run_node: RunNode) -> None:
     run_node("for fd in range(3, 21):\n    try: os.write(fd, b'x' * 99)\n    except OSError: pass")
 
     assert run_node(source).digest() == before
-
-
-def test_forged_time_marks_do_not_disturb_the_log(run_node: RunNode) -> None:
-    recording = run_node("""
-        print('\\x1e' + '9' * 19); print('\\x1e²'); print('\\x1e-5'); print('after')
-        rclpy.init(); rclpy.spin(Echo())
-    """)
-
-    assert recording.outcome.completed
-    assert [line.time for line in recording.log] == [0] * 4
 
 
 def test_a_node_can_not_write_into_the_bags_own_topics(run_node: RunNode) -> None:

@@ -16,30 +16,12 @@ from grader.errors import GraderError
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
-from grader.trial.real_time import _LiveTrial, run_live_trial
+from grader.trial.real_time import _LiveTrial
 from grader.trial.trials import NodeTrials
 from grader.trial.virtual_time import Limits
 from sim.messages import Message
-from sim.scenario import Scenario
 
 RunLive = Callable[..., Recording]
-
-
-@pytest.fixture
-def run_live(forkserver: ForkServer, tmp_path: Path) -> RunLive:
-    """Run a few lines of node (after PREAMBLE) in a scenario, in real time."""
-
-    def run(source: str, scenario: Scenario | None = None, **options: object) -> Recording:
-        file = tmp_path / "node.py"
-        file.write_text(PREAMBLE + textwrap.dedent(source))
-        return run_live_trial(
-            Submission(file),
-            scenario or short(1.0),
-            forkserver,
-            **options,  # type: ignore[arg-type]
-        )
-
-    return run
 
 
 # --- what virtual time can't carry ---------------------------------------------------------------
@@ -107,45 +89,6 @@ def test_a_busy_wait_runs_in_real_time(forkserver: ForkServer, tmp_path: Path) -
         assert len(recording.twists().t) == len(recording.scans())
 
 
-@pytest.mark.long
-def test_a_node_that_hangs_in_real_time_too_has_hung(
-    forkserver: ForkServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("grader.trial.real_time.HUNG_AFTER", 0.5)
-    exercise = find_exercise("obstacle_avoidance")
-    file = tmp_path / exercise.files[0]
-    file.write_text(
-        PREAMBLE
-        + textwrap.dedent("""
-        class Stuck(Echo):
-            def on_scan(self, scan):
-                while True: pass
-        rclpy.init(); rclpy.spin(Stuck())
-        """)
-    )
-    grading = grade_submission(
-        exercise, Submission(file), forkserver, file=file.name, only=["wiring"]
-    )
-
-    (check,) = grading.checks
-    assert (check.outcome, check.actual) == ("fail", "hung")
-    assert grading.as_dict()["notes"] == []
-
-
-def test_wait_for_message_is_virtual(run_node: RunNode) -> None:
-    recording = run_node("""
-        from rclpy.wait_for_message import wait_for_message
-        rclpy.init(); node = Node('patient')
-        print(wait_for_message(LaserScan, node, '/scan')[0], time.monotonic())
-        print(wait_for_message(LaserScan, node, '/other', time_to_wait=0.5), time.monotonic())
-        rclpy.spin(Echo())
-    """)
-
-    assert recording.outcome.completed
-    assert [line.text for line in recording.log] == ["True 1000.013", "(False, None) 1000.513"]
-    assert len(recording.twists().t) == len(recording.scans()) - 6
-
-
 def test_a_node_that_never_gets_started_is_not_run_again_and_again(
     forkserver: ForkServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -159,12 +102,6 @@ def test_a_node_that_never_gets_started_is_not_run_again_and_again(
 
     assert [first.outcome.kind, second.outcome.kind] == ["hung", "hung"]
     assert second.duration_s == 0.0
-
-
-def test_the_judge_gives_its_priority_back(run_live: RunLive) -> None:
-    before = os.sched_getscheduler(0), os.sched_getparam(0)
-    run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
-    assert (os.sched_getscheduler(0), os.sched_getparam(0)) == before
 
 
 def test_a_killed_node_has_died_and_the_robot_comes_to_rest(run_live: RunLive) -> None:
@@ -225,17 +162,3 @@ def test_robot_and_node_go_before_the_programs_of_other_sessions(
     run_live("rclpy.init(); rclpy.spin(Echo())", short(0.2))
     assert list(groups.values()) == [["nice", "-20"]] * 2
     assert AUTOGROUP.read_text() == mine
-
-
-def test_what_a_constructor_says_to_nobody_is_on_the_record(run_live: RunLive) -> None:
-    recording = run_live("""
-        class Hasty(Echo):
-            def __init__(self):
-                super().__init__()
-                twist = Twist(); twist.linear.x = 0.25; self.publisher.publish(twist)
-        rclpy.init(); rclpy.spin(Hasty())
-    """)
-
-    twists = recording.twists()
-    assert (twists.t[0], twists.linear_x[0]) == (0.0, 0.25)
-    assert len(twists.t) == 11

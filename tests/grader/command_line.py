@@ -1,4 +1,4 @@
-"""The command `course` in a process of its own."""
+"""The command `course`, as people run it: a process, its exit code, what it prints where."""
 
 import json
 import os
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+SHORT = ("--scenario", "demo_wall", "--duration", "0.5")
 
 
 @dataclass(frozen=True)
