@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from course_command import course
+from command_line import course
 
 # What is made for a release is tested where it is made: tests/lessons/test_released_site.py,
 # tests/notebooks/test_released_notebooks.py and, the whole of it, test_handouts.py.
