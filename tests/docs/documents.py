@@ -1,11 +1,10 @@
-"""The project's documents, as tests read them: lines, links, headings, commands, sentences."""
+"""The project's documents, as tests read them: lines, links, headings, commands."""
 
 from __future__ import annotations
 
 import re
 import subprocess
 import unicodedata
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -36,10 +35,6 @@ class Line:
     number: int  # from 1
     text: str
     fence: str | None  # the language of the fence that it is in; None in prose
-
-    @property
-    def in_table(self) -> bool:
-        return self.fence is None and self.text.lstrip().startswith("|")
 
     @property
     def indented(self) -> bool:
@@ -104,16 +99,6 @@ class Document:
             for line in self.lines
             if line.fence is None and re.match(r"#{1,6} ", line.text)
         }
-
-    def sentences(self) -> Iterator[str]:
-        """Yield the sentences of prose and lists, without their markup."""
-        text = LINK.sub(lambda link: link[0].lstrip("![").partition("]")[0], self.prose)
-        text = re.sub(r"<[^>]*>", "\n\n", text)
-        text = re.sub(r"(?m)^\|.*$", "\n", text)  # cells of tables repeat each other
-        text = re.sub(r"(?m)^\s*(#+|[-*]|\d+\.) ", "\n\n", text)
-        for block in re.split(r"\n\s*\n", text):
-            plain = re.sub(r"[*`\s]+", " ", block).strip()
-            yield from re.split(r"(?<=[.!?:]) (?=\S)", plain)
 
 
 def anchor(heading: str) -> str:
