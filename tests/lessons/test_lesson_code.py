@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
 import shlex
 import shutil
 import subprocess
@@ -149,39 +148,10 @@ def test_every_program_is_run() -> None:
     driven = {shlex.split(command.text)[3] for command, _ in commands()}
     written = {block.options["caption"] for block in nodes()}
     assert written - driven == FRAGMENTS
+    for block in nodes():
+        compile(block.text, block.options["caption"], "exec")
     count = len(written - FRAGMENTS), sum(len(snippets(page)) for page in PAGES)
     assert count[0] >= 7 and count[1] >= 10, f"only {count[0]} nodes and {count[1]} snippets"
-
-
-def test_fragments_are_python_all_the_same() -> None:
-    for block in nodes():
-        if block.options["caption"] in FRAGMENTS:
-            assert block.options["class"] == "fragment"
-            compile(block.text, block.options["caption"], "exec")
-
-
-def test_programs_are_in_the_style_of_the_project(tmp_path: Path) -> None:
-    ruff = shutil.which(
-        "ruff", path=os.pathsep.join((str(Path(sys.executable).parent), os.defpath))
-    )
-    if ruff is None:
-        pytest.skip("ruff is not installed")
-    for block in nodes():
-        name = block.options["caption"].removesuffix(".py").replace(".", "_") + ".py"
-        (tmp_path / name).write_text(block.text, "utf-8")
-    for number, block in enumerate(b for page in PAGES for b in snippets(page)):
-        (tmp_path / f"snippet_{number}.py").write_text(block.text, "utf-8")
-    settings = ["--isolated", "--line-length", "100", "--no-cache"]
-    done = subprocess.run(
-        [ruff, "format", "--diff", *settings, "."],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout
-    done = subprocess.run(
-        [ruff, "check", "--select", "E,F,I,UP,B", "--ignore", "F821,E402", *settings, "."],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout
 
 
 def test_comparison_notices_differences() -> None:
