@@ -12,9 +12,9 @@ from typing import Any
 
 import nbformat
 
-from grader.course.exercises import ROOT
+from grader.course.exercises import ROOT, Exercise, find_exercise
 from grader.nbgrader.cells import definition
-from grader.notebook.build import NOTEBOOKS
+from grader.notebook.build import NOTEBOOKS, all_notebooks, asked_by
 from grader.notebook.build import source_of as source_path
 
 FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"
@@ -70,6 +70,22 @@ def make_course(folder: Path, notebooks: Sequence[str], extra: str = "") -> Path
     (folder / "nbgrader_config.py").write_text(config + extra, "utf-8")
     nbgrader(folder, "generate_assignment", ALL)
     return folder
+
+
+def whole_course(made_once: MadeOnce) -> Path:
+    """Return the whole course, released."""
+    return made_once("whole-course", lambda folder: make_course(folder, all_notebooks()))
+
+
+def stored(name: str) -> Any:
+    """Return an instructor's notebook."""
+    return nbformat.read(source_path(name), as_version=4)
+
+
+def exercises_of(name: str) -> list[Exercise]:
+    """Return the exercises that a notebook's test cells ask for."""
+    wants = asked_by(stored(name)).values()
+    return [find_exercise(slug) for slug in dict.fromkeys(want.exercise for want in wants)]
 
 
 def released(folder: Path, notebook: str) -> dict[str, Any]:

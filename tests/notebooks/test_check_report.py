@@ -53,31 +53,23 @@ FULL = grading(
 class Words(HTMLParser):
     """The text of a page, and its elements."""
 
-    def __init__(self) -> None:
+    def __init__(self, page: str) -> None:
         super().__init__()
         self.text = ""
         self.tags: list[str] = []
         self.attributes: list[str] = []
-        self._style = False
+        self.feed(re.sub(r"(?s)(?<=<style>).*?(?=</style>)|</?b>", "", page))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append(tag)
         self.attributes += [name for name, _ in attrs]
-        self._style = tag == "style"
-        self.text += "" if tag == "b" else " "
+        self.text += " "
 
     def handle_endtag(self, tag: str) -> None:
-        self._style = False
-        self.text += "" if tag == "b" else " "
+        self.text += " "
 
     def handle_data(self, data: str) -> None:
-        self.text += "" if self._style else data
-
-
-def read(page: str) -> Words:
-    reader = Words()
-    reader.feed(page)
-    return reader
+        self.text += data
 
 
 @pytest.mark.parametrize("given", [FULL, grading(check("pass")), grading()])
@@ -87,7 +79,7 @@ def test_the_words_are_the_terminals(given: dict[str, Any]) -> None:
         render_terminal(given, console)
     terminal = re.sub("[█░]+", "", said.get()).split()
 
-    assert sorted(read(grading_html(given)).text.split()) == sorted(terminal)
+    assert sorted(Words(grading_html(given)).text.split()) == sorted(terminal)
 
 
 HINT = {"title": "Task 2. Hint 1", "anchor": "hints.md#task-2", "text": f"Not index 0. {HOSTILE}"}
@@ -101,20 +93,11 @@ def test_the_cause_stands_above_the_table_with_its_hint_unfolded() -> None:
     assert page.index("It looks back") < page.index("A check that is fail.")
     assert "<details open><summary>Hint: Task 2. Hint 1 (hints.md#task-2)</summary>" in page
     assert "Not index 0." in page
-    assert not {"script", "img"} & set(read(page).tags)
     assert "It looks back" not in grading_html(grading(check("fail"), cause=None))
 
 
-def test_every_outcome_has_a_colour_a_sign_and_a_word() -> None:
+def test_every_outcome_has_a_colour() -> None:
     assert COLOURS.keys() == OUTCOMES.keys()
-    for colour in COLOURS.values():  # white on it: at least 4.5
-        assert 1.05 / (luminance(colour) + 0.05) >= 4.5
-
-
-def luminance(colour: str) -> float:
-    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-    linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
-    return float(sum(w * x for w, x in zip((0.2126, 0.7152, 0.0722), linear, strict=True)))
 
 
 def test_nothing_of_a_students_is_markup() -> None:
@@ -122,14 +105,12 @@ def test_nothing_of_a_students_is_markup() -> None:
     hostile = check("fail", time=1.0, **dict.fromkeys(texts, HOSTILE))
     given = grading(hostile, exercise=HOSTILE, file=HOSTILE, notes=[HOSTILE])
     report = CheckReport(given, HOSTILE, "<p>page</p>", HOSTILE)
-    page = read(report._repr_html_())
+    page = Words(report._repr_html_())
 
-    assert "script" not in page.tags
-    assert "img" not in page.tags
+    assert not {"script", "img"} & set(page.tags)
     assert not [name for name in page.attributes if name.startswith("on")]
     assert page.tags.count("iframe") == 1
-    assert "\x1b" not in report._repr_html_()
-    assert "\u202e" not in report._repr_html_()
+    assert not {"\x1b", "\u202e"} & set(report._repr_html_())
 
 
 def test_a_page_in_a_frame_is_that_page_and_reaches_nothing() -> None:
@@ -140,17 +121,7 @@ def test_a_page_in_a_frame_is_that_page_and_reaches_nothing() -> None:
     assert found is not None
     assert html.unescape(found[1]) == page
     assert 'sandbox="allow-scripts"' in frame
-    assert read(frame).tags == ["style", "iframe"]
-
-
-def test_the_report_is_no_mark_but_says_its_points() -> None:
-    report = CheckReport(FULL, "\n table\n\n", "")
-
-    assert (report.score, report.max_score) == (10, 30)
-    assert [found["id"] for found in report.checks] == [c["id"] for c in FULL["checks"]]
-    assert repr(report) == " table"
-    with pytest.raises(TypeError):
-        float(report)  # type: ignore[arg-type]
+    assert Words(frame).tags == ["style", "iframe"]
 
 
 def test_without_a_notebook_all_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
@@ -160,4 +131,4 @@ def test_without_a_notebook_all_is_printed(capsys: pytest.CaptureFixture[str]) -
     CheckReport(FULL, "table", "")._ipython_display_()
 
     assert capsys.readouterr().out == f"{HOSTILE[:25]}\ntable\n"
-    assert read(preformatted(HOSTILE)).tags == ["pre"]
+    assert Words(preformatted(HOSTILE)).tags == ["pre"]
