@@ -90,12 +90,11 @@ def site(made_once: MadeOnce) -> Path:
 
 
 def build_site(folder: Path) -> None:
-    """Build the lesson; the build's last words stand beside it."""
+    """Build the lesson; a warning is an error."""
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-n", "-q", "-b", "html"]
     command += ["-d", str(folder / "doctrees"), str(ROOT / "lessons"), str(folder / "html")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 0, done.stderr
-    (folder / "said.txt").write_text(done.stdout + done.stderr, "utf-8")
 
 
 # --- a browser -----------------------------------------------------------------------------

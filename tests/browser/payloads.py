@@ -51,18 +51,11 @@ def scans_of(t: list[float], x: list[float], y: list[float], yaw: list[float]) -
     }
 
 
+TEXTS = dict.fromkeys(("message", "expected", "actual", "help"), "")
+
+
 def moment(t: float, check: str, title: str, **texts: str) -> JsonDict:
-    return {
-        "t": t,
-        "check": check,
-        "title": title,
-        "outcome": "fail",
-        "message": "",
-        "expected": "",
-        "actual": "",
-        "help": "",
-        **texts,
-    }
+    return {"t": t, "check": check, "title": title, "outcome": "fail"} | TEXTS | texts
 
 
 def replay(**parts: Any) -> JsonDict:
@@ -218,22 +211,12 @@ def odd_run() -> JsonDict:
 
 
 def check(check_id: str, title: str, outcome: str = "pass", **parts: Any) -> JsonDict:
-    points = parts.pop("max_points", 10)
-    return {
-        "id": check_id,
-        "title": title,
-        "kind": "core",
-        "points": points if outcome == "pass" else 0,
-        "max_points": points,
-        "outcome": outcome,
-        "message": "",
-        "expected": "",
-        "actual": "",
-        "time": None,
-        "help": "",
-        "scenario": None,
-        **parts,
-    }
+    most = parts.pop("max_points", 10)
+    points = most if outcome == "pass" else 0
+    return TEXTS | {
+        "id": check_id, "title": title, "kind": "core", "points": points, "max_points": most,
+        "outcome": outcome, "time": None, "scenario": None, **parts,
+    }  # fmt: skip
 
 
 def grading(checks: list[JsonDict], *, field_ready: bool | None = None) -> JsonDict:
@@ -273,10 +256,9 @@ def failing_checks() -> list[JsonDict]:
         for name, outcome, points, title, message in CHECKS
     ]
     known = {moment["check"]: moment for moment in wall_run()["moments"]}
-    texts = ("title", "message", "expected", "actual", "help")
     for one in made:
         if (seen := known.get(one["id"])) is not None:
-            one |= {key: seen[key] for key in texts}
+            one |= {key: seen[key] for key in ("title", *TEXTS)}
             one |= {"time": seen["t"], "scenario": "wall_ahead"}
     return made
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from contract import FILE, Number, read
+from contract import Number, read
 from lesson_pages import LESSONS, PAGES, ROOT, blocks, prose
 
 NUMBERS = read()
@@ -183,10 +183,3 @@ def test_the_index_lists_every_page_and_its_minutes() -> None:
     assert "about 110 minutes" in index
     for page, minutes in rows.items():
         assert f"*{minutes} minutes*" in (LESSONS / f"{page}.md").read_text("utf-8"), page
-
-
-def test_a_misspelt_entry_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "contract.toml"
-    file.write_text(FILE.read_text("utf-8") + "\n[odd]\nvalue = 1\nlwa = ''\n", "utf-8")
-    with pytest.raises(TypeError, match="lwa"):
-        read(file)

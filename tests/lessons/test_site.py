@@ -118,10 +118,6 @@ def pages(site: Path) -> dict[str, Page]:
     return pages_of(site)
 
 
-def test_builds_without_a_warning(site: Path) -> None:
-    assert (site.parent / "said.txt").read_text("utf-8").strip() == ""
-
-
 def test_every_page_is_there(pages: dict[str, Page]) -> None:
     assert {f"{page.stem}.html" for page in PAGES} <= set(pages)
     assert len(EXERCISES) == 9

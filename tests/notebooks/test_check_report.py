@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import html
 import re
-from html.parser import HTMLParser
 from io import StringIO
 from typing import Any
 
 import pytest
+from html_pages import Page
 from rich.console import Console
 
 from grader.notebook.frame import frame_html
-from grader.notebook.report import COLOURS, CheckReport, grading_html
+from grader.notebook.report import CheckReport, grading_html
 from grader.notebook.show import Progress, preformatted
-from grader.report.terminal import OUTCOMES, render_terminal
+from grader.report.terminal import render_terminal
 
 HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(2)>\"'&\x1b[31m\u202e"
 
@@ -50,26 +50,8 @@ FULL = grading(
 )  # fmt: skip
 
 
-class Words(HTMLParser):
-    """The text of a page, and its elements."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.text = ""
-        self.tags: list[str] = []
-        self.attributes: list[str] = []
-        self.feed(re.sub(r"(?s)(?<=<style>).*?(?=</style>)|</?b>", "", page))
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.attributes += [name for name, _ in attrs]
-        self.text += " "
-
-    def handle_endtag(self, tag: str) -> None:
-        self.text += " "
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
+def words(page: str) -> list[str]:
+    return sorted(" ".join(Page(re.sub(r"(?s)<style>.*?</style>|</?b>", "", page)).texts).split())
 
 
 @pytest.mark.parametrize("given", [FULL, grading(check("pass")), grading()])
@@ -79,7 +61,7 @@ def test_the_words_are_the_terminals(given: dict[str, Any]) -> None:
         render_terminal(given, console)
     terminal = re.sub("[█░]+", "", said.get()).split()
 
-    assert sorted(Words(grading_html(given)).text.split()) == sorted(terminal)
+    assert words(grading_html(given)) == sorted(terminal)
 
 
 HINT = {"title": "Task 2. Hint 1", "anchor": "hints.md#task-2", "text": f"Not index 0. {HOSTILE}"}
@@ -96,19 +78,15 @@ def test_the_cause_stands_above_the_table_with_its_hint_unfolded() -> None:
     assert "It looks back" not in grading_html(grading(check("fail"), cause=None))
 
 
-def test_every_outcome_has_a_colour() -> None:
-    assert COLOURS.keys() == OUTCOMES.keys()
-
-
 def test_nothing_of_a_students_is_markup() -> None:
     texts = ("title", "message", "expected", "actual", "help", "scenario", "where", "log")
     hostile = check("fail", time=1.0, **dict.fromkeys(texts, HOSTILE))
     given = grading(hostile, exercise=HOSTILE, file=HOSTILE, notes=[HOSTILE])
     report = CheckReport(given, HOSTILE, "<p>page</p>", HOSTILE)
-    page = Words(report._repr_html_())
+    page = Page(report._repr_html_())
 
     assert not {"script", "img"} & set(page.tags)
-    assert not [name for name in page.attributes if name.startswith("on")]
+    assert not [name for _, name, _ in page.attributes if name.startswith("on")]
     assert page.tags.count("iframe") == 1
     assert not {"\x1b", "\u202e"} & set(report._repr_html_())
 
@@ -121,7 +99,7 @@ def test_a_page_in_a_frame_is_that_page_and_reaches_nothing() -> None:
     assert found is not None
     assert html.unescape(found[1]) == page
     assert 'sandbox="allow-scripts"' in frame
-    assert Words(frame).tags == ["style", "iframe"]
+    assert Page(frame).tags == ["style", "iframe"]
 
 
 def test_without_a_notebook_all_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
@@ -131,4 +109,4 @@ def test_without_a_notebook_all_is_printed(capsys: pytest.CaptureFixture[str]) -
     CheckReport(FULL, "table", "")._ipython_display_()
 
     assert capsys.readouterr().out == f"{HOSTILE[:25]}\ntable\n"
-    assert Words(preformatted(HOSTILE)).tags == ["pre"]
+    assert Page(preformatted(HOSTILE)).tags == ["pre"]

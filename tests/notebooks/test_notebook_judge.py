@@ -87,14 +87,6 @@ def test_a_notebook_carries_the_first_failure_first_and_not_more_than_it_can(
     assert (len(shown) > 1, only["scenario"]) == (True, shown[0]["scenario"])
 
 
-def test_a_drive_comes_with_its_summary(forkservers: ForkServerPool) -> None:
-    answer = carry_out(Drive(str(RIGHT), "my.py", "demo_wall"), forkservers, lambda _: None)
-
-    assert isinstance(answer, Driven)
-    assert answer.text.startswith("my.py in demo_wall, seed 1\n")
-    assert [replay["scenario"] for replay in replays(answer.page)] == ["demo_wall"]
-
-
 @pytest.mark.parametrize(
     ("order", "said"),
     [
