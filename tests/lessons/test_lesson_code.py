@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import shlex
 import shutil
 import subprocess
@@ -61,25 +62,12 @@ def commands() -> list[tuple[Block, Block | None]]:
 
 def same(expected: str, actual: str) -> None:
     """Compare line by line; a line of `…` stands for any lines."""
-    wanted = [line.rstrip() for line in expected.rstrip().splitlines()]
-    lines = [line.rstrip() for line in actual.rstrip().splitlines()]
-    if ELISION not in wanted:
-        assert lines == wanted
-        return
-    pieces: list[list[str]] = [[]]
-    for line in wanted:
-        pieces.append([]) if line == ELISION else pieces[-1].append(line)
-    at = 0
-    for number, piece in enumerate(pieces):
-        if not piece:
-            continue
-        anchored = number == 0
-        last = number == len(pieces) - 1
-        starts = [0] if anchored else range(at, len(lines) - len(piece) + 1)
-        hits = [start for start in starts if lines[start : start + len(piece)] == piece]
-        hits = [hit for hit in hits if not last or hit + len(piece) == len(lines)]
-        assert hits, f"not printed: {piece}\nprinted:\n" + "\n".join(lines)
-        at = hits[0] + len(piece)
+    form = "".join(
+        r"(?:.*\n)*" if line.rstrip() == ELISION else f"{re.escape(line.rstrip())}\n"
+        for line in expected.rstrip().splitlines()
+    )
+    printed = "".join(f"{line.rstrip()}\n" for line in actual.rstrip().splitlines())
+    assert re.fullmatch(form, printed), f"not printed:\n{expected}\nbut:\n{printed}"
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if snippets(page)], ids=lambda p: p.stem)
