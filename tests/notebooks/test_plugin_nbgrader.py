@@ -164,25 +164,6 @@ def hand_in_oddities(course: Path, elsewhere: Path) -> None:
     hand_in(course, "g_huge", "01_loop", huge)
 
 
-def test_release_fetch_submit_and_collect(course: Path, tmp_path: Path) -> None:
-    nbgrader(course, "release_assignment", "01_loop")
-    config = (course / "nbgrader_config.py").read_text("utf-8")
-    student = tmp_path / "student"
-    student.mkdir()
-    (student / "nbgrader_config.py").write_text(config, "utf-8")
-    nbgrader(student, "fetch_assignment", "01_loop")
-    path = student / "01_loop" / "01_loop.ipynb"
-    notebook = json.loads(path.read_text("utf-8"))
-    assert notebook == released(course, "01_loop")
-    path.write_text(json.dumps(fill(notebook, {FILE: solution(SLUG, FILE)})), "utf-8")
-    nbgrader(student, "submit", "01_loop")
-
-    nbgrader(course, "collect", "01_loop")
-
-    (collected,) = (course / "submitted").glob("*/01_loop/timestamp.txt")
-    assert (collected.parent / "01_loop.ipynb").read_text("utf-8") == path.read_text("utf-8")
-
-
 def test_every_student_has_worlds_of_their_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -168,11 +168,13 @@ def test_what_is_no_address_is_refused(address: str) -> None:
 # --- what lacks ----------------------------------------------------------------------------------
 
 
-def test_requirements_are_those_of_the_project() -> None:
+def test_requirements_are_those_of_the_project(monkeypatch: pytest.MonkeyPatch) -> None:
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     assert len(preparation.required()) == len(extras["dependencies"])
     ros = [one.partition(";")[0] for one in extras["optional-dependencies"]["ros"]]
     assert preparation.required("ros") == ros
+    assert preparation.missing() == []
+    monkeypatch.setattr(preparation, "COURSE", "a-course-that-is-not-installed")
     assert preparation.missing() == []
 
 
