@@ -87,7 +87,7 @@ site: $(VENV)/.dev ## build the lesson as a site into build/site
 	$(BIN)/python -m grader.authoring.pitfalls build/site/pitfalls/replays
 	@echo "open build/site/index.html"
 
-notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with 12 students in all exercises
+notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seven students in all exercises
 	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks \
 	  tests/browser/test_jupyterlab.py tests/browser/test_formgrader.py
 

@@ -90,12 +90,11 @@ def site(made_once: MadeOnce) -> Path:
 
 
 def build_site(folder: Path) -> None:
-    """Build the lesson; the build's last words stand beside it."""
+    """Build the lesson; a warning is an error."""
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-n", "-q", "-b", "html"]
     command += ["-d", str(folder / "doctrees"), str(ROOT / "lessons"), str(folder / "html")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 0, done.stderr
-    (folder / "said.txt").write_text(done.stdout + done.stderr, "utf-8")
 
 
 # --- a browser -----------------------------------------------------------------------------
@@ -112,6 +111,31 @@ def browser() -> Iterator[Any]:
         chromium = playwright.chromium.launch(executable_path=path, args=CHROMIUM_ARGUMENTS)
         yield chromium
         chromium.close()
+
+
+@pytest.fixture
+def open_file(browser: Any) -> Iterator[Callable[..., Any]]:
+    """Open files in a browser; at the end none may have complained, or asked for anything else."""
+    contexts, complaints, requests = [], [], []
+
+    def open_(file: Path, may_complain: bool = False, **options: Any) -> Any:
+        settings = {"viewport": {"width": 1280, "height": 800}, "reduced_motion": "reduce"}
+        context = browser.new_context(**settings | options)
+        contexts.append(context)
+        page = context.new_page()
+        if not may_complain:
+            page.on("console", lambda message: complaints.append(message.text))
+            page.on("pageerror", lambda error: complaints.append(str(error)))
+            page.on("requestfailed", lambda request: complaints.append(request.url))
+        page.on("request", lambda request: requests.append(request.url))
+        page.goto(file.as_uri())
+        return page
+
+    yield open_
+    for context in contexts:
+        context.close()
+    assert complaints == []
+    assert [url for url in requests if not url.startswith(("file:", "data:", "about:"))] == []
 
 
 @pytest.fixture(scope="session")

@@ -279,17 +279,12 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
 
 def _register_where_a_kernel_runs() -> None:
     """Register `%%node` if a kernel imports this, as `from grader.notebook import *` does."""
-    import sys  # noqa: PLC0415
+    from grader.notebook.show import shell  # noqa: PLC0415
 
-    if "IPython" not in sys.modules:  # an ordinary program, such as `grader.notebook.build`
-        return
-    from IPython.core.getipython import get_ipython  # noqa: PLC0415
-
-    shell = get_ipython()
-    if shell is not None:
+    if (running := shell()) is not None:
         from grader.notebook.magic import register  # noqa: PLC0415
 
-        register(shell)
+        register(running)
 
 
 _register_where_a_kernel_runs()

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
-import selectors
-import subprocess
 import sys
 import time
 from dataclasses import dataclass
@@ -17,15 +13,15 @@ import numpy as np
 from grader.errors import InputError
 from grader.models.dataset import PROFILE, make_dataset
 from grader.notebook.child import environment
+from grader.notebook.program import run
 from grader.notebook.session import SESSION
-from grader.notebook.show import BEAT, Progress, preformatted, tell
+from grader.notebook.show import Progress, preformatted, tell
 from grader.report.terminal import plain
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOST_OUTPUT = 20_000  # [characters] of a script's output that are shown, the last ones
-CHUNK = 1 << 16  # [bytes]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,41 +72,29 @@ def write_dataset(file: Path, *, scans: int, seed: int) -> NotebookDataset:
 
 def train_model(script: Path, *, data: Path, out: Path, onnx: Path) -> bool:
     """See `grader.notebook.train`."""
-    if script.name in SESSION.refused:
-        tell(f"Not trained: the last %%node {script.name} cell was not saved "
-             f"({SESSION.refused[script.name]}); correct it and run it again")  # fmt: skip
-        return False
-    if not script.is_file():
-        tell(f"Not trained: there is no {script} here: run the cell that starts with "
-             f"“%%node {script.name}” first")  # fmt: skip
+    try:
+        SESSION.usable(script, [script.name])
+    except InputError as error:
+        tell(f"Not trained: {error}")
         return False
     if not data.is_file():
         tell(repr(write_dataset(data, scans=2000, seed=1)))
     for model in (out, onnx):
         model.unlink(missing_ok=True)  # an old one would be taken for this script's
+    paths = ("--data", str(data), "--out", str(out), "--onnx", str(onnx))
+    command = [sys.executable, "-u", str(script.resolve()), *paths]
     bar = Progress(f"{script.name} trains")
     begin = time.monotonic()
     try:
-        code, said = _run(_command(script, data, out, onnx), bar)
+        code, said = run(command, bar, environment(), plain)
     except KeyboardInterrupt:
         bar.say("Not trained: stopped, because you interrupted the kernel. Run the cell again.")
         return False
-    lines = [plain_output(said)] if said.strip() else []
+    lines = [plain(line) for line in said[-MOST_OUTPUT:].strip().split("\n") if said.strip()]
     lines += _outcome(script, code, time.monotonic() - begin, (out, onnx))
     text = "\n".join(lines)
     bar.end({"text/plain": text, "text/html": preformatted(text)})
     return code == 0 and out.is_file() and onnx.is_file()
-
-
-def plain_output(text: str) -> str:
-    """Return the end of what a script printed, without escape sequences."""
-    kept = text[-MOST_OUTPUT:].strip("\n")
-    return "\n".join(plain(line) for line in kept.split("\n"))
-
-
-def _command(script: Path, data: Path, out: Path, onnx: Path) -> list[str]:
-    paths = ("--data", str(data), "--out", str(out), "--onnx", str(onnx))
-    return [sys.executable, "-u", str(script.resolve()), *paths]
 
 
 def _outcome(script: Path, code: int, seconds: float, models: tuple[Path, Path]) -> list[str]:
@@ -123,35 +107,3 @@ def _outcome(script: Path, code: int, seconds: float, models: tuple[Path, Path])
         size = f"{model.stat().st_size:,} bytes" if there else "was not written"
         lines.append(f"  {'✓' if there else '✗'} {model}: {size}")
     return lines
-
-
-def _run(command: list[str], bar: Progress) -> tuple[int, str]:
-    """Run a command; return its exit code, and what it printed."""
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        env=environment(),
-        start_new_session=True,
-    )
-    assert process.stdout is not None
-    said = b""
-    try:
-        with selectors.DefaultSelector() as selector:
-            selector.register(process.stdout, selectors.EVENT_READ)
-            while True:
-                if selector.select(BEAT):
-                    data = os.read(process.stdout.fileno(), CHUNK)
-                    if not data:
-                        break
-                    said = (said + data)[-4 * MOST_OUTPUT :]
-                last = said.decode("utf-8", "replace").strip().rpartition("\n")[2]
-                bar.update(None, plain(last)[:80] or "at work")
-        return process.wait(), said.decode("utf-8", "replace")
-    finally:
-        with contextlib.suppress(ProcessLookupError):
-            if process.poll() is None:
-                os.killpg(process.pid, 9)
-        process.wait()
-        process.stdout.close()

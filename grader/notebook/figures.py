@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import io
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,15 +23,12 @@ html[theme="dark"] img.course-plot { filter: invert(.93) hue-rotate(180deg); }
 def follow_theme(figure: Figure) -> None:
     """Let a notebook show a figure in its own theme; elsewhere nothing changes."""
     setattr(figure, OURS, True)
-    from grader.notebook.show import in_notebook  # noqa: PLC0415
+    from grader.notebook.show import in_notebook, shell  # noqa: PLC0415
 
-    if not in_notebook():
-        return
-    from IPython.core.getipython import get_ipython  # noqa: PLC0415
-    from matplotlib.figure import Figure  # noqa: PLC0415
+    if in_notebook():
+        from matplotlib.figure import Figure  # noqa: PLC0415
 
-    shell: Any = get_ipython()
-    shell.display_formatter.formatters["text/html"].for_type(Figure, figure_html)
+        shell().display_formatter.formatters["text/html"].for_type(Figure, figure_html)
 
 
 def figure_html(figure: Figure) -> str | None:

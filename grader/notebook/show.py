@@ -15,23 +15,24 @@ Bundle = dict[str, str]  # content by MIME type; "text/plain" is always there
 BEAT = 0.25  # [s] between two updates of a bar
 
 
-def in_notebook() -> bool:
-    """Tell whether this runs in a kernel that displays HTML."""
-    if "IPython" not in sys.modules:
-        return False
-    from IPython.core.getipython import get_ipython  # noqa: PLC0415
-
-    return hasattr(get_ipython(), "kernel")
-
-
-def execution_count() -> int | None:
-    """Return the number of the cell that is running; None without IPython."""
+def shell() -> Any:
+    """Return the IPython that this runs in; None outside of one, and IPython is not imported."""
     if "IPython" not in sys.modules:
         return None
     from IPython.core.getipython import get_ipython  # noqa: PLC0415
 
-    shell = get_ipython()
-    return None if shell is None else int(shell.execution_count)
+    return get_ipython()
+
+
+def in_notebook() -> bool:
+    """Tell whether this runs in a kernel that displays HTML."""
+    return hasattr(shell(), "kernel")
+
+
+def execution_count() -> int | None:
+    """Return the number of the cell that is running; None without IPython."""
+    running = shell()
+    return None if running is None else int(running.execution_count)
 
 
 def tell(text: str) -> None:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from pathlib import Path
-from typing import Any
 
 from grader.course.submission import MAX_SIZE, read_regular_file
-from grader.notebook.cells import MAGIC, QUOTES, ended
+from grader.nbgrader.cells import last_definitions
+from grader.nbgrader.intake import Unreadable, read_cells
+from grader.notebook.cells import MAGIC
+from grader.notebook.show import shell
 
-MAX_NOTEBOOK = 32 * 1024 * 1024  # [bytes]
 MINUTE, HOUR, DAY = 60, 3600, 86_400  # [s]
 
 
@@ -39,11 +39,12 @@ def newer_cell(path: Path) -> str:
     try:
         if notebook.stat().st_mtime <= path.stat().st_mtime:
             return ""
-        saved = _saved(json.loads(read_regular_file(notebook, MAX_NOTEBOOK)), path.name)
         own = read_regular_file(path, MAX_SIZE).decode("utf-8")
-    except (OSError, ValueError, RecursionError, TypeError, AttributeError, KeyError):
+        cells = [(cell.kind, cell.source) for cell in read_cells(notebook) if cell.kind == "code"]
+    except (OSError, UnicodeDecodeError, Unreadable):
         return ""
-    if saved is None or saved == own:
+    texts, _ = last_definitions(cells, [path.name])
+    if texts.get(path.name, own) == own:
         return ""
     return (
         f"The cell “{MAGIC} {path.name}” has changed since it was run: this is about the file as "
@@ -52,25 +53,9 @@ def newer_cell(path: Path) -> str:
 
 
 def _notebook() -> Path | None:
-    """Return this kernel's notebook, where Jupyter or VS Code tells it."""
-    told = os.environ.get("JPY_SESSION_NAME", "")
-    if not told:
-        from IPython.core.getipython import get_ipython  # noqa: PLC0415
-
-        shell: Any = get_ipython()
-        told = str(shell.user_ns.get("__vsc_ipynb_file__", "")) if shell is not None else ""
-    path = Path(told)
+    """Return this kernel's notebook, where Jupyter or VS Code says which it is."""
+    said = os.environ.get("JPY_SESSION_NAME", "")
+    if not said and (running := shell()) is not None:
+        said = str(running.user_ns.get("__vsc_ipynb_file__", ""))
+    path = Path(said)
     return path if path.suffix == ".ipynb" and path.is_file() else None
-
-
-def _saved(notebook: Any, name: str) -> str | None:
-    """Return the text of the last cell for a file; None if there is none."""
-    found = None
-    for cell in notebook["cells"]:
-        source = cell.get("source", "")
-        source = source if isinstance(source, str) else "".join(source)
-        first, _, rest = source.partition("\n")
-        magic, _, words = first.strip().partition(" ")
-        if cell.get("cell_type") == "code" and magic == MAGIC and words.strip(f" {QUOTES}") == name:
-            found = ended(rest)
-    return found

@@ -309,7 +309,7 @@ def _tier(grading: Mapping[str, Any]) -> str:
 def _cause(told: Iterable[tuple[str, str]], console: Console) -> Padding:
     facts = Table.grid(padding=(0, 2, 0, 0))
     facts.add_column(no_wrap=True, style="bold")
-    facts.add_column()
+    facts.add_column(overflow="fold")
     for name, text in told:
         style = "bold" if name == "cause" else ""
         facts.add_row(name.capitalize(), Text(printable(text, console), style=style))
@@ -326,7 +326,7 @@ def _group_title(kind: str, group: Sequence[Check], console: Console) -> Text:
 def _table(checks: Iterable[Check], console: Console) -> Table:
     table = Table.grid(padding=(0, 2, 0, 0), expand=True)
     table.add_column(width=8, no_wrap=True)
-    table.add_column(ratio=1)
+    table.add_column(ratio=1, overflow="fold")  # Rich's ellipsis is no ASCII
     table.add_column(width=7, justify="right", no_wrap=True)
     for check, more in with_details(checks):
         sign, ascii_sign, word, style = OUTCOMES.get(check["outcome"], OUTCOMES["error"])
@@ -351,7 +351,7 @@ def _add_details(table: Table, check: Check, console: Console) -> None:
         table.add_row("", Text(printable(check["message"], console)), "")
     facts = Table.grid(padding=(0, 2, 0, 0))
     facts.add_column(width=8, no_wrap=True, style="dim")
-    facts.add_column()
+    facts.add_column(overflow="fold")
     for name, text in facts_of(check):
         facts.add_row(name, Text(printable(text, console)))
     if facts.row_count:

@@ -1,6 +1,6 @@
 """What Sphinx and furo leave out for readers with a screen reader or a keyboard.
 
-Checked with axe-core in tests/lessons/test_site_axe.py.
+Checked with axe-core in tests/lessons/test_site_in_browser.py.
 """
 
 from __future__ import annotations

@@ -16,12 +16,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from frames import LIMIT
+
 from grader.course.exercises import ROOT
 
 NOTEBOOK_TESTS = str(ROOT / "tests" / "notebooks")
 sys.path[:0] = [path for path in [NOTEBOOK_TESTS] if path not in sys.path]  # nbgrader_kit
 IMAGES = ROOT / "docs" / "images"
-LIMIT = 60.0  # [s] for a server to start, a notebook to run: far more than they take
 SETTINGS = {
     # nobody asks whether there is news, and no question stands before what is to be seen
     "@jupyterlab/apputils-extension:notification": {
@@ -145,21 +146,6 @@ def tab(browser: Any, server: Server, **options: Any) -> Iterator[Tab]:
         context.close()
     said = [*opened.complaints, *opened.strangers]
     assert not said, "\n".join(said)
-
-
-def wait_until(place: Any, condition: str) -> None:
-    """Look at each frame; Playwright's own waiting needs eval, which the replays forbid."""
-    place.evaluate(
-        f"""() => new Promise((resolve, reject) => {{
-          const end = performance.now() + {LIMIT * 1000};
-          const look = () => {{
-            if ({condition}) resolve();
-            else if (performance.now() > end) reject(new Error('waited too long'));
-            else requestAnimationFrame(look);
-          }};
-          look();
-        }})"""
-    )
 
 
 def picture(page: Any, name: str, clip: Any = None) -> None:

@@ -34,7 +34,6 @@ from grader.course.exercises import find_exercise
 
 LACKS = [name for name in ("jupyterlab", "nbgrader") if find_spec(name) is None]
 pytestmark = [
-    pytest.mark.long,
     pytest.mark.skipif(bool(LACKS), reason=f"not installed: {LACKS} (the extra `notebooks`)"),
     pytest.mark.skipif(not FULL, reason="formgrader in a browser: make notebooks"),
 ]
@@ -76,10 +75,6 @@ def page(browser: Any, server: Server) -> Iterator[Any]:
         yield opened.page
 
 
-def points(course: Path, student: str) -> float:
-    return total(grades(course), student, SLUG)
-
-
 def row(page: Any, text: str) -> Any:
     """The row of a table that has this text, once it is loaded."""
     found = page.locator("table tbody tr", has_text=text)
@@ -115,8 +110,8 @@ def test_the_button_grades_as_the_command_does(page: Any, course: Path, server: 
     score = page.locator("table tbody tr", has_text="ben").locator(".score", has_text="/")
     score.wait_for()
     assert score.inner_text() == "100 / 100"
-    assert points(course, "ben") == 100
-    assert points(course, "ada") == 90
+    assert total(grades(course), "ben", SLUG) == 100
+    assert total(grades(course), "ada", SLUG) == 90
 
 
 def test_a_submission_is_listed_and_shows_the_judges_table(
@@ -126,7 +121,7 @@ def test_a_submission_is_listed_and_shows_the_judges_table(
     link.first.click()
     page.get_by_role("link", name=NAME, exact=True).click()
     page.get_by_role("link", name=NAME, exact=True).click()
-    listed = row(page, f"{points(course, 'ada'):g} / 100")
+    listed = row(page, f"{total(grades(course), 'ada', SLUG):g} / 100")
     listed.locator("a:visible").first.click()
 
     failed = page.locator(".output_html table, .jp-RenderedHTML table").filter(has_text="FAIL")
@@ -142,20 +137,9 @@ def test_a_submission_is_listed_and_shows_the_judges_table(
         "() => [...document.querySelectorAll('input.score')].every((e) => e.value || e.placeholder)"
     )
     values = scores.evaluate_all("(all) => all.map((e) => e.value || e.placeholder)")
-    assert sum(map(float, values)) == points(course, "ada")
+    assert sum(map(float, values)) == total(grades(course), "ada", SLUG)
     failed.evaluate("(e) => e.scrollIntoView({block: 'center'})")
     picture(page, "formgrader", {"x": 60, "y": 0, "width": 1160, "height": 880})
-
-
-def test_the_feedback_has_the_table_and_complains_about_nothing(
-    browser: Any, server: Server
-) -> None:
-    with tab(browser, server) as opened:
-        path = f"feedback/ada/{NAME}/{NAME}.html"
-        opened.page.goto(server.address(f"files/{path}"))
-        text = opened.page.locator("body").inner_text()
-    assert "✗ FAIL" in text
-    assert "20 / 30 points" in text
 
 
 def test_the_mark_scheme_stands_above_the_answer(page: Any, server: Server) -> None:

@@ -16,7 +16,8 @@ import pytest
 
 pytest.importorskip("nbformat", reason="nbformat is not installed (the extra `notebooks`)")
 
-from lab_server import Server, Tab, picture, serving, tab, wait_until
+from frames import pixels, value, wait_until
+from lab_server import Server, Tab, picture, serving, tab
 from nbgrader_kit import FULL, cell_named, fill, make_course, released, solution, source_of
 
 from grader.authoring.mutants import find_mutant
@@ -26,7 +27,6 @@ from grader.nbgrader.cells import wanted
 NEEDED = ("jupyterlab", "ipykernel", "nbgrader", "matplotlib")
 LACKS = [name for name in NEEDED if find_spec(name) is None]
 pytestmark = [
-    pytest.mark.long,
     pytest.mark.skipif(bool(LACKS), reason=f"not installed: {LACKS} (the extra `notebooks`)"),
 ]
 NAME = "01_loop"
@@ -34,7 +34,6 @@ SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
 MISTAKE = "nan_poisons_min"  # one of exercise 1's mutants
 FAILS = f"{SLUG}-infinite_readings"
-GREEN, RED = "rgb(0, 115, 90)", "rgb(184, 63, 0)"
 # Cells that are run before that are forgotten, though the kernel is called idle.
 KERNEL_ANSWERS = """async () => {
   const { sessionContext } = jupyterapp.shell.currentWidget;
@@ -146,13 +145,6 @@ def chips(cell: Any) -> list[str]:
     return [text.strip() for text in cell.locator(".course-check .chip").all_text_contents()]
 
 
-def colours(cell: Any) -> set[str]:
-    found = cell.locator(".course-check .chip").evaluate_all(
-        "(all) => all.map((chip) => getComputedStyle(chip).backgroundColor)"
-    )
-    return set(found)
-
-
 def complaints_in_cells(notebook: Opened) -> list[str]:
     """What stands in red below cells: errors, and stderr."""
     found = notebook.page.locator(
@@ -176,15 +168,6 @@ def change_theme(page: Any, name: str) -> None:
     page.wait_for_selector(f"body[data-jp-theme-light='{light}']", state="attached")
 
 
-def tab_into(page: Any, frame: Any, selector: str) -> None:
-    """Press Tab until the focus is where it should be."""
-    for _ in range(12):
-        page.keyboard.press("Tab")
-        if frame.evaluate(f"document.activeElement.matches({selector!r}) && document.hasFocus()"):
-            return
-    raise AssertionError(f"Tab does not reach {selector}")
-
-
 # --- the solution --------------------------------------------------------------------------
 
 
@@ -198,7 +181,6 @@ def test_every_check_passes(right: Opened) -> None:
         cell = right.cell(number)
         assert set(chips(cell)) == {"✓ pass"}, want
         assert len(chips(cell)) >= max(1, len(want.checks))
-        assert colours(cell) == {GREEN}
     every = right.beginning(f'check("{SLUG}", field=True)')
     assert set(chips(every)) == {"✓ pass"}
     said = every.text_content()
@@ -206,38 +188,23 @@ def test_every_check_passes(right: Opened) -> None:
     assert "field-ready" in said.lower()
 
 
-def test_the_keyboard_plays_a_replay(right: Opened) -> None:
-    page = right.page
+def test_a_replay_plays(right: Opened) -> None:
     cell = right.beginning('drive("avoid_cart")')
     frame = replay_in(cell)
-    assert frame.evaluate("window.replayPlayer.time") == 0
-    before = frame.evaluate("document.querySelector('canvas.map').toDataURL()")
+    assert value(frame, "time") == 0
+    before = pixels(frame)
 
-    cell.locator("iframe.course-replay").focus()
-    tab_into(page, frame, "canvas.map")
-    page.keyboard.press("Space")
+    frame.locator("canvas.map").focus()
+    right.page.keyboard.press("Space")
     wait_until(frame, "window.replayPlayer.time > 0.3")
-    page.keyboard.press("Space")
-
-    assert frame.evaluate("window.replayPlayer.playing") is False
-    assert frame.evaluate("window.replayPlayer.state.pose.x") > 0.05
-    assert frame.evaluate("document.querySelector('canvas.map').toDataURL()") != before
-    frame.evaluate("window.replayPlayer.seek(5.5)")
-    cell.evaluate("(e) => e.scrollIntoView({block: 'start'})")
-    wait_until(page, "true")
-    picture(page, "notebook-light", panel(page))
-
-
-def test_the_keyboard_unfolds_the_replay_of_a_passed_check(right: Opened) -> None:
-    cell = right.named(f"{SLUG}-wiring")
-    summary = cell.locator("details > summary").last
-    assert cell.locator("details:has(iframe)[open]").count() == 0
-
-    summary.focus()
     right.page.keyboard.press("Space")
 
-    cell.locator("details:has(iframe)[open]").wait_for()
-    assert replay_in(cell).evaluate("window.replayPlayer.duration") > 0
+    assert value(frame, "playing") is False
+    assert pixels(frame) != before
+    value(frame, "seek(5.5)")
+    cell.evaluate("(e) => e.scrollIntoView({block: 'start'})")
+    wait_until(right.page, "true")
+    picture(right.page, "notebook-light", panel(right.page))
 
 
 def test_all_of_it_turns_dark_with_jupyterlab(right: Opened) -> None:
@@ -249,13 +216,6 @@ def test_all_of_it_turns_dark_with_jupyterlab(right: Opened) -> None:
     change_theme(page, "Dark")
     wait_until(frame, dark)
     every = right.beginning(f'check("{SLUG}", field=True)')
-    ink, back = (
-        every.locator(".course-check td")
-        .nth(1)
-        .evaluate("(e) => [getComputedStyle(e).color, getComputedStyle(e).backgroundColor]")
-    )
-    assert back == "rgba(0, 0, 0, 0)"
-    assert min(map(int, ink[ink.index("(") + 1 : -1].split(",")[:3])) > 180
     plot = right.beginning("show_scan(").locator("img.course-plot")
     assert "invert" in plot.evaluate("(e) => getComputedStyle(e).filter")
     plot.evaluate("(e) => e.scrollIntoView({block: 'center'})")
@@ -271,9 +231,9 @@ def test_all_of_it_turns_dark_with_jupyterlab(right: Opened) -> None:
 
 def test_a_failed_check_is_named_and_its_replay_stands_at_the_moment(wrong: Opened) -> None:
     assert complaints_in_cells(wrong) == []
+    assert set(chips(wrong.named(f"{SLUG}-wiring"))) == {"✓ pass"}
     cell = wrong.named(FAILS)
     assert "✗ FAIL" in chips(cell)
-    assert RED in colours(cell)
     table = cell.locator("table.checks").text_content()
     assert "expected" in table
     assert cell.locator("details[open] > summary", has_text="Replay of what failed").count() == 1
@@ -288,9 +248,3 @@ def test_a_failed_check_is_named_and_its_replay_stands_at_the_moment(wrong: Open
     cell.evaluate("(e) => e.scrollIntoView({block: 'start'})")
     wait_until(wrong.page, "true")
     picture(wrong.page, "notebook-wrong", panel(wrong.page))
-
-
-def test_what_is_right_still_passes(wrong: Opened) -> None:
-    cell = wrong.named(f"{SLUG}-wiring")
-
-    assert set(chips(cell)) == {"✓ pass"}

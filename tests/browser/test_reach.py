@@ -8,6 +8,7 @@ from typing import Any
 
 import payloads
 import pytest
+from frames import value
 
 Open = Callable[..., Any]
 
@@ -20,10 +21,6 @@ SMALL = f"""() => [...document.querySelectorAll('{CONTROLS}')]
   .filter(([box]) => box.width < {FINGER} || box.height < {FINGER})
   .map(([box, e]) => `${{box.width}} x ${{box.height}} ${{e.outerHTML.slice(0, 90)}}`)"""
 FOCUSED = "document.activeElement.className + ' ' + (document.activeElement.ariaLabel || '')"
-
-
-def value(page: Any, expression: str) -> Any:
-    return page.evaluate(f"window.replayPlayer.{expression}")
 
 
 def passing_page() -> dict[str, Any]:
@@ -70,11 +67,11 @@ def test_a_drive_opens_at_its_start_or_where_it_went_wrong(open_page: Open) -> N
     assert value(page, "state.touching")
 
 
-@pytest.mark.parametrize(("told", "shown"), [(7.5, 7.5), (0.0, 0.0), (99.0, 12.0)])
-def test_a_page_opens_where_its_maker_says(open_page: Open, told: float, shown: float) -> None:
-    """A search knows when the node came to grief."""
-    page = open_page({**payloads.page([payloads.goal_run(12.0)]), "opens_at": told})
-    assert value(page, "time") == shown
+def test_a_page_opens_where_its_maker_says(open_page: Open) -> None:
+    """A search knows when the node failed; a time that is out of range is brought back into it."""
+    for wanted, shown in ((7.5, 7.5), (99.0, 12.0)):
+        page = open_page({**payloads.page([payloads.goal_run(12.0)]), "opens_at": wanted})
+        assert value(page, "time") == shown
 
 
 # --- the keyboard ---------------------------------------------------------------------------------
@@ -89,9 +86,8 @@ def test_after_show_the_keyboard_is_in_the_player_and_escape_leads_back(open_pag
     page.keyboard.press("ArrowRight")
     assert value(page, "time") > 8.66
     page.keyboard.press("Escape")
-    assert page.evaluate("document.activeElement.textContent").startswith("Show\u00a08.66") or (
-        "Show 8.66" in page.evaluate("document.activeElement.textContent").replace("\u00a0", " ")
-    )
+    focused = page.evaluate("document.activeElement.textContent").replace("\u00a0", " ")
+    assert "Show 8.66" in focused
 
 
 def test_the_tab_key_reaches_every_control(open_page: Open) -> None:
@@ -123,9 +119,8 @@ def test_the_arrows_walk_through_the_log(open_page: Open) -> None:
 # --- a finger -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["failing_page", "drive_page"])
-def test_a_finger_hits_every_control(open_page: Open, name: str) -> None:
-    page = open_page(getattr(payloads, name)(), **PHONE)
+def test_a_finger_hits_every_control(open_page: Open) -> None:
+    page = open_page(payloads.failing_page(), **PHONE)
     assert page.evaluate(SMALL) == []
 
 
@@ -141,27 +136,13 @@ def test_failures_that_are_close_share_a_mark_and_take_turns(open_page: Open) ->
         assert value(page, "time") == pytest.approx(t)
 
 
-# --- words and paper ------------------------------------------------------------------------------
-
-
-def test_no_line_ends_within_a_unit(open_page: Open) -> None:
-    said = "0.11 s  info: Distance: 1.50 m, velocity: 0.50 m/s; turning -0.25 rad/s"
-    failed = payloads.check("wiring", "It starts.", "fail", log=said, actual="m/s")
-    page = open_page(payloads.page([payloads.goal_run()], [failed]))
-    quantities = page.locator(".fact .quantity")
-    texts = quantities.all_inner_texts()
-    assert texts == ["m/s", "0.11 s", "1.50 m", "0.50 m/s", "-0.25 rad/s"]
-    style = "(e) => getComputedStyle(e).whiteSpaceCollapse + getComputedStyle(e).textWrapMode"
-    assert "nowrap" in quantities.first.evaluate(style)
-    assert page.locator(".fact.is-log dd").inner_text() == said
+# --- paper ----------------------------------------------------------------------------------------
 
 
 def test_on_paper_nothing_is_folded_away_and_no_map_is_black(open_page: Open) -> None:
     payload = payloads.failing_page()
-    payload["grading"]["cause"] = {
-        "text": "It.",
-        "hint": {"title": "T", "anchor": "a", "text": "H"},
-    }
+    hint = {"title": "T", "anchor": "a", "text": "H"}
+    payload["grading"]["cause"] = {"text": "It.", "hint": hint}
     page = open_page(payload, color_scheme="dark")
     folded = "document.querySelectorAll('.cause details:not([open])').length"
     theme = "document.documentElement.dataset.theme || ''"

@@ -1,4 +1,4 @@
-"""The project's documents, as tests read them: lines, links, headings, commands, sentences."""
+"""The project's documents, as tests read them: prose, links, headings, code."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
+from urllib.parse import unquote
+
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
 
 ROOT = Path(__file__).resolve().parents[2]
-FENCE = re.compile(r"^\s*(`{3,}|~{3,})\s*(\S*)")
-SPAN = re.compile(r"(`+)(?!`)(.+?)(?<!`)\1(?!`)")
-LINK = re.compile(r"!?\[[^\]]*\]\(([^()\s]+)\)")
+MARKDOWN = MarkdownIt().enable("table")
 ATTRIBUTE = re.compile(r'\b(?:src|srcset|href)="([^"]+)"')
 OUTPUT = "text"  # the language of fences that quote what a program printed
 
@@ -30,24 +32,6 @@ def tracked() -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Line:
-    """One line, and what it is part of."""
-
-    number: int  # from 1
-    text: str
-    fence: str | None  # the language of the fence that it is in; None in prose
-
-    @property
-    def in_table(self) -> bool:
-        return self.fence is None and self.text.lstrip().startswith("|")
-
-    @property
-    def indented(self) -> bool:
-        """It is code by its four blanks (or more, in a list)."""
-        return self.fence is None and self.text.startswith("    ")
-
-
-@dataclass(frozen=True)
 class Document:
     """A Markdown file."""
 
@@ -58,62 +42,42 @@ class Document:
         return ROOT / self.path
 
     @cached_property
-    def lines(self) -> list[Line]:
-        found = []
-        fence, mark = None, ""
-        for number, text in enumerate(self.file.read_text("utf-8").splitlines(), start=1):
-            match = FENCE.match(text)
-            if fence is None and match:
-                fence, mark = match[2], match[1]
-                found.append(Line(number, text, fence))
-            elif fence is not None and match and match[1].startswith(mark) and not match[2]:
-                found.append(Line(number, text, fence))
-                fence = None
-            else:
-                found.append(Line(number, text, fence))
-        return found
+    def blocks(self) -> list[Token]:
+        return MARKDOWN.parse(self.file.read_text("utf-8"))
 
-    @cached_property
+    def parts(self, *kinds: str) -> Iterator[Token]:
+        """Yield the parts of these kinds, in paragraphs, headings and tables too."""
+        for block in self.blocks:
+            yield from (part for part in (block, *(block.children or ())) if part.type in kinds)
+
+    @property
     def prose(self) -> str:
-        """The text without code blocks and comments."""
-        kept = "\n".join(x.text for x in self.lines if x.fence is None and not x.indented)
-        return re.sub(r"<!--.*?-->", "", kept, flags=re.DOTALL)
+        return " ".join(block.content for block in self.blocks if block.type == "inline")
 
     @property
     def links(self) -> list[str]:
         """The targets of links and pictures."""
-        text = SPAN.sub("", self.prose)
-        return LINK.findall(text) + ATTRIBUTE.findall(text)
+        found = [part.attrs.get("href", part.attrs.get("src"))
+                 for part in self.parts("link_open", "image")]  # fmt: skip
+        html = "".join(part.content for part in self.parts("html_block", "html_inline"))
+        return [unquote(str(link)) for link in found] + ATTRIBUTE.findall(html)
 
     @property
     def spans(self) -> list[str]:
         """What stands in backticks."""
-        return [match[2].strip() for match in SPAN.finditer(self.prose.replace("\n", " "))]
+        return [part.content.strip() for part in self.parts("code_inline")]
 
     @property
     def code(self) -> list[str]:
         """Spans, and the lines of code blocks that are no quoted output."""
-        blocks = [x.text.strip() for x in self.lines if x.indented or x.fence not in (None, OUTPUT)]
-        return self.spans + blocks
+        blocks = (part for part in self.parts("fence", "code_block") if part.info != OUTPUT)
+        return self.spans + [line.strip() for b in blocks for line in b.content.splitlines()]
 
     @property
     def anchors(self) -> set[str]:
         """The anchors that GitHub makes of the headings."""
-        return {
-            anchor(line.text.lstrip("#"))
-            for line in self.lines
-            if line.fence is None and re.match(r"#{1,6} ", line.text)
-        }
-
-    def sentences(self) -> Iterator[str]:
-        """Yield the sentences of prose and lists, without their markup."""
-        text = LINK.sub(lambda link: link[0].lstrip("![").partition("]")[0], self.prose)
-        text = re.sub(r"<[^>]*>", "\n\n", text)
-        text = re.sub(r"(?m)^\|.*$", "\n", text)  # cells of tables repeat each other
-        text = re.sub(r"(?m)^\s*(#+|[-*]|\d+\.) ", "\n\n", text)
-        for block in re.split(r"\n\s*\n", text):
-            plain = re.sub(r"[*`\s]+", " ", block).strip()
-            yield from re.split(r"(?<=[.!?:]) (?=\S)", plain)
+        after = zip(self.blocks, self.blocks[1:], strict=False)
+        return {anchor(text.content) for block, text in after if block.type == "heading_open"}
 
 
 def anchor(heading: str) -> str:

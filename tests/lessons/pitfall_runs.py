@@ -24,6 +24,11 @@ each_node = pytest.mark.parametrize(("pitfall", "node"), EVERY, ids=named)
 each_pitfall = pytest.mark.parametrize("pitfall", PITFALLS, ids=named)
 
 
+def long_but_1(exercise: str) -> tuple[pytest.MarkDecorator, ...]:
+    """Mark what takes long: all but exercise 1."""
+    return () if exercise == "obstacle_avoidance" else (pytest.mark.long,)
+
+
 class Runs:
     """The replayed runs, each driven once."""
 

@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import sqlite3
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -11,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import nbformat
+from nbgrader.api import Grade, Gradebook
 
-from grader.course.exercises import ROOT
+from grader.course.exercises import ROOT, Exercise, find_exercise
 from grader.nbgrader.cells import definition
-from grader.notebook.build import NOTEBOOKS
+from grader.notebook.build import NOTEBOOKS, all_notebooks, asked_by
 from grader.notebook.build import source_of as source_path
 
 FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"
@@ -23,15 +23,6 @@ MadeOnce = Callable[[str, Callable[[Path], object]], Path]  # of tests/conftest.
 
 Cell = dict[str, Any]
 
-GRADES = """
-select submitted_assignment.student_id, notebook.name, base_cell.name,
-       grade.auto_score, grade.needs_manual_grade
-from grade
-join base_cell on grade.cell_id = base_cell.id
-join submitted_notebook on grade.notebook_id = submitted_notebook.id
-join notebook on submitted_notebook.notebook_id = notebook.id
-join submitted_assignment on submitted_notebook.assignment_id = submitted_assignment.id
-"""
 Grades = dict[tuple[str, str, str], tuple[float | None, bool]]  # student, notebook, cell
 
 
@@ -70,6 +61,22 @@ def make_course(folder: Path, notebooks: Sequence[str], extra: str = "") -> Path
     (folder / "nbgrader_config.py").write_text(config + extra, "utf-8")
     nbgrader(folder, "generate_assignment", ALL)
     return folder
+
+
+def whole_course(made_once: MadeOnce) -> Path:
+    """Return the whole course, released."""
+    return made_once("whole-course", lambda folder: make_course(folder, all_notebooks()))
+
+
+def stored(name: str) -> Any:
+    """Return an instructor's notebook."""
+    return nbformat.read(source_path(name), as_version=4)
+
+
+def exercises_of(name: str) -> list[Exercise]:
+    """Return the exercises that a notebook's test cells ask for."""
+    wants = asked_by(stored(name)).values()
+    return [find_exercise(slug) for slug in dict.fromkeys(want.exercise for want in wants)]
 
 
 def released(folder: Path, notebook: str) -> dict[str, Any]:
@@ -121,34 +128,35 @@ def hand_in(folder: Path, student: str, notebook: str, content: dict[str, Any] |
     return path
 
 
+def gradebook(folder: Path) -> Any:
+    """Open the course's gradebook."""
+    return Gradebook(f"sqlite:///{folder / 'gradebook.db'}")
+
+
 def grades(folder: Path) -> Grades:
     """Return what the gradebook says of each grade cell."""
-    with sqlite3.connect(folder / "gradebook.db") as database:
-        rows = database.execute(GRADES).fetchall()
-    database.close()
-    return {(who, nb, cell): (score, bool(hand)) for who, nb, cell, score, hand in rows}
+    with gradebook(folder) as book:
+        return {
+            (one.student.id, one.notebook.name, one.cell.name): (
+                one.auto_score, bool(one.needs_manual_grade),
+            )
+            for one in book.db.query(Grade)
+        }  # fmt: skip
 
 
 def mark_by_hand(folder: Path, key: tuple[str, str, str], score: float) -> None:
     """Give a score as the formgrader does."""
-    with sqlite3.connect(folder / "gradebook.db") as database:
-        (grade,) = database.execute(
-            GRADES.replace("select", "select grade.id,", 1)
-            + "where submitted_assignment.student_id = ? and notebook.name = ? "
-            "and base_cell.name = ?",
-            key,
-        ).fetchall()
-        database.execute("update grade set manual_score = ? where id = ?", (score, grade[0]))
-    database.close()
+    student, notebook, cell = key
+    with gradebook(folder) as book:
+        book.find_grade(cell, notebook, notebook, student).manual_score = score
+        book.db.commit()
 
 
 def marks_by_hand(folder: Path) -> list[float]:
     """Return all scores that a person gave."""
-    with sqlite3.connect(folder / "gradebook.db") as database:
-        query = "select manual_score from grade where manual_score is not null"
-        rows = database.execute(query).fetchall()
-    database.close()
-    return [row[0] for row in rows]
+    with gradebook(folder) as book:
+        marks = [one.manual_score for one in book.db.query(Grade)]
+    return [mark for mark in marks if mark is not None]
 
 
 def total(found: Grades, student: str, exercise: str) -> float:

@@ -16,34 +16,19 @@ AGENT = "obstacle_avoidance_agent.py"
 RIGHT = (SOLUTIONS / "obstacle_avoidance" / AGENT).read_text("utf-8")
 HANGS = "while True:\n    pass\n"
 
-ASK = """\
-from grader.notebook.child import JUDGE
-check('1')
-print(JUDGE.pid)
-"""
-
 
 @pytest.mark.long
-def test_the_judge_ends_when_the_kernel_is_killed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("killed", [True, False])
+def test_the_judge_ends_with_the_kernel_and_leaves_no_files(tmp_path: Path, killed: bool) -> None:
     argv = [sys.executable, "-m", "ipykernel_launcher"]
     with started(tmp_path, argv, **os.environ) as kernel:
         kernel.run("from grader.notebook import *\n")
-        kernel.run("%%node obstacle_avoidance_agent.py\nx = 1\n")
-        judge = int(kernel.run(ASK).stdout)
-        kernel.manager.shutdown_kernel(now=True)
+        save(kernel, AGENT, "x = 1\n")
+        kernel.run("check('1')")
+        judge = kernel.judge()
+        kernel.manager.shutdown_kernel(now=killed)
     assert gone(judge)
-
-
-@pytest.mark.long
-def test_the_judge_ends_with_the_kernel_and_leaves_no_files(tmp_path: Path) -> None:
-    argv = [sys.executable, "-m", "ipykernel_launcher"]
-    with started(tmp_path, argv, **os.environ) as kernel:
-        kernel.run("from grader.notebook import *\n")
-        kernel.run("%%node obstacle_avoidance_agent.py\nx = 1\n")
-        judge = int(kernel.run(ASK).stdout)
-        kernel.manager.shutdown_kernel(now=False)
-    assert gone(judge)
-    assert list(Path(tempfile.gettempdir()).glob(f"course-{judge}-*")) == []
+    assert killed or list(Path(tempfile.gettempdir()).glob(f"course-{judge}-*")) == []
 
 
 def test_the_stop_button_ends_the_judge_and_the_node(kernel: Kernel) -> None:

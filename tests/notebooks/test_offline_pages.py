@@ -1,6 +1,5 @@
 """nbgrader's pages need no network: no script from elsewhere, and formulas that show themselves."""
 
-import html.parser
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import nbformat
 import nbgrader
 import pytest
+from html_pages import Page
 from nbconvert.exporters import HTMLExporter
 from nbformat import NotebookNode, v4
 from traitlets.config import Config
@@ -27,26 +27,14 @@ TEMPLATES = ("feedback", "formgrade")
 Render = Callable[[NotebookNode, str], str]
 
 
-class Loads(html.parser.HTMLParser):
-    """What a page fetches from elsewhere; links are only for clicking."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.found: list[str] = []
-        self.feed(page)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        for name, value in attrs:
-            if tag != "a" and name in ("src", "srcset", "href", "data", "poster"):
-                self.note(value or "")
-
-    def handle_data(self, data: str) -> None:
-        for value in re.findall(r"(?:url\(|@import|from|import)\s*['\"(]*([^'\")\s;]+)", data):
-            self.note(value)
-
-    def note(self, value: str) -> None:
-        if re.match(r"(?i)\s*(https?:)?//", value):
-            self.found.append(value)
+def loads(body: str) -> list[str]:
+    """Return what a page fetches from elsewhere; links are only for clicking."""
+    page = Page(body)
+    names = ("src", "srcset", "href", "data", "poster")
+    found = [value for tag, name, value in page.attributes if tag != "a" and name in names]
+    for text in page.texts:
+        found += re.findall(r"(?:url\(|@import|from|import)\s*['\"(]*([^'\")\s;]+)", text)
+    return [value for value in found if re.match(r"(?i)\s*(https?:)?//", value)]
 
 
 @pytest.fixture(scope="module")
@@ -79,10 +67,15 @@ def answer(text: str) -> NotebookNode:
 
 
 @pytest.mark.parametrize("template", TEMPLATES)
-def test_nothing_is_asked_of_the_network(render: Render, template: str) -> None:
+def test_nothing_is_asked_of_the_network_and_formulas_are_mathml(
+    render: Render, template: str
+) -> None:
     page = render(graded(), template)
-    assert Loads(page).found == []
+    assert loads(page) == []
     assert "cdn" not in page
+    assert page.count("<math") >= 3
+    assert "<mfrac>" in page
+    assert "\\frac" not in page
 
 
 def test_the_search_finds_what_nbgrader_loads_by_itself(render: Render) -> None:
@@ -92,15 +85,7 @@ def test_the_search_finds_what_nbgrader_loads_by_itself(render: Render) -> None:
     config.HTMLExporter.extra_template_basedirs = [str(templates)]
     config.HTMLExporter.extra_template_paths = [str(CSS)]
     page, _ = HTMLExporter(config=config).from_notebook_node(graded(), dict(PLACE))
-    assert any("mathjax" in load for load in Loads(page).found)
-
-
-@pytest.mark.parametrize("template", TEMPLATES)
-def test_formulas_are_mathml(render: Render, template: str) -> None:
-    page = render(graded(), template)
-    assert page.count("<math") >= 3
-    assert "<mfrac>" in page
-    assert "\\frac" not in page
+    assert any("mathjax" in load for load in loads(page))
 
 
 @pytest.mark.parametrize("template", TEMPLATES)
@@ -114,14 +99,12 @@ def test_tables_in_the_list_of_tasks_are_tables(render: Render, template: str) -
 
 ODD = {
     "unknown": "$\\unknown{x}$",
-    "unbalanced": "$\\frac{1$",
     "link": "$\\href{javascript:steal()}{x}$",
     "deep": "$" + "{" * 1500 + "$",
     "long": "$" + "x" * (MAX_FORMULA + 1) + "$",
     "tag": "$<img src=x onerror=steal()>$",
     "script": "$\\text{<script>steal()</script>}$",
     "environment": "$$\\begin{align}\\end$$",
-    "no such environment": "\\begin{nothing}x\\end{nothing}",
     "odd characters": "$\x00\ud7ff$",
 }
 

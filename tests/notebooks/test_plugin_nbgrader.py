@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from nbformat import v4
+from nbgrader.converters.base import NbGraderException
 from nbgrader_kit import (
     ALL,
     MadeOnce,
@@ -27,10 +29,13 @@ from traitlets.config import Config
 
 from grader.course.exercises import find_exercise
 from grader.course.students import student_key
-from grader.errors import GraderError
+from grader.errors import GraderError, InputError
 from grader.link.pool import ForkServerPool
-from grader.nbgrader import configure, judge
+from grader.nbgrader import autograde, configure, judge
+from grader.nbgrader.autograde import CourseExporter
+from grader.nbgrader.gradebook import Place
 from grader.nbgrader.judge import Verdict
+from grader.nbgrader.release import LeaveSkeletons
 
 pytestmark = pytest.mark.long
 SLUG = "obstacle_avoidance"
@@ -73,8 +78,7 @@ def grade_one(course: Path) -> None:
     assert not grades(course)
     then = {"TEST_OPEN": "1", "TEST_TRUST": "1", "TEST_FAULT": "1"}
     second = nbgrader(course, "autograde", ALL, **then)
-    (course / "first.txt").write_text(first, "utf-8")
-    (course / "second.txt").write_text(second, "utf-8")
+    (course / "said.json").write_text(json.dumps([first, second]), "utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -88,21 +92,17 @@ def course(bad_days: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(bad_days, tmp_path / "course"))
 
 
-def test_without_isolation_nothing_is_graded(bad_days: Path) -> None:
-    said = (bad_days / "first.txt").read_text("utf-8")
-
-    expected = "Nothing was graded: nothing is kept apart here; say so with c.JudgeNodes.trust"
-    assert expected in said
-    assert "Traceback" not in said
-
-
-def test_a_fault_of_the_grader_is_for_a_person_and_trust_is_trust(bad_days: Path) -> None:
+def test_without_isolation_nothing_is_graded_and_a_fault_is_for_a_person(bad_days: Path) -> None:
+    first, second = json.loads((bad_days / "said.json").read_text("utf-8"))
     marks = {mark for (_, notebook, _), mark in grades(bad_days).items() if notebook == "01_loop"}
     cell = cell_named(autograded(bad_days, "unlucky", "01_loop"), f"{SLUG}-wiring")
 
-    assert marks == {(None, True)}
+    said = "Nothing was graded: nothing is kept apart here; say so with c.JudgeNodes.trust"
+    assert said in first
+    assert "Traceback" not in first
+    assert marks == {(None, True)}  # trusted then, by a grader that fails
     assert "could not be judged: no host for the node" in cell.outputs[0].data["text/plain"]
-    assert "no host for the node" in (bad_days / "second.txt").read_text("utf-8")
+    assert "no host for the node" in second
 
 
 def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Path) -> None:
@@ -164,31 +164,9 @@ def hand_in_oddities(course: Path, elsewhere: Path) -> None:
     hand_in(course, "g_huge", "01_loop", huge)
 
 
-def test_release_fetch_submit_and_collect(course: Path, tmp_path: Path) -> None:
-    nbgrader(course, "release_assignment", "01_loop")
-    config = (course / "nbgrader_config.py").read_text("utf-8")
-    student = tmp_path / "student"
-    student.mkdir()
-    (student / "nbgrader_config.py").write_text(config, "utf-8")
-    nbgrader(student, "fetch_assignment", "01_loop")
-    path = student / "01_loop" / "01_loop.ipynb"
-    notebook = json.loads(path.read_text("utf-8"))
-    assert notebook == released(course, "01_loop")
-    path.write_text(json.dumps(fill(notebook, {FILE: solution(SLUG, FILE)})), "utf-8")
-    nbgrader(student, "submit", "01_loop")
-
-    nbgrader(course, "collect", "01_loop")
-
-    (collected,) = (course / "submitted").glob("*/01_loop/timestamp.txt")
-    assert (collected.parent / "01_loop.ipynb").read_text("utf-8") == path.read_text("utf-8")
-
-
 def test_every_student_has_worlds_of_their_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from grader.nbgrader import autograde  # noqa: PLC0415  (nbgrader: 1 s)
-    from grader.nbgrader.gradebook import Place  # noqa: PLC0415
-
     seeds: list[int | None] = []
 
     def note(exercise: Any, files: Any, *, seed: int | None = None) -> Verdict:
@@ -221,22 +199,14 @@ def test_one_file_of_two_is_graded_as_course_grade_grades_it() -> None:
     assert none.missing == "expected a cell that begins with %%node detection_server.py"
 
 
-def test_a_secret_that_is_none_is_refused(tmp_path: Path) -> None:
-    from nbgrader.converters.base import NbGraderException  # noqa: PLC0415
-
-    from grader.nbgrader.autograde import CourseExporter  # noqa: PLC0415
-
+def test_without_a_secret_or_ros_nothing_begins(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     config = Config()
     config.JudgeNodes.trust = True
     config.JudgeNodes.secret = str(tmp_path / "missing")
     with pytest.raises(NbGraderException, match="cannot read the course's secret"):
         CourseExporter(config=config)
-
-
-def test_a_machine_without_ros_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    from nbgrader.converters.base import NbGraderException  # noqa: PLC0415
-
-    from grader.nbgrader.autograde import CourseExporter  # noqa: PLC0415
 
     def none(*_: object) -> None:
         raise GraderError("no ROS 2 here")
@@ -247,11 +217,6 @@ def test_a_machine_without_ros_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_a_release_with_an_unknown_check_is_refused() -> None:
-    from nbformat import v4  # noqa: PLC0415
-
-    from grader.errors import InputError  # noqa: PLC0415
-    from grader.nbgrader.release import LeaveSkeletons  # noqa: PLC0415
-
     cell = v4.new_code_cell('check("1:wirin")', metadata={"nbgrader": {"grade": True}})
     with pytest.raises(InputError, match="unknown check 'wirin' of obstacle_avoidance"):
         LeaveSkeletons().preprocess_cell(cell, {}, 0)

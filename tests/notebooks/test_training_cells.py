@@ -8,7 +8,6 @@ import numpy as np
 from kernels import Kernel, save
 
 from grader.models.dataset import make_dataset
-from grader.notebook.datasets import plain_output
 
 SCRIPT = "train_velocity_model.py"
 QUICK = """\
@@ -23,7 +22,8 @@ pathlib.Path(given.out).write_bytes(b"model")
 pathlib.Path(given.onnx).write_bytes(b"the same")
 """
 STUCK = "print('epoch 1', flush=True)\nimport threading\nthreading.Event().wait()\n"
-HOSTILE = "<script>alert(1)</script>"
+RED = "\x1b[31m"
+HOSTILE = f"{RED}<script>alert(1)</script>"
 
 
 def test_the_data_are_those_of_the_command(kernel: Kernel, folder: Path) -> None:
@@ -72,7 +72,7 @@ def test_a_failing_script_leaves_no_model_of_an_earlier_one(kernel: Kernel, fold
     assert said.stdout == "False\n"
     assert "Not trained: train_velocity_model.py failed after" in said.text
     assert "(exit code 1)" in said.text
-    assert f"ValueError: {HOSTILE}" in said.text
+    assert f"ValueError: {HOSTILE.removeprefix(RED)}" in said.text
     assert "<script" not in said.html
     assert not (folder / "velocity_model.pkl").exists()
 
@@ -99,8 +99,3 @@ def test_a_script_that_is_not_there_or_was_not_saved(kernel: Kernel, folder: Pat
     kernel.run(f"%%node {SCRIPT}\nx = (\n")
     assert "cell was not saved (line 1: '(' was never closed)" in kernel.run("train()").text
     save(kernel, SCRIPT, QUICK)
-
-
-def test_what_a_script_prints_is_no_command_to_a_terminal() -> None:
-    assert plain_output("\x1b[31mred\x1b[0m\n\x07") == "red\n"
-    assert plain_output("x" * 90_000) == "x" * 1198 + " …"

@@ -60,7 +60,7 @@ def test_nothing_is_said_where_nothing_is_newer(file: Path) -> None:
     assert newer_cell(file) == ""
 
 
-@pytest.mark.parametrize("content", ["", "{", "[]", '{"cells": [1]}', '{"cells": 3}', "[" * 99999])
+@pytest.mark.parametrize("content", ["{", "[]", '{"cells": [1]}', '{"cells": 3}', "[" * 99999])
 def test_a_broken_notebook_is_no_error(file: Path, content: str) -> None:
     saved(file.parent).write_text(content)
     os.utime(file.with_name("lesson.ipynb"), (2e9, 2e9))

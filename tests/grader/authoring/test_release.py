@@ -22,8 +22,7 @@ from grader.course.exercises import ROOT, all_exercises
 from grader.errors import GraderError, InputError
 from sim.scenario_files import EXTENDS, scenario_names
 
-# What is made for a release is tested where it is made: tests/lessons/test_released_site.py,
-# tests/notebooks/test_released_notebooks.py and, the whole of it, test_handouts.py.
+# What is made for a release is tested with the whole of it: tests/notebooks/test_handouts.py.
 
 
 NOTHING = json.dumps({"cells": []}).encode()  # a notebook

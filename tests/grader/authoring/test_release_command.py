@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 from command_line import course
 
-# What is made for a release is tested where it is made: tests/lessons/test_released_site.py,
-# tests/notebooks/test_released_notebooks.py and, the whole of it, test_handouts.py.
+# What is made for a release is tested with the whole of it: tests/notebooks/test_handouts.py.
 
 
 def test_the_command_releases_one_exercise(tmp_path: Path) -> None:

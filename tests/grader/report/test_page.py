@@ -69,19 +69,21 @@ def test_the_player_never_parses_text_as_html() -> None:
         assert "</script" not in source
 
 
-@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf, np.float32("nan")])
-def test_what_json_does_not_know_becomes_null(number: float) -> None:
-    grading = {"checks": [{"time": number, "points": np.int64(3)}], "score": np.float64(1.5)}
-    assert json.loads(json_text(grading)) == {"checks": [{"time": None, "points": 3}], "score": 1.5}
-    assert embedded(page_html(payload(x=[number])))["x"] == [None]
+@pytest.mark.parametrize(
+    ("grading", "read"),
+    [
+        ({"t": (math.nan, math.inf, -math.inf, np.float32("nan"))}, {"t": [None] * 4}),
+        ({"points": np.int64(3), "score": np.float64(1.5)}, {"points": 3, "score": 1.5}),
+        ({"t": np.array([1.0, math.nan]), 3: True}, {"t": [1.0, None], "3": True}),
+        ({"file": PLAYER, "d": (1, 2)}, {"file": str(PLAYER), "d": [1, 2]}),
+    ],
+)
+def test_json_knows_numbers_arrays_and_paths(grading: dict[Any, Any], read: Any) -> None:
+    assert json.loads(json_text(grading)) == read
+    assert embedded(page_html(payload(x=grading)))["x"] == read
 
 
 def test_json_has_one_order_of_keys() -> None:
-    assert json_text({"b": 1, "a": {"d": (1, 2), "c": None}}) == json_text(
-        {"a": {"c": None, "d": [1, 2]}, "b": 1}
+    assert json_text({"b": 1, "a": {"d": 2, "c": None}}) == json_text(
+        {"a": {"c": None, "d": 2}, "b": 1}
     )
-
-
-def test_tuples_arrays_and_paths_are_written() -> None:
-    grading = {"t": np.array([1.0, math.nan]), "file": PLAYER, 3: True}
-    assert json.loads(json_text(grading)) == {"t": [1.0, None], "file": str(PLAYER), "3": True}
