@@ -1,8 +1,7 @@
-"""Find submissions that are nearly the same, or hold the course's own code: winnowing over tokens.
+"""Find submissions that are nearly the same, or hold the course's own code, by runs of tokens.
 
-Source: Schleimer, Wilkerson & Aiken, "Winnowing: Local Algorithms for Document Fingerprinting",
-SIGMOD 2003, the method of MOSS. Names, the values of numbers and strings, comments and layout don't
-count, so renaming changes nothing. A match is a reason to ask, never a proof.
+Names, the values of numbers and strings, comments and layout don't count, so renaming changes
+nothing. A match is a reason to ask, never a proof.
 
 Students have the checks, because their practice needs them. An oracle that is pasted into a node
 passes local checks and the instructor's; it is not the student's work, which a person has to say.
@@ -10,7 +9,6 @@ passes local checks and the instructor's; it is not the student's work, which a 
 
 from __future__ import annotations
 
-import hashlib
 import io
 import keyword
 import tokenize
@@ -24,14 +22,13 @@ import msgspec
 
 from grader.course.exercises import EXERCISES, JUDGE, ROOT, SOLUTIONS
 
-NOISE = 12  # tokens of a k-gram: shorter matches are chance
-WINDOW = 9  # k-grams: any match of NOISE + WINDOW - 1 = 20 tokens is found
+RUN = 20  # tokens: shorter matches are chance
 MOST = 50_000  # tokens of a file that are compared; the longest program of the course has 1,323
 LONGEST = 1_000  # [bytes] of a line that are compared: tokenize takes a line's length squared
-SIMILAR = 0.7  # share of the smaller one's fingerprints; the course's own solutions share 0.3
-PASTED = 0.35  # share of a file that the checks hold, too; of right solutions at most 0.19
-FEW = 8  # fingerprints; a submission with fewer is too short to compare
-COMMON = 10  # submissions at least; a fingerprint that more than half of them have is common
+SIMILAR = 0.7  # share of the smaller one's runs; the course's own solutions share at most 0.69
+PASTED = 0.35  # share of a file that the checks hold, too; of right solutions at most 0.12
+FEW = 40  # runs; a submission with fewer is too short to compare
+COMMON = 10  # submissions at least; a run that more than half of them have is common
 CHECKS = ROOT / "grader" / "checks"
 SHARED = (ROOT / "grader" / "models" / "features.py", ROOT / "grader" / "recording" / "views.py")
 
@@ -126,18 +123,13 @@ def tokens(source: bytes) -> list[str]:
     return found
 
 
-def fingerprints(words: Sequence[str]) -> Prints:
-    """Return the hashes that winnowing keeps: the smallest of each window."""
-    grams = [_hash(words[i : i + NOISE]) for i in range(len(words) - NOISE + 1)]
-    if len(grams) <= WINDOW:
-        return frozenset(grams)
-    windows = (grams[i : i + WINDOW] for i in range(len(grams) - WINDOW + 1))
-    return frozenset(min(window) for window in windows)
-
-
 def prints_of(source: bytes) -> Prints:
-    """Return a file's fingerprints."""
-    return fingerprints(tokens(source))
+    """Return the hashes of a file's runs of tokens; they differ between processes."""
+    return _runs(tokens(source))
+
+
+def _runs(words: Sequence[str]) -> Prints:
+    return frozenset(hash(tuple(words[i : i + RUN])) for i in range(len(words) - RUN + 1))
 
 
 def _word(token: tokenize.TokenInfo) -> str:
@@ -146,11 +138,6 @@ def _word(token: tokenize.TokenInfo) -> str:
     if token.type in (tokenize.OP, tokenize.ERRORTOKEN):
         return token.string
     return tokenize.tok_name[token.type]  # NUMBER, STRING, INDENT, …
-
-
-def _hash(words: Sequence[str]) -> int:
-    digest = hashlib.blake2b("\0".join(words).encode("utf-8", "replace"), digest_size=8).digest()
-    return int.from_bytes(digest, "big")
 
 
 def _prints(files: Iterable[Path], handed_out: Prints) -> dict[str, Prints]:
@@ -171,7 +158,7 @@ def _shared(mine: Prints, theirs: Prints) -> float:
 
 
 def _groups_of(file: str, words: Mapping[str, list[str]], handed_out: Prints) -> list[Group]:
-    own = {student: fingerprints(text) - handed_out for student, text in words.items()}
+    own = {student: _runs(text) - handed_out for student, text in words.items()}
     holders = Counter(print_ for prints in own.values() for print_ in prints)
     most = max(COMMON, len(own)) / 2
     common = frozenset(print_ for print_, n in holders.items() if n > most)
