@@ -64,7 +64,6 @@ class Mark:
     exercise: str  # slug
     row: StudentRow
     points: float | None  # that count; None while there are none
-    penalty: float = 0.0  # for lateness, which is off already
     notes: tuple[str, ...] = ()  # how a person has changed them
     checks: Sequence[Mapping[str, Any]] = ()  # as the student may see them
     seconds: float = 0.0  # that the grading took [s]

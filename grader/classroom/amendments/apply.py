@@ -130,7 +130,7 @@ def _amended(
             _note_version(entry, entry.change.whom, result, remarks)
     if numbers:
         changed = _judged(changed, result)
-    points, penalty = points_of(changed, task), 0.0
+    points = points_of(changed, task)
     rules = [entry for entry in entries if isinstance(entry.change, Late)]
     if rules and points is not None:
         penalty = _penalty(rules[-1], result, task, points, rows, steps, remarks)
@@ -140,16 +140,14 @@ def _amended(
     by_hand = bool(scores)
     if scores and isinstance(scores[-1].change, Score):
         given = scores[-1].change
-        points, penalty = min(given.points, task.points), 0.0
+        points = min(given.points, task.points)
         steps[:] = [f"Set by hand: {points:g} of {task.points:g} points."]
         numbers = [scores[-1].number]
         changed = replace(changed, state=GRADED)
         _note_version(scores[-1], given.whom, result, remarks)
     if not numbers:
         return result
-    return replace(
-        changed, amended=Amended(points, penalty, tuple(steps), tuple(numbers), by_hand, result)
-    )
+    return replace(changed, amended=Amended(points, tuple(steps), tuple(numbers), by_hand, result))
 
 
 def _note_version(entry: Entry, whom: Whom, result: StoredResult, remarks: Remarks) -> None:

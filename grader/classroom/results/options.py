@@ -48,7 +48,6 @@ class ResultOptions:
     columns: Mapping[str, str] = field(default_factory=dict)  # slug: title in the gradebook
     log: Sequence[Entry] = ()  # of what people have changed
     published: Collection[tuple[str, str]] | None = None  # pages; None: nothing was published yet
-    section: str = ""  # the report is of this section; "": of the whole class
     anonymous: bool = False  # students are codes, and no page is about one of them
 
     def __post_init__(self) -> None:
@@ -61,11 +60,6 @@ class ResultOptions:
                 near = difflib.get_close_matches(word, HIDE, n=1)
                 hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(HIDE)}"
                 raise InputError(f"hide: unknown word {word!r}; {hint}")
-
-    @property
-    def root(self) -> str:
-        """The way from the report to the folder of the class."""
-        return "../" if self.section else ""
 
     @property
     def replays_in(self) -> str:

@@ -57,7 +57,6 @@ def mark_of(
         result.exercise,
         row or StudentRow(result.student),
         points_of(result, task),
-        changed.penalty if changed else 0.0,
         (*(changed.steps if changed else ()), *filter(None, [cap_of(result)])),
         for_students(result.grading or {}, result.file_names, hidden)["checks"],
         result.wall_s,

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from grader.classroom.marks import checks_of, is_graded, tasks_of
 from grader.classroom.results.check_pages import CHECKS, check_pages
-from grader.classroom.results.class_page import class_page, section_pages
+from grader.classroom.results.class_page import class_page
 from grader.classroom.results.feedback import index_page, lost_page, write_page
 from grader.classroom.results.files import replacing, write_text
 from grader.classroom.results.options import ResultOptions
@@ -76,11 +76,10 @@ def write_results(
     with done.part("the published feedback"):
         shown = options.published or ()
         done.files.extend(write_published(known, by_slug, out, shown, options.title))
-    for folder, pages in ((CHECKS, check_pages), ("sections", section_pages)):
-        shutil.rmtree(out / folder, ignore_errors=True)
-        with done.part(folder):
-            for name, text in pages(known, tasks, options):
-                done.files.append(write_text(out / name, text))
+    shutil.rmtree(out / CHECKS, ignore_errors=True)
+    with done.part(CHECKS):
+        for name, text in check_pages(known, tasks, options):
+            done.files.append(write_text(out / name, text))
     if done.missing:
         _write_class_page(known, tasks, out, options, done)  # again: it names what is missing
     done.files.append(page)
