@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import hmac
 import secrets
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -36,7 +36,7 @@ def codes_of(store: Store, students: Iterable[str]) -> dict[str, str]:
 
 
 def write_anonymous(
-    results: Iterable[StoredResult], codes: dict[str, str], options: ResultOptions, into: Path
+    results: Iterable[StoredResult], codes: Mapping[str, str], options: ResultOptions, into: Path
 ) -> list[Path]:
     """Write class.html and scores.csv; return them."""
     shown = sorted((_coded(one, codes) for one in results), key=lambda one: one.student)
@@ -45,7 +45,7 @@ def write_anonymous(
     return write_pages(shown, into, options)
 
 
-def _coded(result: StoredResult, codes: dict[str, str]) -> StoredResult:
+def _coded(result: StoredResult, codes: Mapping[str, str]) -> StoredResult:
     changed = result.amended
     if changed is not None:
         changed = replace(changed, graded=_coded(changed.graded, codes))

@@ -15,7 +15,6 @@ from grader.classroom.account import (
     SUSPECT,
     UNKNOWN,
     Account,
-    Fate,
     Line,
     set_aside_lines,
     student_lines,
@@ -226,22 +225,23 @@ def _account(
     return Account((*lines, *set_aside_lines(intake.set_aside)))
 
 
-def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) -> dict[int, Fate]:
+def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) -> dict[int, Line]:
     """Return what became of a student's files."""
-    fates: dict[int, Fate] = {}
+    fates: dict[int, Line] = {}
     contrary = {id(file) for each in found.values() for file in each.contrary}
     for slug, each in found.items():
         for file in each.older:
             is_other = id(file) in contrary
             reason = CONTRARY if is_other else "a newer one counts"
-            fates[id(file)] = Fate(OLDER, slug, reason, fault=is_other)
+            fates[id(file)] = Line(OLDER, exercise=slug, reason=reason, fault=is_other)
     for slug, each in sorted(found.items(), key=lambda pair: pair[0] in wanted):
-        fates |= {id(file): Fate(GRADED if slug in wanted else OTHER, slug) for file in each.used}
+        state = GRADED if slug in wanted else OTHER
+        fates |= {id(file): Line(state, exercise=slug) for file in each.used}
     held = not student.problem and not any(each.used for each in found.values())
     if not held and any(not found[slug].files for slug in wanted):  # else the unit itself says it
         known = [file for file in student.files if id(file) in fates]
-        fates |= {id(file): Fate(UNKNOWN, reason=SUSPECT, fault=True)
-                  for file in left_over(student, known)}  # fmt: skip
+        line = Line(UNKNOWN, reason=SUSPECT, fault=True)
+        fates |= {id(file): line for file in left_over(student, known)}
     return fates
 
 

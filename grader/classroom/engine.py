@@ -117,9 +117,8 @@ def _outcome(future: Future[UnitResult]) -> UnitResult | WorkerDied:
 class _Slot:
     """One local worker and what it runs."""
 
-    executor: Executor
+    executor: ProcessPoolExecutor
     task: Future[Any] | None = None
-    units: int = 0  # begun
 
     @property
     def free(self) -> bool:
@@ -148,10 +147,9 @@ class LocalWorkers:
         if slot is None:
             slot = _Slot(_one_process())
             self._slots.append(slot)
-        elif slot.broken or slot.units >= MAX_UNITS:
+        elif slot.broken:
             slot.executor.shutdown(wait=False)
-            slot.executor, slot.units = _one_process(), 0
-        slot.units += 1
+            slot.executor = _one_process()
         try:
             slot.task = slot.executor.submit(task, *arguments)
         except BrokenExecutor:  # it died between two units
@@ -162,7 +160,7 @@ class LocalWorkers:
     def close(self, *, now: bool) -> None:
         """End the workers."""
         for slot in self._slots:
-            if now and isinstance(slot.executor, ProcessPoolExecutor):
+            if now:
                 for process in list((slot.executor._processes or {}).values()):
                     process.kill()
             slot.executor.shutdown(wait=True, cancel_futures=True)
@@ -208,7 +206,7 @@ class DaskWorkers:
 
 def _one_process() -> ProcessPoolExecutor:
     return ProcessPoolExecutor(
-        1, mp_context=multiprocessing.get_context("spawn"), initializer=_begin_worker
+        1, multiprocessing.get_context("spawn"), _begin_worker, max_tasks_per_child=MAX_UNITS
     )
 
 

@@ -29,7 +29,6 @@ NO_SPACE = (
     "the disk is full: what is in the log of marks stays there (`course report {out}` prints it), "
     "but not all results were written. Free some space, and run `course marks write {out}`"
 )
-TWICE = "Entry {0} says the same as entry {1}, which counts already; to take it back, undo both"
 
 
 @dataclass(frozen=True)
@@ -186,12 +185,9 @@ class Marking:
         if isinstance(change, Undo):
             _check_undo(change, entries)
         before, known = self._amended(entries)
-        twice = [entry.number for entry in active(entries) if entry.change == change]
         entry = log.append(change, who, why)
         after, missing = self._written()
         remarks = [each for each in self._amended(log.entries())[1] if each not in known]
-        if twice:
-            remarks.insert(0, TWICE.format(entry.number, twice[-1]))
         return Marked(entry, self._shifts(before, after), remarks, missing)
 
     def write(self) -> Marked:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from grader.classroom.row import ABSENT, GRADED, HELD, TWICE, StoredResult, as_graded
-from grader.course.exercises import Essential, all_exercises, find_exercise
-from grader.errors import GraderError, InputError
+from grader.course.exercises import find_exercise
 from grader.lms.book import Task
 from grader.lms.clean import one_line
 from grader.report.terminal import UNJUDGED
@@ -17,29 +16,21 @@ Check = Mapping[str, Any]
 
 TO_HOLD = ("error", "inconclusive")
 PROVISIONAL = "provisional"
-FULL = 100.0  # points of an exercise that no longer exists
 
 
 def tasks_of(results: Iterable[StoredResult]) -> list[Task]:
-    """Return the exercises of the results, in the order of the lesson."""
-    try:
-        known = {exercise.slug: exercise for exercise in all_exercises()}
-    except GraderError:
-        known = {}
-    tasks = []
-    for slug in sorted({result.exercise for result in results}):
-        found = known.get(slug)
-        if found is None:
-            tasks.append(Task(slug, 0, one_line(slug), FULL))
-        else:
-            tasks.append(Task(slug, found.number, found.title, float(found.max_points)))
-    return sorted(tasks, key=lambda task: (task.number or 10**6, task.slug))
+    """Return the exercises of the results, in the order of the lesson.
+
+    Raises InputError: one no longer exists.
+    """
+    exercises = map(find_exercise, {result.exercise for result in results})
+    tasks = [Task(each.slug, each.number, each.title, float(each.max_points)) for each in exercises]
+    return sorted(tasks, key=lambda task: task.number)
 
 
 def checks_of(result: StoredResult) -> list[Check]:
     """Return the checks of a result's grading; [] if there is none."""
-    checks = (result.grading or {}).get("checks") or ()
-    return [check for check in checks if isinstance(check, Mapping)]
+    return list((result.grading or {}).get("checks") or ())
 
 
 def is_held(result: StoredResult) -> bool:
@@ -121,14 +112,6 @@ def raw_points(result: StoredResult) -> tuple[float, float, float]:
 def cap_of(result: StoredResult) -> str:
     """Return why the score is capped; empty if it isn't."""
     return one_line(str((result.grading or {}).get("cap") or ""), 400)
-
-
-def essential_of(exercise: str) -> Essential | None:
-    """Return what is essential in an exercise; None if it no longer exists."""
-    try:
-        return find_exercise(exercise).essential
-    except (GraderError, InputError):
-        return None
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ class Task:
     @property
     def heading(self) -> str:
         """Number and title."""
-        return f"{self.number} · {self.title}" if self.number else self.title
+        return f"{self.number} · {self.title}"
 
 
 @dataclass(frozen=True)

@@ -122,7 +122,7 @@ def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
     if not column:
         book.remark(
             f"Canvas's gradebook has no single column for {task.heading!r}, so importing makes "
-            f"one; name it with --column '{task.number or task.slug}=TITLE'"
+            f"one; name it with --column '{task.number}=TITLE'"
         )
         possible = [[POSSIBLE, *[None] * (end - 1), task.points]]
     elif scaled(task.points, task, most) != task.points:

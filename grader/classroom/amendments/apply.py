@@ -12,8 +12,9 @@ from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, U
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import find_student
-from grader.classroom.marks import essential_of, points_of, tasks_of
+from grader.classroom.marks import points_of, tasks_of
 from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended, StoredResult
+from grader.course.exercises import find_exercise
 from grader.course.score import score_of
 from grader.lms.book import StudentRow, Task, about
 
@@ -203,7 +204,7 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
     """
     grading = result.grading or {}
     core = [check for check in grading.get("checks") or () if check.get("kind") != "field"]
-    sums = score_of(core, essential_of(result.exercise))
+    sums = score_of(core, find_exercise(result.exercise).essential)
     new: dict[str, Any] = {
         **grading,
         "score": sums.points,

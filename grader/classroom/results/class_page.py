@@ -133,9 +133,7 @@ def _rows(mine: Results, tasks: Sequence[Task]) -> list[tuple[Task, Results, Dis
 
 def _heading(task: Task, tasks: int) -> str:
     """Return the heading of an exercise's column, short where there are many."""
-    if tasks <= 4:
-        return task.heading
-    return f"Ex. {task.number}" if task.number else one_line(task.title, 16)
+    return task.heading if tasks <= 4 else f"Ex. {task.number}"
 
 
 def _students(

@@ -81,23 +81,12 @@ def kept_text(options: ResultOptions) -> str:
 def kept_options(text: str, students: Mapping[str, StudentRow]) -> ResultOptions:
     """Return the options of what was kept.
 
-    Raises InputError: nothing was, by an older version of the course.
+    Raises InputError: nothing was.
     """
-    try:
-        kept = {name: value for name, value in json.loads(text).items() if value}
-        nbgrader = kept.pop("nbgrader", "")
-        options = msgspec.convert(kept, ResultOptions, dec_hook=_read)
-    except (msgspec.MsgspecError, ValueError):
-        raise InputError(
-            "this class was graded by an earlier version of the course: run `course autograde` "
-            "once more with the same submissions; it grades only what is new"
-        ) from None
-    return replace(
-        options,
-        nbgrader=Path(nbgrader) if nbgrader else None,
-        students=students,
-        workers=os.cpu_count() or 1,  # on any system
-    )
+    if not text:
+        raise InputError("nothing was graded here yet: run `course autograde` with the submissions")
+    options = msgspec.convert(json.loads(text), ResultOptions, dec_hook=_read)
+    return replace(options, students=students, workers=os.cpu_count() or 1)
 
 
 def column_titles(columns: Sequence[str]) -> dict[str, str]:
