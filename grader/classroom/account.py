@@ -96,7 +96,9 @@ def student_lines(student: Student, fates: Mapping[int, Line]) -> list[Line]:
         )
         for file in student.files
     ]  # fmt: skip
-    line = partial(Line, entry="; ".join(student.entries), student=student.id)
+    line = partial(
+        Line, entry="; ".join(each.path.name for _, each in student.entries), student=student.id
+    )
     if student.problem:  # the student is held for it
         lines.append(line(UNREADABLE, reason=student.problem, held=True))
     elif not student.files and student.links:
