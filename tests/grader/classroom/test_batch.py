@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 from fake_class import FILE, SLUG, fair, grading
 
-from grader.classroom import candidates, folder
+from grader.classroom import candidates
 from grader.classroom.engine import DaskWorkers
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, TWICE
 from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
 from grader.course.students import student_key
-from grader.errors import GraderError, InputError
+from grader.errors import InputError
 from grader.lms.sheets import read_roster
 
 
@@ -215,15 +215,6 @@ def test_ctrl_c_gives_back_what_runs(grade_class: Any, tmp_path: Path) -> None:
     with Store(tmp_path / "out" / "store.sqlite") as store:
         assert RUNNING not in {result.state for result in store.results()}
     assert "bob" in grade_class()[1].students
-
-
-def test_two_batches_on_one_folder(grade_class: Any, tmp_path: Path) -> None:
-    def nested(unit: Unit) -> UnitResult:
-        with pytest.raises(GraderError, match="another"), folder.locked(tmp_path / "out"):
-            pass
-        return fair(unit)
-
-    assert {r.state for r in grade_class(nested)[0].values()} == {GRADED}
 
 
 def test_regrading_runs_no_code_and_changes_the_score(grade_class: Any, handed_in: Path) -> None:

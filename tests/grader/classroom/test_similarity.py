@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
 from made_results import OBSTACLES, classes
 
 from grader.classroom.results.similarity import (
     LONGEST,
-    prints_of,
+    MOST,
     similar_groups,
     tokens,
 )
@@ -47,11 +48,6 @@ def test_the_courses_own_solutions_are_not_similar() -> None:
     assert similar_groups(texts, {}) == []
 
 
-def test_what_is_not_python_is_compared_by_words() -> None:
-    for source in (b"", b"\x00\xff", b"def (", b"'''", b"\tif x:\n  y", b"# coding: nonsense\nx"):
-        assert isinstance(prints_of(source), frozenset)
-
-
 def test_what_half_the_class_has_is_common_ground() -> None:
     shared = classes.program(3)
     texts = {f"s{i}": {"a.py": shared + classes.program(100 + i)[17:]} for i in range(12)}
@@ -65,3 +61,15 @@ def test_a_line_without_end_takes_no_time() -> None:
     words = tokens(b"y = f(1)\n" * 50 + whole)
     assert words[: len(before)] == before
     assert len(words) < len(before) + 2 * LONGEST
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        b"", b"\x00\xff", b"def (", b"\tif x:\n  y", b"# coding: rot13\nx", b"# coding: idna\nx",
+        b"# coding: utf-16\nx = 1\n", b"# coding: unicode_escape\nx = '\\", b"(" * 2**20,
+        b"\\\n" * 2**19, b"a " * 2**19, b"0_" * 2**19, b"'''\n" * 2**18,
+    ],
+)  # fmt: skip
+def test_no_file_stops_the_search_or_takes_long(source: bytes) -> None:
+    assert len(tokens(source)) <= MOST
