@@ -38,11 +38,13 @@ def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRo
         raise InputError(
             f"{one_line(word)!r} may be {' or '.join(map(one_line, same[:NEAR]))}: give the id"
         )
-    called = {name: s for s in students for name in _names(s, rows.get(s))}
+    called = [(name, s) for s in students for name in _names(s, rows.get(s))]
     parts = set(_parts(word))
-    like = [name for name in called if parts.intersection(_parts(name))]
-    like = like or difflib.get_close_matches(word, called, NEAR, cutoff=0.5)
-    near = [f"{one_line(name)} ({one_line(called[name])})" for name in like[:NEAR]]
+    like = {name for name, _ in called if parts.intersection(_parts(name))}
+    like = like or set(difflib.get_close_matches(word, [n for n, _ in called], NEAR, cutoff=0.5))
+    near = [f"{one_line(name)} ({one_line(s)})" for name, s in called if name in like and name != s]
+    near = near or [one_line(s) for _, s in called if s in like]
+    near = near[:NEAR]
     hint = f"did you mean {' or '.join(near)}?" if near else "scores.csv lists all under `student`"
     raise InputError(f"nobody in this class is {one_line(word)!r}; {hint}")
 

@@ -125,20 +125,6 @@ def test_a_dying_worker_is_tried_three_times_the_last_alone(grade_class: Any) ->
     assert results["bob"].state == GRADED
 
 
-@pytest.mark.parametrize("outcome", ["inconclusive", "error"])
-def test_what_could_not_be_judged_gets_another_try(grade_class: Any, outcome: str) -> None:
-    def unsure(unit: Unit) -> UnitResult:
-        if unit.student == "bob":
-            return UnitResult(grading("stop_zone", outcome=outcome))
-        return fair(unit)
-
-    results, workers, _ = grade_class(unsure)
-    assert workers.students.count("bob") == 2
-    assert results["bob"].state == HELD
-    assert "could not judge stop_zone: because" in results["bob"].problem
-    assert "judged twice, the second time with nothing beside it" in results["bob"].problem
-
-
 def test_the_graders_own_problem_holds(grade_class: Any) -> None:
     results, _, _ = grade_class(lambda unit: UnitResult(None, "no host"))
     assert {r.problem for r in results.values()} == {f"no host; {TWICE}"}
@@ -243,3 +229,17 @@ def test_no_scheduler(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     with pytest.raises(InputError, match="no scheduler there"):
         DaskWorkers("nonsense://nowhere:1")
+
+
+@pytest.mark.parametrize("outcome", ["inconclusive", "error"])
+def test_what_could_not_be_judged_gets_another_try(grade_class: Any, outcome: str) -> None:
+    def unsure(unit: Unit) -> UnitResult:
+        if unit.student == "bob":
+            return UnitResult(grading("stop_zone", outcome=outcome))
+        return fair(unit)
+
+    results, workers, _ = grade_class(unsure)
+    assert workers.students.count("bob") == 2
+    assert results["bob"].state == HELD
+    assert "could not judge stop_zone: because" in results["bob"].problem
+    assert "judged twice, the second time with nothing beside it" in results["bob"].problem

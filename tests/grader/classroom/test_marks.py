@@ -134,7 +134,7 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
     with reading(graded) as class_:
         task = class_.exercise("")
         for words, section, everybody, said in (
-            (["anne"], "", False, "nobody in this class is 'anne'; did you mean ann (ann)?"),
+            (["anne"], "", False, "nobody in this class is 'anne'; did you mean ann?"),
             (["zzz"], "", False, "scores.csv lists all"),
             ([], "A", False, "unknown section 'A'; there are: none"),
             ([], "", False, "expected whom"),
@@ -237,9 +237,7 @@ def test_canvas_says_only_late(grade_class: Any, handed_in: Path, tmp_path: Path
     assert "counted as one day" in (out / "class.html").read_text()
 
 
-def test_times_of_an_exchange(
-    grade_class: Any, handed_in: Path, tmp_path: Path
-) -> None:
+def test_times_of_an_exchange(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:
     for name, time in (("ann", "2026-05-04 20:00:00"), ("bob", "2026-05-06 00:00:01.5")):
         (handed_in / name).rename(handed_in / f"{name}+week1+{time} UTC")
     (handed_in / "eve" / FILE).unlink()

@@ -99,15 +99,6 @@ def test_wrong_usage_changes_nothing(course: Course, command: str, said: str) ->
     assert course("report")[1].endswith("Nobody has changed a mark.\n")
 
 
-def test_what_is_not_known_is_said(course: Course) -> None:
-    words = ("--per-day", 10, "--deadline", "2026-05-04T23:59", "--all", "--why", "x")
-    code, said = course("marks late", *words)
-    assert code == 0
-    assert "Scores that change: 0" in said
-    assert "Note: 1 · Obstacle avoidance: no time is known" in said
-    assert "ann, bob, eve" in said
-
-
 def test_students_called_like_an_option(
     grade_class: Any, handed_in: Path, course: Course, graded: Path
 ) -> None:

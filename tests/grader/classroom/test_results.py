@@ -20,7 +20,7 @@ from grader.classroom.marks import points_of, tasks_of, why_held
 from grader.classroom.results import ResultOptions, write, write_results
 from grader.classroom.results.items import distribution, item_analysis, point_biserial
 from grader.classroom.results.scores import scores_csv
-from grader.classroom.row import ABSENT, HELD, RUNNING, StoredResult
+from grader.classroom.row import HELD, RUNNING, StoredResult
 from grader.lms.canvas import canvas_csv
 from grader.lms.clean import cell, folder_name, one_line, visible
 from grader.lms.moodle import grades_csv
@@ -104,21 +104,6 @@ def test_held_gradings_have_no_points_anywhere() -> None:
     assert states["zoe"] == ("graded", "100")
 
 
-def test_what_was_not_handed_in_is_no_fault() -> None:
-    other = replace(right("ada"), exercise="goal_seeking")
-    absent = replace(result("ada"), state=ABSENT)
-    everyone = [other, absent, replace(result("ben"), state=ABSENT)]
-    tasks = tasks_of(everyone)
-    assert canvas_csv(book(everyone), tasks[0]) is None
-    assert for_gradescope([other, absent], tasks)["score"] == 100.0  # type: ignore[index]
-    assert for_gradescope(everyone[2:], tasks) is None
-    states = {
-        (row["student"], row["exercise"]): row["state"]
-        for row in csv.DictReader(io.StringIO(scores_csv(everyone, tasks)))
-    }
-    assert states["ben", "obstacle_avoidance"] == "not handed in"
-
-
 def test_the_reason_says_whose_fault_it_is_and_what_to_do() -> None:
     stalled = why_held(result("ada", check("b", "inconclusive", message="stood still for 2 s")))
     assert "machine stalled" in stalled.reason
@@ -168,15 +153,6 @@ def test_gradescope_reads_its_results() -> None:
     assert (second["score"], second["max_score"], second["status"]) == (0, 40, "failed")
     assert second["output"] == "too fast\nExpected: 0 m/s\nLook at next: look"
     assert "score" not in third  # field checks have no points
-    documented = {
-        "name", "name_format", "number", "score", "max_score", "status", "output",
-        "output_format", "tags", "visibility", "extra_data",
-    }  # fmt: skip
-    assert all(set(test) <= documented for test in made["tests"])
-    assert set(made) <= {
-        "score", "execution_time", "output", "output_format", "visibility", "stdout_visibility",
-        "extra_data", "tests", "leaderboard",
-    }  # fmt: skip
 
 
 def test_gradescope_waits_until_every_exercise_counts() -> None:
@@ -187,15 +163,6 @@ def test_gradescope_waits_until_every_exercise_counts() -> None:
     assert both["score"] == 200.0
     assert both["tests"][2]["name"].startswith("Goal seeking: ")
     assert for_gradescope([right("ada"), replace(other, state=HELD)], tasks) is None
-
-
-def test_nothing_written_is_nan() -> None:
-    odd = result("ada", check("a", "pass", 60), check("b", "fail", 40, time=math.nan))
-    assert odd.grading is not None
-    odd.grading.update(score=math.nan, max_score="many")
-    task = tasks_of([odd])[0]
-    assert points_of(odd, task) is None
-    assert "nan" not in scores_csv([odd], [task]).casefold()
 
 
 # --- the exercise itself -----------------------------------------------------------------------
@@ -272,18 +239,9 @@ def test_everything_is_written_below_out(whole: tuple[Path, list[Path]]) -> None
     assert (out / "feedback" / "ben" / "obstacle_avoidance.html").is_file()
 
 
+@pytest.mark.parametrize("workers", [1, 2])
 def test_the_same_results_make_the_same_bytes(
-    whole: tuple[Path, list[Path]], tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    out, written = whole
-    again = tmp_path_factory.mktemp("again")
-    results, options = classes.whole_class()
-    write_results(results[::-1], again, options)
-    for path in written:
-        assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
-
-
-def test_several_processes_make_the_same_pages(
+    workers: int,
     whole: tuple[Path, list[Path]],
     tmp_path_factory: pytest.TempPathFactory,
     monkeypatch: pytest.MonkeyPatch,
@@ -292,7 +250,7 @@ def test_several_processes_make_the_same_pages(
     out, written = whole
     again = tmp_path_factory.mktemp("again")
     results, options = classes.whole_class()
-    write_results(results, again, replace(options, workers=2))
+    write_results(results[::-1], again, replace(options, workers=workers))
     for path in written:
         assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
 
