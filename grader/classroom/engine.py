@@ -22,7 +22,7 @@ from concurrent.futures import (
 )
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from grader.classroom.work import Unit, UnitResult, grade_unit
 from grader.errors import GraderError, InputError
@@ -35,20 +35,6 @@ CONNECT_LIMIT = 20  # [s]
 
 class WorkerDied(Exception):
     """A worker died while it graded a unit."""
-
-
-class Workers(Protocol):
-    """Processes that run units, here or elsewhere."""
-
-    @property
-    def slots(self) -> int:
-        """How many units may run now."""
-
-    def submit(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Have a free worker run a function."""
-
-    def close(self, *, now: bool) -> None:
-        """End the workers; `now`: without waiting for what they run."""
 
 
 @contextlib.contextmanager
@@ -64,7 +50,7 @@ def open_workers(count: int, dask: str = "") -> Iterator[Workers]:
 
     Raises InputError: there is no such scheduler, or Dask is not installed.
     """
-    workers: Workers = DaskWorkers(dask) if dask else LocalWorkers(count)
+    workers = DaskWorkers(dask) if dask else LocalWorkers(count)
     try:
         yield workers
     except BaseException:
@@ -202,6 +188,9 @@ class DaskWorkers:
         """Disconnect from the cluster; it is not ours to shut down."""
         self._executor.shutdown(wait=not now)
         self._client.close()
+
+
+Workers = LocalWorkers | DaskWorkers
 
 
 def _one_process() -> ProcessPoolExecutor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import multiprocessing
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -69,7 +70,7 @@ def write_results(
     _write_gradebooks(book, known, tasks, out, options, done)
     options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done.files, out))
     page = _write_class_page(known, tasks, out, options, done)
-    for each in _made(_students(known, by_slug, out, options), options.workers):
+    for each in _made(known, by_slug, out, options):
         done.files.extend(each.files)
         done.missing.extend(each.missing)
     _write_feedback_zips(book, tasks, out, options, done)
@@ -185,60 +186,50 @@ def _there(written: Iterable[Path], out: Path) -> list[tuple[str, str, tuple[str
 # --- students' pages -----------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _Student:
-    """One student's pages, to be made by any process."""
-
-    results: Sequence[StoredResult]
-    tasks: Mapping[str, Task]
-    out: Path
-    hidden: frozenset[str]
-    replays_in: str
-    title: str  # of the course
-
-    def write(self) -> Written:
-        """Write the pages; if one can't be made, a page that says so takes the place of all."""
-        student, done = self.results[0].student, Written()
-        folder = self.out / "feedback" / folder_name(student)
-        with done.part(f"the feedback of {one_line(student)}"):
-            index = index_page(student, self.results, self.tasks, self.title)
-            done.files.append(write_text(folder / "index.html", index))
-            for result in self.results:
-                done.files.extend(self._pages(result, folder))
-            return done
-        for page in folder.glob("*.html"):
-            page.unlink()
-        return Written([write_text(folder / "index.html", lost_page(student))], done.missing)
-
-    def _pages(self, result: StoredResult, folder: Path) -> Iterator[Path]:
-        task = self.tasks[result.exercise]
-        page = folder / f"{task.folder}.html"
-        if not is_graded(result):
-            page.unlink(missing_ok=True)  # from an earlier run; it no longer counts
-            return
-        # an absolute path stays itself
-        bags = None if result.recordings is None else self.out / result.recordings
-        yield write_page(page, result, task, self.hidden, bags)
-        failed = any(check.get("outcome") == "fail" for check in checks_of(as_graded(result)))
-        if self.replays_in != "feedback" and bags is not None and failed:
-            mine = self.out / self.replays_in / folder.name / page.name
-            yield write_page(mine, result, task, frozenset(), bags)
-
-
-def _students(
+def _made(
     results: Sequence[StoredResult], tasks: Mapping[str, Task], out: Path, options: ResultOptions
-) -> list[_Student]:
-    return [
-        _Student(list(mine), tasks, out, options.hidden, options.replays_in, options.title)
-        for _, mine in groupby(results, key=lambda result: result.student)
-    ]
-
-
-def _made(students: Sequence[_Student], workers: int) -> Iterator[Written]:
+) -> Iterator[Written]:
     """Make the pages, in several processes if there are many."""
-    if workers == 1 or len(students) < MANY:
-        yield from map(_Student.write, students)
+    students = [list(mine) for _, mine in groupby(results, key=lambda result: result.student)]
+    # what a process needs to know
+    about = (tasks, out, options.hidden, options.replays_in, options.title)
+    make = functools.partial(_write_student, *about)
+    if options.workers == 1 or len(students) < MANY:
+        yield from map(make, students)
         return
     # spawned: this process may have threads, of Dask or the progress bar
-    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
-        yield from pool.map(_Student.write, students)
+    with ProcessPoolExecutor(options.workers, multiprocessing.get_context("spawn")) as pool:
+        yield from pool.map(make, students)
+
+
+def _write_student(
+    tasks: Mapping[str, Task],
+    out: Path,
+    hidden: frozenset[str],
+    replays_in: str,
+    title: str,
+    results: Sequence[StoredResult],
+) -> Written:
+    """Write a student's pages; if one can't be made, one that says so takes the place of all."""
+    student, done = results[0].student, Written()
+    folder = out / "feedback" / folder_name(student)
+    with done.part(f"the feedback of {one_line(student)}"):
+        index = index_page(student, results, tasks, title)
+        done.files.append(write_text(folder / "index.html", index))
+        for result in results:
+            task = tasks[result.exercise]
+            page = folder / f"{task.folder}.html"
+            if not is_graded(result):
+                page.unlink(missing_ok=True)  # from an earlier run; it no longer counts
+                continue
+            # an absolute path stays itself
+            bags = None if result.recordings is None else out / result.recordings
+            done.files.append(write_page(page, result, task, hidden, bags))
+            failed = any(check.get("outcome") == "fail" for check in checks_of(as_graded(result)))
+            if replays_in != "feedback" and bags is not None and failed:
+                mine = out / replays_in / folder.name / page.name
+                done.files.append(write_page(mine, result, task, frozenset(), bags))
+        return done
+    for page in folder.glob("*.html"):
+        page.unlink()
+    return Written([write_text(folder / "index.html", lost_page(student))], done.missing)
