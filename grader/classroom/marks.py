@@ -84,7 +84,7 @@ def points_of(result: StoredResult, task: Task) -> float | None:
         return result.amended.points
     if not is_graded(result) or result.grading is None:
         return None
-    score, most = _number(result.grading.get("score")), _number(result.grading.get("max_score"))
+    score, most = float(result.grading["score"]), float(result.grading["max_score"])
     if most <= 0:
         return None
     return round(min(1.0, max(0.0, score / most)) * task.points, 2)
@@ -105,8 +105,8 @@ def passed(result: StoredResult) -> str:
 def raw_points(result: StoredResult) -> tuple[float, float, float]:
     """Return the points won, the points that could be won, and those before the cap; unscaled."""
     grading = result.grading or {}
-    score = _number(grading.get("score"))
-    return score, _number(grading.get("max_score")), _number(grading.get("raw_score", score))
+    score = float(grading.get("score") or 0)
+    return score, float(grading.get("max_score") or 0), float(grading.get("raw_score", score))
 
 
 def cap_of(result: StoredResult) -> str:
@@ -160,9 +160,9 @@ def so_far(result: StoredResult) -> str:
     Out of all points, so that few judged ones don't look like full marks.
     """
     core = [check for check in checks_of(result) if check.get("kind") != "field"]
-    most = sum(_number(check.get("max_points")) for check in core)
+    most = sum(float(check.get("max_points") or 0) for check in core)
     unjudged = (check for check in core if check.get("outcome") in UNJUDGED)
-    left = sum(_number(check.get("max_points")) for check in unjudged)
+    left = sum(float(check.get("max_points") or 0) for check in unjudged)
     won = raw_points(result)[0]
     return f"{won:g} of {most:g}, {left:g} not judged" if most else ""
 
@@ -173,11 +173,3 @@ def _first(checks: Sequence[Check], what: str) -> str:
     message = one_line(first.get("message") or "", 240)
     title = one_line(first.get("title") or first.get("id") or "a check", 160).rstrip(".")
     return f"{what} “{title}”{more}" + (f": {message}" if message else ".")
-
-
-def _number(value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        return 0.0
-    return number if abs(number) < 1e9 else 0.0  # False for NaN too

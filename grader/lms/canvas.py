@@ -169,5 +169,5 @@ PLATFORM = Platform(
     sheet,
     gradebook,
     folder="canvas",
-    what={"canvas": "Canvas gradebook, a file per exercise"},
+    what="Canvas gradebook, a file per exercise",
 )

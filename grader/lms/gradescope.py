@@ -228,5 +228,5 @@ PLATFORM = Platform(
     sheet,
     gradebook,
     folder="gradescope",
-    what={"gradescope": "Gradescope: an autograder that hands out the results"},
+    what="Gradescope: an autograder that hands out the results",
 )

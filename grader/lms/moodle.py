@@ -262,5 +262,5 @@ PLATFORM = Platform(
     gradebook,
     feedback,
     folder="moodle",
-    what={"moodle": "Moodle: grade import, worksheets, feedback files"},
+    what="Moodle: grade import, worksheets, feedback files",
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
@@ -32,4 +32,4 @@ class Platform:
     gradebook: Fills = lambda book, tasks: {}
     feedback: Packs | None = None  # writes a zip of the pages in a folder, as it takes them back
     folder: str = ""  # of its files; made anew each time
-    what: Mapping[str, str] = field(default_factory=dict)  # file or folder: what it is
+    what: str = ""  # is in it

@@ -67,9 +67,8 @@ def write_results(
     known, tasks = _in_order(results)
     by_slug = {task.slug: task for task in tasks}
     book = book_of(known, tasks, options)
-    _write_gradebooks(book, known, tasks, out, options, done)
-    options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done.files, out))
-    page = _write_class_page(known, tasks, out, options, done)
+    _write_tables(known, tasks, out, options, done)
+    _write_gradebooks(book, tasks, out, options, done)
     for each in _made(known, by_slug, out, options):
         done.files.extend(each.files)
         done.missing.extend(each.missing)
@@ -81,17 +80,17 @@ def write_results(
     with done.part(CHECKS):
         for name, text in check_pages(known, tasks, options):
             done.files.append(write_text(out / name, text))
-    if done.missing:
-        _write_class_page(known, tasks, out, options, done)  # again: it names what is missing
-    done.files.append(page)
+    options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done.files, out))
+    _write_class_page(known, tasks, out, options, done)
     return done
 
 
 def write_pages(results: Sequence[StoredResult], out: Path, options: ResultOptions) -> list[Path]:
     """Write only the class report and the scores into `out`."""
-    known, tasks = _in_order(results)
-    scores = write_text(out / "scores.csv", BOM + scores_csv(known, tasks, options.students))
-    return [_write_class_page(known, tasks, out, options, Written()), scores]
+    (known, tasks), done = _in_order(results), Written()
+    _write_tables(known, tasks, out, options, done)
+    _write_class_page(known, tasks, out, options, done)
+    return done.files
 
 
 def _in_order(results: Sequence[StoredResult]) -> tuple[list[StoredResult], list[Task]]:
@@ -108,38 +107,39 @@ def _write_class_page(
     out: Path,
     options: ResultOptions,
     done: Written,
-) -> Path:
+) -> None:
     """Write class.html; if it can't be made, a bare page with what is missing."""
-    tried = Written()
-    with tried.part(CLASS_PAGE):
-        return write_text(out / CLASS_PAGE, class_page(results, tasks, options, done.missing))
-    done.missing.extend(each for each in tried.missing if each not in done.missing)
-    return write_text(out / CLASS_PAGE, render("bare.html", "class report", missing=done.missing))
+    text = ""
+    with done.part(CLASS_PAGE):
+        text = class_page(results, tasks, options, done.missing)
+    text = text or render("bare.html", "class report", missing=done.missing)
+    done.files.append(write_text(out / CLASS_PAGE, text))
 
 
 # --- gradebooks ----------------------------------------------------------------------------------
 
 
-def _write_gradebooks(
-    book: Book,
+def _write_tables(
     results: Sequence[StoredResult],
     tasks: Sequence[Task],
     out: Path,
     options: ResultOptions,
     done: Written,
 ) -> None:
-    """Write all files for gradebooks; older ones would be taken for this run's, and are removed."""
-    done.files.append(
-        write_text(out / "scores.csv", BOM + scores_csv(results, tasks, options.students))
-    )
+    text = scores_csv(results, tasks, options.students)
+    done.files.append(write_text(out / "scores.csv", BOM + text))
     (out / "intake.csv").unlink(missing_ok=True)
     if options.account.lines:
         done.files.append(write_text(out / "intake.csv", BOM + options.account.csv()))
+
+
+def _write_gradebooks(
+    book: Book, tasks: Sequence[Task], out: Path, options: ResultOptions, done: Written
+) -> None:
+    """Write all files for gradebooks; older ones would be taken for this run's, and are removed."""
     for platform in PLATFORMS:
-        for name in platform.what:
-            (out / name).unlink(missing_ok=True) if "." in name else shutil.rmtree(
-                out / name, ignore_errors=True
-            )
+        if platform.what:
+            shutil.rmtree(out / platform.folder, ignore_errors=True)
         with done.part(f"{platform.name}'s files"):
             for name, content in platform.gradebook(book, tasks).items():
                 data = content.encode("utf-8", "replace") if isinstance(content, str) else content
@@ -174,7 +174,7 @@ def _write_feedback_zips(
 def _there(written: Iterable[Path], out: Path) -> list[tuple[str, str, tuple[str, ...]]]:
     """Return what was written for the report's last lines; of folders, the files in them."""
     names = sorted(path.relative_to(out).as_posix() for path in written)
-    every = OURS | {name: what for each in PLATFORMS for name, what in each.what.items()}
+    every = OURS | {each.folder: each.what for each in PLATFORMS if each.what}
     found = []
     for name, what in every.items():
         inside = tuple(each for each in names if each == name or each.rpartition("/")[0] == name)

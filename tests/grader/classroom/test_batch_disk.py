@@ -81,7 +81,7 @@ def test_a_disk_that_fills_while_results_are_written(
         disk.setattr("grader.classroom.results.feedback.exercise_page", full)
         with pytest.raises(DiskFull, match="run the same command again"):
             grade_class()
-    assert (tmp_path / "out" / "class.html").is_file()
+    assert (tmp_path / "out" / "scores.csv").is_file()
     assert not list((tmp_path / "out").rglob("*.part"))
     _, workers, _ = grade_class()
     assert workers.students == []
