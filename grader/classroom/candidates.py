@@ -29,6 +29,7 @@ from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.lms.book import Handed, StudentRow, named
+from grader.lms.people import NO_PERSON
 
 MOST_NAMED = 5  # students in a sentence
 OTHER_CLASS = (
@@ -119,8 +120,6 @@ def enter_candidates(
             absent=candidate.absent,
             compared=HASHED if regrade else None,
         )
-        if candidate.found.remark:
-            store.note(f"{candidate.found.remark}.")
     said = ""
     gone = {r.student for r in stored} - {student for student, _ in found.candidates}
     if store.keep_only(found.candidates, slugs):
@@ -254,10 +253,4 @@ def _row(student: Student, found: Mapping[Key, Found], wanted: Sequence[str]) ->
                 entry.who.system, entry.who.name, entry.who.id, entry.who.email, entry.path.name,
                 entry.late, entry.time,
             )  # fmt: skip
-    if student.person is None:
-        return StudentRow(student.id, handed=handed)
-    person = student.person
-    return StudentRow(
-        student.id, person.label, person.section, dict(person.ids),
-        tuple(sorted(person.participants)), handed,
-    )  # fmt: skip
+    return StudentRow(student.id, student.person or NO_PERSON, handed)

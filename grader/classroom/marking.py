@@ -147,7 +147,7 @@ class Marking:
         if bool(words) + bool(section) + everybody != 1:
             raise InputError("expected whom it is about: --student ID, --section NAME or --all")
         if section:
-            sections = {row.section for row in self.rows.values() if row.section}
+            sections = {row.person.section for row in self.rows.values() if row.person.section}
             if section not in sections:
                 raise nearest(section, sections, "section")
             return Whom(section=section)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from grader.lms.clean import one_line
-from grader.lms.people import NOBODY, Person, Roster, Sheet, folded
+from grader.lms.people import NO_PERSON, NOBODY, Person, Roster, Sheet, folded
 
 MOST_NAMED = 10  # students in a remark
 LOGIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")  # a name that a platform may give a user
@@ -50,10 +50,7 @@ class StudentRow:
     """What is known of a student besides the work."""
 
     student: str  # the name of the folder
-    name: str = ""  # in the roster; "" without one
-    section: str = ""
-    ids: dict[str, str] = field(default_factory=dict)  # kind: id, of the roster
-    participants: tuple[str, ...] = ()  # Moodle's ids, one per assignment
+    person: Person = NO_PERSON  # in the roster
     handed: dict[str, Handed] = field(default_factory=dict)  # by exercise
 
 
@@ -76,7 +73,7 @@ class Mark:
     @property
     def name(self) -> str:
         """The name for people."""
-        return self.row.name or self.student
+        return self.row.person.label or self.student
 
     @property
     def handed(self) -> Handed:
@@ -126,7 +123,7 @@ class Book:
     def row_of(self, sheet: Sheet, mark: Mark) -> tuple[str, ...] | None:
         """Return a student's row in a sheet."""
         for row, place in zip(sheet.rows, sheet.people, strict=True):
-            if _is(self.roster.people[place], mark.row):
+            if self.roster.people[place] == mark.row.person:
                 return row
         return None
 
@@ -200,11 +197,3 @@ def missing_columns(titles: Mapping[str, str], roster: Roster) -> list[str]:
 def _nearest(title: str, headings: Sequence[str]) -> str:
     near = difflib.get_close_matches(title, headings, n=1)
     return f"; did you mean {one_line(near[0])!r}?" if near else ""
-
-
-def _is(person: Person, row: StudentRow) -> bool:
-    if person.ids or row.ids:
-        return bool(person.ids) and dict(person.ids) == dict(row.ids)
-    if person.participants:
-        return set(person.participants) == set(row.participants)
-    return person.label == row.name

@@ -94,13 +94,13 @@ def canvas_csv(book: Book, task: Task) -> str | None:
     rows: list[list[Cell]] = []
     lost = []
     for mark, points in book.marks(task):
-        ids, handed = mark.row.ids, mark.handed
+        ids, handed = mark.row.person.ids, mark.handed
         id_ = ids.get("canvas") or (handed.id if handed.system == "canvas" else "")
         login = ids.get("login", "")
         if not id_ and not login and not book.roster.people:
             login = mark.login
         if id_ or login:
-            rows.append([mark.name, _id(id_), _id(login), mark.row.section, points])
+            rows.append([mark.name, _id(id_), _id(login), mark.row.person.section, points])
         else:
             lost.append(mark)
     book.leaves_out(f"canvas/{task.folder}.csv", NO_ROW, lost)

@@ -152,7 +152,7 @@ def grades_csv(book: Book, task: Task) -> str | None:
     locked = [mark for mark, _ in every if worksheet and worksheet.is_locked(mark)]
     book.leaves_out(file, LOCKED, locked)
     known = {
-        mark.student: mark.row.ids if book.roster.people else {"login": mark.login}
+        mark.student: mark.row.person.ids if book.roster.people else {"login": mark.login}
         for mark, _ in every
         if mark not in locked
     }

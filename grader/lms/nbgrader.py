@@ -118,8 +118,8 @@ def write_into(db: Path, book: Book, tasks: Sequence[Task]) -> None:
 
     scores = [
         Score(
-            _id(mark), task.slug, points, task.points, mark.row.name,
-            mark.row.ids.get("email", ""),
+            _id(mark), task.slug, points, task.points, mark.row.person.label,
+            mark.row.person.ids.get("email", ""),
         )
         for task in tasks
         for mark, points in book.marks(task)
@@ -129,7 +129,8 @@ def write_into(db: Path, book: Book, tasks: Sequence[Task]) -> None:
 
 def _id(mark: Mark) -> str:
     """Return what nbgrader calls a student."""
-    id_ = mark.handed.id if mark.handed.system == "nbgrader" else mark.row.ids.get("login", "")
+    mine = mark.handed.system == "nbgrader"
+    id_ = mark.handed.id if mine else mark.row.person.ids.get("login", "")
     return id_ or mark.student
 
 

@@ -144,3 +144,4 @@ def squeezed(name: str) -> str:
 
 
 NOBODY = Roster()
+NO_PERSON = Person("")  # one who is in no roster

@@ -16,6 +16,7 @@ from grader.classroom.amendments import Entry, Undo, Waive
 from grader.classroom.results import ResultOptions, write_results
 from grader.classroom.row import StoredResult
 from grader.lms.book import StudentRow
+from grader.lms.people import Person
 from grader.report.page import page_html
 
 SLUG = "obstacle_avoidance"
@@ -28,7 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("class")
     results, options = classes.whole_class()
     rows = {
-        one.student: StudentRow(one.student, section="AB"[index % 2])
+        one.student: StudentRow(one.student, Person("", "AB"[index % 2]))
         for index, one in enumerate(results)
     }
     results = [replace(one, recordings=Path("recordings")) for one in results]

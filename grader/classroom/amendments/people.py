@@ -72,11 +72,11 @@ def _ids(student: str, row: StudentRow | None) -> list[str]:
     if row is None:
         return []
     handed = [id_ for each in row.handed.values() for id_ in (each.id, each.email) if id_]
-    return [*row.ids.values(), *row.participants, *handed]
+    return [*row.person.ids.values(), *row.person.participants, *handed]
 
 
 def _names(student: str, row: StudentRow | None) -> list[str]:
     names = [student]
     if row is not None:
-        names += [row.name, *(each.name for each in row.handed.values())]
+        names += [row.person.label, *(each.name for each in row.handed.values())]
     return [name for name in dict.fromkeys(names) if name]

@@ -81,8 +81,8 @@ def sections_of(results: Results, options: ResultOptions) -> dict[str, list[Stor
     found: dict[str, list[StoredResult]] = {}
     for result in results:
         row = options.students.get(result.student)
-        if row is not None and row.section:
-            found.setdefault(row.section, []).append(result)
+        if row is not None and row.person.section:
+            found.setdefault(row.person.section, []).append(result)
     return dict(sorted(found.items()))
 
 
@@ -143,7 +143,8 @@ def _students(
     found = {(result.student, result.exercise): result for result in results}
     for student in sorted({result.student for result in results}):
         row = options.students.get(student)
-        called = "" if row is None or options.anonymous or row.name == student else row.name
+        called = row.person.label if row is not None and not options.anonymous else ""
+        called = "" if called == student else called
         mine = [(found.get((student, task.slug)), task) for task in tasks]
         points = [points_of(result, task) for result, task in mine if result is not None]
         yield student, called, mine, sum(each for each in points if each is not None)

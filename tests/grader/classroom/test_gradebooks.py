@@ -202,7 +202,7 @@ def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
 def test_two_with_one_number_are_in_no_import() -> None:
     numbers = {"bob": "711", "cy": "711", "ann": "712"}
     people = tuple(Person(name, ids={"idnumber": number}) for name, number in numbers.items())
-    students = {name: StudentRow(name, name, ids={"idnumber": numbers[name]}) for name in numbers}
+    students = {person.name: StudentRow(person.name, person) for person in people}
     results = [graded("bob"), graded("cy", 40), graded("ann", 50)]
     book = book_of(results, students=students, roster=Roster(people))
     text = grades_csv(book, TASK) or ""
@@ -258,7 +258,8 @@ def test_moodle_takes_the_feedback_back(tmp_path: Path, assignment: MoodleAssign
 def test_nbgraders_own_gradebook(tmp_path: Path) -> None:
     api = pytest.importorskip("nbgrader.api")
     db = tmp_path / "gradebook.db"
-    students = {"ann": StudentRow("ann", "Ann Lee", ids={"login": "alee", "email": "a@uni.edu"})}
+    ids = {"login": "alee", "email": "a@uni.edu"}
+    students = {"ann": StudentRow("ann", Person("Ann Lee", ids=ids))}
     write_scores(db, [])  # makes it
     with api.Gradebook(f"sqlite:///{db}") as book:
         book.add_student("alee", last_name="Kept")

@@ -33,6 +33,7 @@ from grader.classroom.row import GRADED, HELD
 from grader.classroom.store import Store
 from grader.errors import InputError
 from grader.lms.book import StudentRow
+from grader.lms.people import Person
 
 # --- what changes come to --------------------------------------------------------------------
 
@@ -164,7 +165,7 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
 )
 def test_people_are_called_as_gradebooks_do(word: str, said: str) -> None:
     names = {"leeann_1": "Ann Lee", "leeann_2": "Ann Lee", "raycarla_3": "Carla Ray"}
-    rows = {student: StudentRow(student, name) for student, name in names.items()}
+    rows = {student: StudentRow(student, Person(name)) for student, name in names.items()}
     if not said:
         assert the_student(word, list(names), rows) == "raycarla_3"
         return
