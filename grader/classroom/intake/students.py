@@ -67,10 +67,15 @@ def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> 
     _refuse_downloads([entry for _, entry in read])
     students = _named(_students(read, roster), roster)
     for student in students:
-        for place, (number, entry) in enumerate(student.entries):
-            _collect(student, entry, number, scratch / student.id / str(place), set_aside)
-        _open_notebooks(student, scratch / student.id / "notebooks")
+        _fill(student, scratch / student.id, set_aside)
     return Intake(sorted(students, key=lambda student: student.id), set_aside)
+
+
+def take_in_one(folder: Path, scratch: Path) -> Student:
+    """Return the student whose work, and nobody else's, lies in a folder."""
+    student = Student("submission", entries=[(0, Entry(folder, Who("submission", "folder")))])
+    _fill(student, scratch, [])
+    return student
 
 
 def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
@@ -215,6 +220,12 @@ def _named(here: Sequence[Student], roster: Roster) -> list[Student]:
 
 
 # --- what is in it -------------------------------------------------------------------------------
+
+
+def _fill(student: Student, room: Path, set_aside: list[SetAside]) -> None:
+    for place, (number, entry) in enumerate(student.entries):
+        _collect(student, entry, number, room / str(place), set_aside)
+    _open_notebooks(student, room / "notebooks")
 
 
 def _collect(
