@@ -24,7 +24,6 @@ class Task:
     number: int
     title: str
     points: float
-    folder: str = ""  # of the feedback page
 
     @property
     def heading(self) -> str:

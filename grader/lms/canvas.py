@@ -82,7 +82,7 @@ def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
     """Return a file per exercise."""
     if not book.may_be("canvas"):
         return {}
-    files = {f"canvas/{task.folder}.csv": canvas_csv(book, task) for task in tasks}
+    files = {f"canvas/{task.slug}.csv": canvas_csv(book, task) for task in tasks}
     return {name: text for name, text in files.items() if text}
 
 
@@ -103,7 +103,7 @@ def canvas_csv(book: Book, task: Task) -> str | None:
             rows.append([mark.name, _id(id_), _id(login), mark.row.person.section, points])
         else:
             lost.append(mark)
-    book.leaves_out(f"canvas/{task.folder}.csv", NO_ROW, lost)
+    book.leaves_out(f"canvas/{task.slug}.csv", NO_ROW, lost)
     title = Verbatim(book.titles.get(task.slug, task.title))
     header: list[Cell] = [*map(Verbatim, PLAIN), title]
     possible: list[Cell] = [POSSIBLE, None, None, None, task.points]
@@ -111,7 +111,7 @@ def canvas_csv(book: Book, task: Task) -> str | None:
 
 
 def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
-    file, column = f"canvas/{task.folder}.csv", book.column(_assignments(sheet), task)
+    file, column = f"canvas/{task.slug}.csv", book.column(_assignments(sheet), task)
     most = sheet.points.get(column, "") if column else ""
     if column and READ_ONLY in most:
         book.remark(f"Canvas's column {column!r} is read only: nothing is exported for it")

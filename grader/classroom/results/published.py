@@ -13,7 +13,6 @@ from grader.classroom.results.feedback import index_page
 from grader.classroom.results.files import write_text
 from grader.classroom.row import StoredResult
 from grader.lms.book import Task
-from grader.lms.clean import folder_name
 
 PUBLISHED = "published"  # the folder
 
@@ -32,13 +31,13 @@ def write_published(
     written = []
     shown = [each for each in results if (each.student, each.exercise) in published]
     for student, each in groupby(shown, key=lambda result: result.student):
-        mine, place = list(each), folder_name(student)
+        mine = list(each)
         index = index_page(student, mine, tasks, title)
-        written.append(write_text(folder / place / "index.html", index))
-        for name in [f"{tasks[one.exercise].folder}.html" for one in mine if is_graded(one)]:
-            if (out / "feedback" / place / name).is_file():  # else it could not be made
-                shutil.copyfile(out / "feedback" / place / name, folder / place / name)
-                written.append(folder / place / name)
+        written.append(write_text(folder / student / "index.html", index))
+        for name in [f"{one.exercise}.html" for one in mine if is_graded(one)]:
+            if (out / "feedback" / student / name).is_file():  # else it could not be made
+                shutil.copyfile(out / "feedback" / student / name, folder / student / name)
+                written.append(folder / student / name)
     for emptied in (*folder.glob("*/"), folder):
         with contextlib.suppress(OSError):  # it holds pages, or somebody's own files
             emptied.rmdir()

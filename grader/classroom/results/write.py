@@ -25,7 +25,7 @@ from grader.classroom.row import StoredResult, as_graded
 from grader.errors import is_disk_full
 from grader.lms import PLATFORMS
 from grader.lms.book import Book, Task
-from grader.lms.clean import folder_name, one_line
+from grader.lms.clean import one_line
 from grader.lms.nbgrader import write_into
 
 CLASS_PAGE = "class.html"
@@ -96,7 +96,7 @@ def write_pages(results: Sequence[StoredResult], out: Path, options: ResultOptio
 def _in_order(results: Sequence[StoredResult]) -> tuple[list[StoredResult], list[Task]]:
     """Return what students handed in, with the exercises, in their orders."""
     known = [result for result in results if not result.canary]
-    tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
+    tasks = tasks_of(known)
     order = {task.slug: index for index, task in enumerate(tasks)}
     return sorted(known, key=lambda each: (each.student, order[each.exercise])), tasks
 
@@ -164,7 +164,7 @@ def _write_feedback_zips(
                 and (options.published is None or (mark.student, task.slug) in options.published)
             ]
             if marks and platform.feedback is not None:
-                path = out / platform.folder / f"{task.folder}-feedback.zip"
+                path = out / platform.folder / f"{task.slug}-feedback.zip"
                 with done.part(path.name):
                     with replacing(path) as file:
                         platform.feedback(file, marks, task, out / "feedback")
@@ -212,13 +212,13 @@ def _write_student(
 ) -> Written:
     """Write a student's pages; if one can't be made, one that says so takes the place of all."""
     student, done = results[0].student, Written()
-    folder = out / "feedback" / folder_name(student)
+    folder = out / "feedback" / student
     with done.part(f"the feedback of {one_line(student)}"):
         index = index_page(student, results, tasks, title)
         done.files.append(write_text(folder / "index.html", index))
         for result in results:
             task = tasks[result.exercise]
-            page = folder / f"{task.folder}.html"
+            page = folder / f"{task.slug}.html"
             if not is_graded(result):
                 page.unlink(missing_ok=True)  # from an earlier run; it no longer counts
                 continue

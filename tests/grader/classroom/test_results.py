@@ -22,7 +22,7 @@ from grader.classroom.results.items import distribution, item_analysis, point_bi
 from grader.classroom.results.scores import scores_csv
 from grader.classroom.row import HELD, RUNNING, StoredResult
 from grader.lms.canvas import canvas_csv
-from grader.lms.clean import cell, folder_name, one_line, visible
+from grader.lms.clean import cell, one_line, visible
 from grader.lms.moodle import grades_csv
 
 FORMULAS = (
@@ -34,11 +34,6 @@ GRADEBOOKS = tuple(
     for system in ("canvas", "moodle")
     for exercise in ("obstacle_avoidance", "goal_seeking")
 )
-NAMES = (
-    *FORMULAS, *TEXTS, "..", "../../etc/passwd", "a/b", "x" * 300, "e\u0301va",
-    "\u05e9\u05dc\u05d5\u05dd", "\u202eevil", "new\nline", "quote\"'<b>", "nul", "-rf", "\udcff",
-    "\x1b[31mred", "a,b;c", "",
-)  # fmt: skip
 
 
 def right(student: str, **parts: Any) -> StoredResult:
@@ -60,19 +55,6 @@ def test_no_cell_is_a_formula(text: str) -> None:
 @pytest.mark.parametrize("text", TEXTS)
 def test_only_formulas_are_changed(text: str) -> None:
     assert cell(text) == text
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_folder_is_made_for_any_name(name: str, tmp_path: Path) -> None:
-    folder = tmp_path / folder_name(name)
-    folder.mkdir()
-    assert folder.resolve().parent == tmp_path.resolve()
-    assert folder_name(name).isascii()
-
-
-def test_folders_of_different_names_differ() -> None:
-    assert len({folder_name(name).casefold() for name in NAMES}) == len(NAMES)
-    assert folder_name("ada.lovelace_2@uni") == "ada.lovelace_2@uni"
 
 
 def test_what_is_seen_has_no_control_characters() -> None:
