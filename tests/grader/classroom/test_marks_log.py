@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fake_class import FILE, SLUG
-from marked_class import ANN, WHY, judged, points
+from fake_class import SLUG
+from marked_class import ANN, WHY, points
 
 from grader.classroom.amendments import (
     Score,
 )
-from grader.classroom.marking import Marking, marking, reading
+from grader.classroom.marking import marking, reading
 from grader.errors import DiskFull, GraderError, InputError
 
 
@@ -48,32 +46,3 @@ def test_what_ends_while_results_are_written_is_in_the_log(
 def test_two_at_once(graded: Path) -> None:
     with marking(graded), pytest.raises(GraderError, match="another"), marking(graded):
         pass
-
-
-@pytest.fixture
-def odd_names(handed_in: Path) -> Iterator[list[str]]:
-    names = ["=1+1", "--all", "<img src=x onerror=alert(1)>", "-h", "@SUM(A1)"]
-    for name in names:
-        (handed_in / name).mkdir()
-        (handed_in / name / FILE).write_text(f"# {name}\n")
-    yield names
-
-
-def test_names_that_are_formulas_options_or_html(
-    odd_names: list[str], grade_class: Any, tmp_path: Path
-) -> None:
-    grade_class(judged)
-    out = tmp_path / "out"
-    with marking(out) as class_:
-        whom = class_.whom(["=1+1", "--all", "-h"], "", everybody=False)
-        class_.add(Score(SLUG, 85, whom), "=cmd()", "<script>alert(1)</script>")
-        odd: Marking = class_
-        assert len(odd.students) == 8
-    found = points(out)
-    assert [found[name] for name in ("'=1+1", "'--all", "'-h", "'@SUM(A1)")] == [
-        "85", "85", "85", "70",
-    ]  # fmt: skip
-    page = (out / "class.html").read_text("utf-8")
-    assert "<script>" not in page
-    assert "&lt;script&gt;alert(1)" in page
-    assert "<img" not in page
