@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import classes
 import pytest
@@ -149,7 +150,7 @@ def test_every_file_that_is_linked_is_there(open_file: OpenFile, folder: Path) -
     )
     assert len(links) > 60
     for link in links:
-        assert Path(link.removeprefix("file://")).is_file(), link
+        assert Path(unquote(link.removeprefix("file://"))).is_file(), link
 
 
 def test_the_keyboard_reaches_tables_that_scroll(open_file: OpenFile, folder: Path) -> None:
