@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from grader.classroom.intake import Student
@@ -87,26 +87,18 @@ class Account:
         return lines
 
 
-@dataclass(frozen=True)
-class Fate:
-    """What became of a file."""
-
-    state: str  # one of STATES
-    exercise: str = ""
-    reason: str = ""
-    fault: bool = False
-
-
-def student_lines(student: Student, fates: Mapping[int, Fate]) -> list[Line]:
-    """Return a line for each of a student's files, whose fates are given by `id(file)`."""
-    lines = []
-    for file in student.files:
-        fate = fates.get(id(file), Fate(EXTRA))
-        lines.append(
-            Line(fate.state, file.entry.path.name, file.name, student.id, fate.exercise,
-                 fate.reason, fate.fault)
-        )  # fmt: skip
-    line = partial(Line, entry="; ".join(student.entries), student=student.id)
+def student_lines(student: Student, fates: Mapping[int, Line]) -> list[Line]:
+    """Return a line for each of a student's files; what became of some is given by `id(file)`."""
+    lines = [
+        replace(
+            fates.get(id(file), Line(EXTRA)),
+            entry=file.entry.path.name, file=file.name, student=student.id,
+        )
+        for file in student.files
+    ]  # fmt: skip
+    line = partial(
+        Line, entry="; ".join(each.path.name for _, each in student.entries), student=student.id
+    )
     if student.problem:  # the student is held for it
         lines.append(line(UNREADABLE, reason=student.problem, held=True))
     elif not student.files and student.links:

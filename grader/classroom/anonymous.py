@@ -1,47 +1,48 @@
 """The class page and the scores with codes for students, to show to others.
 
 A code is made of the student and a secret of this class, so it stays, and tells nothing. Left out
-is what may name somebody: ids, sections, times, notes, what was handed in and the log.
+is what may name somebody: ids, sections, times, notes, what was handed in, who is alike, the log.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+import hmac
+import secrets
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from msgspec.structs import replace as copied
-
 from grader.classroom.account import Account
-from grader.classroom.codes import codes_of
-from grader.classroom.folder import alike_of
-from grader.classroom.marking import Marking
-from grader.classroom.results.similarity import Alike
+from grader.classroom.results import ResultOptions
 from grader.classroom.results.write import write_pages
 from grader.classroom.row import StoredResult
-from grader.errors import InputError
+from grader.classroom.store import Store
+
+SECRET = "codes"  # what the store calls it
+LENGTH = 10  # [characters] of a code
 
 
-def write_anonymous(class_: Marking, into: Path) -> list[Path]:
-    """Write class.html and scores.csv; return them.
+def codes_of(store: Store, students: Iterable[str]) -> dict[str, str]:
+    """Return each student's code, the same each time."""
+    if not store.kept(SECRET):
+        store.keep(SECRET, secrets.token_hex(32))
+    key = store.kept(SECRET).encode()
+    digests = {
+        student: hmac.new(key, student.encode("utf-8", "replace"), hashlib.sha256).hexdigest()
+        for student in students
+    }
+    return {student: f"student-{digest[:LENGTH]}" for student, digest in digests.items()}
 
-    Raises InputError: the folder is that of the class, or lies in it.
-    """
-    if into.resolve().is_relative_to(class_.out.resolve()):
-        raise InputError(f"--into {into}: expected a folder outside {class_.out}, to hand on")
-    codes = codes_of(class_.store, class_.students)
-    results = [_coded(result, codes) for result in class_.counting()]
-    results.sort(key=lambda result: result.student)
-    options = replace(
-        class_.options,
-        notes=[],
-        students={},
-        account=Account(),
-        anonymous=True,
-        alike=_alike_coded(alike_of(class_.store), codes),
-    )
+
+def write_anonymous(
+    results: Iterable[StoredResult], codes: Mapping[str, str], options: ResultOptions, into: Path
+) -> list[Path]:
+    """Write class.html and scores.csv; return them."""
+    shown = sorted((_coded(one, codes) for one in results), key=lambda one: one.student)
+    options = replace(options, notes=[], students={}, account=Account(), anonymous=True)
     into.mkdir(parents=True, exist_ok=True)
-    return write_pages(results, into, options)
+    return write_pages(shown, into, options)
 
 
 def _coded(result: StoredResult, codes: Mapping[str, str]) -> StoredResult:
@@ -50,14 +51,3 @@ def _coded(result: StoredResult, codes: Mapping[str, str]) -> StoredResult:
         changed = replace(changed, graded=_coded(changed.graded, codes))
     code = codes[result.student]
     return replace(result, student=code, problem="", recordings=None, finished="", amended=changed)
-
-
-def _alike_coded(known: Mapping[str, Alike], codes: Mapping[str, str]) -> dict[str, Alike]:
-    """Return the groups of nearly the same submissions without names."""
-    found = {}
-    for slug, each in known.items():
-        coded = [tuple(sorted(codes.get(s, "") for s in group.students)) for group in each.groups]
-        groups = tuple(map(lambda g, names: copied(g, students=names), each.groups, coded))
-        own = tuple(copied(match, student=codes.get(match.student, "")) for match in each.own)
-        found[slug] = Alike(each.count, groups, own)
-    return found

@@ -11,16 +11,13 @@ Source: Gradescope, "Autograder Specifications" and "Submission Metadata".
 from __future__ import annotations
 
 import json
-import os
-import shutil
-import stat
 import sys
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grader.classroom.intake import Student, find_files, take_in
+from grader.classroom.intake import find_files, take_in_one
 from grader.classroom.marks import is_held, tasks_of, why_held
 from grader.classroom.results.scores import mark_of
 from grader.classroom.row import GRADED, HELD, StoredResult
@@ -107,7 +104,7 @@ def judged(root: Path) -> dict[str, Any] | str:
     name = submitter(root / "submission_metadata.json")
     results, missing = [], []
     with fresh_folder() as room:
-        student = handed_in(root / "submission", room)
+        student = take_in_one(root / "submission", room)
         for exercise in exercises:
             found = find_files(student, exercise.files)
             if found.problem:
@@ -161,19 +158,6 @@ def composed(
     return made | {"stdout_visibility": "hidden"}
 
 
-def handed_in(submission: Path, room: Path) -> Student:
-    """Return the student whose files lie in `submission`; archives and notebooks are opened.
-
-    Raises InputError: the folder can't be read.
-    """
-    mine = room / "in" / "submission"
-    mine.mkdir(parents=True)
-    if submission.is_dir() and not submission.is_symlink():
-        shutil.copytree(submission, mine, symlinks=True, ignore=_special, dirs_exist_ok=True)
-    (student,) = take_in([room / "in"], room / "out").students
-    return student
-
-
 def submitter(metadata: Path) -> str:
     """Return the student as `course autograde` names them in Gradescope's export.
 
@@ -185,13 +169,6 @@ def submitter(metadata: Path) -> str:
         return student_id(str(first["name"]))
     except (OSError, ValueError, KeyError, TypeError):
         return "unnamed"  # a try run without a student
-
-
-def _special(folder: str, names: list[str]) -> list[str]:
-    """Return what is neither a file nor a folder nor a link."""
-    known = (stat.S_ISREG, stat.S_ISDIR, stat.S_ISLNK)
-    modes = {name: os.lstat(os.path.join(folder, name)).st_mode for name in names}
-    return [name for name, mode in modes.items() if not any(is_kind(mode) for is_kind in known)]
 
 
 def _grade(unit: Unit) -> UnitResult:

@@ -15,7 +15,6 @@ from grader.classroom.account import (
     SUSPECT,
     UNKNOWN,
     Account,
-    Fate,
     Line,
     set_aside_lines,
     student_lines,
@@ -30,6 +29,7 @@ from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.lms.book import Handed, StudentRow, named
+from grader.lms.people import NO_PERSON
 
 MOST_NAMED = 5  # students in a sentence
 OTHER_CLASS = (
@@ -120,8 +120,6 @@ def enter_candidates(
             absent=candidate.absent,
             compared=HASHED if regrade else None,
         )
-        if candidate.found.remark:
-            store.note(f"{candidate.found.remark}.")
     said = ""
     gone = {r.student for r in stored} - {student for student, _ in found.candidates}
     if store.keep_only(found.candidates, slugs):
@@ -226,22 +224,23 @@ def _account(
     return Account((*lines, *set_aside_lines(intake.set_aside)))
 
 
-def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) -> dict[int, Fate]:
+def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) -> dict[int, Line]:
     """Return what became of a student's files."""
-    fates: dict[int, Fate] = {}
+    fates: dict[int, Line] = {}
     contrary = {id(file) for each in found.values() for file in each.contrary}
     for slug, each in found.items():
         for file in each.older:
             is_other = id(file) in contrary
             reason = CONTRARY if is_other else "a newer one counts"
-            fates[id(file)] = Fate(OLDER, slug, reason, fault=is_other)
+            fates[id(file)] = Line(OLDER, exercise=slug, reason=reason, fault=is_other)
     for slug, each in sorted(found.items(), key=lambda pair: pair[0] in wanted):
-        fates |= {id(file): Fate(GRADED if slug in wanted else OTHER, slug) for file in each.used}
+        state = GRADED if slug in wanted else OTHER
+        fates |= {id(file): Line(state, exercise=slug) for file in each.used}
     held = not student.problem and not any(each.used for each in found.values())
     if not held and any(not found[slug].files for slug in wanted):  # else the unit itself says it
         known = [file for file in student.files if id(file) in fates]
-        fates |= {id(file): Fate(UNKNOWN, reason=SUSPECT, fault=True)
-                  for file in left_over(student, known)}  # fmt: skip
+        line = Line(UNKNOWN, reason=SUSPECT, fault=True)
+        fates |= {id(file): line for file in left_over(student, known)}
     return fates
 
 
@@ -254,10 +253,4 @@ def _row(student: Student, found: Mapping[Key, Found], wanted: Sequence[str]) ->
                 entry.who.system, entry.who.name, entry.who.id, entry.who.email, entry.path.name,
                 entry.late, entry.time,
             )  # fmt: skip
-    if student.person is None:
-        return StudentRow(student.id, handed=handed)
-    person = student.person
-    return StudentRow(
-        student.id, person.label, person.section, dict(person.ids),
-        tuple(sorted(person.participants)), handed,
-    )  # fmt: skip
+    return StudentRow(student.id, student.person or NO_PERSON, handed)

@@ -22,7 +22,7 @@ from concurrent.futures import (
 )
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from grader.classroom.work import Unit, UnitResult, grade_unit
 from grader.errors import GraderError, InputError
@@ -35,20 +35,6 @@ CONNECT_LIMIT = 20  # [s]
 
 class WorkerDied(Exception):
     """A worker died while it graded a unit."""
-
-
-class Workers(Protocol):
-    """Processes that run units, here or elsewhere."""
-
-    @property
-    def slots(self) -> int:
-        """How many units may run now."""
-
-    def submit(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Have a free worker run a function."""
-
-    def close(self, *, now: bool) -> None:
-        """End the workers; `now`: without waiting for what they run."""
 
 
 @contextlib.contextmanager
@@ -64,7 +50,7 @@ def open_workers(count: int, dask: str = "") -> Iterator[Workers]:
 
     Raises InputError: there is no such scheduler, or Dask is not installed.
     """
-    workers: Workers = DaskWorkers(dask) if dask else LocalWorkers(count)
+    workers = DaskWorkers(dask) if dask else LocalWorkers(count)
     try:
         yield workers
     except BaseException:
@@ -117,9 +103,8 @@ def _outcome(future: Future[UnitResult]) -> UnitResult | WorkerDied:
 class _Slot:
     """One local worker and what it runs."""
 
-    executor: Executor
+    executor: ProcessPoolExecutor
     task: Future[Any] | None = None
-    units: int = 0  # begun
 
     @property
     def free(self) -> bool:
@@ -148,10 +133,9 @@ class LocalWorkers:
         if slot is None:
             slot = _Slot(_one_process())
             self._slots.append(slot)
-        elif slot.broken or slot.units >= MAX_UNITS:
+        elif slot.broken:
             slot.executor.shutdown(wait=False)
-            slot.executor, slot.units = _one_process(), 0
-        slot.units += 1
+            slot.executor = _one_process()
         try:
             slot.task = slot.executor.submit(task, *arguments)
         except BrokenExecutor:  # it died between two units
@@ -162,7 +146,7 @@ class LocalWorkers:
     def close(self, *, now: bool) -> None:
         """End the workers."""
         for slot in self._slots:
-            if now and isinstance(slot.executor, ProcessPoolExecutor):
+            if now:
                 for process in list((slot.executor._processes or {}).values()):
                     process.kill()
             slot.executor.shutdown(wait=True, cancel_futures=True)
@@ -206,9 +190,12 @@ class DaskWorkers:
         self._client.close()
 
 
+Workers = LocalWorkers | DaskWorkers
+
+
 def _one_process() -> ProcessPoolExecutor:
     return ProcessPoolExecutor(
-        1, mp_context=multiprocessing.get_context("spawn"), initializer=_begin_worker
+        1, multiprocessing.get_context("spawn"), _begin_worker, max_tasks_per_child=MAX_UNITS
     )
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from grader.classroom.amendments import Change, Entry, Undo, Whom, active, amended, undone_by
 from grader.classroom.amendments.apply import version_of
 from grader.classroom.amendments.people import find_student, nearest, the_student
-from grader.classroom.codes import codes_of
+from grader.classroom.anonymous import codes_of, write_anonymous
 from grader.classroom.folder import locked, opened, require_class, write_class
 from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
 from grader.classroom.results import ResultOptions
@@ -29,7 +29,6 @@ NO_SPACE = (
     "the disk is full: what is in the log of marks stays there (`course report {out}` prints it), "
     "but not all results were written. Free some space, and run `course marks write {out}`"
 )
-TWICE = "Entry {0} says the same as entry {1}, which counts already; to take it back, undo both"
 
 
 @dataclass(frozen=True)
@@ -102,12 +101,13 @@ class Marking:
 
         Raises InputError: nobody or more than one can be meant.
         """
-        codes = {code: student for student, code in codes_of(self.store, self.students).items()}
-        return codes.get(word) or the_student(word, self.students, self.rows)
+        found = [student for student, code in self.codes.items() if code == word]
+        return found[0] if found else the_student(word, self.students, self.rows)
 
-    def code(self, student: str) -> str:
-        """Return a student's code."""
-        return codes_of(self.store, self.students)[student]
+    @property
+    def codes(self) -> Mapping[str, str]:
+        """The students' codes."""
+        return codes_of(self.store, self.students)
 
     def points(self, student: str) -> list[tuple[StoredResult, str, str]]:
         """Return a student's results with the points as graded and as they count."""
@@ -147,7 +147,7 @@ class Marking:
         if bool(words) + bool(section) + everybody != 1:
             raise InputError("expected whom it is about: --student ID, --section NAME or --all")
         if section:
-            sections = {row.section for row in self.rows.values() if row.section}
+            sections = {row.person.section for row in self.rows.values() if row.person.section}
             if section not in sections:
                 raise nearest(section, sections, "section")
             return Whom(section=section)
@@ -185,17 +185,23 @@ class Marking:
         if isinstance(change, Undo):
             _check_undo(change, entries)
         before, known = self._amended(entries)
-        twice = [entry.number for entry in active(entries) if entry.change == change]
         entry = log.append(change, who, why)
         after, missing = self._written()
         remarks = [each for each in self._amended(log.entries())[1] if each not in known]
-        if twice:
-            remarks.insert(0, TWICE.format(entry.number, twice[-1]))
         return Marked(entry, self._shifts(before, after), remarks, missing)
 
     def write(self) -> Marked:
         """Write all results anew."""
         return Marked(None, [], [], self._written()[1])
+
+    def write_anonymous(self, into: Path) -> list[Path]:
+        """Write the class page and the scores with codes for students; return them.
+
+        Raises InputError: the folder is that of the class, or lies in it.
+        """
+        if into.resolve().is_relative_to(self.out.resolve()):
+            raise InputError(f"--into {into}: expected a folder outside {self.out}, to hand on")
+        return write_anonymous(self.counting(), self.codes, self.options, into)
 
     def counting(self) -> list[StoredResult]:
         """Return the results as they count now."""

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from grader.classroom.row import ABSENT, GRADED, HELD, TWICE, StoredResult, as_graded
-from grader.course.exercises import Essential, all_exercises, find_exercise
-from grader.errors import GraderError, InputError
+from grader.course.exercises import find_exercise
 from grader.lms.book import Task
 from grader.lms.clean import one_line
 from grader.report.terminal import UNJUDGED
@@ -17,29 +16,21 @@ Check = Mapping[str, Any]
 
 TO_HOLD = ("error", "inconclusive")
 PROVISIONAL = "provisional"
-FULL = 100.0  # points of an exercise that no longer exists
 
 
 def tasks_of(results: Iterable[StoredResult]) -> list[Task]:
-    """Return the exercises of the results, in the order of the lesson."""
-    try:
-        known = {exercise.slug: exercise for exercise in all_exercises()}
-    except GraderError:
-        known = {}
-    tasks = []
-    for slug in sorted({result.exercise for result in results}):
-        found = known.get(slug)
-        if found is None:
-            tasks.append(Task(slug, 0, one_line(slug), FULL))
-        else:
-            tasks.append(Task(slug, found.number, found.title, float(found.max_points)))
-    return sorted(tasks, key=lambda task: (task.number or 10**6, task.slug))
+    """Return the exercises of the results, in the order of the lesson.
+
+    Raises InputError: one no longer exists.
+    """
+    exercises = map(find_exercise, {result.exercise for result in results})
+    tasks = [Task(each.slug, each.number, each.title, float(each.max_points)) for each in exercises]
+    return sorted(tasks, key=lambda task: task.number)
 
 
 def checks_of(result: StoredResult) -> list[Check]:
     """Return the checks of a result's grading; [] if there is none."""
-    checks = (result.grading or {}).get("checks") or ()
-    return [check for check in checks if isinstance(check, Mapping)]
+    return list((result.grading or {}).get("checks") or ())
 
 
 def is_held(result: StoredResult) -> bool:
@@ -93,7 +84,7 @@ def points_of(result: StoredResult, task: Task) -> float | None:
         return result.amended.points
     if not is_graded(result) or result.grading is None:
         return None
-    score, most = _number(result.grading.get("score")), _number(result.grading.get("max_score"))
+    score, most = float(result.grading["score"]), float(result.grading["max_score"])
     if most <= 0:
         return None
     return round(min(1.0, max(0.0, score / most)) * task.points, 2)
@@ -114,21 +105,13 @@ def passed(result: StoredResult) -> str:
 def raw_points(result: StoredResult) -> tuple[float, float, float]:
     """Return the points won, the points that could be won, and those before the cap; unscaled."""
     grading = result.grading or {}
-    score = _number(grading.get("score"))
-    return score, _number(grading.get("max_score")), _number(grading.get("raw_score", score))
+    score = float(grading.get("score") or 0)
+    return score, float(grading.get("max_score") or 0), float(grading.get("raw_score", score))
 
 
 def cap_of(result: StoredResult) -> str:
     """Return why the score is capped; empty if it isn't."""
     return one_line(str((result.grading or {}).get("cap") or ""), 400)
-
-
-def essential_of(exercise: str) -> Essential | None:
-    """Return what is essential in an exercise; None if it no longer exists."""
-    try:
-        return find_exercise(exercise).essential
-    except (GraderError, InputError):
-        return None
 
 
 @dataclass(frozen=True)
@@ -177,9 +160,9 @@ def so_far(result: StoredResult) -> str:
     Out of all points, so that few judged ones don't look like full marks.
     """
     core = [check for check in checks_of(result) if check.get("kind") != "field"]
-    most = sum(_number(check.get("max_points")) for check in core)
+    most = sum(float(check.get("max_points") or 0) for check in core)
     unjudged = (check for check in core if check.get("outcome") in UNJUDGED)
-    left = sum(_number(check.get("max_points")) for check in unjudged)
+    left = sum(float(check.get("max_points") or 0) for check in unjudged)
     won = raw_points(result)[0]
     return f"{won:g} of {most:g}, {left:g} not judged" if most else ""
 
@@ -190,11 +173,3 @@ def _first(checks: Sequence[Check], what: str) -> str:
     message = one_line(first.get("message") or "", 240)
     title = one_line(first.get("title") or first.get("id") or "a check", 160).rstrip(".")
     return f"{what} “{title}”{more}" + (f": {message}" if message else ".")
-
-
-def _number(value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        return 0.0
-    return number if abs(number) < 1e9 else 0.0  # False for NaN too

@@ -46,7 +46,6 @@ class Amended:
     """What a person has changed in a result, and what it came to."""
 
     points: float | None  # that count, out of the exercise's; None: there are none
-    penalty: float  # of them, for lateness
     steps: tuple[str, ...]  # in words, for the student, too
     entries: tuple[int, ...]  # of the log
     by_hand: bool  # a person's own score, whatever was graded

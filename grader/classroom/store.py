@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import re
 import sqlite3
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -19,13 +18,12 @@ from typing import Any
 import msgspec
 
 from grader.classroom.amendments import log
+from grader.classroom.amendments.log import storable
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, WAITING, StoredResult
 from grader.errors import InputError, is_disk_full
 from grader.lms.book import StudentRow
 
-SCHEMA = 2
-READABLE = (0, 1, SCHEMA)  # an empty file; one without a log of marks, which is added
-MEASURED = re.compile(r"[\d.]+ ms")  # a computing time, never a scenario's
+SCHEMA = 3
 TABLES = """
 CREATE TABLE IF NOT EXISTS units (
     student TEXT NOT NULL, exercise TEXT NOT NULL, canary INTEGER NOT NULL DEFAULT 0,
@@ -44,11 +42,6 @@ CREATE TABLE IF NOT EXISTS students (student TEXT PRIMARY KEY, about TEXT NOT NU
 CREATE TABLE IF NOT EXISTS notes (id INTEGER PRIMARY KEY, text TEXT NOT NULL UNIQUE) STRICT;
 CREATE TABLE IF NOT EXISTS kept (name TEXT PRIMARY KEY, text TEXT NOT NULL) STRICT;
 """
-
-# as if nothing had gone wrong
-AFRESH = (
-    f"state='{WAITING}', problem='', deaths=0, unsure=0, quarantines=0, verified=0, finished=''"
-)
 
 Key = tuple[str, str]  # student, exercise
 
@@ -75,7 +68,7 @@ class Store:
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=FULL")
             version = self._db.execute("PRAGMA user_version").fetchone()[0]
-            if version not in READABLE:
+            if version not in (0, SCHEMA):  # 0: an empty file
                 raise InputError(
                     f"{path}: a store of schema {version}, expected {SCHEMA}; use the version of "
                     "the course that made it, or give another --out"
@@ -120,18 +113,10 @@ class Store:
             if same and (not problem or old[1] == problem):
                 return
             state = ABSENT if absent else HELD if problem else WAITING
-            self._db.execute(
-                "INSERT OR REPLACE INTO units (student, exercise, input_hash, state, problem,"
-                " verified, finished) VALUES (?, ?, ?, ?, ?, ?, ?)",
-                (
-                    *key,
-                    input_hash,
-                    state,
-                    _text(problem),
-                    int(bool(problem) or absent),
-                    _now() if problem else "",
-                ),
-            )
+            self._put(
+                key, input_hash=input_hash, state=state, problem=storable(problem),
+                verified=bool(problem) or absent, finished=_now() if problem else "",
+            )  # fmt: skip
 
     def keep_only(self, keys: Iterable[Key], exercises: Iterable[str]) -> int:
         """Forget units of these exercises whose students are gone; return how many."""
@@ -141,29 +126,21 @@ class Store:
             self._db.executemany("DELETE FROM units WHERE student=? AND exercise=?", gone)
         return len(gone)
 
-    def requeue_running(self) -> int:
-        """Put what is marked as running back into the queue; return how many.
-
-        Whoever ran it is gone.
-        """
-        with self._change():
-            changed = self._db.execute("UPDATE units SET state=? WHERE state=?", (WAITING, RUNNING))
-            return changed.rowcount
+    def requeue_running(self) -> None:
+        """Put what is marked as running back into the queue: whoever ran it is gone."""
+        self._set(self._keys(f"state='{RUNNING}'"), state=WAITING)
 
     def retry_held(self) -> None:
         """Put what is held after an attempt back into the queue."""
-        with self._change():
-            self._db.execute(
-                f"UPDATE units SET {AFRESH} WHERE state=? AND attempts>0 AND canary=0", (HELD,)
-            )
+        self.again(self._keys(f"state='{HELD}' AND attempts>0 AND canary=0"))
 
     def again(self, keys: Iterable[Key]) -> None:
         """Put graded and held units back into the queue, as if nothing had gone wrong."""
-        with self._change():
-            self._db.executemany(
-                f"UPDATE units SET {AFRESH} WHERE student=? AND exercise=? AND state IN (?, ?)",
-                [(*key, GRADED, HELD) for key in keys],
-            )
+        judged = set(self._keys(f"state IN ('{GRADED}', '{HELD}')"))
+        self._set(
+            judged.intersection(keys), state=WAITING, problem="", deaths=0, unsure=0,
+            quarantines=0, verified=0, finished="",
+        )  # fmt: skip
 
     def claim(self, key: Key, input_hash: str, file_names: Iterable[str]) -> None:
         """Mark a unit as running."""
@@ -192,46 +169,34 @@ class Store:
             state=WAITING if again else HELD if problem else GRADED,
             unsure=self.counts(key).unsure + again,
             grading=None if grading is None else json.dumps(grading),
-            problem=_text(problem), recordings=recordings, cpu_s=cpu_s, wall_s=wall_s,
+            problem=storable(problem), recordings=recordings, cpu_s=cpu_s, wall_s=wall_s,
             worker=worker, finished=_now(), verified=0,
         )  # fmt: skip
 
     def requeue(self, key: Key, *, death: bool = False) -> Counts:
         """Put a unit back into the queue, because its worker died or there was no room."""
-        with self._change():
-            self._db.execute(
-                "UPDATE units SET state=?, deaths=deaths+? WHERE student=? AND exercise=?",
-                (WAITING, int(death), *key),
-            )
+        self._set([key], state=WAITING, deaths=self.counts(key).deaths + death)
         return self.counts(key)
 
     def hold(self, key: Key, problem: str) -> None:
         """Leave a unit to a person; its last grading is kept."""
-        self._set([key], state=HELD, problem=_text(problem), finished=_now(), verified=1)
+        self._set([key], state=HELD, problem=storable(problem), finished=_now(), verified=1)
 
     def regraded(self, key: Key, grading: dict[str, Any], problem: str, input_hash: str) -> None:
         """Replace a grading by a new one of the same recordings."""
         self._set(
             [key], state=HELD if problem else GRADED, grading=json.dumps(grading),
-            problem=_text(problem), input_hash=input_hash, finished=_now(),
+            problem=storable(problem), input_hash=input_hash, finished=_now(),
         )  # fmt: skip
 
     def canary(self, key: Key, grading: dict[str, Any] | None, problem: str, cpu_s: float) -> None:
         """Store the latest grading of a known solution."""
         with self._change():
-            self._db.execute(
-                "INSERT OR REPLACE INTO units (student, exercise, canary, input_hash, state,"
-                " attempts, grading, problem, cpu_s, finished, verified)"
-                " VALUES (?, ?, 1, '', ?, 1, ?, ?, ?, ?, 1)",
-                (
-                    *key,
-                    HELD if problem else GRADED,
-                    json.dumps(grading),
-                    _text(problem),
-                    cpu_s,
-                    _now(),
-                ),
-            )
+            self._put(
+                key, canary=1, input_hash="", state=HELD if problem else GRADED, attempts=1,
+                grading=json.dumps(grading), problem=storable(problem), cpu_s=cpu_s,
+                finished=_now(), verified=1,
+            )  # fmt: skip
 
     def verify(self, keys: Iterable[Key]) -> None:
         """Mark units as confirmed by a good canary after them."""
@@ -239,22 +204,21 @@ class Store:
 
     def quarantine(self, keys: Iterable[Key]) -> None:
         """Put graded units back into the queue: the grader that judged them can't be trusted."""
-        with self._change():
-            self._db.executemany(
-                "UPDATE units SET state=?, grading=NULL, recordings=NULL, finished='', problem='',"
-                " quarantines=quarantines+1 WHERE student=? AND exercise=?",
-                [(WAITING, *key) for key in keys],
-            )
+        for key in keys:
+            self._set(
+                [key], state=WAITING, grading=None, recordings=None, finished="", problem="",
+                quarantines=self.counts(key).quarantines + 1,
+            )  # fmt: skip
 
     def note(self, text: str) -> None:
         """Keep a remark for the report."""
         with self._change():
-            self._db.execute("INSERT OR IGNORE INTO notes (text) VALUES (?)", (_text(text),))
+            self._db.execute("INSERT OR IGNORE INTO notes (text) VALUES (?)", (storable(text),))
 
     def keep(self, name: str, text: str) -> None:
         """Keep a text, in the place of an older one of that name."""
         with self._change():
-            self._db.execute("INSERT OR REPLACE INTO kept VALUES (?, ?)", (name, _text(text)))
+            self._db.execute("INSERT OR REPLACE INTO kept VALUES (?, ?)", (name, storable(text)))
 
     def kept(self, name: str) -> str:
         """Return a text that was kept; "" if there is none."""
@@ -264,7 +228,7 @@ class Store:
     def know(self, students: Iterable[StudentRow]) -> None:
         """Keep what is known of the students, and of nobody else."""
         # as ASCII: names of files need not be UTF-8
-        rows = [(_text(row.student), json.dumps(msgspec.to_builtins(row))) for row in students]
+        rows = [(storable(row.student), json.dumps(msgspec.to_builtins(row))) for row in students]
         with self._change():
             self._db.execute("DELETE FROM students")
             self._db.executemany("INSERT INTO students (student, about) VALUES (?, ?)", rows)
@@ -314,6 +278,14 @@ class Store:
             for row in rows
         ]  # fmt: skip
 
+    def _put(self, key: Key, **columns: str | float) -> None:
+        """Store a unit in the place of an older one."""
+        names, marks = ", ".join(columns), ", ".join("?" * (len(columns) + 2))
+        self._db.execute(
+            f"INSERT OR REPLACE INTO units (student, exercise, {names}) VALUES ({marks})",
+            (*key, *columns.values()),
+        )
+
     def _set(self, keys: Iterable[Key], **columns: str | float | None) -> None:
         """Set these columns of these units."""
         names = ", ".join(f"{name}=?" for name in columns)
@@ -341,29 +313,5 @@ class Store:
             raise
 
 
-def _text(told: str) -> str:
-    """Return text that can be stored: names of files need not be UTF-8, and SQLite's text is."""
-    return told.encode("utf-8", "replace").decode("utf-8")
-
-
 def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-def stable(result: StoredResult) -> tuple[object, ...]:
-    """Return the part of a result that is the same whenever and wherever it is graded.
-
-    Left out are times, attempts and workers, and messages that quote a measured time. Whether
-    trials ran in real time is included: it should not depend on how busy the machine is.
-    """
-    told = (result.student, result.exercise, result.file_names, result.input_hash, result.state)
-    if result.grading is None:
-        return (*told, result.problem)
-    grading = result.grading
-    measured = any(recording["real_time"] is not None for recording in grading["recordings"])
-    checks = [
-        (c["id"], c["outcome"], c["points"], "" if measured else MEASURED.sub("# ms", c["message"]))
-        for c in grading["checks"]
-    ]
-    runs = [(r["scenario"], r["seed"], r["outcome"]) for r in grading["recordings"]]
-    return (*told, grading["score"], grading["max_score"], tuple(checks), tuple(runs), measured)

@@ -57,7 +57,7 @@ def listing(found: Class) -> tuple[str, int]:
     lines = []
     for student, slugs in sorted(by_student.items()):
         row = names.get(student)
-        about = ", ".join(filter(None, (row.name, row.section) if row else ()))
+        about = ", ".join(filter(None, (row.person.label, row.person.section) if row else ()))
         lines.append(
             f"{student}{f' ({about})' if about else ''}: {', '.join(slugs) or 'nothing handed in'}"
         )

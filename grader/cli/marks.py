@@ -270,11 +270,10 @@ def anonymous(folder: Path, into: Path) -> int:
     The same student has the same code each time; `course report FOLDER --student CODE` says whose
     it is.
     """
-    from grader.classroom.anonymous import write_anonymous  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
-        for path in write_anonymous(class_, into):
+        for path in class_.write_anonymous(into):
             click.echo(str(path))
     return FULL
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from grader.lms.clean import one_line
-from grader.lms.people import NOBODY, Person, Roster, Sheet, folded
+from grader.lms.people import NO_PERSON, NOBODY, Person, Roster, Sheet, folded
 
 MOST_NAMED = 10  # students in a remark
 LOGIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")  # a name that a platform may give a user
@@ -24,12 +24,11 @@ class Task:
     number: int
     title: str
     points: float
-    folder: str = ""  # of the feedback page
 
     @property
     def heading(self) -> str:
         """Number and title."""
-        return f"{self.number} · {self.title}" if self.number else self.title
+        return f"{self.number} · {self.title}"
 
 
 @dataclass(frozen=True)
@@ -50,10 +49,7 @@ class StudentRow:
     """What is known of a student besides the work."""
 
     student: str  # the name of the folder
-    name: str = ""  # in the roster; "" without one
-    section: str = ""
-    ids: dict[str, str] = field(default_factory=dict)  # kind: id, of the roster
-    participants: tuple[str, ...] = ()  # Moodle's ids, one per assignment
+    person: Person = NO_PERSON  # in the roster
     handed: dict[str, Handed] = field(default_factory=dict)  # by exercise
 
 
@@ -64,7 +60,6 @@ class Mark:
     exercise: str  # slug
     row: StudentRow
     points: float | None  # that count; None while there are none
-    penalty: float = 0.0  # for lateness, which is off already
     notes: tuple[str, ...] = ()  # how a person has changed them
     checks: Sequence[Mapping[str, Any]] = ()  # as the student may see them
     seconds: float = 0.0  # that the grading took [s]
@@ -77,7 +72,7 @@ class Mark:
     @property
     def name(self) -> str:
         """The name for people."""
-        return self.row.name or self.student
+        return self.row.person.label or self.student
 
     @property
     def handed(self) -> Handed:
@@ -127,7 +122,7 @@ class Book:
     def row_of(self, sheet: Sheet, mark: Mark) -> tuple[str, ...] | None:
         """Return a student's row in a sheet."""
         for row, place in zip(sheet.rows, sheet.people, strict=True):
-            if _is(self.roster.people[place], mark.row):
+            if self.roster.people[place] == mark.row.person:
                 return row
         return None
 
@@ -201,11 +196,3 @@ def missing_columns(titles: Mapping[str, str], roster: Roster) -> list[str]:
 def _nearest(title: str, headings: Sequence[str]) -> str:
     near = difflib.get_close_matches(title, headings, n=1)
     return f"; did you mean {one_line(near[0])!r}?" if near else ""
-
-
-def _is(person: Person, row: StudentRow) -> bool:
-    if person.ids or row.ids:
-        return bool(person.ids) and dict(person.ids) == dict(row.ids)
-    if person.participants:
-        return set(person.participants) == set(row.participants)
-    return person.label == row.name

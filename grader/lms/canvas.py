@@ -82,7 +82,7 @@ def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
     """Return a file per exercise."""
     if not book.may_be("canvas"):
         return {}
-    files = {f"canvas/{task.folder}.csv": canvas_csv(book, task) for task in tasks}
+    files = {f"canvas/{task.slug}.csv": canvas_csv(book, task) for task in tasks}
     return {name: text for name, text in files.items() if text}
 
 
@@ -94,16 +94,16 @@ def canvas_csv(book: Book, task: Task) -> str | None:
     rows: list[list[Cell]] = []
     lost = []
     for mark, points in book.marks(task):
-        ids, handed = mark.row.ids, mark.handed
+        ids, handed = mark.row.person.ids, mark.handed
         id_ = ids.get("canvas") or (handed.id if handed.system == "canvas" else "")
         login = ids.get("login", "")
         if not id_ and not login and not book.roster.people:
             login = mark.login
         if id_ or login:
-            rows.append([mark.name, _id(id_), _id(login), mark.row.section, points])
+            rows.append([mark.name, _id(id_), _id(login), mark.row.person.section, points])
         else:
             lost.append(mark)
-    book.leaves_out(f"canvas/{task.folder}.csv", NO_ROW, lost)
+    book.leaves_out(f"canvas/{task.slug}.csv", NO_ROW, lost)
     title = Verbatim(book.titles.get(task.slug, task.title))
     header: list[Cell] = [*map(Verbatim, PLAIN), title]
     possible: list[Cell] = [POSSIBLE, None, None, None, task.points]
@@ -111,7 +111,7 @@ def canvas_csv(book: Book, task: Task) -> str | None:
 
 
 def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
-    file, column = f"canvas/{task.folder}.csv", book.column(_assignments(sheet), task)
+    file, column = f"canvas/{task.slug}.csv", book.column(_assignments(sheet), task)
     most = sheet.points.get(column, "") if column else ""
     if column and READ_ONLY in most:
         book.remark(f"Canvas's column {column!r} is read only: nothing is exported for it")
@@ -122,7 +122,7 @@ def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
     if not column:
         book.remark(
             f"Canvas's gradebook has no single column for {task.heading!r}, so importing makes "
-            f"one; name it with --column '{task.number or task.slug}=TITLE'"
+            f"one; name it with --column '{task.number}=TITLE'"
         )
         possible = [[POSSIBLE, *[None] * (end - 1), task.points]]
     elif scaled(task.points, task, most) != task.points:
@@ -169,5 +169,5 @@ PLATFORM = Platform(
     sheet,
     gradebook,
     folder="canvas",
-    what={"canvas": "Canvas gradebook, a file per exercise"},
+    what="Canvas gradebook, a file per exercise",
 )

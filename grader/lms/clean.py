@@ -1,15 +1,12 @@
-"""Make students' text harmless where it goes: on a page, in a spreadsheet, XML or a path."""
+"""Make students' text harmless where it goes: on a page, in a spreadsheet or XML."""
 
 from __future__ import annotations
 
-import hashlib
 import re
-import unicodedata
 
 from grader.report.terminal import ESCAPES, readable
 
 MAX_NAME = 120  # [characters] of a name on a page
-MAX_FOLDER = 100  # [bytes] of a folder's name; file systems allow 255
 
 # C0 and C1 but tab and newline, bidi controls, line separators, surrogates, non-characters.
 _UNSEEN = re.compile(
@@ -19,9 +16,6 @@ _UNSEEN = re.compile(
 # What may begin a formula in a spreadsheet (OWASP, "CSV Injection"), full-width forms included.
 _FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 _FIGURE = re.compile(r"[-+]?\d+([.,]\d+)?")
-_FOLDER = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")
-_DIGESTED = re.compile(r"(?i).*-[0-9a-f]{10}")  # as if it had been made safe
-_RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?$")  # on Windows
 
 
 def visible(text: object) -> str:
@@ -48,15 +42,3 @@ def cell(text: object) -> str:
     """
     line = " ".join(_UNSEEN.sub("", ESCAPES.sub("", str(text))).split())
     return "'" + line if line.startswith(_FORMULA) and not _FIGURE.fullmatch(line) else line
-
-
-def folder_name(name: str) -> str:
-    """Return a folder name for any name: the name itself if it is safe, else a safe, unique one."""
-    fits = len(name.encode("utf-8", "replace")) <= MAX_FOLDER and not name.endswith(".")
-    clear = not _RESERVED.match(name) and not _DIGESTED.fullmatch(name)
-    if fits and clear and _FOLDER.fullmatch(name):
-        return name
-    digest = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:10]
-    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
-    stem = re.sub(r"[^A-Za-z0-9]+", "-", plain).strip("-")[:40]
-    return f"{stem or 'student'}-{digest}"

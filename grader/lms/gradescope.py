@@ -1,4 +1,4 @@
-"""Gradescope: folders `submission_ID` with a list of whose they are, and `results.json` for each.
+"""Gradescope: folders `submission_ID` with a list of whose they are, and an autograder.
 
 - "Export Submissions" has a file `submission_metadata.yml` with, for each folder, `:submitters:`
   with `:name:`, `:sid:` and `:email:`, and `:created_at:`. A group's submission counts for each of
@@ -17,7 +17,6 @@ import re
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +25,7 @@ import yaml
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.lms.book import Book, Mark, Task
-from grader.lms.clean import folder_name, one_line, visible
+from grader.lms.clean import one_line, visible
 from grader.lms.entries import Entry, Read, SetAside, Who
 from grader.lms.platform import Files, Platform
 from grader.report.page import json_text
@@ -130,17 +129,10 @@ def sheet(header: Sequence[str]) -> str:
 
 
 def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
-    """Return each student's results, and an autograder with those of submissions exported there."""
-    if not book.may_be("gradescope"):
+    """Return an autograder with the results of the submissions that were exported there."""
+    if "gradescope" not in book.systems:
         return {}
-    files: dict[str, str | bytes] = {}
-    for student, marks in groupby(book.entries, key=lambda mark: mark.student):
-        final = results_json(list(marks), tasks)
-        if final is not None:
-            files[f"gradescope/{folder_name(student)}/results.json"] = json_text(final)
-    if "gradescope" in book.systems:
-        files["gradescope/autograder.zip"] = _autograder(_by_submission(book, tasks))
-    return files
+    return {"gradescope/autograder.zip": _autograder(_by_submission(book, tasks))}
 
 
 def results_json(marks: Sequence[Mark], tasks: Sequence[Task]) -> dict[str, Any] | None:
@@ -236,7 +228,5 @@ PLATFORM = Platform(
     sheet,
     gradebook,
     folder="gradescope",
-    what={
-        "gradescope": "Gradescope: an autograder that hands out the results, and each results.json"
-    },
+    what="Gradescope: an autograder that hands out the results",
 )

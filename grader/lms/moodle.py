@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from grader.lms.book import Book, Mark, Task, scaled
-from grader.lms.clean import folder_name, one_line
+from grader.lms.clean import one_line
 from grader.lms.entries import Entry, Read, Who, several
 from grader.lms.names import student_id
 from grader.lms.people import Sheet
@@ -79,8 +79,8 @@ def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
         return {}
     files = {}
     for task in tasks:
-        files[f"moodle/{task.folder}.csv"] = grades_csv(book, task)
-        files[f"moodle/{task.folder}-worksheet.csv"] = worksheet_csv(book, task)
+        files[f"moodle/{task.slug}.csv"] = grades_csv(book, task)
+        files[f"moodle/{task.slug}-worksheet.csv"] = worksheet_csv(book, task)
     return {name: text for name, text in files.items() if text}
 
 
@@ -144,7 +144,7 @@ def _is_scale(book: Book, file: str, most: str) -> bool:
 
 def grades_csv(book: Book, task: Task) -> str | None:
     """Return one exercise's points for "Grades > Import"; None if nobody can be identified."""
-    file, worksheet = f"moodle/{task.folder}.csv", _worksheet(book, task)
+    file, worksheet = f"moodle/{task.slug}.csv", _worksheet(book, task)
     most = _maximum(worksheet)
     if _is_scale(book, file, most):
         return None
@@ -152,7 +152,7 @@ def grades_csv(book: Book, task: Task) -> str | None:
     locked = [mark for mark, _ in every if worksheet and worksheet.is_locked(mark)]
     book.leaves_out(file, LOCKED, locked)
     known = {
-        mark.student: mark.row.ids if book.roster.people else {"login": mark.login}
+        mark.student: mark.row.person.ids if book.roster.people else {"login": mark.login}
         for mark, _ in every
         if mark not in locked
     }
@@ -201,7 +201,7 @@ def _times(book: Book, marks: Sequence[Mark], sheets: Sequence[Sheet]) -> dict[s
 def worksheet_csv(book: Book, task: Task) -> str | None:
     """Return one exercise's grading worksheet; None if no submission came from Moodle."""
     theirs = [each for each in book.marks(task) if each[0].handed.system == "moodle"]
-    file, worksheet = f"moodle/{task.folder}-worksheet.csv", _worksheet(book, task)
+    file, worksheet = f"moodle/{task.slug}-worksheet.csv", _worksheet(book, task)
     if not theirs or _is_scale(book, file, _maximum(worksheet)):
         return None
     if worksheet is not None:
@@ -217,7 +217,7 @@ def _filled_in(
     book: Book, task: Task, worksheet: _Worksheet, theirs: Sequence[tuple[Mark, float]]
 ) -> str:
     """Return Moodle's own worksheet with the new grades, without its columns of feedback."""
-    header, file = worksheet.header, f"moodle/{task.folder}-worksheet.csv"
+    header, file = worksheet.header, f"moodle/{task.slug}-worksheet.csv"
     end = header.index(GRADED_AT) + 1 if GRADED_AT in header else len(header)
     made: list[list[Cell]] = [list(map(Verbatim, worksheet.sheet.header[:end]))]
     locked, lost = [], []
@@ -244,12 +244,12 @@ def feedback(target: BinaryIO, marks: Sequence[Mark], task: Task, pages: Path) -
     """Write one exercise's feedback pages as Moodle takes them back."""
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for mark in marks:
-            page = pages / folder_name(mark.student) / f"{task.folder}.html"
+            page = pages / mark.student / f"{task.slug}.html"
             if not page.is_file():
                 continue
             name = student_id(mark.handed.name).replace("_", " ")
             folder = f"{name}_{mark.handed.id}_assignfeedback_file"
-            info = zipfile.ZipInfo(f"{folder}/{task.folder}.html", EPOCH)
+            info = zipfile.ZipInfo(f"{folder}/{task.slug}.html", EPOCH)
             info.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(info, page.read_bytes())
 
@@ -262,5 +262,5 @@ PLATFORM = Platform(
     gradebook,
     feedback,
     folder="moodle",
-    what={"moodle": "Moodle: grade import, worksheets, feedback files"},
+    what="Moodle: grade import, worksheets, feedback files",
 )

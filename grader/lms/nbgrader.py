@@ -1,12 +1,10 @@
-"""nbgrader: its exchange, what `nbgrader collect` makes of it, its export, its own gradebook.
+"""nbgrader: its exchange, what `nbgrader collect` makes of it, its gradebook.
 
 Sources, in jupyter/nbgrader:
 
 - nbgrader/exchange/default/submit.py and collect.py: a folder `USER+ASSIGNMENT+TIMESTAMP`, perhaps
   with `+RANDOM`, in `inbound`; user names may hold `+`, so the parts are taken from the right.
   Collected work is `submitted/USER/ASSIGNMENT`, with its time in `timestamp.txt`.
-- nbgrader/plugins/export.py, `CsvExportPlugin`. Unlike there, who handed in nothing has no row: a
-  zero would be a score.
 """
 
 from __future__ import annotations
@@ -19,8 +17,7 @@ from pathlib import Path
 from grader.course.submission import read_regular_file
 from grader.lms.book import Book, Mark, Task
 from grader.lms.entries import Entry, Read, SetAside, Who, several
-from grader.lms.platform import Files, Platform
-from grader.lms.tables import Cell, Verbatim, csv_text
+from grader.lms.platform import Platform
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
 ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)
@@ -28,10 +25,6 @@ SIDES = {
     "inbound": ("outbound", "feedback"),
     "submitted": ("source", "release", "autograded", "feedback", "gradebook.db"),
 }
-COLUMNS = (
-    "assignment", "duedate", "timestamp", "student_id", "last_name", "first_name", "email",
-    "raw_score", "late_submission_penalty", "score", "max_score",
-)  # fmt: skip
 
 
 def read(folder: Path, paths: Sequence[Path]) -> Read:
@@ -119,30 +112,14 @@ def _latest(found: Read) -> Read:
     return found
 
 
-def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
-    """Return the points as nbgrader exports them, if the work came from there."""
-    if "nbgrader" not in book.systems:
-        return {}
-    rows: list[Sequence[Cell]] = [COLUMNS]
-    for task in tasks:
-        for mark, points in book.marks(task):
-            first, _, last = mark.name.rpartition(" ")
-            rows.append(
-                [task.slug, None, Verbatim(mark.handed.time), Verbatim(_id(mark)), last, first,
-                 Verbatim(mark.row.ids.get("email", "")), points + mark.penalty, mark.penalty,
-                 points, task.points]
-            )  # fmt: skip
-    return {"nbgrader.csv": csv_text(rows)}
-
-
 def write_into(db: Path, book: Book, tasks: Sequence[Task]) -> None:
     """Write the points into nbgrader's own gradebook."""
     from grader.nbgrader.class_scores import Score, write_scores  # noqa: PLC0415  (an extra)
 
     scores = [
         Score(
-            _id(mark), task.slug, points, task.points, mark.row.name,
-            mark.row.ids.get("email", ""),
+            _id(mark), task.slug, points, task.points, mark.row.person.label,
+            mark.row.person.ids.get("email", ""),
         )
         for task in tasks
         for mark, points in book.marks(task)
@@ -152,14 +129,9 @@ def write_into(db: Path, book: Book, tasks: Sequence[Task]) -> None:
 
 def _id(mark: Mark) -> str:
     """Return what nbgrader calls a student."""
-    id_ = mark.handed.id if mark.handed.system == "nbgrader" else mark.row.ids.get("login", "")
+    mine = mark.handed.system == "nbgrader"
+    id_ = mark.handed.id if mine else mark.row.person.ids.get("login", "")
     return id_ or mark.student
 
 
-PLATFORM = Platform(
-    "nbgrader",
-    read,
-    lambda names: several(names, ATTEMPT, who="user"),
-    gradebook=gradebook,
-    what={"nbgrader.csv": "as nbgrader exports"},
-)
+PLATFORM = Platform("nbgrader", read, lambda names: several(names, ATTEMPT, who="user"))

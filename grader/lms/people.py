@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -74,21 +74,21 @@ class Roster:
 
         The platform's own id counts before all, then other ids, then names.
         """
-        index = self._index
-        if system == "canvas" and id_ and index.has_canvas:
-            return index.one(CANVAS, id_)
-        if system == "moodle" and id_ and (found := index.one(PARTICIPANT, id_)) is not None:
+        named = self._one("name", folded(name))
+        if system == "canvas" and id_ and any(person.ids.get(CANVAS) for person in self.people):
+            return self._one(CANVAS, id_)
+        if system == "moodle" and id_ and (found := self._one(PARTICIPANT, id_)) is not None:
             same = folded(found.name) == folded(name) or name.casefold() == "participant"
-            return found if same or index.by_name(name) is None else index.by_name(name)
+            return found if same or named is None else named
         words = [id_, email] if system in ("gradescope", "nbgrader", "github") else []
         words += [name] if system in ("folder", "nbgrader", "github", "gradescope") else []
         for word in filter(None, words):
             for kind in STRONG:
-                if (found := index.one(kind, word)) is not None:
+                if (found := self._one(kind, word)) is not None:
                     return found
         if system == "canvas":
-            return index.by_squeezed(name)
-        return index.by_name(name) or (index.in_group(name) if system == "moodle" else None)
+            return self._one("squeezed", squeezed(name))
+        return named or (self._in_group(name) if system == "moodle" else None)
 
     def why_not(self, name: str) -> str:
         """Say why `find` found nobody."""
@@ -101,45 +101,29 @@ class Roster:
         return "nobody in the roster is called so or has this id"
 
     @cached_property
-    def _index(self) -> _Index:
-        return _Index(self.people)
+    def _index(self) -> Mapping[tuple[str, str], list[Person]]:
+        """The people by kind of id or name, and what it is."""
+        found: dict[tuple[str, str], list[Person]] = {}
+        for person in self.people:
+            words = [(kind, id_.casefold()) for kind, id_ in person.ids.items()]
+            words += [(PARTICIPANT, participant) for participant in person.participants]
+            words += [("name", name) for name in person.names]
+            for kind, word in [*words, ("squeezed", squeezed(person.name))]:
+                if word:
+                    found.setdefault((kind, word), []).append(person)
+        return found
 
-
-class _Index:
-    """Finds people by ids and names; what fits two people finds nobody."""
-
-    def __init__(self, people: Sequence[Person]) -> None:
-        self._by: dict[tuple[str, str], list[Person]] = {}
-        for person in people:
-            for kind, id_ in person.ids.items():
-                self._add(kind, id_.casefold(), person)
-            for participant in person.participants:
-                self._add(PARTICIPANT, participant, person)
-            for name in person.names:
-                self._add("name", name, person)
-            self._add("squeezed", squeezed(person.name), person)
-        self.has_canvas = any(person.ids.get(CANVAS) for person in people)
-
-    def _add(self, kind: str, word: str, person: Person) -> None:
-        if word:
-            self._by.setdefault((kind, word), []).append(person)
-
-    def one(self, kind: str, id_: str) -> Person | None:
-        found = self._by.get((kind, id_.casefold()), [])
+    def _one(self, kind: str, word: str) -> Person | None:
+        """Return the person whom an id or a name means; None if it fits nobody or several."""
+        found = self._index.get((kind, word.casefold()), [])
         return found[0] if len(found) == 1 else None
 
-    def by_name(self, name: str) -> Person | None:
-        return self.one("name", folded(name))
-
-    def in_group(self, name: str) -> Person | None:
+    def _in_group(self, name: str) -> Person | None:
         """Find somebody by `GROUP-NAME`, as Moodle calls them where students work in groups."""
         parts = name.split("-")
-        found = [self.by_name("-".join(parts[i:])) for i in range(1, len(parts))]
+        found = [self._one("name", folded("-".join(parts[i:]))) for i in range(1, len(parts))]
         people = {person.key: person for person in found if person is not None}
         return next(iter(people.values())) if len(people) == 1 else None
-
-    def by_squeezed(self, name: str) -> Person | None:
-        return self.one("squeezed", squeezed(name))
 
 
 APOSTROPHES = dict.fromkeys(map(ord, "'\u2019\u2018\u02bc\u0060\u00b4"))
@@ -160,3 +144,4 @@ def squeezed(name: str) -> str:
 
 
 NOBODY = Roster()
+NO_PERSON = Person("")  # one who is in no roster

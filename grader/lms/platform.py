@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
@@ -16,18 +16,6 @@ Fills = Callable[[Book, Sequence[Task]], Files]
 Packs = Callable[[BinaryIO, Sequence[Mark], Task, Path], None]
 
 
-def _never(names: Sequence[str]) -> bool:
-    return False
-
-
-def _unknown(header: Sequence[str]) -> str:
-    return ""
-
-
-def _nothing(book: Book, tasks: Sequence[Task]) -> Files:
-    return {}
-
-
 @dataclass(frozen=True)
 class Platform:
     """One platform; what it does not have is left out."""
@@ -37,10 +25,11 @@ class Platform:
     # files, and what it does not know is left for the next.
     read: Reads
     # Whether a folder that holds these names is a download of several students' work.
-    is_download: Callable[[Sequence[str]], bool] = _never
+    is_download: Callable[[Sequence[str]], bool] = lambda names: False
     # The kind of a CSV with these headings, in small letters, if it is one of the platform's.
-    sheet: Callable[[Sequence[str]], str] = _unknown
-    gradebook: Fills = _nothing  # the files that it imports; held gradings are in none
+    sheet: Callable[[Sequence[str]], str] = lambda header: ""
+    # The files that it imports; held gradings are in none.
+    gradebook: Fills = lambda book, tasks: {}
     feedback: Packs | None = None  # writes a zip of the pages in a folder, as it takes them back
     folder: str = ""  # of its files; made anew each time
-    what: Mapping[str, str] = field(default_factory=dict)  # file or folder: what it is
+    what: str = ""  # is in it

@@ -8,6 +8,7 @@ from typing import Any
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.similarity import compared
 from grader.classroom.row import GRADED, HELD, StoredResult
+from grader.lms.names import student_id
 
 HOSTILE = (
     "</style></script><script>window.pwned=1</script><img src=x onerror=window.pwned=1>"
@@ -95,7 +96,7 @@ def whole_class() -> tuple[list[StoredResult], ResultOptions]:
     """26 students and a few odd ones, with sources of which some are copied."""
     chance = random.Random(1)
     results, sources = [], {}
-    for index, student in enumerate((*NAMES, HOSTILE, LONG)):
+    for index, student in enumerate(map(student_id, (*NAMES, HOSTILE, LONG))):
         ability = chance.gauss(0.6, 1.1)
         for slug in ("obstacle_avoidance", "goal_seeking"):
             if slug == "goal_seeking" and index % 9 == 8:

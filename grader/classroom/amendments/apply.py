@@ -12,8 +12,9 @@ from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, U
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import find_student
-from grader.classroom.marks import essential_of, points_of, tasks_of
+from grader.classroom.marks import points_of, tasks_of
 from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended, StoredResult
+from grader.course.exercises import find_exercise
 from grader.course.score import score_of
 from grader.lms.book import StudentRow, Task, about
 
@@ -130,7 +131,7 @@ def _amended(
             _note_version(entry, entry.change.whom, result, remarks)
     if numbers:
         changed = _judged(changed, result)
-    points, penalty = points_of(changed, task), 0.0
+    points = points_of(changed, task)
     rules = [entry for entry in entries if isinstance(entry.change, Late)]
     if rules and points is not None:
         penalty = _penalty(rules[-1], result, task, points, rows, steps, remarks)
@@ -140,16 +141,14 @@ def _amended(
     by_hand = bool(scores)
     if scores and isinstance(scores[-1].change, Score):
         given = scores[-1].change
-        points, penalty = min(given.points, task.points), 0.0
+        points = min(given.points, task.points)
         steps[:] = [f"Set by hand: {points:g} of {task.points:g} points."]
         numbers = [scores[-1].number]
         changed = replace(changed, state=GRADED)
         _note_version(scores[-1], given.whom, result, remarks)
     if not numbers:
         return result
-    return replace(
-        changed, amended=Amended(points, penalty, tuple(steps), tuple(numbers), by_hand, result)
-    )
+    return replace(changed, amended=Amended(points, tuple(steps), tuple(numbers), by_hand, result))
 
 
 def _note_version(entry: Entry, whom: Whom, result: StoredResult, remarks: Remarks) -> None:
@@ -205,7 +204,7 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
     """
     grading = result.grading or {}
     core = [check for check in grading.get("checks") or () if check.get("kind") != "field"]
-    sums = score_of(core, essential_of(result.exercise))
+    sums = score_of(core, find_exercise(result.exercise).essential)
     new: dict[str, Any] = {
         **grading,
         "score": sums.points,

@@ -23,7 +23,7 @@ class Whom(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_default
             return student in self.students
         if self.section:
             row = rows.get(student)
-            return row is not None and row.section == self.section
+            return row is not None and row.person.section == self.section
         return True
 
     def __str__(self) -> str:

@@ -19,7 +19,7 @@ from grader.errors import InputError
 TABLE = """
 CREATE TABLE IF NOT EXISTS amendments (
     number INTEGER PRIMARY KEY AUTOINCREMENT, at TEXT NOT NULL, who TEXT NOT NULL,
-    what TEXT NOT NULL, why TEXT NOT NULL, seal TEXT NOT NULL DEFAULT ''  -- of earlier versions
+    what TEXT NOT NULL, why TEXT NOT NULL
 ) STRICT"""
 MAX_WORDS = 2000  # [characters] of a reason
 
@@ -49,12 +49,12 @@ class Log:
 
         Raises InputError: there is no reason, or it is too long.
         """
-        why, who = " ".join(_text(why).split()), " ".join(_text(who).split())
+        why, who = " ".join(storable(why).split()), " ".join(storable(who).split())
         if not why or len(why) > MAX_WORDS:
             raise InputError(
                 f"--why: expected the reason, at most {MAX_WORDS} characters; it stays in the log"
             )
-        text = _text(msgspec.json.encode(change).decode())
+        text = storable(msgspec.json.encode(change).decode())
         try:
             _change(text)
         except msgspec.MsgspecError:  # such as a number that JSON has not
@@ -64,7 +64,7 @@ class Log:
         at = datetime.now(UTC).isoformat(timespec="seconds")
         with self._transaction():
             number = self._db.execute(
-                "INSERT INTO amendments (at, who, what, why, seal) VALUES (?, ?, ?, ?, '')",
+                "INSERT INTO amendments (at, who, what, why) VALUES (?, ?, ?, ?)",
                 (at, who, text, why),
             ).lastrowid
         return Entry(number or 0, at, who, change, why)
@@ -139,5 +139,6 @@ def _change(text: str) -> Change:
     return found
 
 
-def _text(words: str) -> str:
+def storable(words: str) -> str:
+    """Return text that can be stored: names of files need not be UTF-8, and SQLite's text is."""
     return words.encode("utf-8", "replace").decode("utf-8")

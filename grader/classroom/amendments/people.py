@@ -38,15 +38,15 @@ def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRo
         raise InputError(
             f"{one_line(word)!r} may be {' or '.join(map(one_line, same[:NEAR]))}: give the id"
         )
-    called = [
-        (name, s) for s in students for name in (*_names(s, rows.get(s)), *_ids(s, rows.get(s)))
-    ]
+    called = [(name, s) for s in students for name in _names(s, rows.get(s))]
     parts = set(_parts(word))
     like = {name for name, _ in called if parts.intersection(_parts(name))}
     like = like or set(difflib.get_close_matches(word, [n for n, _ in called], NEAR, cutoff=0.5))
-    near = {student: _also(name, student) for name, student in called[::-1] if name in like}
-    hint = _hint(list(near.values())[::-1], len(students))
-    raise InputError(f"nobody in this class is {one_line(word)!r}{hint}")
+    near = [f"{one_line(name)} ({one_line(s)})" for name, s in called if name in like and name != s]
+    near = near or [one_line(s) for _, s in called if s in like]
+    near = near[:NEAR]
+    hint = f"did you mean {' or '.join(near)}?" if near else "scores.csv lists all under `student`"
+    raise InputError(f"nobody in this class is {one_line(word)!r}; {hint}")
 
 
 def _parts(name: str) -> list[str]:
@@ -62,32 +62,21 @@ def nearest(word: str, known: Iterable[str], what: str) -> InputError:
     return InputError(f"unknown {what} {one_line(word)!r}; {hint}")
 
 
-def _also(name: str, student: str) -> str:
-    """Return a name with the folder that it stands for."""
-    return name if folded(name) == folded(student) else f"{name} ({student})"
-
-
 def _forms(word: str) -> set[str]:
     """Return the forms of a name for comparison; gradebooks sort them, as "Lee, Ann"."""
     last, comma, first = word.partition(",")
     return {folded(word), folded(f"{first} {last}")} if comma and first.strip() else {folded(word)}
 
 
-def _hint(near: Sequence[str], count: int) -> str:
-    if near:
-        return f"; did you mean {' or '.join(one_line(each) for each in near[:NEAR])}?"
-    return f"; scores.csv lists all {count} under `student`"
-
-
 def _ids(student: str, row: StudentRow | None) -> list[str]:
     if row is None:
         return []
     handed = [id_ for each in row.handed.values() for id_ in (each.id, each.email) if id_]
-    return [*row.ids.values(), *row.participants, *handed]
+    return [*row.person.ids.values(), *row.person.participants, *handed]
 
 
 def _names(student: str, row: StudentRow | None) -> list[str]:
     names = [student]
     if row is not None:
-        names += [row.name, *(each.name for each in row.handed.values())]
+        names += [row.person.label, *(each.name for each in row.handed.values())]
     return [name for name in dict.fromkeys(names) if name]

@@ -22,7 +22,6 @@ class Found:
 
     files: dict[str, Path]
     problem: str = ""  # why nothing can be graded; "" if it can
-    remark: str = ""  # what the instructor may want to know
     older: tuple[HandedIn, ...] = ()  # versions that do not count
     used: tuple[HandedIn, ...] = field(default=(), repr=False)
     contrary: tuple[HandedIn, ...] = ()  # of `older`: another work, from another download
@@ -56,20 +55,11 @@ def find_files(student: Student, names: Sequence[str]) -> Found:
             used.append((beside or same)[0])
             found[other] = used[-1].path
             older += [file for file in same if file is not used[-1]]
-    remark = ""
-    if len({_content(file.path) for file in candidates}) > 1:
-        newest = ", the newest," if _is_newer(chosen, candidates[1]) else ""
-        where = chosen.name if not chosen.entry.called else chosen.path.name
-        remark = (
-            f"{student.id}: {len(candidates)} different files {first}; {where}{newest} was graded"
-        )
     mine = _content(chosen.path)
     contrary = [
         file for file in candidates if file.source != chosen.source and _content(file.path) != mine
     ]
-    return Found(
-        found, remark=remark, older=tuple(older), used=tuple(used), contrary=tuple(contrary)
-    )
+    return Found(found, older=tuple(older), used=tuple(used), contrary=tuple(contrary))
 
 
 def left_over(student: Student, used: Collection[HandedIn]) -> list[HandedIn]:
@@ -91,12 +81,6 @@ def _called(name: str, files: Sequence[HandedIn]) -> list[HandedIn]:
 def _age(file: HandedIn) -> tuple[int, int, int, int]:
     version, source = file.version
     return -version, -source, file.depth, -copy_number(_base(file))
-
-
-def _is_newer(file: HandedIn, than: HandedIn) -> bool:
-    return file.version > than.version or (
-        file.depth == than.depth and copy_number(_base(file)) > max(0, copy_number(_base(than)))
-    )
 
 
 def _base(file: HandedIn) -> str:

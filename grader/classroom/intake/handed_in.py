@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from grader.lms.entries import Entry, Who
@@ -29,14 +29,24 @@ class HandedIn:
         return self.entry.version, self.source
 
 
-@dataclass(frozen=True)
+@dataclass
 class Student:
     """One who handed something in, or who is in the roster."""
 
     id: str  # a safe name for a folder
-    files: tuple[HandedIn, ...] = ()
-    problem: str = ""  # why a part can't be read; "" if all can
-    links: bool = False  # there are links, which are not followed
     person: Person | None = None  # in the roster
-    who: tuple[Who, ...] = ()
-    entries: tuple[str, ...] = ()  # what of the downloads is theirs
+    entries: list[tuple[int, Entry]] = field(default_factory=list)  # theirs, with the downloads
+    files: list[HandedIn] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)  # why a part can't be read
+    links: bool = False  # there are links, which are not followed
+    original: str = ""  # tells two of one name apart, the same in every run
+
+    @property
+    def problem(self) -> str:
+        """Why a part can't be read; "" if all can."""
+        return "; ".join(self.problems)
+
+    @property
+    def who(self) -> list[Who]:
+        """How the downloads call them."""
+        return [entry.who for _, entry in self.entries]

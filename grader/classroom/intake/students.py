@@ -6,7 +6,7 @@ import os
 import stat
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from grader.classroom.intake import notebooks
@@ -15,7 +15,7 @@ from grader.errors import InputError, is_disk_full
 from grader.lms import PLATFORMS, platform_of
 from grader.lms.entries import Entry, Read, SetAside, Who
 from grader.lms.names import may_enter, student_id, unique
-from grader.lms.people import NOBODY, Person, Roster, folded
+from grader.lms.people import NOBODY, Roster, folded
 from grader.lms.unpack import (
     ARCHIVES,
     MAX_DEPTH,
@@ -47,19 +47,6 @@ class Intake:
     set_aside: list[SetAside]  # what is in the downloads and nobody's work
 
 
-@dataclass
-class _Pile:
-    """What one student handed in, while it is collected."""
-
-    name: str
-    original: str  # tells two of one name apart, the same in every run
-    person: Person | None = None
-    files: list[HandedIn] = field(default_factory=list)
-    problems: list[str] = field(default_factory=list)
-    links: bool = False
-    entries: list[tuple[int, Entry]] = field(default_factory=list)  # with their downloads
-
-
 def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> Intake:
     """Return the students whose work lies in `sources`: folders, or a platform's archives.
 
@@ -78,19 +65,17 @@ def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> 
     if not read and not roster.people:
         raise InputError(_nothing(sources, set_aside))
     _refuse_downloads([entry for _, entry in read])
-    students = []
-    for name, pile in _named(_piles(read, roster), roster).items():
-        for place, (number, entry) in enumerate(pile.entries):
-            _collect(pile, entry, number, scratch / name / str(place), set_aside)
-        _open_notebooks(pile, scratch / name / "notebooks")
-        students.append(
-            Student(
-                name, tuple(pile.files), "; ".join(pile.problems), pile.links, pile.person,
-                tuple(entry.who for _, entry in pile.entries),
-                tuple(entry.path.name for _, entry in pile.entries),
-            )
-        )  # fmt: skip
+    students = _named(_students(read, roster), roster)
+    for student in students:
+        _fill(student, scratch / student.id, set_aside)
     return Intake(sorted(students, key=lambda student: student.id), set_aside)
+
+
+def take_in_one(folder: Path, scratch: Path) -> Student:
+    """Return the student whose work, and nobody else's, lies in a folder."""
+    student = Student("submission", entries=[(0, Entry(folder, Who("submission", "folder")))])
+    _fill(student, scratch, [])
+    return student
 
 
 def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
@@ -173,14 +158,14 @@ def _nothing(sources: Sequence[Path], set_aside: Sequence[SetAside]) -> str:
 # --- whose is it ---------------------------------------------------------------------------------
 
 
-def _piles(read: Sequence[tuple[int, Entry]], roster: Roster) -> list[_Pile]:
+def _students(read: Sequence[tuple[int, Entry]], roster: Roster) -> list[Student]:
     """Bring together the entries of each student."""
     same_name = Counter(
         (number, entry.who.name.casefold())
         for number, entry in {(n, e.who.name, e.who.id): (n, e) for n, e in read}.values()
     )
     folders_called: Counter[tuple[int, str]] = Counter()
-    piles: dict[Key, _Pile] = {}
+    found: dict[Key, Student] = {}
     for number, entry in read:
         who = entry.who
         person = roster.find(who.system, who.name, who.id, who.email)
@@ -190,9 +175,9 @@ def _piles(read: Sequence[tuple[int, Entry]], roster: Roster) -> list[_Pile]:
         original = entry.path.name if who.system == "folder" else f"{who.name}+{who.id}"
         if person is not None:
             key, original = ("person", person.key), person.key
-        pile = piles.setdefault(key, _Pile(_label(who), original, person))
-        pile.entries.append((number, entry))
-    return list(piles.values())
+        student = found.setdefault(key, Student(_label(who), person, original=original))
+        student.entries.append((number, entry))
+    return list(found.values())
 
 
 def _key(number: int, who: Who, ambiguous: bool, nth: int) -> Key:
@@ -218,91 +203,97 @@ def _is_blind(who: Who) -> bool:
     return who.system == "moodle" and who.name.casefold() == "participant"
 
 
-def _named(piles: Sequence[_Pile], roster: Roster) -> dict[str, _Pile]:
+def _named(here: Sequence[Student], roster: Roster) -> list[Student]:
     """Give each student an id of their own; those in the roster who handed in nothing come last."""
-    here = {pile.person.key for pile in piles if pile.person is not None}
-    unclear = {folded(pile.name) for pile in piles if pile.person is None}
+    known = {student.person.key for student in here if student.person is not None}
+    unclear = {folded(student.id) for student in here if student.person is None}
     absent = [
-        _Pile(person.label, person.key, person)
+        Student(person.label, person, original=person.key)
         for person in roster.people
-        if person.key not in here and not unclear.intersection(person.names)
+        if person.key not in known and not unclear.intersection(person.names)
     ]
-    named: dict[str, _Pile] = {}
     taken: set[str] = set()
-    for pile in [*piles, *absent]:
-        name = unique(student_id(pile.name), pile.original, taken)
-        taken.add(name.casefold())
-        named[name] = pile
-    return named
+    for student in [*here, *absent]:
+        student.id = unique(student_id(student.id), student.original, taken)
+        taken.add(student.id.casefold())
+    return [*here, *absent]
 
 
 # --- what is in it -------------------------------------------------------------------------------
 
 
-def _collect(pile: _Pile, entry: Entry, number: int, room: Path, set_aside: list[SetAside]) -> None:
+def _fill(student: Student, room: Path, set_aside: list[SetAside]) -> None:
+    for place, (number, entry) in enumerate(student.entries):
+        _collect(student, entry, number, room / str(place), set_aside)
+    _open_notebooks(student, room / "notebooks")
+
+
+def _collect(
+    student: Student, entry: Entry, number: int, room: Path, set_aside: list[SetAside]
+) -> None:
     """Add an entry's files to its student's."""
     called = entry.called or entry.path.name
     if entry.path.is_symlink():
-        pile.problems.append(LINK)
+        student.problems.append(LINK)
         return
     if _is_plain(entry) and (platform := platform_of(entry.path)):
-        pile.problems.append(f"{entry.path.name}: {DOWNLOAD.format(platform=platform)}")
+        student.problems.append(f"{entry.path.name}: {DOWNLOAD.format(platform=platform)}")
         return
     if not entry.path.is_dir():
-        _add_file(pile, HandedIn(entry.path, called, entry, number), room, set_aside)
+        _add_file(student, HandedIn(entry.path, called, entry, number), room, set_aside)
         return
     found, links, closed = _files(entry.path)
-    pile.links |= links
-    pile.problems += [f"{each} can't be read" for each in closed]
+    student.links |= links
+    student.problems += [f"{each} can't be read" for each in closed]
     handed_in = [
         HandedIn(file, file.relative_to(entry.path).as_posix(), entry, number) for file in found
     ]
     archives = [each for each in handed_in if is_archive(each.name) or is_unread_archive(each.name)]
     alone = len(archives) == 1 and not any(file.suffix.lower() == ".py" for file in found)
-    pile.files += [each for each in handed_in if not (alone and each is archives[0])]
+    student.files += [each for each in handed_in if not (alone and each is archives[0])]
     if alone:  # a folder each, with the archive in it
-        _add_file(pile, archives[0], room, set_aside)
+        _add_file(student, archives[0], room, set_aside)
 
 
-def _add_file(pile: _Pile, file: HandedIn, room: Path, set_aside: list[SetAside]) -> None:
+def _add_file(student: Student, file: HandedIn, room: Path, set_aside: list[SetAside]) -> None:
     """Add a file, or what is in it if it is an archive."""
     if is_unread_archive(file.name):
-        pile.problems.append(f"{file.name}: {UNREAD}")
+        student.problems.append(f"{file.name}: {UNREAD}")
         return
     if not is_archive(file.name):
-        pile.files.append(file)
+        student.files.append(file)
         return
     try:
         odd = unpack(file.path, room)
     except Refused as refused:
-        pile.problems.append(f"{file.name}: {refused}")
+        student.problems.append(f"{file.name}: {refused}")
         return
     except Exception as error:  # whatever a malicious file makes zipfile and tarfile raise
         if is_disk_full(error):  # not the archive's fault, which is limited
             raise
         kind = type(error).__name__
         text = f"{file.name}: a broken archive ({kind}: {str(error)[:200]}); ask for another copy"
-        pile.problems.append(" ".join(text.split()))
+        student.problems.append(" ".join(text.split()))
         return
     set_aside += [
         SetAside(f"{file.entry.path.name}: {name}", why, fault=False) for name, why in odd
     ]
     inner, *_ = _files(room)
-    pile.files += [
+    student.files += [
         HandedIn(path, path.relative_to(room).as_posix(), file.entry, file.source) for path in inner
     ]
 
 
-def _open_notebooks(pile: _Pile, room: Path) -> None:
+def _open_notebooks(student: Student, room: Path) -> None:
     """Add the files that the notebooks' cells write."""
-    there = [file for file in pile.files if file.name.lower().endswith(notebooks.SUFFIX)]
+    there = [file for file in student.files if file.name.lower().endswith(notebooks.SUFFIX)]
     for number, file in enumerate(there[:MAX_NOTEBOOKS]):
         try:
             made = notebooks.node_files(file.path, room / str(number))
         except Unreadable as error:
-            pile.problems.append(f"{file.name}: {error}")
+            student.problems.append(f"{file.name}: {error}")
             continue
-        pile.files += [
+        student.files += [
             HandedIn(path, f"{file.name}/{path.name}", file.entry, file.source) for path in made
         ]
 

@@ -11,7 +11,6 @@ from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.page import render
 from grader.classroom.row import StoredResult
 from grader.lms.book import Task
-from grader.lms.clean import folder_name
 
 CHECKS = "checks"  # the folder
 
@@ -20,7 +19,7 @@ Groups = Sequence[Sequence[tuple[StoredResult, Check]]]  # by kind of failure
 
 def page_of(task: Task, check: str) -> str:
     """Return where the page of a check is, seen from the class report."""
-    return f"{CHECKS}/{task.folder}/{folder_name(check)}.html"
+    return f"{CHECKS}/{task.slug}/{check}.html"
 
 
 def check_pages(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from grader.classroom.account import Account
 from grader.classroom.amendments.log import described, undone_by
 from grader.classroom.marks import is_absent, is_graded, is_held, judged_ones, points_of, why_held
 from grader.classroom.results.check_pages import page_of
@@ -17,7 +16,7 @@ from grader.classroom.results.similarity import Alike
 from grader.classroom.results.words import NOTHING, moment, plural
 from grader.classroom.row import RUNNING, WAITING, StoredResult
 from grader.lms.book import Task
-from grader.lms.clean import folder_name, one_line
+from grader.lms.clean import one_line
 
 SLOWEST = 5
 MOST_CHANGES = 50  # of the log
@@ -46,7 +45,6 @@ def class_page(
     """Return the report's HTML; `missing` are other parts of the results that could not be made."""
     by_slug = {task.slug: task for task in tasks}
     held = [(one, by_slug[one.exercise], why_held(one)) for one in results if is_held(one)]
-    sections = sections_of(results, options)
     undone = dict(undone_by(options.log))
     versions = _versions(results)
     return render(
@@ -61,7 +59,7 @@ def class_page(
         nothing=_nothing(results),
         exercises=[_exercise(results, task, options) for task in tasks],
         sections=[
-            (title, section_page(title), _rows(mine, tasks)) for title, mine in sections.items()
+            (title, _rows(mine, tasks)) for title, mine in sections_of(results, options).items()
         ],
         headings=[(_heading(task, len(tasks)), "number") for task in tasks],
         students=list(_students(results, tasks, options)),
@@ -78,29 +76,14 @@ def class_page(
 
 def sections_of(results: Results, options: ResultOptions) -> dict[str, list[StoredResult]]:
     """Return the results by section of the roster, in order; {} if it has none."""
-    if options.anonymous or options.section:
+    if options.anonymous:
         return {}
     found: dict[str, list[StoredResult]] = {}
     for result in results:
         row = options.students.get(result.student)
-        if row is not None and row.section:
-            found.setdefault(row.section, []).append(result)
+        if row is not None and row.person.section:
+            found.setdefault(row.person.section, []).append(result)
     return dict(sorted(found.items()))
-
-
-def section_pages(
-    results: Results, tasks: Sequence[Task], options: ResultOptions
-) -> Iterator[tuple[str, str]]:
-    """Return the report of each section, without what is about the whole class."""
-    for title, mine in sections_of(results, options).items():
-        theirs = [task for task in tasks if any(r.exercise == task.slug for r in mine)]
-        own = replace(options, section=title, notes=[], files=(), log=(), account=Account())
-        yield section_page(title), class_page(mine, theirs, own)
-
-
-def section_page(title: str) -> str:
-    """Return where a section's report is, seen from the class report."""
-    return f"sections/{folder_name(title)}.html"
 
 
 def _facts(results: Results, tasks: Sequence[Task], held: int) -> list[str]:
@@ -138,7 +121,7 @@ def _exercise(results: Results, task: Task, options: ResultOptions) -> _Exercise
         len(judged),
         sorted(item_analysis(judged), key=lambda item: -item.failed),
         f"{sum(map(bool, ready))} of {asked}" if asked else NOTHING,
-        None if options.section else options.alike.get(task.slug),
+        options.alike.get(task.slug),
     )
 
 
@@ -150,9 +133,7 @@ def _rows(mine: Results, tasks: Sequence[Task]) -> list[tuple[Task, Results, Dis
 
 def _heading(task: Task, tasks: int) -> str:
     """Return the heading of an exercise's column, short where there are many."""
-    if tasks <= 4:
-        return task.heading
-    return f"Ex. {task.number}" if task.number else one_line(task.title, 16)
+    return task.heading if tasks <= 4 else f"Ex. {task.number}"
 
 
 def _students(
@@ -162,7 +143,8 @@ def _students(
     found = {(result.student, result.exercise): result for result in results}
     for student in sorted({result.student for result in results}):
         row = options.students.get(student)
-        called = "" if row is None or options.anonymous or row.name == student else row.name
+        called = row.person.label if row is not None and not options.anonymous else ""
+        called = "" if called == student else called
         mine = [(found.get((student, task.slug)), task) for task in tasks]
         points = [points_of(result, task) for result, task in mine if result is not None]
         yield student, called, mine, sum(each for each in points if each is not None)

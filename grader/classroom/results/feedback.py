@@ -7,7 +7,6 @@ import hashlib
 import json
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from grader.classroom.marks import points_of
 from grader.classroom.results.files import write_text
@@ -19,7 +18,6 @@ from grader.lms.book import Task
 from grader.lms.clean import one_line
 from grader.recording import Recording
 from grader.report.page import page_html, page_payload
-from grader.report.replay import moments_of
 
 LOST = (
     "The grader could not make these pages. That is its own fault, and your points count. Ask your "
@@ -27,41 +25,32 @@ LOST = (
 )
 LONGEST_STAMP = 200  # [bytes]
 
-Replays = list[dict[str, Any]]
-
 
 def write_page(
     path: Path, result: StoredResult, task: Task, hidden: frozenset[str], bags: Path | None
 ) -> Path:
     """Write the page of one grading, unless the one that is there was made of the same.
 
-    A replay takes half a second to make, and a class has thousands: while the recordings are the
-    same, those of the page are kept.
+    A replay takes half a second to make, and a class has thousands.
     """
     if hides_worlds(hidden) or bags is None or not bags.is_dir():
         bags = None
     changed = result.amended and (result.amended.points, result.amended.steps)
-    runs = _digest(_look(), sorted(hidden), _files_of(bags))
-    all_ = _digest(runs, result.student, task.title, result.grading, result.file_names, changed)
-    stamp, before = f"<!-- {all_} {runs} -->\n", _stamp_of(path)
-    if stamp != before:
-        kept = _replays_of(path) if bags and f" {runs} " in before else None
-        write_text(path, exercise_page(result, task, hidden, bags, kept) + stamp)
+    made_of = (
+        _look(), sorted(hidden), _files_of(bags), result.student, task.title, result.grading,
+        result.file_names, changed,
+    )  # fmt: skip
+    text = json.dumps(made_of, sort_keys=True, default=str).encode("utf-8", "replace")
+    stamp = f"<!-- {hashlib.sha256(text).hexdigest()} -->\n"
+    if stamp != _stamp_of(path):
+        write_text(path, exercise_page(result, task, hidden, bags) + stamp)
     return path
 
 
 def exercise_page(
-    result: StoredResult,
-    task: Task,
-    hidden: Collection[str],
-    bags: Path | None,
-    replays: Replays | None = None,
+    result: StoredResult, task: Task, hidden: Collection[str], bags: Path | None
 ) -> str:
-    """Return the page of one grading, as its student may see it.
-
-    Replays that are given are shown instead of those of the bags; the moments in them follow the
-    grading.
-    """
+    """Return the page of one grading, as its student may see it."""
     title = f"{task.title}: {one_line(result.student, 60)}"
     steps = result.amended.steps if result.amended else ()
     if result.grading is None:  # a person gave the points
@@ -70,10 +59,6 @@ def exercise_page(
     if result.amended is not None and (points := points_of(result, task)) is not None:
         notes = [*(grading.get("notes") or ()), *steps]
         grading |= {"score": points, "max_score": task.points, "notes": notes}
-    if replays:
-        for replay in replays:
-            replay["moments"] = moments_of(grading["checks"], replay["scenario"])
-        return page_html({**page_payload(grading, [], title), "replays": replays})
     recordings = runs_for_students(_recordings(bags), hidden) if bags else []
     return page_html(page_payload(grading, recordings, title))
 
@@ -108,11 +93,6 @@ def _look() -> str:
     return page_html({})
 
 
-def _digest(*parts: object) -> str:
-    text = json.dumps(parts, sort_keys=True, default=str)
-    return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
-
-
 def _files_of(bags: Path | None) -> list[tuple[str, int, int]]:
     """Return names, sizes and times of the recordings' files, which show whether any changed."""
     files = sorted(path for path in bags.rglob("*") if path.is_file()) if bags else []
@@ -128,12 +108,3 @@ def _stamp_of(page: Path) -> str:
             return file.read().decode("utf-8", "replace").splitlines(keepends=True)[-1]
     except (OSError, IndexError):
         return ""
-
-
-def _replays_of(page: Path) -> Replays:
-    """Return the replays of a page; [] if they can't be read."""
-    try:
-        text = page.read_text("utf-8").partition('id="payload">')[2].partition("</script>")[0]
-        return [dict(replay) for replay in json.loads(text)["replays"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        return []

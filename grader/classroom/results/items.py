@@ -128,7 +128,7 @@ def _item(id_: str, all_of_it: list[Check], checks: list[dict[str, Check]]) -> I
     often, times = _often([c for c in all_of_it if c.get("outcome") == "fail"])
     return Item(
         id=id_,
-        title=_usual_title(id_, all_of_it),
+        title=one_line(first.get("title") or id_, 200),
         kind=kind,
         judged=judged,
         failed=outcomes["fail"],
@@ -139,12 +139,6 @@ def _item(id_: str, all_of_it: list[Check], checks: list[dict[str, Check]]) -> I
         times=times,
         hint=_hint(judged, difficulty, discrimination, outcomes["skip"]),
     )
-
-
-def _usual_title(id_: str, all_of_it: list[Check]) -> str:
-    """Return the title that most gradings give the check, so that an odd one doesn't rename it."""
-    titles = Counter(one_line(check.get("title") or id_, 200) for check in all_of_it)
-    return max(titles.items(), key=lambda pair: (pair[1], pair[0]))[0]
 
 
 def _discrimination(id_: str, checks: list[dict[str, Check]]) -> float | None:

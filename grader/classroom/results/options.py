@@ -48,7 +48,6 @@ class ResultOptions:
     columns: Mapping[str, str] = field(default_factory=dict)  # slug: title in the gradebook
     log: Sequence[Entry] = ()  # of what people have changed
     published: Collection[tuple[str, str]] | None = None  # pages; None: nothing was published yet
-    section: str = ""  # the report is of this section; "": of the whole class
     anonymous: bool = False  # students are codes, and no page is about one of them
 
     def __post_init__(self) -> None:
@@ -61,11 +60,6 @@ class ResultOptions:
                 near = difflib.get_close_matches(word, HIDE, n=1)
                 hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(HIDE)}"
                 raise InputError(f"hide: unknown word {word!r}; {hint}")
-
-    @property
-    def root(self) -> str:
-        """The way from the report to the folder of the class."""
-        return "../" if self.section else ""
 
     @property
     def replays_in(self) -> str:
@@ -87,23 +81,12 @@ def kept_text(options: ResultOptions) -> str:
 def kept_options(text: str, students: Mapping[str, StudentRow]) -> ResultOptions:
     """Return the options of what was kept.
 
-    Raises InputError: nothing was, by an older version of the course.
+    Raises InputError: nothing was.
     """
-    try:
-        kept = {name: value for name, value in json.loads(text).items() if value}
-        nbgrader = kept.pop("nbgrader", "")
-        options = msgspec.convert(kept, ResultOptions, dec_hook=_read)
-    except (msgspec.MsgspecError, ValueError):
-        raise InputError(
-            "this class was graded by an earlier version of the course: run `course autograde` "
-            "once more with the same submissions; it grades only what is new"
-        ) from None
-    return replace(
-        options,
-        nbgrader=Path(nbgrader) if nbgrader else None,
-        students=students,
-        workers=os.cpu_count() or 1,  # on any system
-    )
+    if not text:
+        raise InputError("nothing was graded here yet: run `course autograde` with the submissions")
+    options = msgspec.convert(json.loads(text), ResultOptions, dec_hook=_read)
+    return replace(options, students=students, workers=os.cpu_count() or 1)
 
 
 def column_titles(columns: Sequence[str]) -> dict[str, str]:

@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from grader.classroom import marks
 from grader.classroom.results import words
-from grader.lms.clean import folder_name, one_line, visible
+from grader.lms.clean import one_line, visible
 from grader.report.page import GENERATED_BY
 
 TEMPLATES = Path(__file__).resolve().parent / "templates"
@@ -49,7 +49,6 @@ def _environment() -> Environment:
         "before_cap": lambda result: marks.raw_points(result)[2],
         "cap": marks.cap_of,
         "coordinate": lambda value: f"{value:.2f}".rstrip("0").rstrip("."),
-        "folder": lambda student: quote(folder_name(student)),
         "moment": words.moment,
         "one_line": one_line,
         "passed": marks.passed,

@@ -57,7 +57,6 @@ def mark_of(
         result.exercise,
         row or StudentRow(result.student),
         points_of(result, task),
-        changed.penalty if changed else 0.0,
         (*(changed.steps if changed else ()), *filter(None, [cap_of(result)])),
         for_students(result.grading or {}, result.file_names, hidden)["checks"],
         result.wall_s,
@@ -77,16 +76,16 @@ def book_of(results: Sequence[StoredResult], tasks: Sequence[Task], options: Res
 
 def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
     handed = row.handed.get(result.exercise)
-    id_ = next((row.ids[kind] for kind in ID_FIRST if row.ids.get(kind)), "")
+    id_ = next((row.person.ids[kind] for kind in ID_FIRST if row.person.ids.get(kind)), "")
     score, most, raw = raw_points(result) if is_graded(result) else (None, None, None)
     core = [check for check in checks_of(result) if check.get("kind") != "field"]
     counts = [sum(c.get("outcome") == o for c in core) for o in ("pass", "fail", "skip")]
     ready = (result.grading or {}).get("field_ready")
     return [
         result.student,
-        row.name,
+        row.person.label,
         Verbatim(id_ or (handed.id if handed else "")),
-        row.section,
+        row.person.section,
         result.exercise,
         state_of(result),
         points_of(result, task),

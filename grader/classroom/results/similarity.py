@@ -25,8 +25,8 @@ from grader.course.exercises import EXERCISES, JUDGE, ROOT, SOLUTIONS
 RUN = 20  # tokens: shorter matches are chance
 MOST = 50_000  # tokens of a file that are compared; the longest program of the course has 1,323
 LONGEST = 1_000  # [bytes] of a line that are compared: tokenize takes a line's length squared
-SIMILAR = 0.7  # share of the smaller one's runs; the course's own solutions share 0.3
-PASTED = 0.35  # share of a file that the checks hold, too; of right solutions at most 0.19
+SIMILAR = 0.7  # share of the smaller one's runs; the course's own solutions share at most 0.69
+PASTED = 0.35  # share of a file that the checks hold, too; of right solutions at most 0.12
 FEW = 40  # runs; a submission with fewer is too short to compare
 COMMON = 10  # submissions at least; a run that more than half of them have is common
 CHECKS = ROOT / "grader" / "checks"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import multiprocessing
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -13,7 +14,7 @@ from pathlib import Path
 
 from grader.classroom.marks import checks_of, is_graded, tasks_of
 from grader.classroom.results.check_pages import CHECKS, check_pages
-from grader.classroom.results.class_page import class_page, section_pages
+from grader.classroom.results.class_page import class_page
 from grader.classroom.results.feedback import index_page, lost_page, write_page
 from grader.classroom.results.files import replacing, write_text
 from grader.classroom.results.options import ResultOptions
@@ -24,7 +25,7 @@ from grader.classroom.row import StoredResult, as_graded
 from grader.errors import is_disk_full
 from grader.lms import PLATFORMS
 from grader.lms.book import Book, Task
-from grader.lms.clean import folder_name, one_line
+from grader.lms.clean import one_line
 from grader.lms.nbgrader import write_into
 
 CLASS_PAGE = "class.html"
@@ -66,38 +67,36 @@ def write_results(
     known, tasks = _in_order(results)
     by_slug = {task.slug: task for task in tasks}
     book = book_of(known, tasks, options)
-    _write_gradebooks(book, known, tasks, out, options, done)
-    options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done.files, out))
-    page = _write_class_page(known, tasks, out, options, done)
-    for each in _made(_students(known, by_slug, out, options), options.workers):
+    _write_tables(known, tasks, out, options, done)
+    _write_gradebooks(book, tasks, out, options, done)
+    for each in _made(known, by_slug, out, options):
         done.files.extend(each.files)
         done.missing.extend(each.missing)
     _write_feedback_zips(book, tasks, out, options, done)
     with done.part("the published feedback"):
         shown = options.published or ()
         done.files.extend(write_published(known, by_slug, out, shown, options.title))
-    for folder, pages in ((CHECKS, check_pages), ("sections", section_pages)):
-        shutil.rmtree(out / folder, ignore_errors=True)
-        with done.part(folder):
-            for name, text in pages(known, tasks, options):
-                done.files.append(write_text(out / name, text))
-    if done.missing:
-        _write_class_page(known, tasks, out, options, done)  # again: it names what is missing
-    done.files.append(page)
+    shutil.rmtree(out / CHECKS, ignore_errors=True)
+    with done.part(CHECKS):
+        for name, text in check_pages(known, tasks, options):
+            done.files.append(write_text(out / name, text))
+    options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done.files, out))
+    _write_class_page(known, tasks, out, options, done)
     return done
 
 
 def write_pages(results: Sequence[StoredResult], out: Path, options: ResultOptions) -> list[Path]:
     """Write only the class report and the scores into `out`."""
-    known, tasks = _in_order(results)
-    scores = write_text(out / "scores.csv", BOM + scores_csv(known, tasks, options.students))
-    return [_write_class_page(known, tasks, out, options, Written()), scores]
+    (known, tasks), done = _in_order(results), Written()
+    _write_tables(known, tasks, out, options, done)
+    _write_class_page(known, tasks, out, options, done)
+    return done.files
 
 
 def _in_order(results: Sequence[StoredResult]) -> tuple[list[StoredResult], list[Task]]:
     """Return what students handed in, with the exercises, in their orders."""
     known = [result for result in results if not result.canary]
-    tasks = [replace(task, folder=folder_name(task.slug)) for task in tasks_of(known)]
+    tasks = tasks_of(known)
     order = {task.slug: index for index, task in enumerate(tasks)}
     return sorted(known, key=lambda each: (each.student, order[each.exercise])), tasks
 
@@ -108,38 +107,39 @@ def _write_class_page(
     out: Path,
     options: ResultOptions,
     done: Written,
-) -> Path:
+) -> None:
     """Write class.html; if it can't be made, a bare page with what is missing."""
-    tried = Written()
-    with tried.part(CLASS_PAGE):
-        return write_text(out / CLASS_PAGE, class_page(results, tasks, options, done.missing))
-    done.missing.extend(each for each in tried.missing if each not in done.missing)
-    return write_text(out / CLASS_PAGE, render("bare.html", "class report", missing=done.missing))
+    text = ""
+    with done.part(CLASS_PAGE):
+        text = class_page(results, tasks, options, done.missing)
+    text = text or render("bare.html", "class report", missing=done.missing)
+    done.files.append(write_text(out / CLASS_PAGE, text))
 
 
 # --- gradebooks ----------------------------------------------------------------------------------
 
 
-def _write_gradebooks(
-    book: Book,
+def _write_tables(
     results: Sequence[StoredResult],
     tasks: Sequence[Task],
     out: Path,
     options: ResultOptions,
     done: Written,
 ) -> None:
-    """Write all files for gradebooks; older ones would be taken for this run's, and are removed."""
-    done.files.append(
-        write_text(out / "scores.csv", BOM + scores_csv(results, tasks, options.students))
-    )
+    text = scores_csv(results, tasks, options.students)
+    done.files.append(write_text(out / "scores.csv", BOM + text))
     (out / "intake.csv").unlink(missing_ok=True)
     if options.account.lines:
         done.files.append(write_text(out / "intake.csv", BOM + options.account.csv()))
+
+
+def _write_gradebooks(
+    book: Book, tasks: Sequence[Task], out: Path, options: ResultOptions, done: Written
+) -> None:
+    """Write all files for gradebooks; older ones would be taken for this run's, and are removed."""
     for platform in PLATFORMS:
-        for name in platform.what:
-            (out / name).unlink(missing_ok=True) if "." in name else shutil.rmtree(
-                out / name, ignore_errors=True
-            )
+        if platform.what:
+            shutil.rmtree(out / platform.folder, ignore_errors=True)
         with done.part(f"{platform.name}'s files"):
             for name, content in platform.gradebook(book, tasks).items():
                 data = content.encode("utf-8", "replace") if isinstance(content, str) else content
@@ -164,7 +164,7 @@ def _write_feedback_zips(
                 and (options.published is None or (mark.student, task.slug) in options.published)
             ]
             if marks and platform.feedback is not None:
-                path = out / platform.folder / f"{task.folder}-feedback.zip"
+                path = out / platform.folder / f"{task.slug}-feedback.zip"
                 with done.part(path.name):
                     with replacing(path) as file:
                         platform.feedback(file, marks, task, out / "feedback")
@@ -174,7 +174,7 @@ def _write_feedback_zips(
 def _there(written: Iterable[Path], out: Path) -> list[tuple[str, str, tuple[str, ...]]]:
     """Return what was written for the report's last lines; of folders, the files in them."""
     names = sorted(path.relative_to(out).as_posix() for path in written)
-    every = OURS | {name: what for each in PLATFORMS for name, what in each.what.items()}
+    every = OURS | {each.folder: each.what for each in PLATFORMS if each.what}
     found = []
     for name, what in every.items():
         inside = tuple(each for each in names if each == name or each.rpartition("/")[0] == name)
@@ -186,60 +186,50 @@ def _there(written: Iterable[Path], out: Path) -> list[tuple[str, str, tuple[str
 # --- students' pages -----------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _Student:
-    """One student's pages, to be made by any process."""
-
-    results: Sequence[StoredResult]
-    tasks: Mapping[str, Task]
-    out: Path
-    hidden: frozenset[str]
-    replays_in: str
-    title: str  # of the course
-
-    def write(self) -> Written:
-        """Write the pages; if one can't be made, a page that says so takes the place of all."""
-        student, done = self.results[0].student, Written()
-        folder = self.out / "feedback" / folder_name(student)
-        with done.part(f"the feedback of {one_line(student)}"):
-            index = index_page(student, self.results, self.tasks, self.title)
-            done.files.append(write_text(folder / "index.html", index))
-            for result in self.results:
-                done.files.extend(self._pages(result, folder))
-            return done
-        for page in folder.glob("*.html"):
-            page.unlink()
-        return Written([write_text(folder / "index.html", lost_page(student))], done.missing)
-
-    def _pages(self, result: StoredResult, folder: Path) -> Iterator[Path]:
-        task = self.tasks[result.exercise]
-        page = folder / f"{task.folder}.html"
-        if not is_graded(result):
-            page.unlink(missing_ok=True)  # from an earlier run; it no longer counts
-            return
-        # an absolute path stays itself
-        bags = None if result.recordings is None else self.out / result.recordings
-        yield write_page(page, result, task, self.hidden, bags)
-        failed = any(check.get("outcome") == "fail" for check in checks_of(as_graded(result)))
-        if self.replays_in != "feedback" and bags is not None and failed:
-            mine = self.out / self.replays_in / folder.name / page.name
-            yield write_page(mine, result, task, frozenset(), bags)
-
-
-def _students(
+def _made(
     results: Sequence[StoredResult], tasks: Mapping[str, Task], out: Path, options: ResultOptions
-) -> list[_Student]:
-    return [
-        _Student(list(mine), tasks, out, options.hidden, options.replays_in, options.title)
-        for _, mine in groupby(results, key=lambda result: result.student)
-    ]
-
-
-def _made(students: Sequence[_Student], workers: int) -> Iterator[Written]:
+) -> Iterator[Written]:
     """Make the pages, in several processes if there are many."""
-    if workers == 1 or len(students) < MANY:
-        yield from map(_Student.write, students)
+    students = [list(mine) for _, mine in groupby(results, key=lambda result: result.student)]
+    # what a process needs to know
+    about = (tasks, out, options.hidden, options.replays_in, options.title)
+    make = functools.partial(_write_student, *about)
+    if options.workers == 1 or len(students) < MANY:
+        yield from map(make, students)
         return
     # spawned: this process may have threads, of Dask or the progress bar
-    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
-        yield from pool.map(_Student.write, students)
+    with ProcessPoolExecutor(options.workers, multiprocessing.get_context("spawn")) as pool:
+        yield from pool.map(make, students)
+
+
+def _write_student(
+    tasks: Mapping[str, Task],
+    out: Path,
+    hidden: frozenset[str],
+    replays_in: str,
+    title: str,
+    results: Sequence[StoredResult],
+) -> Written:
+    """Write a student's pages; if one can't be made, one that says so takes the place of all."""
+    student, done = results[0].student, Written()
+    folder = out / "feedback" / student
+    with done.part(f"the feedback of {one_line(student)}"):
+        index = index_page(student, results, tasks, title)
+        done.files.append(write_text(folder / "index.html", index))
+        for result in results:
+            task = tasks[result.exercise]
+            page = folder / f"{task.slug}.html"
+            if not is_graded(result):
+                page.unlink(missing_ok=True)  # from an earlier run; it no longer counts
+                continue
+            # an absolute path stays itself
+            bags = None if result.recordings is None else out / result.recordings
+            done.files.append(write_page(page, result, task, hidden, bags))
+            failed = any(check.get("outcome") == "fail" for check in checks_of(as_graded(result)))
+            if replays_in != "feedback" and bags is not None and failed:
+                mine = out / replays_in / folder.name / page.name
+                done.files.append(write_page(mine, result, task, frozenset(), bags))
+        return done
+    for page in folder.glob("*.html"):
+        page.unlink()
+    return Written([write_text(folder / "index.html", lost_page(student))], done.missing)

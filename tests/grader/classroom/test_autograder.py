@@ -88,16 +88,6 @@ def written(place: Path) -> dict[str, Any]:
     return found
 
 
-def right() -> bytes:
-    lines = (ROOT / "solutions" / SLUG / FILE).read_text("utf-8").splitlines()
-    kept, inside = [], False
-    for line in lines:
-        inside = line.strip() == "### SKELETON" or (inside and line.strip() != "### END SOLUTION")
-        if not inside and not line.strip().startswith("### "):
-            kept.append(line)
-    return "\n".join(kept).encode()
-
-
 def test_nothing_to_grade_is_told_with_what_is_there(place: Path) -> None:
     (place / "submission" / "node.py").write_text("print('hi')")
     os.mkfifo(place / "submission" / "pipe")
@@ -115,7 +105,9 @@ def test_nothing_to_grade_is_told_with_what_is_there(place: Path) -> None:
 @pytest.mark.long
 def test_a_renamed_file_is_graded_and_no_seed_is_told(place: Path) -> None:
     chosen(place, SLUG, "goal_seeking", secret=True)
-    (place / "submission" / "Obstacle_avoidance_agent (2).py").write_bytes(right())
+    (place / "submission" / "Obstacle_avoidance_agent (2).py").write_bytes(
+        (ROOT / "solutions" / SLUG / FILE).read_bytes()
+    )
     (place / "submission_metadata.json").write_text(
         json.dumps({"id": 1, "users": [{"id": 9, "name": "Bob"}, {"id": 5, "name": "Ann Lee"}]})
     )

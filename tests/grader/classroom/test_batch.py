@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 from fake_class import FILE, SLUG, fair, grading
 
-from grader.classroom import candidates, folder
+from grader.classroom import candidates
 from grader.classroom.engine import DaskWorkers
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, TWICE
 from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
 from grader.course.students import student_key
-from grader.errors import GraderError, InputError
+from grader.errors import InputError
 from grader.lms.sheets import read_roster
 
 
@@ -125,20 +125,6 @@ def test_a_dying_worker_is_tried_three_times_the_last_alone(grade_class: Any) ->
     assert results["bob"].state == GRADED
 
 
-@pytest.mark.parametrize("outcome", ["inconclusive", "error"])
-def test_what_could_not_be_judged_gets_another_try(grade_class: Any, outcome: str) -> None:
-    def unsure(unit: Unit) -> UnitResult:
-        if unit.student == "bob":
-            return UnitResult(grading("stop_zone", outcome=outcome))
-        return fair(unit)
-
-    results, workers, _ = grade_class(unsure)
-    assert workers.students.count("bob") == 2
-    assert results["bob"].state == HELD
-    assert "could not judge stop_zone: because" in results["bob"].problem
-    assert "judged twice, the second time with nothing beside it" in results["bob"].problem
-
-
 def test_the_graders_own_problem_holds(grade_class: Any) -> None:
     results, _, _ = grade_class(lambda unit: UnitResult(None, "no host"))
     assert {r.problem for r in results.values()} == {f"no host; {TWICE}"}
@@ -217,15 +203,6 @@ def test_ctrl_c_gives_back_what_runs(grade_class: Any, tmp_path: Path) -> None:
     assert "bob" in grade_class()[1].students
 
 
-def test_two_batches_on_one_folder(grade_class: Any, tmp_path: Path) -> None:
-    def nested(unit: Unit) -> UnitResult:
-        with pytest.raises(GraderError, match="another"), folder.locked(tmp_path / "out"):
-            pass
-        return fair(unit)
-
-    assert {r.state for r in grade_class(nested)[0].values()} == {GRADED}
-
-
 def test_regrading_runs_no_code_and_changes_the_score(grade_class: Any, handed_in: Path) -> None:
     grade_class()
     (handed_in / "bob" / FILE).write_text("# other\n")
@@ -252,3 +229,17 @@ def test_no_scheduler(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     with pytest.raises(InputError, match="no scheduler there"):
         DaskWorkers("nonsense://nowhere:1")
+
+
+@pytest.mark.parametrize("outcome", ["inconclusive", "error"])
+def test_what_could_not_be_judged_gets_another_try(grade_class: Any, outcome: str) -> None:
+    def unsure(unit: Unit) -> UnitResult:
+        if unit.student == "bob":
+            return UnitResult(grading("stop_zone", outcome=outcome))
+        return fair(unit)
+
+    results, workers, _ = grade_class(unsure)
+    assert workers.students.count("bob") == 2
+    assert results["bob"].state == HELD
+    assert "could not judge stop_zone: because" in results["bob"].problem
+    assert "judged twice, the second time with nothing beside it" in results["bob"].problem

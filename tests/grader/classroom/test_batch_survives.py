@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from grader.authoring.mutants import find_mutant
-from grader.classroom.store import Store, stable
+from grader.classroom.row import StoredResult
+from grader.classroom.store import Store
 from grader.course.exercises import find_exercise
 
 pytestmark = pytest.mark.long
@@ -130,6 +131,16 @@ def _graded(out: Path) -> int:
 def _results(out: Path) -> Results:
     with Store(out / "store.sqlite") as store:
         return {result.student: json.dumps(stable(result)) for result in store.results()}
+
+
+def stable(result: StoredResult) -> tuple[object, ...]:
+    """Return the part of a result that is the same whenever and wherever it is graded."""
+    known = (result.student, result.exercise, result.file_names, result.input_hash, result.state)
+    if result.grading is None:
+        return (*known, result.problem)
+    checks = [(c["id"], c["outcome"], c["points"]) for c in result.grading["checks"]]
+    runs = [(r["scenario"], r["seed"], r["outcome"]) for r in result.grading["recordings"]]
+    return (*known, result.grading["score"], checks, runs)
 
 
 @contextlib.contextmanager

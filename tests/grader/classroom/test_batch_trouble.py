@@ -9,13 +9,10 @@ import pytest
 from fake_class import FILE, Judge, fair, grading
 from rich.console import Console
 
-from grader.classroom import grading_run
 from grader.classroom.grading_run import MAX_IN_VAIN
 from grader.classroom.progress import Progress
-from grader.classroom.row import GRADED, HELD, TWICE, WAITING
-from grader.classroom.store import Store
+from grader.classroom.row import GRADED, HELD, TWICE
 from grader.classroom.work import Unit, UnitResult
-from grader.errors import DiskFull
 
 STALLED = grading("stop_zone", outcome="inconclusive")
 
@@ -42,13 +39,6 @@ def test_what_stalled_is_judged_again_alone_at_the_end(grade_class: Any) -> None
     assert workers.students == ["ann", "bob", "eve", "ann"]
     assert [unit.alone for unit in workers.seen] == [False, False, False, True]
     assert results["ann"].state == GRADED
-
-
-def test_a_stall_begins_no_round_of_canaries(grade_class: Any) -> None:
-    _, workers, _ = grade_class(Machine(ann=1), canaries=25)
-    order = [unit.student for unit in workers.seen]
-    canaries = [".reference", ".mutant"]
-    assert order == [*canaries, "ann", "bob", "eve", "ann", *canaries]
 
 
 @pytest.mark.parametrize("canary", ["reference", "mutant"])
@@ -176,32 +166,6 @@ def test_trouble_beside_a_canary_is_forgiven_but_what_lasts_is_not(
     assert mutants == ([False, True] if times == 2 else [False, True, False])
 
 
-def test_the_round_after_a_bad_one_has_nothing_beside_it(grade_class: Any) -> None:
-    rounds: list[str] = []
-
-    def disturbed(unit: Unit) -> UnitResult:
-        if unit.student == ".reference":
-            rounds.append("")
-            if len(rounds) == 1:  # by a neighbour
-                return UnitResult(grading("stop_zone"))
-        return fair(unit)
-
-    results, workers, _ = grade_class(disturbed, canaries=25)
-    known = [unit.alone for unit in workers.seen if unit.canary]
-    assert known == [False, False, True, True, False, False]
-    assert {r.state for r in results.values()} == {GRADED}
-
-
-def test_a_disk_that_is_full_when_a_canary_is_judged(
-    grade_class: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(grading_run, "has_space", lambda *_: False)
-    with pytest.raises(DiskFull):
-        grade_class(lambda unit: filled(unit) if unit.canary else fair(unit), canaries=25)
-    with Store(tmp_path / "out" / "store.sqlite") as store:
-        assert {result.state for result in store.results()} == {WAITING}
-
-
 def test_a_stall_beside_a_drift_hides_nothing(grade_class: Any) -> None:
     def wrong(unit: Unit) -> UnitResult:
         if unit.student == ".reference":
@@ -241,43 +205,6 @@ def test_progress_counts_each_unit_once_and_to_its_total(
     assert shown(out) == ["1/3", "2/3", "3/3", "3/3", "3/3", "3/3"]
 
 
-def test_progress_counts_what_an_earlier_run_had_graded(
-    grade_class: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def killed(unit: Unit) -> UnitResult:
-        if unit.student == "eve":
-            raise KeyboardInterrupt
-        return fair(unit)
-
-    seen: list[str] = []
-
-    def drifting(unit: Unit) -> UnitResult:
-        if unit.student == ".reference":
-            seen.append("")
-            if len(seen) == 1:
-                return UnitResult(grading("stop_zone"))
-        return fair(unit)
-
-    with pytest.raises(KeyboardInterrupt):
-        grade_class(killed, canaries=25)
-    out = io.StringIO()
-    with Progress(Console(file=out, width=200)) as progress:
-        monkeypatch.setattr("fake_class.Quiet", lambda: progress)
-        _, workers, _ = grade_class(drifting, canaries=25)
-    assert workers.students == ["ann", "bob", "eve"]  # eve was to be graded, the others again
-    assert shown(out) == ["1/3", "2/3", "3/3"]
-
-
-def test_progress_counts_what_is_held_too(
-    grade_class: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    out = io.StringIO()
-    with Progress(Console(file=out, width=200)) as progress:
-        monkeypatch.setattr("fake_class.Quiet", lambda: progress)
-        grade_class(lambda unit: UnitResult(grading("wiring", outcome="error")), canaries=25)
-    assert shown(out)[-1] == "3/3"
-
-
 def test_progress_prints_whatever_a_student_wrote(capsys: pytest.CaptureFixture[str]) -> None:
     out = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
     with Progress(Console(file=out, width=200)) as progress:
@@ -288,3 +215,10 @@ def test_progress_prints_whatever_a_student_wrote(capsys: pytest.CaptureFixture[
     said = out.buffer.getvalue().decode("ascii").splitlines()
     assert len(said) == 2
     assert "\x1b" not in "".join(said)
+
+
+def test_a_stall_begins_no_round_of_canaries(grade_class: Any) -> None:
+    _, workers, _ = grade_class(Machine(ann=1), canaries=25)
+    order = [unit.student for unit in workers.seen]
+    canaries = [".reference", ".mutant"]
+    assert order == [*canaries, "ann", "bob", "eve", "ann", *canaries]

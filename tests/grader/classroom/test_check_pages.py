@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 from made_results import OBSTACLES, check, result
 
 from grader.classroom.results import ResultOptions, write_results
 from grader.classroom.row import StoredResult
-from grader.lms.book import StudentRow
 
 HOSTILE = "</style><script>x</script> \u202e"
 
@@ -66,26 +64,3 @@ def test_the_instructor_sees_what_is_hidden_from_students(tmp_path: Path) -> Non
     assert not (tmp_path / "replays" / "ben").exists()
     page = (tmp_path / "checks" / OBSTACLES / "slow_zone.html").read_text()
     assert f"../../replays/ada/{OBSTACLES}.html#check=slow_zone" in page
-
-
-def test_a_report_for_each_section(tmp_path: Path) -> None:
-    results = [wrong("ada", "x"), wrong("ben", "x"), wrong("chen", "x")]
-    titles = {"ada": "A", "ben": "../B <b>", "chen": ""}
-    rows = {name: StudentRow(name, section=title) for name, title in titles.items()}
-    options = ResultOptions(students=rows, notes=["about ada and ben"])
-    written = write_results(results, tmp_path, options)
-    assert written.missing == []
-    whole = (tmp_path / "class.html").read_text()
-    assert "Sections of the roster" in whole
-    assert 'href="sections/A.html"' in whole
-    assert "<b>" not in whole
-    pages = sorted((tmp_path / "sections").iterdir())
-    assert len(pages) == 2
-    text = (tmp_path / "sections" / "A.html").read_text()
-    assert f'href="../feedback/ada/{OBSTACLES}.html"' in text
-    assert f'href="../checks/{OBSTACLES}/slow_zone.html"' in text
-    assert "ben" not in text
-    assert all(path.resolve().is_relative_to(tmp_path.resolve()) for path in written.files)
-
-    write_results(results, tmp_path, replace(options, students={}))
-    assert not (tmp_path / "sections").exists()

@@ -1,4 +1,4 @@
-"""Gradebook files, read by the rules of the platforms that import them."""
+"""Downloads taken in, and gradebook files read by the rules of the platforms that import them."""
 
 from __future__ import annotations
 
@@ -8,17 +8,21 @@ import json
 import subprocess
 import sys
 import zipfile
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from importers import Canvas, Moodle, MoodleAssignment
 from made_results import book as book_of
 from made_results import check, result
 
+from grader.classroom.candidates import find_class
 from grader.classroom.marks import tasks_of
+from grader.classroom.options import Options
 from grader.classroom.results import ResultOptions, column_titles, write_results
-from grader.classroom.row import ABSENT, StoredResult
+from grader.classroom.row import ABSENT, HELD, StoredResult
 from grader.errors import InputError
 from grader.lms.book import Book, Handed, StudentRow
 from grader.lms.canvas import canvas_csv
@@ -28,7 +32,8 @@ from grader.lms.sheets import read_roster
 from grader.nbgrader.class_scores import write_scores
 
 SLUG = "obstacle_avoidance"
-TASK = replace(tasks_of([result("ann")])[0], folder=SLUG)
+AGENT = f"{SLUG}_agent.py"
+(TASK,) = tasks_of([result("ann")])
 
 
 def graded(student: str, points: int = 60) -> StoredResult:
@@ -39,23 +44,37 @@ def absent(student: str) -> StoredResult:
     return replace(result(student), state=ABSENT)
 
 
-def row(roster: Roster, system: str, student: str, name: str, id_: str) -> StudentRow:
-    """What intake makes of an entry of a download."""
-    person = roster.find(system, name, id_)
-    handed = {SLUG: Handed(system, name, id_)}
-    if person is None:
-        return StudentRow(student, handed=handed)
-    return StudentRow(
-        student, person.label, person.section, dict(person.ids),
-        tuple(sorted(person.participants)), handed,
-    )  # fmt: skip
+def write(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    return path
+
+
+def taken(
+    place: Path, names: Iterable[str], *sheets: str, held: str = ""
+) -> tuple[list[StoredResult], dict[str, Any]]:
+    """A class as intake makes it of a download: who handed in has 60 points, and Bob 37."""
+    for name in names:
+        write(place / "in" / name, "# mine\n")
+    roster = read_roster([write(place / f"{n}.csv", text) for n, text in enumerate(sheets)])
+    options = Options(exercises=(SLUG,), roster=roster)
+    found = find_class([place / "in"], place / "scratch", options)
+    results = [
+        graded(student, 37 if "Bob" in student else 60) if one.found.files else absent(student)
+        for (student, _), one in found.candidates.items()
+    ]
+    results = [replace(one, state=HELD) if one.student == held else one for one in results]
+    return results, {"students": {row.student: row for row in found.students}, "roster": roster}
+
+
+# --- Canvas --------------------------------------------------------------------------------------
 
 
 @pytest.fixture
 def canvas() -> Canvas:
     return Canvas(
         users={
-            11: ("Lee, Carla", "clee"), 12: ("Peters, Dan", "@dan"), 13: ("=1+1", "=x"),
+            11: ("Lee, Carla", "clee"), 12: ("Peters, Dan", "@dan"), 13: ("=Sum, Al", "=x"),
             14: ("Lee, Carla", "clee2"), 15: ("Excused, Eve", "eve"), 16: ("Un, Signed", "un"),
             17: ("Not, Here", "not"),
         },
@@ -65,26 +84,18 @@ def canvas() -> Canvas:
     )  # fmt: skip
 
 
-NAMES = {
-    11: "leecarla", 12: "petersdan", 13: "11", 14: "leecarla", 15: "excusedeve", 16: "unsigned",
-}  # fmt: skip
+NAMES = {11: "leecarla", 12: "petersdan", 13: "sumal", 15: "excusedeve", 16: "unsigned"}
+UPLOADS = tuple(f"{name}_{id_}_90{id_}_{AGENT}" for id_, name in NAMES.items())
 
 
-def canvas_book(canvas: Canvas, tmp_path: Path, **options: object) -> Book:
-    (tmp_path / "gradebook.csv").write_text(canvas.export())
-    roster = read_roster([tmp_path / "gradebook.csv"])
-    known = {f"{name}_{id_}": (name, str(id_)) for id_, name in NAMES.items()}
-    students = {s: row(roster, "canvas", s, *about) for s, about in known.items()}
-    results = [graded(student) for student in students]
-    results[3] = absent("leecarla_14")
-    titles = column_titles(options.get("columns", ()))  # type: ignore[arg-type]
-    return book_of(results, students=students, roster=roster, columns=titles)
+def canvas_book(canvas: Canvas, tmp_path: Path, *columns: str) -> Book:
+    results, about = taken(tmp_path, UPLOADS, canvas.export())
+    return book_of(results, **about, columns=column_titles(columns))
 
 
 def test_canvas_changes_what_was_graded_and_nothing_else(canvas: Canvas, tmp_path: Path) -> None:
     book = canvas_book(canvas, tmp_path)
-    task = TASK
-    text = canvas_csv(book, task)
+    text = canvas_csv(book, TASK)
     assert text is not None
     canvas.load(text)
     assert canvas.changes == {(11, 71): "60", (12, 71): "60", (13, 71): "60"}
@@ -96,14 +107,13 @@ def test_canvas_changes_what_was_graded_and_nothing_else(canvas: Canvas, tmp_pat
         "Student", "ID", "SIS User ID", "SIS Login ID", "Section",
         "Week 1: Obstacle avoidance (71)",
     ]  # fmt: skip
-    assert [line[0] for line in cells[1:]] == ["'=1+1", "Lee, Carla", "Peters, Dan"]
-    assert [line[3] for line in cells[1:]] == ["=x", "clee", "@dan"]  # ids stay as they are
+    assert [line[0] for line in cells[1:]] == ["Lee, Carla", "Peters, Dan", "'=Sum, Al"]
+    assert [line[3] for line in cells[1:]] == ["clee", "@dan", "=x"]  # ids stay as they are
 
 
 def test_canvas_points_are_scaled_to_the_column(canvas: Canvas, tmp_path: Path) -> None:
-    book = canvas_book(canvas, tmp_path, columns=["1=Goal seeking"])
-    task = TASK
-    canvas.load(canvas_csv(book, task) or "")
+    book = canvas_book(canvas, tmp_path, "1=Goal seeking")
+    canvas.load(canvas_csv(book, TASK) or "")
     assert canvas.changes[11, 72] == canvas.changes[12, 72] == "6"
     assert not canvas.new_points
     assert any("scaled from 100 to the 10" in remark for remark in book.remarks)
@@ -112,29 +122,22 @@ def test_canvas_points_are_scaled_to_the_column(canvas: Canvas, tmp_path: Path) 
 def test_canvas_makes_an_assignment_it_has_not(canvas: Canvas, tmp_path: Path) -> None:
     canvas.assignments = {72: ("Goal seeking", "10")}
     book = canvas_book(canvas, tmp_path)
-    task = TASK
-    canvas.load(canvas_csv(book, task) or "")
+    canvas.load(canvas_csv(book, TASK) or "")
     assert canvas.new_assignments == ["Obstacle avoidance"]
     assert canvas.new_points == {-1: "100"}
-    assert {user for user, _ in canvas.changes} == {11, 12, 13, 15, 16}
+    assert {user for user, _ in canvas.changes} == NAMES.keys()
     assert any("--column '1=TITLE'" in remark for remark in book.remarks)
 
 
-def test_canvas_ids_of_the_download_do_without_a_roster(canvas: Canvas) -> None:
-    students = {
-        f"{name}_{id_}": StudentRow(
-            f"{name}_{id_}", handed={SLUG: Handed("canvas", name, str(id_))}
-        )
-        for id_, name in NAMES.items()
-    }
-    book = book_of([graded(student) for student in students], students=students)
+def test_canvas_ids_of_the_download_do_without_a_roster(canvas: Canvas, tmp_path: Path) -> None:
+    results, about = taken(tmp_path, UPLOADS)
     canvas.assignments = {71: ("Obstacle avoidance", "100")}
-    canvas.load(canvas_csv(book, TASK) or "")
-    assert {user for user, _ in canvas.changes} == {11, 12, 13, 14, 15}
+    canvas.load(canvas_csv(book_of(results, **about), TASK) or "")
+    assert {user for user, _ in canvas.changes} == {11, 12, 13, 15}
     assert not (canvas.new_users or canvas.new_assignments or canvas.new_points)
 
 
-def test_columns_are_named_as_told() -> None:
+def test_columns_are_named_as_given() -> None:
     assert column_titles(["1=Week 1 = robots", "goal_seeking=B"]) == {
         "obstacle_avoidance": "Week 1 = robots",
         "goal_seeking": "B",
@@ -161,45 +164,45 @@ def assignment() -> MoodleAssignment:
     return MoodleAssignment(users, 50.0, {"ann": (20.0, 1777000000)})
 
 
+FOLDERS = tuple(f"{NAMED[id_]}_{id_}_assignsubmission_file/{AGENT}" for id_ in NAMED if id_ != "72")
+
+
 def moodle_book(tmp_path: Path, *sheets: str) -> Book:
-    files = []
-    for number, text in enumerate(sheets):
-        files.append(tmp_path / f"{number}.csv")
-        files[-1].write_text(text)
-    roster = read_roster(files)
-    ids = {"a1": "71", "a2": "72", "bob": "73", "cy": "74"}
-    students = {s: row(roster, "moodle", s, NAMED[id_], id_) for s, id_ in ids.items()}
-    results = [graded("a1"), absent("a2"), graded("bob", 37), graded("cy")]
-    return book_of(results, students=students, roster=roster)
+    results, about = taken(tmp_path, FOLDERS, *sheets)
+    return book_of(results, **about)
 
 
+@pytest.mark.parametrize("locked", [(), ("cy",)])
 def test_moodle_imports_grades_of_those_who_have_some(
-    tmp_path: Path, assignment: MoodleAssignment
+    locked: tuple[str, ...], tmp_path: Path, assignment: MoodleAssignment
 ) -> None:
-    book = moodle_book(tmp_path, GRADES, assignment.worksheet(NAMED))
-    text = grades_csv(book, TASK)
-    moodle = Moodle({"ann@uni.edu": "ann", "bob@uni.edu": "bob", "cy@uni.edu": "cy"})
-    moodle.load(text or "")
-    assert moodle.grades == {"ann": 30.0, "bob": 18.5, "cy": 30.0}  # of 50, says the worksheet
+    book = moodle_book(tmp_path, GRADES, assignment.worksheet(NAMED, locked))
+    text = grades_csv(book, TASK) or ""
+    users = ("4001", "4003") if locked else ("ann@uni.edu", "bob@uni.edu", "cy@uni.edu")
+    moodle = Moodle(dict(zip(users, ("ann", "bob", "cy"), strict=False)))
+    moodle.load(text)
+    assert moodle.grades.pop("cy", 30.0) == 30.0
+    assert moodle.grades == {"ann": 30.0, "bob": 18.5}  # of 50, says the worksheet
     assert not any("is out of 100 points" in remark for remark in book.remarks)
-    assert "Assignment: Obstacle avoidance (Real)" in (text or "")
+    assert any("can't be changed: Cy Dee" in remark for remark in book.remarks) == bool(locked)
+    assert "Assignment: Obstacle avoidance (Real)" in text
     moodle.graded = {"bob": 1777900001}
     with pytest.raises(AssertionError, match="graded after the download"):
-        moodle.load(text or "")
+        moodle.load(text)
 
 
 def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     book = moodle_book(tmp_path, GRADES)  # without the worksheet nothing tells the two apart
     text = grades_csv(book, TASK) or ""
     assert "ann" not in text
-    assert any("has no Email address in the roster: a1" in remark for remark in book.remarks)
+    assert any("has no Email address in the roster: Ann Lee" in each for each in book.remarks)
     assert ",60," in text and any("is out of 100 points" in remark for remark in book.remarks)
 
 
 def test_two_with_one_number_are_in_no_import() -> None:
     numbers = {"bob": "711", "cy": "711", "ann": "712"}
     people = tuple(Person(name, ids={"idnumber": number}) for name, number in numbers.items())
-    students = {name: StudentRow(name, name, ids={"idnumber": numbers[name]}) for name in numbers}
+    students = {person.name: StudentRow(person.name, person) for person in people}
     results = [graded("bob"), graded("cy", 40), graded("ann", 50)]
     book = book_of(results, students=students, roster=Roster(people))
     text = grades_csv(book, TASK) or ""
@@ -220,7 +223,7 @@ def test_moodle_takes_its_worksheet_back(
     after = {user: grade for user, (grade, _) in assignment.grades.items()}
     if with_sheet:  # scaled to 50 points
         assert after == {"ann": 30.0, "bob": 18.5}
-        assert any("can't be changed: cy" in remark for remark in book.remarks)
+        assert any("can't be changed: Cy Dee" in remark for remark in book.remarks)
     else:
         assert after == {"ann": 60.0, "bob": 37.0, "cy": 60.0}
     assert assignment.skipped == []
@@ -231,59 +234,32 @@ def test_moodle_gets_no_points_for_a_scale(
     tmp_path: Path, assignment: MoodleAssignment, maximum: str
 ) -> None:
     book = moodle_book(tmp_path, GRADES, assignment.worksheet(NAMED).replace("50.00", maximum))
-    task = TASK
-    assert worksheet_csv(book, task) is None
-    assert grades_csv(book, task) is None
+    assert worksheet_csv(book, TASK) is None
+    assert grades_csv(book, TASK) is None
     said = f"the assignment's maximum grade is '{maximum}', so Moodle grades it on a scale"
     assert sum(said in remark for remark in book.remarks) == 2
 
 
-def test_a_locked_grade_is_in_no_import(tmp_path: Path, assignment: MoodleAssignment) -> None:
-    book = moodle_book(tmp_path, GRADES, assignment.worksheet(NAMED, locked=("cy",)))
-    moodle = Moodle({"4001": "ann", "4003": "bob"})
-    moodle.load(grades_csv(book, TASK) or "")
-    assert moodle.grades == {"ann": 30.0, "bob": 18.5}
-    assert any("has a grade that can't be changed: cy" in remark for remark in book.remarks)
-
-
 def test_moodle_takes_the_feedback_back(tmp_path: Path, assignment: MoodleAssignment) -> None:
-    book = moodle_book(tmp_path, assignment.worksheet(NAMED))
-    options = ResultOptions(students=book.students, roster=book.roster)
-    results = [graded("a1"), absent("a2"), graded("bob", 37), graded("cy")]
-    write_results(results, tmp_path / "out", options)
+    results, about = taken(tmp_path, FOLDERS, assignment.worksheet(NAMED))
+    write_results(results, tmp_path / "out", ResultOptions(**about))
     archive = tmp_path / "out" / "moodle" / f"{SLUG}-feedback.zip"
     assignment.load_feedback(archive)
     assert assignment.skipped == []
     assert assignment.files.keys() == {"ann", "bob", "cy"}
-    page = (tmp_path / "out" / "feedback" / "bob" / f"{SLUG}.html").read_bytes()
-    assert assignment.files["bob"] == {f"{SLUG}.html": page}
-    before = archive.read_bytes()
-    write_results(results, tmp_path / "out", options)
-    assert archive.read_bytes() == before
+    folder = tmp_path / "out" / "feedback" / "=Bob Ray"
+    assert assignment.files["bob"] == {f"{SLUG}.html": (folder / f"{SLUG}.html").read_bytes()}
 
 
-# --- nbgrader ------------------------------------------------------------------------------------
-
-
-def test_nbgrader_has_a_row_for_each_score(tmp_path: Path) -> None:
-    students = {
-        "ann+x": StudentRow(
-            "ann+x", handed={SLUG: Handed("nbgrader", "ann+x", "ann+x", time="2026-05-04")}
-        )
-    }
-    write_results([graded("ann+x"), absent("bob")], tmp_path, ResultOptions(students=students))
-    (line,) = csv.DictReader((tmp_path / "nbgrader.csv").read_text("utf-8").splitlines())
-    assert (line["assignment"], line["student_id"], line["timestamp"]) == (
-        SLUG, "ann+x", "2026-05-04",
-    )  # fmt: skip
-    assert (line["score"], line["max_score"]) == ("60", "100")
+# --- nbgrader, Gradescope ------------------------------------------------------------------------
 
 
 @pytest.mark.long  # nbgrader takes a while to import
 def test_nbgraders_own_gradebook(tmp_path: Path) -> None:
     api = pytest.importorskip("nbgrader.api")
     db = tmp_path / "gradebook.db"
-    students = {"ann": StudentRow("ann", "Ann Lee", ids={"login": "alee", "email": "a@uni.edu"})}
+    ids = {"login": "alee", "email": "a@uni.edu"}
+    students = {"ann": StudentRow("ann", Person("Ann Lee", ids=ids))}
     write_scores(db, [])  # makes it
     with api.Gradebook(f"sqlite:///{db}") as book:
         book.add_student("alee", last_name="Kept")
@@ -303,17 +279,22 @@ def test_nbgraders_own_gradebook(tmp_path: Path) -> None:
     assert "give another file to --nbgrader" in str(missing)
 
 
-# --- Gradescope ----------------------------------------------------------------------------------
+METADATA = """
+submission_101:
+  :submitters:
+  - :name: Ann
+  - :name: Bo
+submission_103:
+  :submitters:
+  - :name: Cy
+"""
 
 
 def test_gradescope_hands_out_what_was_graded_here(tmp_path: Path) -> None:
-    handed = {"ann": "submission_101", "bob": "submission_101", "cy": "submission_103"}
-    students = {
-        s: StudentRow(s, handed={SLUG: Handed("gradescope", s, entry=e)}) for s, e in handed.items()
-    }
-    held = replace(graded("cy"), state="held")
-    options = ResultOptions(students=students)
-    done = write_results([graded("ann"), graded("bob"), held], tmp_path / "out", options)
+    write(tmp_path / "in" / "submission_metadata.yml", METADATA)
+    names = [f"submission_{number}/{AGENT}" for number in (101, 103)]
+    results, about = taken(tmp_path, names, held="Cy")
+    done = write_results(results, tmp_path / "out", ResultOptions(**about))
     assert done.missing == []
     root = tmp_path / "autograder"
     with zipfile.ZipFile(tmp_path / "out" / "gradescope" / "autograder.zip") as archive:
@@ -323,7 +304,7 @@ def test_gradescope_hands_out_what_was_graded_here(tmp_path: Path) -> None:
     assert sorted(path.name for path in (root / "source" / "graded").iterdir()) == ["101.json"]
 
     def run(submission: int) -> subprocess.CompletedProcess[str]:
-        (root / "submission_metadata.json").write_text(json.dumps({"id": submission}))
+        write(root / "submission_metadata.json", json.dumps({"id": submission}))
         return subprocess.run(
             [sys.executable, str(root / "source" / "run_autograder")],
             env={"AUTOGRADER_ROOT": str(root)}, text=True, capture_output=True, check=False,
@@ -335,13 +316,18 @@ def test_gradescope_hands_out_what_was_graded_here(tmp_path: Path) -> None:
     assert json.loads((root / "results" / "results.json").read_text())["score"] == 60.0
 
 
-def test_results_for_gradescope_are_where_the_class_may_be_its(tmp_path: Path) -> None:
-    def written(system: str) -> bool:
-        students = {"ann": StudentRow("ann", handed={SLUG: Handed(system, "ann", "1")})}
+@pytest.mark.parametrize(
+    ("system", "wanted"),
+    [
+        ("folder", {"canvas", "moodle"}), ("canvas", {"canvas"}), ("moodle", {"moodle"}),
+        ("gradescope", {"gradescope"}), ("github", set()),
+    ],
+)  # fmt: skip
+def test_gradebooks_are_where_the_class_may_be_its_platforms(
+    system: str, wanted: set[str], tmp_path: Path
+) -> None:
+    for each in ("folder", "gradescope", system):  # those of an earlier run are gone
+        students = {"ann": StudentRow("ann", handed={SLUG: Handed(each, "ann", "1")})}
         write_results([graded("ann")], tmp_path, ResultOptions(students=students))
-        return (tmp_path / "gradescope").exists()
-
-    assert written("folder")
-    assert not written("canvas")  # one of an earlier run is gone, too
-    assert written("gradescope")
-    assert not written("moodle")
+    there = {path.name for path in tmp_path.iterdir()}
+    assert there & {"canvas", "moodle", "gradescope"} == wanted

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import re
-import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -35,6 +33,7 @@ from grader.classroom.row import GRADED, HELD
 from grader.classroom.store import Store
 from grader.errors import InputError
 from grader.lms.book import StudentRow
+from grader.lms.people import Person
 
 # --- what changes come to --------------------------------------------------------------------
 
@@ -113,9 +112,6 @@ def test_every_export_has_the_changed_score(mark: Callable[..., Any], graded: Pa
         found = {row[0]: row for row in rows}
         assert "85" in found["ann"], name
         assert "50" in found["bob"], name
-    ann = json.loads((graded / "gradescope" / "ann" / "results.json").read_text())
-    assert ann["score"] == 85
-    assert "Set by hand" in ann["output"]
     assert "85" in (graded / "feedback" / "ann" / "index.html").read_text()
 
 
@@ -140,7 +136,7 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
         task = class_.exercise("")
         for words, section, everybody, said in (
             (["anne"], "", False, "nobody in this class is 'anne'; did you mean ann?"),
-            (["zzz"], "", False, "scores.csv lists all 3"),
+            (["zzz"], "", False, "scores.csv lists all"),
             ([], "A", False, "unknown section 'A'; there are: none"),
             ([], "", False, "expected whom"),
             (["ann"], "", True, "expected whom"),
@@ -169,7 +165,7 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
 )
 def test_people_are_called_as_gradebooks_do(word: str, said: str) -> None:
     names = {"leeann_1": "Ann Lee", "leeann_2": "Ann Lee", "raycarla_3": "Carla Ray"}
-    rows = {student: StudentRow(student, name) for student, name in names.items()}
+    rows = {student: StudentRow(student, Person(name)) for student, name in names.items()}
     if not said:
         assert the_student(word, list(names), rows) == "raycarla_3"
         return
@@ -183,18 +179,10 @@ def test_a_folder_that_is_no_class(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_a_store_of_another_version_and_one_of_an_older(graded: Path) -> None:
-    db = sqlite3.connect(graded / "store.sqlite")
-    db.execute("PRAGMA user_version=99")
-    db.commit()
-    with pytest.raises(InputError, match="schema 99"), marking(graded):
+def test_a_store_into_which_nothing_was_graded(tmp_path: Path) -> None:
+    with Store(tmp_path / "store.sqlite"):
         pass
-    db.execute("DROP TABLE amendments")
-    db.execute("DELETE FROM kept")
-    db.execute("PRAGMA user_version=1")
-    db.commit()
-    db.close()
-    with pytest.raises(InputError, match="run `course autograde` once more"), marking(graded):
+    with pytest.raises(InputError, match="nothing was graded here yet"), marking(tmp_path):
         pass
 
 
@@ -250,9 +238,7 @@ def test_canvas_says_only_late(grade_class: Any, handed_in: Path, tmp_path: Path
     assert "counted as one day" in (out / "class.html").read_text()
 
 
-def test_times_of_an_exchange_and_its_gradebook(
-    grade_class: Any, handed_in: Path, tmp_path: Path
-) -> None:
+def test_times_of_an_exchange(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:
     for name, time in (("ann", "2026-05-04 20:00:00"), ("bob", "2026-05-06 00:00:01.5")):
         (handed_in / name).rename(handed_in / f"{name}+week1+{time} UTC")
     (handed_in / "eve" / FILE).unlink()
@@ -261,13 +247,7 @@ def test_times_of_an_exchange_and_its_gradebook(
     out = tmp_path / "out"
     with marking(out) as class_:
         class_.add(Late(SLUG, 10, "2026-05-04T22:00+02:00", grace=60), "prof", WHY)
-    text = (out / "nbgrader.csv").read_text("utf-8")
-    rows = {row["student_id"]: row for row in csv.DictReader(io.StringIO(text, newline=""))}
-    found = {
-        name: tuple(row[key] for key in ("raw_score", "late_submission_penalty", "score"))
-        for name, row in rows.items()
-    }
-    assert found == {"ann": ("70", "0", "70"), "bob": ("70", "20", "50")}
+    assert points(out) == {"ann": "70", "bob": "50"}
 
 
 def test_times_that_are_none(tmp_path: Path, graded: Path) -> None:

@@ -3,54 +3,17 @@
 from __future__ import annotations
 
 import errno
-import sqlite3
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fake_class import FILE, SLUG
-from marked_class import ANN, WHY, judged, points
+from fake_class import SLUG
+from marked_class import ANN, WHY, points
 
 from grader.classroom.amendments import (
     Score,
-    Undo,
-    Whom,
 )
-from grader.classroom.marking import Marking, marking, reading
-from grader.classroom.store import Store
+from grader.classroom.marking import marking, reading
 from grader.errors import DiskFull, GraderError, InputError
-
-SEALED = """
-DROP TABLE amendments;
-CREATE TABLE amendments (
-    number INTEGER PRIMARY KEY AUTOINCREMENT, at TEXT NOT NULL, who TEXT NOT NULL,
-    what TEXT NOT NULL, why TEXT NOT NULL, seal TEXT NOT NULL
-) STRICT;
-INSERT INTO amendments (at, who, what, why, seal) VALUES ('2026-05-04T09:12:00+00:00', 'prof',
-    '{"kind":"score","exercise":"obstacle_avoidance","points":85.0,"whom":{"students":["ann"]}}',
-    'oral', 'a7f0');
-CREATE TRIGGER amendments_UPDATE BEFORE UPDATE ON amendments
-    BEGIN SELECT RAISE(ABORT, 'the log of marks only grows'); END;
-CREATE TRIGGER amendments_DELETE BEFORE DELETE ON amendments
-    BEGIN SELECT RAISE(ABORT, 'the log of marks only grows'); END;
-"""
-
-
-def test_a_log_of_an_earlier_version_is_read_and_goes_on(
-    mark: Callable[..., Any], graded: Path
-) -> None:
-    """There each entry had a seal, and triggers kept others from changing one."""
-    db = sqlite3.connect(graded / "store.sqlite")
-    db.executescript(SEALED)
-    db.commit()
-    db.close()
-    assert mark(Score(SLUG, 35, Whom(("bob",))))["ann"] == "85"
-    with reading(graded) as class_:
-        found = [(entry.number, entry.who, entry.why) for entry in class_.entries]
-    assert found == [(1, "prof", "oral"), (2, "prof", WHY)]
-    assert mark(Undo(1))["ann"] == "70"
 
 
 def test_what_could_not_be_read_again_does_not_get_in(graded: Path) -> None:
@@ -83,48 +46,3 @@ def test_what_ends_while_results_are_written_is_in_the_log(
 def test_two_at_once(graded: Path) -> None:
     with marking(graded), pytest.raises(GraderError, match="another"), marking(graded):
         pass
-
-
-def _append(out: Path, count: int) -> None:
-    with Store(out / "store.sqlite") as store:
-        for number in range(count):
-            store.log.append(Undo(number), "prof", WHY)
-
-
-def test_entries_of_two_at_once_are_all_there(tmp_path: Path) -> None:
-    with Store(tmp_path / "store.sqlite"):
-        pass
-    with ThreadPoolExecutor(2) as both:
-        list(both.map(_append, [tmp_path] * 2, [20] * 2))
-    with Store(tmp_path / "store.sqlite") as store:
-        entries = store.log.entries()
-    assert [entry.number for entry in entries] == list(range(1, 41))
-
-
-@pytest.fixture
-def odd_names(handed_in: Path) -> Iterator[list[str]]:
-    names = ["=1+1", "--all", "<img src=x onerror=alert(1)>", "-h", "@SUM(A1)"]
-    for name in names:
-        (handed_in / name).mkdir()
-        (handed_in / name / FILE).write_text(f"# {name}\n")
-    yield names
-
-
-def test_names_that_are_formulas_options_or_html(
-    odd_names: list[str], grade_class: Any, tmp_path: Path
-) -> None:
-    grade_class(judged)
-    out = tmp_path / "out"
-    with marking(out) as class_:
-        whom = class_.whom(["=1+1", "--all", "-h"], "", everybody=False)
-        class_.add(Score(SLUG, 85, whom), "=cmd()", "<script>alert(1)</script>")
-        odd: Marking = class_
-        assert len(odd.students) == 8
-    found = points(out)
-    assert [found[name] for name in ("'=1+1", "'--all", "'-h", "'@SUM(A1)")] == [
-        "85", "85", "85", "70",
-    ]  # fmt: skip
-    page = (out / "class.html").read_text("utf-8")
-    assert "<script>" not in page
-    assert "&lt;script&gt;alert(1)" in page
-    assert "<img" not in page

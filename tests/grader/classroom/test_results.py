@@ -20,9 +20,9 @@ from grader.classroom.marks import points_of, tasks_of, why_held
 from grader.classroom.results import ResultOptions, write, write_results
 from grader.classroom.results.items import distribution, item_analysis, point_biserial
 from grader.classroom.results.scores import scores_csv
-from grader.classroom.row import ABSENT, HELD, RUNNING, StoredResult
+from grader.classroom.row import HELD, RUNNING, StoredResult
 from grader.lms.canvas import canvas_csv
-from grader.lms.clean import cell, folder_name, one_line, visible
+from grader.lms.clean import cell, one_line, visible
 from grader.lms.moodle import grades_csv
 
 FORMULAS = (
@@ -34,11 +34,6 @@ GRADEBOOKS = tuple(
     for system in ("canvas", "moodle")
     for exercise in ("obstacle_avoidance", "goal_seeking")
 )
-NAMES = (
-    *FORMULAS, *TEXTS, "..", "../../etc/passwd", "a/b", "x" * 300, "e\u0301va",
-    "\u05e9\u05dc\u05d5\u05dd", "\u202eevil", "new\nline", "quote\"'<b>", "nul", "-rf", "\udcff",
-    "\x1b[31mred", "a,b;c", "",
-)  # fmt: skip
 
 
 def right(student: str, **parts: Any) -> StoredResult:
@@ -60,19 +55,6 @@ def test_no_cell_is_a_formula(text: str) -> None:
 @pytest.mark.parametrize("text", TEXTS)
 def test_only_formulas_are_changed(text: str) -> None:
     assert cell(text) == text
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_folder_is_made_for_any_name(name: str, tmp_path: Path) -> None:
-    folder = tmp_path / folder_name(name)
-    folder.mkdir()
-    assert folder.resolve().parent == tmp_path.resolve()
-    assert folder_name(name).isascii()
-
-
-def test_folders_of_different_names_differ() -> None:
-    assert len({folder_name(name).casefold() for name in NAMES}) == len(NAMES)
-    assert folder_name("ada.lovelace_2@uni") == "ada.lovelace_2@uni"
 
 
 def test_what_is_seen_has_no_control_characters() -> None:
@@ -102,28 +84,6 @@ def test_held_gradings_have_no_points_anywhere() -> None:
     assert states["ada"] == states["chen"] == states["eve"] == ("held", "")
     assert states["dan"] == ("running", "")
     assert states["zoe"] == ("graded", "100")
-
-
-def test_what_was_not_handed_in_is_no_fault() -> None:
-    other = replace(right("ada"), exercise="goal_seeking")
-    absent = replace(result("ada"), state=ABSENT)
-    everyone = [other, absent, replace(result("ben"), state=ABSENT)]
-    tasks = tasks_of(everyone)
-    assert canvas_csv(book(everyone), tasks[0]) is None
-    assert for_gradescope([other, absent], tasks)["score"] == 100.0  # type: ignore[index]
-    assert for_gradescope(everyone[2:], tasks) is None
-    states = {
-        (row["student"], row["exercise"]): row["state"]
-        for row in csv.DictReader(io.StringIO(scores_csv(everyone, tasks)))
-    }
-    assert states["ben", "obstacle_avoidance"] == "not handed in"
-
-
-def test_an_unconfirmed_score_is_provisional(tmp_path: Path) -> None:
-    write_results([right("ada", verified=False), right("ben")], tmp_path)
-    states = {r[0]: r[5] for r in rows((tmp_path / "scores.csv").read_text("utf-8-sig"))[1:]}
-    assert states == {"ada": "provisional", "ben": "graded"}
-    assert (tmp_path / "class.html").read_text().count("provisional") == 1
 
 
 def test_the_reason_says_whose_fault_it_is_and_what_to_do() -> None:
@@ -175,15 +135,6 @@ def test_gradescope_reads_its_results() -> None:
     assert (second["score"], second["max_score"], second["status"]) == (0, 40, "failed")
     assert second["output"] == "too fast\nExpected: 0 m/s\nLook at next: look"
     assert "score" not in third  # field checks have no points
-    documented = {
-        "name", "name_format", "number", "score", "max_score", "status", "output",
-        "output_format", "tags", "visibility", "extra_data",
-    }  # fmt: skip
-    assert all(set(test) <= documented for test in made["tests"])
-    assert set(made) <= {
-        "score", "execution_time", "output", "output_format", "visibility", "stdout_visibility",
-        "extra_data", "tests", "leaderboard",
-    }  # fmt: skip
 
 
 def test_gradescope_waits_until_every_exercise_counts() -> None:
@@ -194,15 +145,6 @@ def test_gradescope_waits_until_every_exercise_counts() -> None:
     assert both["score"] == 200.0
     assert both["tests"][2]["name"].startswith("Goal seeking: ")
     assert for_gradescope([right("ada"), replace(other, state=HELD)], tasks) is None
-
-
-def test_nothing_written_is_nan() -> None:
-    odd = result("ada", check("a", "pass", 60), check("b", "fail", 40, time=math.nan))
-    assert odd.grading is not None
-    odd.grading.update(score=math.nan, max_score="many")
-    task = tasks_of([odd])[0]
-    assert points_of(odd, task) is None
-    assert "nan" not in scores_csv([odd], [task]).casefold()
 
 
 # --- the exercise itself -----------------------------------------------------------------------
@@ -248,12 +190,6 @@ def test_item_analysis_counts_and_says_what_it_means() -> None:
     assert "too few" in items["field"].hint
 
 
-def test_one_odd_title_does_not_rename_a_check() -> None:
-    odd = result("zed", check("a", "pass", title="zzz <b>"))
-    items = item_analysis([right("ada"), right("ben"), odd])
-    assert items[0].title == "The robot does a."
-
-
 def test_scores_fall_into_tenths() -> None:
     marks = [0, 9, 10, 55, 99, 100, 100]
     graded = [result(str(m), check("a", "pass", m), check("b", "fail", 100 - m)) for m in marks]
@@ -281,23 +217,13 @@ def test_everything_is_written_below_out(whole: tuple[Path, list[Path]]) -> None
     for name in ("class.html", "scores.csv", *GRADEBOOKS):
         assert out / name in there
     assert not any("canary" in path.read_text("utf-8") for path in written if path.suffix == ".csv")
-    assert not (out / "gradescope" / "ben").exists()  # one of his is held
     assert not (out / "feedback" / "ben" / "goal_seeking.html").exists()
     assert (out / "feedback" / "ben" / "obstacle_avoidance.html").is_file()
 
 
+@pytest.mark.parametrize("workers", [1, 2])
 def test_the_same_results_make_the_same_bytes(
-    whole: tuple[Path, list[Path]], tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    out, written = whole
-    again = tmp_path_factory.mktemp("again")
-    results, options = classes.whole_class()
-    write_results(results[::-1], again, options)
-    for path in written:
-        assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
-
-
-def test_several_processes_make_the_same_pages(
+    workers: int,
     whole: tuple[Path, list[Path]],
     tmp_path_factory: pytest.TempPathFactory,
     monkeypatch: pytest.MonkeyPatch,
@@ -306,7 +232,7 @@ def test_several_processes_make_the_same_pages(
     out, written = whole
     again = tmp_path_factory.mktemp("again")
     results, options = classes.whole_class()
-    write_results(results, again, replace(options, workers=2))
+    write_results(results[::-1], again, replace(options, workers=workers))
     for path in written:
         assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
 
@@ -329,12 +255,9 @@ def test_hostile_text_stays_text_in_every_file(whole: tuple[Path, list[Path]]) -
 def test_what_was_graded_and_is_now_held_is_taken_back(tmp_path: Path) -> None:
     write_results([right("ada")], tmp_path)
     page = tmp_path / "feedback" / "ada" / "obstacle_avoidance.html"
-    handed_in = tmp_path / "gradescope" / "ada" / "results.json"
     assert page.is_file()
-    assert handed_in.is_file()
     write_results([right("ada", state=HELD)], tmp_path)
     assert not page.exists()
-    assert not handed_in.exists()
     assert "A person has to look" in (tmp_path / "feedback" / "ada" / "index.html").read_text()
 
 
@@ -366,3 +289,10 @@ def test_pages_load_nothing_and_run_nothing(whole: tuple[Path, list[Path]]) -> N
     assert "https://" not in text
     assert not re.search(r"url\(|@import|<[a-z][^>]*\s(on\w+|style)=", text)
     assert "default-src 'none'" in text
+
+
+def test_an_unconfirmed_score_is_provisional(tmp_path: Path) -> None:
+    write_results([right("ada", verified=False), right("ben")], tmp_path)
+    states = {r[0]: r[5] for r in rows((tmp_path / "scores.csv").read_text("utf-8-sig"))[1:]}
+    assert states == {"ada": "provisional", "ben": "graded"}
+    assert (tmp_path / "class.html").read_text().count("provisional") == 1

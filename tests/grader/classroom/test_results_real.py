@@ -9,9 +9,7 @@ from pathlib import Path
 import pytest
 
 from grader.authoring.mutants import find_mutant
-from grader.classroom.amendments import Entry, SetCheck, amended
 from grader.classroom.results import ResultOptions, write_results
-from grader.classroom.results.items import item_analysis
 from grader.classroom.results.withheld import shows_run
 from grader.classroom.row import StoredResult
 from grader.course.exercises import ROOT, find_exercise
@@ -74,26 +72,6 @@ def payload(page: Path) -> dict[str, object]:
     return found
 
 
-def test_a_page_whose_marks_change_keeps_its_replays(
-    graded: tuple[Path, list[StoredResult]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    out, results = graded
-    mine = [replace(r, recordings=out / r.recordings) for r in results if r.recordings]
-    entry = Entry(1, "", "", SetCheck("obstacle_avoidance", "blind", 5), "")
-    changed, _ = amended(mine, [entry], {})
-    page = tmp_path / "feedback" / "ben" / "obstacle_avoidance.html"
-    write_results(mine, tmp_path)
-    before = page.read_bytes()
-    with monkeypatch.context() as patch:
-        patch.setattr("grader.classroom.results.feedback._recordings", lambda _: [])
-        write_results(changed, tmp_path)
-    after = page.read_bytes()
-    assert before != after
-    (tmp_path / ".pages.json").unlink()
-    write_results(changed, tmp_path)  # made anew, from the recordings
-    assert page.read_bytes() == after
-
-
 def test_a_class_gets_its_pages_with_replays(graded: tuple[Path, list[StoredResult]]) -> None:
     out, results = graded
     written = write_results(results, out, ResultOptions(hide="field")).files
@@ -115,18 +93,6 @@ def test_hidden_worlds_are_in_no_page(graded: tuple[Path, list[StoredResult]]) -
     text = json.dumps(payload(page))
     assert "avoid_" not in text
     assert '"seed"' not in text
-
-
-def test_the_checks_of_real_gradings_are_analysed(
-    graded: tuple[Path, list[StoredResult]],
-) -> None:
-    _, results = graded
-    mine = [result for result in results if result.exercise == "obstacle_avoidance"]
-    items = {item.id: item for item in item_analysis(mine)}
-    assert items["wiring"].failed == 1
-    assert items["blind"].failed == 2
-    assert items["blind"].skipped == 1
-    assert items["blind"].difficulty == 0.25
 
 
 def test_broken_bags_cost_the_replays_only(

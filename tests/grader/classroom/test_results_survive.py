@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -14,16 +12,8 @@ from made_results import classes
 
 from grader.classroom.batch import GradedClass
 from grader.classroom.results import Written, feedback, write, write_results
-from grader.classroom.results.similarity import MOST, tokens
 from grader.cli.batch import summary
 from grader.lms import PLATFORMS
-from grader.lms.clean import folder_name
-
-CODINGS = (
-    b"# coding: rot13\n", b"# coding: undefined\n", b"# coding: idna\n", b"# coding: base64\n",
-    b"# -*- coding: zlib -*-\n", b"\xef\xbb\xbf# coding: latin-1\n", b"#!/bin/sh\n# coding: mbcs\n",
-    b"# coding: unicode_escape\nx = '\\", b"# coding: utf-16\nx = 1\n", b"# coding: punycode\n",
-)  # fmt: skip
 
 
 class Broken(Exception):
@@ -116,32 +106,7 @@ def test_a_student_whose_pages_fail_is_alone(
     assert everything(out) == before
 
 
-def test_a_full_disk_is_no_missing_part(whole: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: object) -> str:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(write, "class_page", full)
-    with pytest.raises(OSError, match="No space left"):
-        whole()
-
-
 def test_the_terminal_names_what_is_missing(tmp_path: Path) -> None:
     lines, held = summary(GradedClass([], ["scores.csv: KeyError: 'a'"]), tmp_path)
     assert "  missing: scores.csv: KeyError: 'a'" in lines.splitlines()
     assert held == 0
-
-
-@pytest.mark.parametrize("first", CODINGS)
-def test_no_first_line_stops_the_search_for_similar_files(first: bytes) -> None:
-    assert isinstance(tokens(first + b"import rclpy\nprint('\xff')\n"), list)
-
-
-@pytest.mark.parametrize("unit", [b"(", b"$", b"\\\n", b"a ", b"\0", b"0_", b"'''\n"])
-def test_no_file_takes_long_to_compare(unit: bytes) -> None:
-    assert len(tokens(unit * (1024 * 1024 // len(unit)))) <= MOST
-
-
-def test_nobody_can_choose_a_name_that_leads_to_anothers_folder() -> None:
-    unsafe = "Zoë"
-    copied = folder_name(unsafe)
-    assert folder_name(copied) != copied

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.row import GRADED, HELD, RUNNING, WAITING, StoredResult
-from grader.classroom.store import Counts, Store, stable
+from grader.classroom.row import GRADED, HELD, RUNNING, WAITING
+from grader.classroom.store import Store
 from grader.errors import InputError
 
 ANN, BOB = ("ann", "goal_seeking"), ("bob", "goal_seeking")
@@ -50,14 +50,6 @@ def test_only_what_changed_waits_again(tmp_path: Path) -> None:
         assert store.results()[1].grading is None
 
 
-def test_what_ran_is_given_back(tmp_path: Path) -> None:
-    with Store(tmp_path / "s") as store:
-        store.enter(ANN, "h")
-        store.claim(ANN, "h", [])
-        assert store.requeue_running() == 1
-        assert store.waiting() == [ANN]
-
-
 def test_problems_are_held_and_missing_files_may_come(tmp_path: Path) -> None:
     with Store(tmp_path / "s") as store:
         store.enter(ANN, "h0", problem="no file")
@@ -69,28 +61,6 @@ def test_problems_are_held_and_missing_files_may_come(tmp_path: Path) -> None:
         assert store.waiting() == [ANN]
 
 
-def test_quarantine_and_verification(tmp_path: Path) -> None:
-    with Store(tmp_path / "s") as store:
-        for key in (ANN, BOB):
-            store.enter(key, "h")
-            store.claim(key, "h", [])
-            store.finish(key, GRADING)
-        store.verify([ANN])
-        assert store.unverified("goal_seeking") == [BOB]
-        assert store.unverified("another") == []
-        store.quarantine([BOB])
-        assert states(store) == {"ann": GRADED, "bob": WAITING}
-        assert store.counts(BOB) == Counts(0, 0, 1)
-
-
-def test_units_that_killed_their_worker_come_last(tmp_path: Path) -> None:
-    with Store(tmp_path / "s") as store:
-        store.enter(ANN, "h")
-        store.enter(BOB, "h")
-        assert store.requeue(ANN, death=True) == Counts(1, 0, 0)
-        assert store.waiting() == [BOB, ANN]
-
-
 def test_who_is_gone_is_forgotten_in_these_exercises_only(tmp_path: Path) -> None:
     other = ("bob", "trend_memory")
     with Store(tmp_path / "s") as store:
@@ -98,14 +68,6 @@ def test_who_is_gone_is_forgotten_in_these_exercises_only(tmp_path: Path) -> Non
             store.enter(key, "h")
         assert store.keep_only([ANN], ["goal_seeking"]) == 1
         assert [(r.student, r.exercise) for r in store.results()] == [ANN, other]
-
-
-def test_notes_are_kept_once(tmp_path: Path) -> None:
-    with Store(tmp_path / "s") as store:
-        store.note("b")
-        store.note("a")
-        store.note("b")
-        assert store.notes() == ["b", "a"]
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
@@ -136,20 +98,3 @@ def test_kill_9_leaves_what_was_finished(tmp_path: Path) -> None:
         assert list(states(store).values()) == [GRADED] * 3 + [WAITING] * 2
         assert [r.grading for r in store.results()][:3] == [{"score": n} for n in range(3)]
     assert os.listdir(tmp_path) == ["s"]
-
-
-def test_the_stable_part_leaves_times_out() -> None:
-    def result(**changes: object) -> StoredResult:
-        check = {"id": "c", "outcome": "fail", "points": 0, "message": "p99 is 120.5 ms"}
-        check["message"] = changes.pop("message", check["message"])
-        grading = {"score": 0, "max_score": 1, "checks": [check], "recordings": []}
-        fields = {
-            "student": "ann", "exercise": "e", "file_names": ("a.py",), "input_hash": "h",
-            "state": GRADED, "grading": grading, "recordings": None, "cpu_s": 1.0, "wall_s": 1.0,
-            "attempts": 1, "problem": "", "finished": "now", "canary": False,
-        }  # fmt: skip
-        return StoredResult(**(fields | changes))
-
-    assert stable(result()) == stable(result(cpu_s=2.0, attempts=3, message="p99 is 99 ms"))
-    assert stable(result()) != stable(result(message="drives at 0.3 m/s"))
-    assert stable(result()) != stable(result(state=HELD))
