@@ -33,8 +33,8 @@ def test_workers_killed_ctrl_c_and_resumed(tmp_path: Path) -> None:
     """Among hostile ones, one of which kills what it can; honest ones get what they deserve."""
     for name in HONEST_ONES:
         hand_in(tmp_path / "in", name, {FILE: f"# {name}\n".encode() + HONEST})
-    hostile = [path for path in HOSTILE if path.stem in ("escape_kill_all", "feedback_html")]
-    hand_in_hostile(tmp_path / "in", hostile, FILE)
+    hostile = [trick for trick in HOSTILE if trick.name in ("escape_kill_all", "feedback_html")]
+    students = hand_in_hostile(tmp_path / "in", hostile, FILE)
     undisturbed, out = tmp_path / "undisturbed", tmp_path / "out"
     begin = [*COURSE, str(tmp_path / "in"), *OPTIONS, "--out"]
     subprocess.run([*begin, str(undisturbed)], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
@@ -63,7 +63,7 @@ def test_workers_killed_ctrl_c_and_resumed(tmp_path: Path) -> None:
 
     done = subprocess.run(command, check=False, cwd=ROOT, capture_output=True, timeout=LIMIT)
     assert done.returncode == 0, done.stdout + done.stderr
-    everybody = [*HONEST_ONES, *(path.stem for path in hostile)]
+    everybody = [*HONEST_ONES, *students]
     assert verdicts(out, everybody) == verdicts(undisturbed, everybody)
     assert len(stored(out)) == len(everybody)
     assert_complete(out)

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from arena import HERE
+from arena import HERE, Trick
 
 from grader.authoring.claims import claims
 from grader.course.exercises import find_exercise
@@ -55,8 +55,10 @@ def hand_in(folder: Path, student: str, files: Mapping[str, str | bytes]) -> Non
         (folder / student / name).write_bytes(data)
 
 
-def hand_in_hostile(folder: Path, paths: Iterable[Path], file: str) -> list[str]:
+def hand_in_hostile(folder: Path, tricks: Iterable[Trick], file: str) -> list[str]:
     """Hand in hostile submissions under the name that an exercise expects."""
-    for path in paths:
-        hand_in(folder, path.stem, {file: kit() + path.read_text("utf-8")})
-    return [path.stem for path in paths]
+    names = []
+    for trick in tricks:
+        hand_in(folder, trick.name, {file: kit() + trick.text})
+        names.append(trick.name)
+    return names
