@@ -74,6 +74,7 @@ class Constant(Node):
         super().__init__(name)
         self.extra = on_scan
         self.heard = 0
+        self.speed = 0.5  # [m/s]
         self.cmd_vel = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.scan_callback, 10)
 
@@ -81,7 +82,7 @@ class Constant(Node):
         self.heard += 1
         if self.extra is not None:
             self.extra(self, scan)
-        self.drive(0.5)
+        self.drive(self.speed)
 
     def drive(self, speed: float) -> None:
         twist = Twist()
@@ -98,7 +99,7 @@ def drive(on_scan: Callable[..., None] | None = None, **options: str) -> None:
 
 
 def trick(*outcomes: str, score: int = 20, full: bool = False) -> Callable[[Trick], Trick]:
-    """Mark a trick; the tests read the mark as text (`arena.Claim` says what it means)."""
+    """Mark a trick; the tests read the mark as text (`arena.Trick` says what it means)."""
     return lambda function: function
 
 

@@ -1,11 +1,15 @@
-"""Takes its time to start: imports much that it does not need, and computes before it spins."""
+"""Takes its time to start: sleeps while it is imported, as for a driver, and computes a table."""
 
-import rclpy
-from geometry_msgs.msg import Twist
-from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
-from seeing import right_speed
-from sensor_msgs.msg import LaserScan
+import time
+
+time.sleep(0.3)
+
+import rclpy  # noqa: E402
+from geometry_msgs.msg import Twist  # noqa: E402
+from rclpy.node import Node  # noqa: E402
+from rclpy.qos import qos_profile_sensor_data  # noqa: E402
+from seeing import right_speed  # noqa: E402
+from sensor_msgs.msg import LaserScan  # noqa: E402
 
 TABLE = [i * i % 7 for i in range(3_000_000)]
 

@@ -1,9 +1,16 @@
-"""Works with files: temporary ones, one beside itself, its own text, and its working folder."""
+"""Asks for CPUs, user, load and time zone; works with files, temporary ones and its own text."""
 
+import getpass
 import json
+import locale
 import os
+import platform
+import resource
 import shutil
+import socket
+import sys
 import tempfile
+import time
 from pathlib import Path
 
 import rclpy
@@ -13,6 +20,13 @@ from rclpy.qos import qos_profile_sensor_data
 from seeing import right_speed
 from sensor_msgs.msg import LaserScan
 
+print(platform.platform(), sys.version, os.cpu_count(), time.tzname, locale.getlocale())
+print(socket.gethostname(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, os.uname())
+print(os.getenv("USER"), os.path.expanduser("~"), os.getpid(), os.sched_getaffinity(0))
+try:
+    print(getpass.getuser())
+except (KeyError, OSError):
+    print("a user without a name")
 here = Path(os.getcwd())
 assert Path(__file__).resolve().parent == here.resolve()
 assert "obstacle" in Path(__file__).read_text(encoding="utf-8")
@@ -40,11 +54,9 @@ class Agent(Node):
         self.file = open("scans.csv", "w")  # noqa: SIM115
 
     def on_scan(self, scan):
+        speeds = json.loads(Path("link.json").read_text())
         twist = Twist()
-        twist.linear.x = min(
-            json.loads(Path("link.json").read_text()),
-            key=lambda speed: abs(speed - right_speed(scan)),
-        )
+        twist.linear.x = min(speeds, key=lambda speed: abs(speed - right_speed(scan)))
         print(twist.linear.x, file=self.file, flush=True)
         self.cmd_vel.publish(twist)
 
