@@ -221,9 +221,10 @@ def remembers():
     if libc.syscall(249, b"user", b"notes-of-trials", 0, -4) > 0:  # request_key
         print("REMEMBERED", "the keyring")
     libc.syscall(248, b"user", b"notes-of-trials", b"x", 1, -4)  # add_key
-    for module in list(sys.modules.values()):
-        if hasattr(module, "note_of_a_trial"):
-            print("REMEMBERED", "a module")
+    modules = list(sys.modules.values())
+    if any(hasattr(module, "note_of_a_trial") for module in modules):
+        print("REMEMBERED", "a module")
+    for module in modules:
         with contextlib.suppress(Exception):
             module.note_of_a_trial = note
     with contextlib.suppress(OSError):
