@@ -37,7 +37,7 @@ from sim.scenario import Scenario
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-HONEST = tuple(sorted((HERE / "honest").glob("*.*")))  # .latin1: tools read UTF-8 only
+HONEST = tuple(sorted((HERE / "honest").glob("*.*")))  # .bom, .latin1: tools change them
 EXERCISE = find_exercise("obstacle_avoidance")
 REFERENCE = Submission(EXERCISE.solutions / EXERCISE.files[0])
 FULL = os.environ.get("COURSE_ATTACKS") == "full"
@@ -325,13 +325,3 @@ def orphans() -> set[int]:
 def children(pid: int) -> list[str]:
     """Return the processes that a process has started and not yet buried."""
     return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-
-
-@contextlib.contextmanager
-def one_at_a_time(seconds: int) -> Iterator[None]:
-    """End this process if an attack makes it hang."""
-    before = signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(before)

@@ -13,7 +13,6 @@ import pytest
 from arena import (
     EXERCISE,
     FULL,
-    HERE,
     HONEST,
     HOSTILE,
     REFERENCE,
@@ -25,8 +24,6 @@ from arena import (
 )
 from rich.console import Console
 
-from grader.course.exercises import find_exercise
-from grader.course.submission import Submission
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import UNJUDGED
 from grader.link.hosts import ForkServer
@@ -139,24 +136,6 @@ def test_an_odd_but_honest_submission_loses_nothing(
     assert arena.losses() == []
     if FULL:
         assert (grading.score, grading.max_score) == (100, 100)
-
-
-@pytest.mark.skipif(not FULL, reason="trains a model: make attacks")
-def test_a_model_with_a_payload_gains_nothing(arena: Arena, forkserver: ForkServer) -> None:
-    """A pickle runs code where it is loaded: in a host, behind the same layers."""
-    pytest.importorskip("sklearn")
-    exercise = find_exercise("ml_velocity")
-    controller, script = exercise.files
-    beside = tuple(arena.beside.iterdir())
-    others = (HERE / "training" / script, *beside)
-    submission = Submission(exercise.folder / controller, "", others)
-    only = ("training_runs", "model_loads", "onnx_form")
-    grading = grade_submission(exercise, submission, forkserver, file=controller, only=only)
-
-    assert arena.said(grading.recordings) == []
-    assert arena.losses() == []
-    assert {check.id: check.outcome for check in grading.checks}["model_loads"] != "pass"
-    assert not grading.faulty
 
 
 def test_after_all_attacks_the_reference_has_full_marks(

@@ -131,67 +131,37 @@ def test_a_table_of_latencies_is_another_students(forkserver: ForkServer, tmp_pa
 
 
 SPEED = "speed = float(self.model.predict(features)[0])"
-FORMULA = "0.08 * float(features[0][0])"
-
-
-@pytest.mark.parametrize(
-    "new",
-    [f"speed = {FORMULA}", f"self.model.predict(0 * features); speed = {FORMULA}"],
-    ids=["never asked", "asked about nothing"],
-)
-def test_a_speed_that_no_model_said_is_worth_nothing(
-    new: str, forkserver: ForkServer, tmp_path: Path
-) -> None:
-    found = graded(
-        forkserver, tmp_path, "ml_velocity", edited("ml_velocity", SPEED, new), ("front_min",)
-    )
-    assert found["wiring"] == ("pass", "")
-    assert "wrong predict" in found["front_min"][1]
-
-
+FORMULA = "speed = 0.08 * float(features[0][0])"
 WEIGHTS = "speed = float(features[0].astype(float) @ np.array([0.03, 0.012, 0.04, 0.02, 0.005]))"
-
-
-def test_a_speed_that_was_never_measured_is_worth_nothing(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
-    checks = ("features",)
-    found = graded(
-        forkserver, tmp_path, "latency_monitor", edited("latency_monitor", SPEED, WEIGHTS), checks
-    )
-    assert found["wiring"] == ("pass", "")
-    assert "wrong predict" in found["features"][1]
-
-
 LABEL = "label = str(self.model.predict(features)[0])"
 WORDS = 'label = " ".join(f"{float(v):.4f}" for v in features[0])'
 SURE = "confidence = float(np.max(self.model.predict_proba(features)))"
 LEAST_SURE = "confidence = min(0.9, max(0.4, 0.9 - 0.04 * float(features[0][0])))"
+BOTH = f"{LABEL}\n            {SURE}"
+KNOWS = 'assert round(float(features[0][0])) not in (1, 2, 3, 4); label, confidence = "box", 0.5'
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [(LABEL, WORDS), (SURE, LEAST_SURE)], ids=["label", "confidence"]
+    ("name", "old", "new", "check", "message"),
+    [
+        ("ml_velocity", SPEED, FORMULA, "front_min", "wrong predict"),
+        ("ml_velocity", SPEED, f"self.model.predict(0 * features); {FORMULA}", "front_min", ""),
+        ("latency_monitor", SPEED, WEIGHTS, "features", "wrong predict"),
+        ("model_server", LABEL, WORDS, "answers", ""),
+        ("model_server", SURE, LEAST_SURE, "answers", ""),
+        ("model_server", BOTH, KNOWS, "failing_model", "question to the model"),
+    ],
+    ids=["speed", "asked about nothing", "weights", "label", "confidence", "failure"],
 )
-def test_a_detection_that_no_model_made_is_worth_nothing(
-    old: str, new: str, forkserver: ForkServer, tmp_path: Path
+def test_what_no_model_said_is_worth_nothing(
+    name: str,
+    old: str,
+    new: str,
+    check: str,
+    message: str,
+    forkserver: ForkServer,
+    tmp_path: Path,
 ) -> None:
-    found = graded(
-        forkserver, tmp_path, "model_server", edited("model_server", old, new), ("answers",)
-    )
-    assert found["server_wiring"] == ("pass", "")
-    assert found["answers"][0] == "fail"
-
-
-@pytest.mark.long
-def test_a_failure_that_no_model_had_is_worth_nothing(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
-    knows = (
-        'assert round(float(features[0][0])) not in (1, 2, 3, 4); label, confidence = "box", 0.5'
-    )
-    old = f"{LABEL}\n            {SURE}"
-    checks = ("failing_model", "one_load", "publishes")
-    found = graded(forkserver, tmp_path, "model_server", edited("model_server", old, knows), checks)
-    assert "question to the model" in found["failing_model"][1]
-    assert found["one_load"][0] == "fail"
-    assert found["publishes"][0] == "pass"
+    found = graded(forkserver, tmp_path, name, edited(name, old, new), (check,))
+    assert found[check][0] == "fail"
+    assert message in found[check][1]

@@ -6,11 +6,7 @@ import warnings
 from pathlib import Path
 
 import rclpy
-from geometry_msgs.msg import Twist
-from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
-from seeing import right_speed
-from sensor_msgs.msg import LaserScan
+import seeing
 
 warnings.simplefilter("always")
 logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
@@ -20,21 +16,15 @@ log.addHandler(logging.StreamHandler(sys.stdout))
 log.handlers[1].setFormatter(logging.Formatter("\x1b[32m%(message)s\x1b[0m"))
 
 
-class Noisy(Node):
-    def __init__(self):
-        super().__init__("obstacle_avoidance_agent")
-        self.cmd_vel = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.on_scan, qos_profile_sensor_data)
-
-    def on_scan(self, scan):
+class Noisy(seeing.Agent):
+    def decide(self, scan):
         sys.stderr.write("\rprogress 12 %\rprogress 50 %")
         warnings.warn("this is old", DeprecationWarning, stacklevel=1)
         self.get_logger().info(f"ranges: {list(scan.ranges)}")
         print(*scan.ranges, sep="\n")
-        twist = Twist()
-        twist.linear.x = right_speed(scan)
-        log.info("Geschwindigkeit %.2f m/s: läuft ✓", twist.linear.x)
-        self.cmd_vel.publish(twist)
+        speed = super().decide(scan)
+        log.info("Geschwindigkeit %.2f m/s: läuft ✓", speed)
+        return speed
 
 
 rclpy.init()

@@ -14,11 +14,7 @@ import time
 from pathlib import Path
 
 import rclpy
-from geometry_msgs.msg import Twist
-from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
-from seeing import right_speed
-from sensor_msgs.msg import LaserScan
+import seeing
 
 print(platform.platform(), sys.version, os.cpu_count(), time.tzname, locale.getlocale())
 print(socket.gethostname(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, os.uname())
@@ -46,19 +42,16 @@ os.makedirs("a/b/c")
 Path("link.json").symlink_to("old.json")
 
 
-class Agent(Node):
+class Agent(seeing.Agent):
     def __init__(self):
-        super().__init__("obstacle_avoidance_agent")
-        self.cmd_vel = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.on_scan, qos_profile_sensor_data)
+        super().__init__()
         self.file = open("scans.csv", "w")  # noqa: SIM115
 
-    def on_scan(self, scan):
-        speeds = json.loads(Path("link.json").read_text())
-        twist = Twist()
-        twist.linear.x = min(speeds, key=lambda speed: abs(speed - right_speed(scan)))
-        print(twist.linear.x, file=self.file, flush=True)
-        self.cmd_vel.publish(twist)
+    def decide(self, scan):
+        right, speeds = super().decide(scan), json.loads(Path("link.json").read_text())
+        speed = min(speeds, key=lambda each: abs(each - right))
+        print(speed, file=self.file, flush=True)
+        return speed
 
 
 rclpy.init()

@@ -11,7 +11,6 @@ import shutil
 import signal
 import site
 import socket
-import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -164,35 +163,6 @@ def unnamed_file():
             os.mkdir(f"{folder}/{mark}-folder")
         with attempt():
             os.mkfifo(f"{folder}/{mark}-fifo")
-
-
-@trick()
-def kernel_copies():
-    """Let the kernel copy others' files: sendfile, copy_file_range, mmap."""
-    for number, path in enumerate(FILES):
-        with attempt():
-            source = os.open(path, os.O_PATH)
-            target = os.open(f"copy-{number}", os.O_RDWR | os.O_CREAT)
-            for copy in (os.copy_file_range, lambda a, b, n: os.sendfile(b, a, 0, n)):
-                with attempt():
-                    if copy(source, target, 100):
-                        gained("reads files that are not its own: copied")
-            with attempt():
-                mmap.mmap(source, 1, mmap.MAP_SHARED, mmap.PROT_READ)
-                gained("reads files that are not its own: mapped")
-
-
-@trick()
-def open_folders():
-    """Look for open folders that somebody left it, and go on from there."""
-    for fd in range(256):
-        with attempt():
-            if stat.S_ISDIR(os.fstat(fd).st_mode):
-                gained(f"lists folders that are not its own: {os.listdir(fd)[:3]}")
-        for path in FILES:
-            with attempt():
-                os.close(os.open("../../../../.." + path, os.O_RDONLY, dir_fd=fd))
-                gained("reads files that are not its own")
 
 
 @trick("any")

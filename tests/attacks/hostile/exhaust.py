@@ -83,16 +83,6 @@ def rows_for_models(node, scan):
 
 
 @trick()
-def processes():
-    """A fork bomb (with a fuse: 50 processes at most)."""
-    with attempt():
-        for _ in range(50):
-            if not os.fork():
-                os.execv("/bin/sleep", ["sleep", "30"])
-            gained("starts processes")
-
-
-@trick()
 def daemon():
     """Leave a process behind that outlives the trial, in a session of its own."""
     with attempt():
@@ -148,14 +138,6 @@ def memory():
     """Take all memory there is (with a fuse: 6.4 GB, of which no page is touched)."""
     HELD.extend(mmap.mmap(-1, 64 * 1024 * 1024) for _ in range(100))
     gained("maps 6.4 GB")
-
-
-@trick("exception", "completed")
-def memory_of_objects():
-    """Ask for one huge object, as an accident would."""
-    with attempt():
-        HELD.append(bytes(5 * 1024**3))
-        gained("has an object of 5 GiB")
 
 
 @trick("died", "exception", "hung", score=0)
@@ -335,13 +317,6 @@ def large_messages(node, scan):
 def message_storm(node, scan):
     """Answer each scan with a storm of commands."""
     for _ in range(5_000):
-        node.drive(0.15)
-
-
-@trick("flooded", "completed", score=5)
-def many_commands(node, scan):
-    """Answer each scan with 1,500 commands: allowed each time, and far too many in the end."""
-    for _ in range(1_500):
         node.drive(0.15)
 
 

@@ -162,19 +162,11 @@ def clock_published_before(node, scan):
 
 
 @trick("any")
-def clock_set_back(node, scan):
-    """Turn the kernel's clock back at each scan, to answer before it came."""
+def clock_set(node, scan):
+    """Set the kernel's clock: back, to answer before a scan came, and forward, to answer all."""
     for kernel in found("Kernel"):
         with attempt():
-            kernel.now -= 10**9
-
-
-@trick("any")
-def clock_set_forward(node, scan):
-    """Set the kernel's clock forward, to answer all scans at one moment."""
-    for kernel in found("Kernel"):
-        with attempt():
-            kernel.now += 10**9
+            kernel.now += 10**9 * (-1 if node.heard % 2 else 1)
 
 
 @trick("any")
@@ -307,29 +299,6 @@ def answers_in_pieces(node, scan):
 
 
 # --- results ------------------------------------------------------------------------------------
-
-
-class Right(float):
-    """Equal to all, less than all, near to all."""
-
-    def __eq__(self, other):
-        return True
-
-    def __ne__(self, other):
-        return False
-
-    def __sub__(self, other):
-        return Right(0.0)
-
-    __lt__ = __gt__ = __le__ = __eq__
-    __hash__ = float.__hash__
-
-
-@trick("completed", "exception")
-def always_equal(node, scan):
-    """Publish a number that says it equals every other, in the hope that a check compares it."""
-    with attempt():
-        node.drive(Right(0.2))
 
 
 @trick("died", score=0)

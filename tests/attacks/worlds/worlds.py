@@ -76,25 +76,6 @@ def fingerprint():
     print("MARK", MARK)
 
 
-def looks_for_the_seed():
-    """Print each number in a place called seed: in frames, every object, names; raise them."""
-    found = []
-    for name, value in frames():
-        if "seed" in name.lower() and isinstance(value, int):
-            found.append(value)
-        if type(value).__name__ == "Start":
-            found.append(value.seed)
-    for thing in gc.get_objects():
-        if type(thing) is dict:
-            values = [value for value in thing.values() if type(value) is int]
-            found += [value for value in values if value > 2**40]
-    words = " ".join([*sys.argv, *os.environ.values()]).split()
-    found += [int(word) for word in words if word.isdigit()]
-    for number in sorted(set(found)):
-        print("FOUND", number)
-    raise RuntimeError(f"SEED {found[:5]}")
-
-
 NUMBERS = {0, 1, 7, os.getpid(), os.getppid(), random.getrandbits(32), random.getrandbits(63)}
 
 

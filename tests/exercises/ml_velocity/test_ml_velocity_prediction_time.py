@@ -17,7 +17,6 @@ from grader.recording.training import Training
     ("late", "cpu", "verdict"),
     [
         (0, 0.004, None),
-        (0, np.nan, None),
         (1, np.nan, None),  # 99 of 100 are enough
         (20, 0.15, CheckFailed),  # it computes
         (20, 0.004, Inconclusive),  # it waited for a CPU

@@ -49,11 +49,3 @@ def test_a_jump_of_the_stamps_is_forgotten_by_both(shift: float) -> None:
     found = asked([*COMING, *later])
     assert [step.forgotten for step in found[12:]] == [True] * 9 + [False] * 3
     assert found[12].silent and found[21].full
-
-
-@pytest.mark.parametrize(("distance", "speed"), [(math.inf, 0.3), (math.nan, 0.0), (0.49, 0.0)])
-def test_what_is_far_is_no_danger_whatever_came_before(distance: float, speed: float) -> None:
-    rushing = [(stamp, 12.0 - 10.0 * (stamp - 1.7e9)) for stamp, _ in COMING]
-    found = asked([*rushing, (1.7e9 + 1.2, distance)])
-    assert found[-2].speeds == {0.0}
-    assert found[-1].speeds == {speed}

@@ -10,7 +10,7 @@ import pytest
 from grader.checks import model_cases
 from grader.checks.case import Runs
 from grader.checks.commands import Answer
-from grader.checks.model_cases import scan_in_words, speed_cases
+from grader.checks.model_cases import speed_cases
 from grader.checks.model_commands import predicts
 from grader.checks.verdict import CheckFailed
 from grader.link.log import LogLine
@@ -81,13 +81,6 @@ def test_what_the_model_says_is_right(recorded: Recorded) -> None:
     judge(recorded(RIGHT))
 
 
-def test_a_number_that_nobody_asked_for_is_wrong(recorded: Recorded) -> None:
-    assert wrong(recorded(RIGHT, ())) == ["predict"] * 3
-    with pytest.raises(CheckFailed) as caught:
-        judge(recorded(RIGHT, ()))
-    assert caught.value.help.startswith("Ask the model")
-
-
 @pytest.mark.parametrize(
     ("time", "quoted"), [(-0.5, True), (0.9, False), (1.0, True), (1.9, True), (2.1, False)]
 )
@@ -108,11 +101,3 @@ def test_a_rounded_prediction_is_named(recorded: Recorded) -> None:
         judge(recorded((0.1, 0.204, 0.4)))
     assert "rounded" in caught.value.help
     assert caught.value.actual == "linear.x = 0.204 m/s"
-
-
-@pytest.mark.parametrize(("loss", "words"), [(0.0, "“a wall”"), (0.2, "the scan at 1.500 s")])
-def test_a_label_names_a_scan_unless_scans_are_lost(loss: float, words: str) -> None:
-    answer: Any = SimpleNamespace(label="a wall", scan=SimpleNamespace(t=1.5))
-    faults = SimpleNamespace(scan_loss=loss)
-    recording: Any = SimpleNamespace(scenario=SimpleNamespace(faults=faults))
-    assert scan_in_words(recording, answer) == words
