@@ -69,7 +69,6 @@ def test_a_watchdog_may_stop_the_robot_and_no_more(
     [
         (f"{PUBLISH}; {PUBLISH}", "pass", "2 commands followed"),
         (PUBLISH, "self.publisher.publish(Twist())", "a command came before the first scan"),
-        ("raise ValueError('odd')", "pass", "the node died of an exception"),
     ],
 )
 def test_anything_but_one_command_each_fails(
@@ -89,7 +88,6 @@ def test_nan_is_not_zero() -> None:
     ("value", "text", "is_garbage"),
     [
         (0.5, "0.50", False),
-        (0.0, "0.00", False),
         (0.00123, "0.00123", False),
         (math.inf, "inf", False),
         (5e-324, "", True),

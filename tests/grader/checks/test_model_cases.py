@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from grader.checks.model_commands import predicts
 from grader.checks.verdict import CheckFailed
 from grader.link.log import LogLine
 from grader.models.features import Floats
-from grader.recording import Inference
+from grader.recording import Inference, Scan
 from sim.scenario import Model, NodeSpec
 
 ECHO = Model("echo", {"feature": 0.0, "scale": 0.1})
@@ -37,7 +37,7 @@ def recorded(monkeypatch: pytest.MonkeyPatch) -> Recorded:
 
     def of(speeds: tuple[float, ...], asked: tuple[float, ...] = RIGHT, **node: Any) -> Any:
         found = [
-            Answer(_scan(float(i), front), f"{front} m", (), 1, speed)
+            Answer(cast("Scan", SimpleNamespace(t=i, front=front)), f"{front} m", (), 1, speed)
             for i, (front, speed) in enumerate(zip(FRONTS, speeds, strict=True))
         ]
         monkeypatch.setattr(model_cases, "answers", lambda _: found)
@@ -60,10 +60,6 @@ def recorded(monkeypatch: pytest.MonkeyPatch) -> Recorded:
     monkeypatch.setattr(model_cases, "possible_features", possible)
     monkeypatch.setattr("grader.checks.words.require_alive", lambda _: None)
     return of
-
-
-def _scan(t: float, front: float) -> Any:
-    return SimpleNamespace(t=t, front=front)
 
 
 def judge(run: Any, help: str = "") -> None:

@@ -10,15 +10,7 @@ from grader.checks import commands
 from grader.checks.verdict import CheckFailed
 from grader.recording import Compute, Recording
 
-EPOCH = 1_700_000_000_000_000_000  # [ns]
-LIVE = object()
 SCANS = tuple(SimpleNamespace(t=i / 2, stamp=i / 2) for i in range(4))  # at 0, 0.5, 1 and 1.5 s
-
-
-def recording(live: object = LIVE, slack: float = 0.0, **others: Any) -> Any:
-    return SimpleNamespace(
-        live=live, slack=slack, epoch=EPOCH, scans=lambda: SCANS, duration_s=2.0, **others
-    )
 
 
 # --- what the machine took ------------------------------------------------------------------------
@@ -66,9 +58,10 @@ def bench(monkeypatch: pytest.MonkeyPatch, answered: int, sent: int = 4) -> Any:
     found = [SimpleNamespace(tags=each) for each in tags[:answered]]
     monkeypatch.setattr(commands, "answers", lambda _: found)
     monkeypatch.setattr(commands, "require_alive", lambda _: None)
-    result = recording(scenario=scenario, name="bench")
-    result.scans = lambda: SCANS[:sent]
-    return result
+    return SimpleNamespace(
+        live=object(), slack=0.0, duration_s=2.0, scans=lambda: SCANS[:sent], scenario=scenario,
+        name="bench",
+    )  # fmt: skip
 
 
 def test_scans_whose_answer_would_come_after_the_end_are_left_out(
