@@ -29,7 +29,7 @@ LIES = {
     "clock set back": ("drive(sets_the_clock_back)", 35),
     "frozen clock": ("drive(freezes_the_clock)", 35),
     "still starting": ("drive(is_still_starting)", 35),
-    "asks and does not wait": ("drive(asks_and_does_not_wait)", 35),
+    "asks and does not wait": ("drive(asks_and_does_not_wait)", 45),
     "one batch": ("drive(asks_one_batch)", 35),
     "learns in start-up": ("drive(asks_one_batch, learns_in_start_up)", 35),
 }
