@@ -3,7 +3,6 @@
 import csv
 import subprocess
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
 import pytest
 import reporting
@@ -50,8 +49,6 @@ def assert_complete(out: Path) -> None:
         for file in (out / name).glob("*.csv"):
             assert len(file.read_text("utf-8").splitlines()) > 1
         assert list((out / name).iterdir())
-    suites = ET.parse(out / "junit.xml").getroot().findall("testsuite")
-    assert len(suites) == len(results)
     assert len(list((out / "feedback").glob("*/index.html"))) == len(students)
     graded = [one for one in results if one.state == GRADED]
     pages = [path for path in (out / "feedback").glob("*/*.html") if path.name != "index.html"]
