@@ -120,9 +120,8 @@ def twisted(value: Any, rng: random.Random) -> Any:
             return rng.choice(INTS)
         case str():
             return rng.choice(OBJECTS if value.startswith("{") else (*STRINGS, *OBJECTS))
-        case bytes():  # floats
-            size = len(value) // 8
-            return rng.choice((b"", value[: size // 2 * 8], np.full(size, FLOATS[0]).tobytes()))
+        case bytes():  # floats; model_loads keeps other lengths from the checks that compare them
+            return rng.choice((value[:8], np.full(len(value) // 8, rng.choice(FLOATS)).tobytes()))
         case list() | tuple():
             each = type(value)(twisted(item, rng) for item in value)
             return rng.choice((value[:0], value * 2, value[:1] * 300, each))
@@ -194,7 +193,7 @@ def other_models(recording: Recording, rng: random.Random) -> Recording:
     """Spoil what a student's trained models said."""
     if recording.training is None:
         return recording
-    own = ("pickle", "again", "onnx", "onnx_inputs", "onnx_outputs", "runs", "single_wall")
+    own = ("pickle", "again", "onnx", "onnx_inputs", "onnx_outputs", "runs")
     spoilt = {name: twisted(getattr(recording.training, name), rng) for name in rng.sample(own, 2)}
     return replaced(recording, training=msgspec.structs.replace(recording.training, **spoilt))
 
