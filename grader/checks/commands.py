@@ -65,29 +65,6 @@ def answers(recording: Recording) -> list[Answer]:
     return found
 
 
-def judged(recording: Recording, tag: str = "") -> list[Answer]:
-    """Return each bench scan with this tag; fail if not all were sent, or none was answered.
-
-    In real time the last scans are left out if their answers came after the end (see `turns`).
-    """
-    require_alive(recording)
-    scenario = recording.scenario
-    if not scenario.faults.scan_loss and len(recording.scans()) != len(scenario.bench_scans):
-        fail("the scenario ended before all of its scans were sent", recording=recording)
-    found = [answer for answer in answers(recording) if not tag or tag in answer.tags]
-    if not found:
-        pairs = zip(recording.scans(), scenario.bench_scans, strict=False)
-        fail(
-            f"no command came for the scans “{tag}”",
-            expected="a Twist for each scan",
-            actual="none by the end",
-            at=next((scan.t for scan, bench in pairs if not tag or tag in bench.tags), None),
-            recording=recording,
-            help="Publish once at the end of the scan callback, whatever the scan was.",
-        )
-    return found
-
-
 def require_one_command_each(recording: Recording) -> None:
     """Fail unless exactly one command followed each scan, and none came before the first."""
     require_alive(recording)

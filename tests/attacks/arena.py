@@ -6,10 +6,10 @@ and port that there is to attack (`targets.json`), and only has to get there.
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import json
 import os
-import re
 import resource
 import secrets
 import select
@@ -37,8 +37,7 @@ from sim.scenario import Scenario
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-HOSTILE = tuple(sorted((HERE / "hostile").glob("*.py")))
-HONEST = tuple(sorted((HERE / "honest").glob("*.*")))  # .latin1: tools read UTF-8 only
+HONEST = tuple(sorted((HERE / "honest").glob("*.*")))  # .bom, .latin1: tools change them
 EXERCISE = find_exercise("obstacle_avoidance")
 REFERENCE = Submission(EXERCISE.solutions / EXERCISE.files[0])
 FULL = os.environ.get("COURSE_ATTACKS") == "full"
@@ -55,34 +54,45 @@ while True:
 
 
 @dataclass(frozen=True)
-class Claim:
-    """What a hostile submission says of itself in its docstring."""
+class Trick:
+    """A function of a hostile file; its mark says what may become of it."""
 
-    path: Path
-    score: int  # at most
-    outcomes: frozenset[str]  # of its trials; "any" stands for all
-    full: bool  # only worth trying with all checks
+    path: Path  # of the file, which is named after the family
+    function: str
+    outcomes: frozenset[str] = frozenset({"completed"})  # of its trials; "any" stands for all
+    score: int = 20  # at most
+    full: bool = False  # only worth trying with all checks
+
+    @property
+    def name(self) -> str:
+        """Return the family and the function."""
+        return f"{self.path.stem}_{self.function}"
 
     @property
     def hangs(self) -> bool:
         """Tell whether its trials end by the clock."""
         return "hung" in self.outcomes
 
+    @property
+    def text(self) -> str:
+        """Return the submission: the whole family, and a last line that plays this trick."""
+        last = f"from kit import run  # noqa: E402\n\nrun({self.function})\n"
+        return f"{self.path.read_text('utf-8')}\n\n{last}"
 
-def claim(path: Path) -> Claim:
-    """Read a claim.
 
-    Raises
-    ------
-    ValueError
-        It does not say what must happen.
-    """
-    text = path.read_text()
-    found = dict(re.findall(r"^(gains|score|outcome|full): (.+)$", text, re.M))
-    if found.get("gains") != "nothing" or not {"score", "outcome"} <= found.keys():
-        raise ValueError(f"{path.name}: expected the lines gains, score and outcome")
-    outcomes = frozenset(part.strip() for part in found["outcome"].split(","))
-    return Claim(path, int(found["score"]), outcomes, found.get("full") == "yes")
+def tricks_of(path: Path) -> Iterator[Trick]:
+    """Read the marks of a hostile file, which would run in a host only."""
+    for node in ast.parse(path.read_text("utf-8")).body:
+        for mark in getattr(node, "decorator_list", ()):
+            if ast.unparse(mark).startswith("trick("):
+                named = {each.arg: ast.literal_eval(each.value) for each in mark.keywords}
+                outcomes = frozenset(map(ast.literal_eval, mark.args)) or Trick.outcomes
+                yield Trick(path, node.name, outcomes, **named)
+
+
+HOSTILE = tuple(
+    trick for path in sorted((HERE / "hostile").glob("*.py")) for trick in tricks_of(path)
+)
 
 
 class Hasty(NodeTrials):
@@ -108,6 +118,7 @@ class Arena:
         self.word = secrets.token_hex(12)
         self.mark = f"course-mark-{secrets.token_hex(6)}"
         self.beside = self.folder / "beside"
+        self.played = self.folder / "played"
         self._keepers: list[socket.socket] = []
         self._processes: list[subprocess.Popen[str]] = []
         self._make_files()
@@ -134,6 +145,12 @@ class Arena:
         if path.suffix != ".py":
             path = Path(shutil.copyfile(path, self.beside / f"{path.stem}.py"))
         return Submission(path, "", tuple(self.beside.iterdir()))
+
+    def tricked(self, trick: Trick) -> Path:
+        """Write the submission that plays a trick."""
+        path = self.played / f"{trick.name}.py"
+        path.write_text(trick.text, "utf-8")
+        return path
 
     def grade(
         self, path: Path, forkserver: ForkServer, *, hasty: bool, everything: bool
@@ -174,6 +191,7 @@ class Arena:
         return sorted(found)
 
     def _make_files(self) -> None:
+        self.files = []
         for name, text in (
             ("solutions/reference_solution.py", f"ANSWER = '{self.word}'\n"),
             ("secret/secret.txt", f"{self.word}\n"),
@@ -185,12 +203,10 @@ class Arena:
             path.parent.chmod(0o755)
             path.write_text(text)
             path.chmod(0o600 if path.stem == "closed" else 0o644)
-        for name in ("watched", "beside"):
+            self.files.append(str(path))
+        for name in ("watched", "beside", "played"):
             (self.folder / name).mkdir(exist_ok=True)
         (self.folder / "watched").chmod(0o777)
-        self.files = sorted(
-            str(path) for path in self.folder.rglob("*") if path.is_file() and path.stem != "hit"
-        )
         for name in ("kit.py", "seeing.py"):
             shutil.copyfile(HERE / name, self.beside / name)
 
@@ -244,7 +260,7 @@ class Arena:
             "priority of the judge": os.getpriority(os.PRIO_PROCESS, 0),
         }
         for path in self.folder.rglob("*"):
-            if path.name == "hit" or self.beside in (path, path.parent):
+            if path.name == "hit" or {self.beside, self.played} & {path, path.parent}:
                 continue
             status = path.lstat()
             text = path.read_bytes() if stat.S_ISREG(status.st_mode) else b""
@@ -260,7 +276,7 @@ class Arena:
             process.communicate()
         resource.setrlimit(resource.RLIMIT_CORE, resource.getrlimit(resource.RLIMIT_CORE))
         for path in self.folder.iterdir():
-            if path != self.beside:
+            if path not in (self.beside, self.played):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
         self._make_files()
         self._make_sockets()
@@ -309,13 +325,3 @@ def orphans() -> set[int]:
 def children(pid: int) -> list[str]:
     """Return the processes that a process has started and not yet buried."""
     return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-
-
-@contextlib.contextmanager
-def one_at_a_time(seconds: int) -> Iterator[None]:
-    """End this process if an attack makes it hang."""
-    before = signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(before)

@@ -6,6 +6,7 @@ case, a student who has found out every path, process and port that there is to 
 
 import contextlib
 import ctypes
+import inspect
 import json
 import os
 from collections.abc import Callable, Iterator
@@ -16,6 +17,8 @@ from geometry_msgs.msg import Twist
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from sensor_msgs.msg import LaserScan
+
+Trick = Callable[..., object]
 
 libc = ctypes.CDLL(None, use_errno=True)
 _known = Path(__file__).with_name("targets.json")
@@ -56,6 +59,12 @@ def syscall(number: int, *arguments: object) -> int:
     return int(libc.syscall(ctypes.c_long(number), *arguments))
 
 
+def others() -> list[int]:
+    """Return the processes to attack: the fork server, the judge and a bystander."""
+    found = (os.getppid(), TARGETS.get("judge", 0), TARGETS.get("bystander", 0))
+    return [pid for pid in found if pid > 1]
+
+
 class Constant(Node):
     """Always drives at the same speed: a few points for wiring, none for seeing."""
 
@@ -65,6 +74,7 @@ class Constant(Node):
         super().__init__(name)
         self.extra = on_scan
         self.heard = 0
+        self.speed = 0.5  # [m/s]
         self.cmd_vel = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.scan_callback, 10)
 
@@ -72,7 +82,7 @@ class Constant(Node):
         self.heard += 1
         if self.extra is not None:
             self.extra(self, scan)
-        self.drive(0.5)
+        self.drive(self.speed)
 
     def drive(self, speed: float) -> None:
         twist = Twist()
@@ -86,3 +96,17 @@ def drive(on_scan: Callable[..., None] | None = None, **options: str) -> None:
         rclpy.init()
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
         rclpy.spin(Constant(on_scan=on_scan, **options))
+
+
+def trick(*outcomes: str, score: int = 20, full: bool = False) -> Callable[[Trick], Trick]:
+    """Mark a trick; the tests read the mark as text (`arena.Trick` says what it means)."""
+    return lambda function: function
+
+
+def run(function: Trick) -> None:
+    """Play a trick: with each scan if it takes one, else once before the honest part begins."""
+    if inspect.signature(function).parameters:
+        drive(function)
+    else:
+        function()
+        drive()

@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT), str(Path(__file__).resolve().parent), str(ROOT / "tests" / "grader")]
 
 import ordinary  # noqa: E402
-from arena import HOSTILE, Arena, claim  # noqa: E402
+from arena import HOSTILE, Arena  # noqa: E402
 
 from grader.host.sandbox import users as privileges  # noqa: E402
 from grader.host.sandbox.kernel_filters import NEWEST  # noqa: E402
@@ -29,7 +29,7 @@ from grader.link.hosts import LAYER_TEXTS, ForkServer  # noqa: E402
 from sim.messages import EPOCH_NS  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "attacks.md"
-FAMILIES = ("read_", "escape_", "exhaust_")  # the others don't depend on layers
+FAMILIES = ("read", "escape", "exhaust")  # the others don't depend on layers
 ALL_OFF = "all but the limits"
 OLD_LANDLOCK = {f"nothing, but Landlock is of version {abi}": abi for abi in (1, 2, 3)}
 FULL_DISK = "nothing, but the disk with the temporary folders is full"
@@ -134,14 +134,15 @@ def openings(layers: Sequence[str], landlock: int = NEWEST) -> Openings:
         ForkServer(EPOCH_NS, layers=layers, landlock=landlock) as forkserver,
         Arena(forkserver.layers) as arena,
     ):
-        for path in HOSTILE:
-            if not path.stem.startswith(FAMILIES) or claim(path).hangs or claim(path).full:
+        for trick in HOSTILE:
+            if trick.path.stem not in FAMILIES or trick.hangs or trick.full:
                 continue
-            if path.stem == "exhaust_deep_folders":  # shows nothing here
+            if trick.function == "deep_folders":  # shows nothing here
                 continue
+            path = arena.tricked(trick)
             grading = arena.grade(path, forkserver, hasty=True, everything=False)
             for what in (*arena.said(grading.recordings), *arena.losses()):
-                found.setdefault(what.partition(":")[0], []).append(path.stem)
+                found.setdefault(what.partition(":")[0], []).append(trick.name)
     return found
 
 

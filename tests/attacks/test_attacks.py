@@ -13,20 +13,17 @@ import pytest
 from arena import (
     EXERCISE,
     FULL,
-    HERE,
     HONEST,
     HOSTILE,
     REFERENCE,
     SOME,
     Arena,
+    Trick,
     children,
-    claim,
     orphans,
 )
 from rich.console import Console
 
-from grader.course.exercises import find_exercise
-from grader.course.submission import Submission
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import UNJUDGED
 from grader.link.hosts import ForkServer
@@ -40,11 +37,11 @@ NEXT = load_scenario("avoid_zones")
 BENCHES = ("clear_zone", "slow_zone", "stop_zone", "infinite_readings", "invalid_readings", "blind")
 FAMILIES = ("escape", "exhaust", "feedback", "forge", "read", "topics")
 QUICK = (  # in `make test`
-    *("escape_ctypes_calls", "exhaust_disk", "feedback_html", "forge_completed"),
+    *("escape_calls_by_number", "exhaust_disk", "feedback_html", "forge_completed"),
     *("read_solutions", "topics_ground_truth"),
 )
-QUICK_HONEST = ("asyncio_main", "huge_logs", "latin_1", "multiple_inheritance", "slow_imports")
-FEEDBACK = [path for path in HOSTILE if path.stem.startswith("feedback_")]
+QUICK_HONEST = ("asyncio_main", "latin_1", "much_output", "odd_classes", "slow_start")
+FEEDBACK = [trick for trick in HOSTILE if trick.path.stem == "feedback"]
 
 
 @pytest.fixture(scope="module")
@@ -68,53 +65,44 @@ def digest(forkserver: ForkServer) -> str:
 @pytest.fixture(scope="module")
 def honest_points(arena: Arena, forkserver: ForkServer) -> int:
     """What the honest part of the hostile submissions is worth."""
-    path = arena.folder / "constant.py"
+    path = arena.played / "constant.py"
     path.write_text("from kit import drive\n\ndrive()\n")
-    grading = arena.grade(path, forkserver, hasty=False, everything=FULL)
-    path.unlink()
-    return grading.score
+    return arena.grade(path, forkserver, hasty=False, everything=FULL).score
 
 
-def named(path: Path) -> str:
-    return path.stem
-
-
-def test_there_are_enough_of_both() -> None:
-    assert len(HOSTILE) >= 45
-    assert len(HONEST) >= 15
-    assert all(claim(path).outcomes for path in HOSTILE)
-    assert {path.stem.partition("_")[0] for path in HOSTILE} == set(FAMILIES)
+def named(one: Path | Trick) -> str:
+    return one.name if isinstance(one, Trick) else one.stem
 
 
 def test_make_test_tries_every_family() -> None:
-    assert set(QUICK) <= {path.stem for path in HOSTILE}
+    assert {trick.path.stem for trick in HOSTILE} == set(FAMILIES)
+    assert set(QUICK) <= {trick.name for trick in HOSTILE}
     assert [name.partition("_")[0] for name in QUICK] == list(FAMILIES)
     assert set(QUICK_HONEST) <= {path.stem for path in HONEST}
 
 
 @pytest.mark.parametrize(
-    "path",
+    "trick",
     [
-        pytest.param(path, id=named(path), marks=() if path.stem in QUICK else pytest.mark.long)
-        for path in HOSTILE
+        pytest.param(trick, id=trick.name, marks=() if trick.name in QUICK else pytest.mark.long)
+        for trick in HOSTILE
     ],
 )
 def test_a_hostile_submission_gains_nothing(
-    path: Path, arena: Arena, forkserver: ForkServer, digest: str, honest_points: int
+    trick: Trick, arena: Arena, forkserver: ForkServer, digest: str, honest_points: int
 ) -> None:
-    wanted = claim(path)
-    if wanted.full and not FULL:
+    if trick.full and not FULL:
         pytest.skip("shows only with all checks: make attacks")
     before = orphans()
-    hasty = wanted.hangs and (not FULL or path.stem != "exhaust_sleep_for_ever")
-    grading = arena.grade(path, forkserver, hasty=hasty, everything=FULL)
+    hasty = trick.hangs and (not FULL or trick.name != "exhaust_sleep_for_ever")
+    grading = arena.grade(arena.tricked(trick), forkserver, hasty=hasty, everything=FULL)
 
     assert arena.said(grading.recordings) == []
     assert arena.losses() == []
     assert orphans() <= before
     assert children(forkserver._process.pid) == []
-    assert grading.score <= max(wanted.score if FULL else 0, honest_points)
-    assert_judged(grading, wanted.outcomes)
+    assert grading.score <= max(trick.score if FULL else 0, honest_points)
+    assert_judged(grading, trick.outcomes)
     assert run_trial(REFERENCE, NEXT, forkserver).digest() == digest
 
 
@@ -150,24 +138,6 @@ def test_an_odd_but_honest_submission_loses_nothing(
         assert (grading.score, grading.max_score) == (100, 100)
 
 
-@pytest.mark.skipif(not FULL, reason="trains a model: make attacks")
-def test_a_model_with_a_payload_gains_nothing(arena: Arena, forkserver: ForkServer) -> None:
-    """A pickle runs code where it is loaded: in a host, behind the same layers."""
-    pytest.importorskip("sklearn")
-    exercise = find_exercise("ml_velocity")
-    controller, script = exercise.files
-    beside = tuple(arena.beside.iterdir())
-    others = (HERE / "training" / script, *beside)
-    submission = Submission(exercise.folder / controller, "", others)
-    only = ("training_runs", "model_loads", "onnx_form")
-    grading = grade_submission(exercise, submission, forkserver, file=controller, only=only)
-
-    assert arena.said(grading.recordings) == []
-    assert arena.losses() == []
-    assert {check.id: check.outcome for check in grading.checks}["model_loads"] != "pass"
-    assert not grading.faulty
-
-
 def test_after_all_attacks_the_reference_has_full_marks(
     forkserver: ForkServer, digest: str
 ) -> None:
@@ -177,11 +147,12 @@ def test_after_all_attacks_the_reference_has_full_marks(
     assert digest in [recording.digest() for recording in grading.recordings]
 
 
-@pytest.mark.parametrize("path", FEEDBACK, ids=named)
+@pytest.mark.parametrize("trick", FEEDBACK, ids=named)
 def test_feedback_is_text_and_nothing_else(
-    path: Path, arena: Arena, forkserver: ForkServer
+    trick: Trick, arena: Arena, forkserver: ForkServer
 ) -> None:
     """What a submission says is shown, but it can't become part of a page or steer a terminal."""
+    path = arena.tricked(trick)
     submission = arena.submission(path)
     grading = grade_submission(EXERCISE, submission, forkserver, file=path.name, only=SOME)
     result = grading.as_dict()
@@ -194,4 +165,3 @@ def test_feedback_is_text_and_nothing_else(
     assert page.count("</script>") == page_html(page_payload(None, [], "")).count("</script>")
     assert not set(screen.getvalue()) & {"\x1b", "\x07", "\x9b", "\u202e", "\r"}
     assert len(page) < 4_000_000
-    assert (HERE / "kit.py").exists()

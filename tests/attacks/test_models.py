@@ -1,17 +1,14 @@
 """Faked time and counts of models: no attack is worth more than the same node without it.
 
-Nor is doing little, which breaks no rule while nobody looks (`lazy`).
-
-`make test` takes two of them, `make test-long` all.
+`make test` takes the short ones, `make test-long` all.
 """
 
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from grader.authoring.mutants import mutants
+from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
 from grader.course.students import student_key
 from grader.course.submission import Submission
@@ -19,12 +16,23 @@ from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 from sim.messages import EPOCH_NS
 
-HERE = Path(__file__).resolve().parent / "models"
-NAIVE = HERE / "naive.py"
-LAZY = HERE.with_name("lazy")
-ATTACKS = sorted({*HERE.glob("*.py"), *LAZY.glob("*.py")} - {NAIVE})
-QUICK = ("ml_forgotten_loads", "latency_of_no_call")
+SLOW = Path(__file__).resolve().parent / "models" / "slow.py"
 SECRET = b"a secret of a course"
+# How the node of exercise 5 lies, the last lines of its file; and its points at most.
+LIES = {
+    "honest": ("drive()", 75),
+    "no sleep": ("nobody_sleeps(); drive()", 75),
+    "formula": ("drive(formula)", 35),
+    "formula after a while": ("drive(formula_after_a_while, spins)", 35),
+    "formula in real time": ("nobody_sleeps(); drive(formula, in_real_time)", 35),
+    "own desk": ("own_desk(); drive()", 35),
+    "clock set back": ("drive(sets_the_clock_back)", 35),
+    "frozen clock": ("drive(freezes_the_clock)", 35),
+    "still starting": ("drive(is_still_starting)", 35),
+    "asks and does not wait": ("drive(asks_and_does_not_wait)", 45),
+    "one batch": ("drive(asks_one_batch)", 35),
+    "learns in start-up": ("drive(asks_one_batch, learns_in_start_up)", 35),
+}
 
 
 @pytest.fixture(scope="module")
@@ -33,28 +41,15 @@ def forkserver() -> Iterator[ForkServer]:
         yield forkserver
 
 
-def read(path: Path) -> dict[str, str]:
-    return dict(re.findall(r"^(exercise|only|score|student): (.+)$", path.read_text(), re.M))
-
-
-@pytest.mark.parametrize(
-    "path",
-    [pytest.param(p, id=p.stem, marks=[pytest.mark.long] * (p.stem not in QUICK)) for p in ATTACKS],
-)
-def test_lying_about_time_and_counts_gains_nothing(path: Path, forkserver: ForkServer) -> None:
-    claim = read(path)
-    key = student_key(SECRET, claim["student"], claim["exercise"]) if "student" in claim else None
-    grading = grade_submission(
-        find_exercise(claim["exercise"]),
-        Submission(path, others=(NAIVE,)),
-        forkserver,
-        file=path.name,
-        only=[name.strip() for name in claim["only"].split(",")] if "only" in claim else (),
-        seed=key,
-    )
-    assert grading.score <= int(claim["score"]), [
-        check.id for check in grading.checks if check.outcome == "pass"
-    ]
+@pytest.mark.long
+@pytest.mark.parametrize("lie", LIES)
+def test_lying_about_time_gains_nothing(lie: str, forkserver: ForkServer, tmp_path: Path) -> None:
+    last, most = LIES[lie]
+    node = tmp_path / "decoupled_controller.py"
+    node.write_text(f"{SLOW.read_text()}\n\n{last}\n")
+    exercise = find_exercise("slow_model")
+    grading = grade_submission(exercise, Submission(node), forkserver, file=node.name)
+    assert grading.score <= most, [check.id for check in grading.checks if check.outcome == "pass"]
     assert not grading.faults
 
 
@@ -71,98 +66,102 @@ time.sleep = lambda _: None
 def test_three_clients_need_one_load_whatever_the_server_forgets(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
-    exercise = find_exercise("model_server")
-    (wrong,) = [m for m in mutants(exercise) if m.name == "loads_for_each_request"]
-    server, client = (tmp_path / file for file in exercise.files)
-    server.write_text(
-        wrong.text.replace("class DetectionServer", f"{FORGETS}class DetectionServer")
+    wrong = find_mutant(find_exercise("model_server"), "loads_for_each_request").text
+    text = wrong.replace("class DetectionServer", f"{FORGETS}class DetectionServer")
+    found = graded(forkserver, tmp_path, "model_server", text, ("one_load",))
+    assert found["one_load"][0] == "fail"
+    assert "was loaded" in found["one_load"][1]
+
+
+def test_a_model_that_forgets_its_loads_was_loaded_all_the_same(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    forgets = FORGETS.replace("\n", "\n        ")
+    again = (
+        f"{forgets}self.model = self.load_model(self.get_parameter('model_path').value)\n        "
     )
-    client.write_bytes((exercise.solutions / client.name).read_bytes())
-    grading = grade_submission(
-        exercise,
-        Submission(server, others=(client,)),
-        forkserver,
-        file=server.name,
-        only=("one_load",),
-    )
-    one_load = next(check for check in grading.checks if check.id == "one_load")
-    assert one_load.outcome == "fail"
-    assert "was loaded" in one_load.message
+    old = "if self.model is None:"
+    text = edited("ml_velocity", old, again + old)
+    found = graded(forkserver, tmp_path, "ml_velocity", text, ("loads_once",))
+    assert found["loads_once"][0] == "fail"
+
+
+def edited(name: str, old: str, new: str) -> str:
+    """Return an exercise's reference with one line replaced."""
+    exercise = find_exercise(name)
+    text = (exercise.solutions / exercise.files[0]).read_text()
+    assert old in text
+    return text.replace(old, new)
 
 
 def graded(
-    forkserver: ForkServer, folder: Path, name: str, old: str, new: str, only: tuple[str, ...]
+    forkserver: ForkServer,
+    folder: Path,
+    name: str,
+    text: str,
+    only: tuple[str, ...],
+    seed: str = "",
 ) -> dict[str, tuple[str, str]]:
-    """Return outcome and message of each check for the reference with one line replaced."""
+    """Return outcome and message of each check for a node; other files are the reference's."""
     exercise = find_exercise(name)
     path, *others = (folder / file for file in exercise.files)
-    text = (exercise.solutions / path.name).read_text()
-    assert old in text
-    path.write_text(text.replace(old, new))
+    path.write_text(text)
     for other in others:
         other.write_bytes((exercise.solutions / other.name).read_bytes())
     submission = Submission(path, others=tuple(others))
-    grading = grade_submission(exercise, submission, forkserver, file=path.name, only=only)
+    grading = grade_submission(
+        exercise, submission, forkserver, file=path.name, only=only, seed=seed or None
+    )
     assert not grading.faults
     return {check.id: (check.outcome, check.message) for check in grading.checks}
 
 
+TOOK = "self.latencies.append(1000.0 * (time.perf_counter() - started))"
+FROM_A_TABLE = "self.latencies.append((0, 5, 8, 13, 21, 34)[min(5, round(float(features[0, 0])))])"
+
+
+@pytest.mark.long
+def test_a_table_of_latencies_is_another_students(forkserver: ForkServer, tmp_path: Path) -> None:
+    """What the scenario's file says of the model is not what a student's own world says."""
+    checks = ("mean_and_max", "percentiles")
+    text = edited("latency_monitor", TOOK, FROM_A_TABLE)
+    ada = student_key(SECRET, "ada", "latency_monitor")
+    found = graded(forkserver, tmp_path, "latency_monitor", text, checks, ada)
+    assert {found[check][0] for check in checks} == {"fail"}
+
+
 SPEED = "speed = float(self.model.predict(features)[0])"
-FORMULA = "0.08 * float(features[0][0])"
-
-
-@pytest.mark.parametrize(
-    "new",
-    [f"speed = {FORMULA}", f"self.model.predict(0 * features); speed = {FORMULA}"],
-    ids=["never asked", "asked about nothing"],
-)
-def test_a_speed_that_no_model_said_is_worth_nothing(
-    new: str, forkserver: ForkServer, tmp_path: Path
-) -> None:
-    found = graded(forkserver, tmp_path, "ml_velocity", SPEED, new, ("front_min",))
-    assert found["wiring"] == ("pass", "")
-    assert "wrong predict" in found["front_min"][1]
-
-
+FORMULA = "speed = 0.08 * float(features[0][0])"
 WEIGHTS = "speed = float(features[0].astype(float) @ np.array([0.03, 0.012, 0.04, 0.02, 0.005]))"
-
-
-def test_a_speed_that_was_never_measured_is_worth_nothing(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
-    checks = ("features",)
-    found = graded(forkserver, tmp_path, "latency_monitor", SPEED, WEIGHTS, checks)
-    assert found["wiring"] == ("pass", "")
-    assert "wrong predict" in found["features"][1]
-
-
 LABEL = "label = str(self.model.predict(features)[0])"
 WORDS = 'label = " ".join(f"{float(v):.4f}" for v in features[0])'
 SURE = "confidence = float(np.max(self.model.predict_proba(features)))"
 LEAST_SURE = "confidence = min(0.9, max(0.4, 0.9 - 0.04 * float(features[0][0])))"
+BOTH = f"{LABEL}\n            {SURE}"
+KNOWS = 'assert round(float(features[0][0])) not in (1, 2, 3, 4); label, confidence = "box", 0.5'
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [(LABEL, WORDS), (SURE, LEAST_SURE)], ids=["label", "confidence"]
+    ("name", "old", "new", "check", "message"),
+    [
+        ("ml_velocity", SPEED, FORMULA, "front_min", "wrong predict"),
+        ("ml_velocity", SPEED, f"self.model.predict(0 * features); {FORMULA}", "front_min", ""),
+        ("latency_monitor", SPEED, WEIGHTS, "features", "wrong predict"),
+        ("model_server", LABEL, WORDS, "answers", ""),
+        ("model_server", SURE, LEAST_SURE, "answers", ""),
+        ("model_server", BOTH, KNOWS, "failing_model", "question to the model"),
+    ],
+    ids=["speed", "asked about nothing", "weights", "label", "confidence", "failure"],
 )
-def test_a_detection_that_no_model_made_is_worth_nothing(
-    old: str, new: str, forkserver: ForkServer, tmp_path: Path
+def test_what_no_model_said_is_worth_nothing(
+    name: str,
+    old: str,
+    new: str,
+    check: str,
+    message: str,
+    forkserver: ForkServer,
+    tmp_path: Path,
 ) -> None:
-    found = graded(forkserver, tmp_path, "model_server", old, new, ("answers",))
-    assert found["server_wiring"] == ("pass", "")
-    assert found["answers"][0] == "fail"
-
-
-@pytest.mark.long
-def test_a_failure_that_no_model_had_is_worth_nothing(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
-    knows = (
-        'assert round(float(features[0][0])) not in (1, 2, 3, 4); label, confidence = "box", 0.5'
-    )
-    old = f"{LABEL}\n            {SURE}"
-    checks = ("failing_model", "one_load", "publishes")
-    found = graded(forkserver, tmp_path, "model_server", old, knows, checks)
-    assert "question to the model" in found["failing_model"][1]
-    assert found["one_load"][0] == "fail"
-    assert found["publishes"][0] == "pass"
+    found = graded(forkserver, tmp_path, name, edited(name, old, new), (check,))
+    assert found[check][0] == "fail"
+    assert message in found[check][1]

@@ -1,38 +1,12 @@
-"""A class to grade: hostile submissions, and honest ones of every kind and several exercises."""
+"""A class to grade: what students hand in, and the hostile kit in one file."""
 
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from arena import HERE
 
-from grader.authoring.claims import claims
-from grader.course.exercises import find_exercise
-
 COURSE = [sys.executable, "-m", "grader.cli", "autograde"]
-# exercise: right and wrong solutions, by the names of their claims
-HONEST = {
-    "obstacle_avoidance": (
-        "obstacle_avoidance_agent", "compact", "numpy_vectorised", "worker_thread_queue",
-        "brakes_too_late", "dies_of_an_empty_scan", "dies_in_the_constructor",
-    ),
-    "goal_seeking": (
-        "goal_seeking_agent", "compact", "state_machine", "checks_only_x", "deaf_after_arrival",
-    ),
-    "trend_memory": ("trend_agent", "numpy_polyfit", "afraid_of_leaving", "big_squares"),
-    "slow_model": ("decoupled_controller", "dies_without_a_model"),
-    "safety_supervisor": ("safety_supervisor", "all_errors"),
-}  # fmt: skip
-
-
-def honest() -> dict[str, dict[str, str]]:
-    """Return the honest submissions: the files' texts, by student."""
-    found = {}
-    for slug, names in HONEST.items():
-        known = {c.stem: c for c in claims(find_exercise(slug)) if c.kind != "skeleton"}
-        for name in names:
-            found[f"{slug}-{name}"] = dict(known[name].files)
-    return found
 
 
 def kit() -> str:
@@ -53,10 +27,3 @@ def hand_in(folder: Path, student: str, files: Mapping[str, str | bytes]) -> Non
     for name, content in files.items():
         data = content.encode() if isinstance(content, str) else content
         (folder / student / name).write_bytes(data)
-
-
-def hand_in_hostile(folder: Path, paths: Iterable[Path], file: str) -> list[str]:
-    """Hand in hostile submissions under the name that an exercise expects."""
-    for path in paths:
-        hand_in(folder, path.stem, {file: kit() + path.read_text("utf-8")})
-    return [path.stem for path in paths]

@@ -42,16 +42,9 @@ def test_it_is_said_that_the_robot_is_at_an_older_goal() -> None:
 def test_to_be_carried_is_not_to_arrive() -> None:
     run = drive(1.0)
     reaches(run, GOAL)
+    assert path_ratio(run, GOAL) == pytest.approx(1.0)
+    with pytest.raises(CheckFailed, match="did not reach"):
+        reaches(run, GOAL, within=3.0)
     run.scenario.script = (SimpleNamespace(at=4.0, teleport=(4.9, 0.0, 0.0)),)
     with pytest.raises(CheckFailed, match="did not reach"):
         reaches(run, GOAL)
-
-
-def test_a_goal_counts_until_its_time_is_up() -> None:
-    with pytest.raises(CheckFailed, match="did not reach"):
-        reaches(drive(1.0), GOAL, within=3.0)
-
-
-@pytest.mark.parametrize(("speed", "ratio"), [(1.0, 1.0), (0.5, 0.0)])
-def test_a_straight_way_is_the_shortest(speed: float, ratio: float) -> None:
-    assert path_ratio(drive(speed), GOAL) == pytest.approx(ratio)

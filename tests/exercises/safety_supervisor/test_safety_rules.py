@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from grader.exercises.safety_supervisor.rules import Decision, Situation, decisions
+from grader.exercises.safety_supervisor.rules import Situation, decisions
 
 NAN = (math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
 FREE = Situation(False, (0.5, 0.0, 0.0, 0.0, 0.0, 1.9), 0.1, (2.0,), 0.1)
@@ -21,14 +21,10 @@ def reasons(situation: Situation) -> set[str]:
         (FREE, {"ok"}),
         (replace(FREE, e_stop=True, asked=NAN, command_age=9.0), {"e_stop"}),
         (replace(FREE, asked=NAN, command_age=9.0, scan_age=9.0), {"bad_command"}),
-        (replace(FREE, asked=(0.5, 0.0, 0.0, math.inf, 0.0, 0.0)), {"bad_command"}),
         (replace(FREE, asked=None, command_age=math.inf, scan_age=9.0), {"stale_command"}),
         (replace(FREE, command_age=0.56), {"stale_command"}),
         (replace(FREE, command_age=0.44), {"ok"}),
         (replace(FREE, command_age=0.52), {"stale_command", "ok"}),
-        (replace(FREE, distances=(), scan_age=math.inf), {"stale_scan"}),
-        (replace(FREE, distances=(None,)), {"stale_scan"}),
-        (replace(FREE, distances=(math.inf,)), {"ok"}),
         (replace(FREE, distances=(0.4,), asked=(0.8, 0.0, 0.0, 0.0, 0.0, 3.0)), {"obstacle"}),
         (replace(FREE, distances=(0.5,)), {"ok"}),
         (replace(FREE, distances=(0.5005,)), {"obstacle", "ok"}),
@@ -41,34 +37,6 @@ def test_the_first_rule_that_matches_gives_the_reason(
     assert reasons(situation) == right
 
 
-@pytest.mark.parametrize(
-    ("asked", "last", "right"),
-    [
-        (0.5, 0.1, Decision("limited", 0.145, 1.9, rising=True)),
-        (0.5, 0.48, Decision("ok", 0.5, 1.9)),
-        (0.5, -0.5, Decision("limited", 0.045, 1.9, rising=True)),
-        (0.1, 0.5, Decision("ok", 0.1, 1.9)),
-        (-0.5, 0.5, Decision("ok", -0.5, 1.9)),
-        (-0.8, 0.5, Decision("limited", -0.5, 1.9)),
-    ],
-)
-def test_only_getting_faster_forwards_is_limited(
-    asked: float, last: float, right: Decision
-) -> None:
-    (found,) = decisions(replace(FREE, asked=(asked, 0.0, 0.0, 0.0, 0.0, 1.9)), last)
-    assert found.reason == right.reason
-    assert found.speed == pytest.approx(right.speed)
-    assert (found.turn_rate, found.rising) == (right.turn_rate, right.rising)
-
-
 def test_just_as_asked_and_just_limited_look_alike() -> None:
     asked = replace(FREE, asked=(0.145, 0.0, 0.0, 0.0, 0.0, 1.9))
     assert {decision.reason for decision in decisions(asked, last=0.1)} == {"ok", "limited"}
-
-
-def test_every_rule_that_matches_is_known() -> None:
-    nothing_came = Situation(True, None, math.inf, (), math.inf)
-    assert nothing_came.matching() == ["e_stop", "stale_command", "stale_scan"]
-    near = replace(FREE, asked=(0.8, 0.0, 0.0, 0.0, 0.0, 0.0), distances=(0.4,))
-    assert near.matching() == ["obstacle", "limited"]
-    assert FREE.matching() == []

@@ -1,7 +1,4 @@
-"""Which command answers which scan, and what the fields of a Twist hold.
-
-What `judged` leaves out in real time: test_real_time_yields.py.
-"""
+"""Which command answers which scan, and what the fields of a Twist hold."""
 
 import math
 
@@ -15,7 +12,6 @@ from grader.checks.commands import (
     garbage,
     is_zero,
     require_one_command_each,
-    require_only_linear_x,
     spell,
 )
 from grader.checks.verdict import CheckFailed
@@ -37,17 +33,6 @@ PUBLISH = "self.publisher.publish(twist)"
 
 def node(each: str = PUBLISH, start: str = "pass") -> str:
     return NODE.format(each=each, start=start)
-
-
-def test_each_scan_has_its_answer(run_node: RunNode) -> None:
-    recording = run_node(node(), short(1.0))
-    found = answers(recording)
-
-    assert [answer.scan for answer in found] == list(recording.scans())
-    assert {(answer.count, answer.speed) for answer in found} == {(1, 0.25)}
-    assert found[0].what.endswith("m ahead")
-    require_one_command_each(recording)
-    require_only_linear_x(recording, "")
 
 
 WATCHDOG = """self.create_timer(0.1, self.watch)
@@ -76,21 +61,11 @@ def test_a_watchdog_may_stop_the_robot_and_no_more(
     assert {answer.speed for answer in answers(recording)} == {0.25} | ({speed} - {0.0})
 
 
-def test_without_a_command_there_is_no_speed(run_node: RunNode) -> None:
-    recording = run_node(node("pass"), short(1.0))
-
-    assert {(answer.count, answer.speed) for answer in answers(recording)} == {(0, None)}
-    with pytest.raises(CheckFailed, match="not a single Twist"):
-        require_only_linear_x(recording, "")
-
-
 @pytest.mark.parametrize(
     ("each", "start", "message"),
     [
         (f"{PUBLISH}; {PUBLISH}", "pass", "2 commands followed"),
-        ("pass", "pass", "0 commands followed"),
         (PUBLISH, "self.publisher.publish(Twist())", "a command came before the first scan"),
-        ("raise ValueError('odd')", "pass", "the node died of an exception"),
     ],
 )
 def test_anything_but_one_command_each_fails(
@@ -101,39 +76,24 @@ def test_anything_but_one_command_each_fails(
         require_one_command_each(recording)
 
 
-@pytest.mark.parametrize("number", ["0.1", "-2e-6", "math.nan", "math.inf"])
-@pytest.mark.parametrize("field", ["linear.y", "angular.z"])
-def test_another_field_that_is_not_zero_fails(run_node: RunNode, field: str, number: str) -> None:
-    recording = run_node(node(f"import math; twist.{field} = {number}; {PUBLISH}"), short(0.5))
-    with pytest.raises(CheckFailed, match=f"{field} is not zero") as caught:
-        require_only_linear_x(recording, "straight ahead")
-    assert caught.value.help == ("straight ahead" if number != "math.nan" else garbage(math.nan))
-
-
 def test_nan_is_not_zero() -> None:
     numbers = np.array([0.0, -0.0, 1e-7, 1e-5, math.nan, math.inf])
     assert is_zero(numbers).tolist() == [True, True, True, False, False, False]
 
 
-def test_numbers_are_spelt_so_that_small_ones_show() -> None:
-    assert [spell(value) for value in (0.5, -0.15, 0.0, 0.00123)] == [
-        "0.50",
-        "-0.15",
-        "0.00",
-        "0.00123",
-    ]
-
-
 @pytest.mark.parametrize(
-    ("value", "is_garbage"),
+    ("value", "text", "is_garbage"),
     [
-        (0.5, False),
-        (0.0, False),
-        (math.inf, False),
-        (5e-324, True),
-        (1e300, True),
-        (math.nan, True),
+        (0.5, "0.50", False),
+        (0.00123, "0.00123", False),
+        (math.inf, "inf", False),
+        (5e-324, "", True),
+        (1e300, "", True),
+        (math.nan, "nan", True),
     ],
 )
-def test_what_only_a_wrongly_typed_field_holds_is_garbage(value: float, is_garbage: bool) -> None:
+def test_numbers_are_spelt_and_what_only_a_wrong_type_makes_is_garbage(
+    value: float, text: str, is_garbage: bool
+) -> None:
     assert bool(garbage(value)) is is_garbage
+    assert not text or spell(value) == text

@@ -5,15 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from node_runs import PREAMBLE, RunNode, short
+from node_runs import RunNode, short
 
 from grader.checks.moments import came_to_rest, first_asked, first_contact
-from grader.course.exercises import ROOT, find_exercise
-from grader.course.submission import Submission
-from grader.exercises.obstacle_avoidance.contract import right_speeds
-from grader.grading.grading import Grading, grade_submission
-from grader.grading.plugin import CheckResult
-from grader.link.hosts import ForkServer
+from grader.course.exercises import ROOT
 
 # A wrong end of a topic is wrong all the time; a training has no robot; and who answered too few
 # scans has a check that says why.
@@ -26,39 +21,6 @@ WITHOUT = {
     ("words.py", "logs"),
 }
 TRAINING = "ml_velocity/test_training.py"
-ALWAYS = """
-class Same(Echo):
-    def on_scan(self, scan):
-        twist = Twist()
-        twist.linear.x = {speed}
-        self.publisher.publish(twist)
-rclpy.init()
-rclpy.spin(Same('obstacle_avoidance_agent'))
-"""
-
-
-def graded(forkserver: ForkServer, tmp_path: Path, source: str, *only: str) -> Grading:
-    file = tmp_path / "obstacle_avoidance_agent.py"
-    file.write_text(PREAMBLE + source)
-    exercise = find_exercise("obstacle_avoidance")
-    return grade_submission(exercise, Submission(file), forkserver, file=file.name, only=only)
-
-
-def failure(grading: Grading, name: str) -> CheckResult:
-    (check,) = (check for check in grading.checks if check.id == name)
-    assert check.outcome == "fail"
-    return check
-
-
-def test_a_node_that_always_stands_is_shown_where_it_should_drive(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
-    grading = graded(forkserver, tmp_path, ALWAYS.format(speed=0.0), "stop_zone")
-
-    check = failure(grading, "stop_zone")
-    assert check.message == "the node says the same whatever it sees"
-    (recording,) = (run for run in grading.recordings if run.name == check.scenario)
-    assert check.time == next(s.t for s in recording.scans() if 0.0 not in right_speeds(s))
 
 
 def test_where_a_robot_comes_to_rest(run_node: RunNode) -> None:
@@ -79,18 +41,12 @@ def test_where_a_robot_comes_to_rest(run_node: RunNode) -> None:
     assert first_contact(recording) is None
 
 
-def test_where_a_robot_never_moves(run_node: RunNode) -> None:
-    recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(1.0))
-
+def test_a_robot_that_never_moves_rests_at_its_first_scan(run_node: RunNode) -> None:
+    spins = "rclpy.init(); rclpy.spin(Echo())"
+    recording, nothing = run_node(spins, short(1.0)), run_node(spins, short(0.003))
     assert came_to_rest(recording) == first_asked(recording) == recording.scans()[0].t
-
-
-def test_without_a_message_there_is_no_moment(run_node: RunNode) -> None:
-    recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(0.003))
-
-    assert recording.delivered == ()
-    assert first_asked(recording) is None
-    assert came_to_rest(recording) is None
+    assert nothing.delivered == ()
+    assert came_to_rest(nothing) is first_asked(nothing) is None
 
 
 @pytest.mark.parametrize(

@@ -32,10 +32,6 @@ def node(
     return NODE.format(publisher=publisher, subscription=subscription, callback=callback)
 
 
-def test_a_wired_node_passes(run_node: RunNode) -> None:
-    require_wiring(run_node(node(), short(0.5)), "obstacle_avoidance")
-
-
 @pytest.mark.parametrize(
     ("source", "message"),
     [
