@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader.lms.book import Book, Mark, Task, scaled
-from grader.lms.entries import Entry, Read, SetAside, Who, several
+from grader.lms.entries import Entry, Read, SetAside, Who
 from grader.lms.people import Sheet
 from grader.lms.platform import Files, Platform
 from grader.lms.tables import Cell, Verbatim, csv_text, number
@@ -165,7 +165,6 @@ def _id(text: str) -> Cell:
 PLATFORM = Platform(
     "Canvas",
     read,
-    lambda names: several(names, UPLOAD),
     sheet,
     gradebook,
     folder="canvas",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -46,9 +44,3 @@ class Read:
     entries: list[Entry] = field(default_factory=list)
     set_aside: list[SetAside] = field(default_factory=list)
     left: list[Path] = field(default_factory=list)  # for the next platform
-
-
-def several(names: Iterable[str], *patterns: re.Pattern[str], who: str = "id") -> bool:
-    """Tell whether names have the prefixes of at least two people."""
-    found = (pattern.fullmatch(name) for name in names for pattern in patterns)
-    return len({match[who] for match in found if match is not None}) > 1

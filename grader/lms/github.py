@@ -55,6 +55,4 @@ def sheet(header: Sequence[str]) -> str:
     return "github" if {"github_username", "identifier"} <= set(header) else ""
 
 
-PLATFORM = Platform(
-    "GitHub Classroom", read, lambda names: sum(each.endswith("/.git") for each in names) > 1, sheet
-)
+PLATFORM = Platform("GitHub Classroom", read, sheet)

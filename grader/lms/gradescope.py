@@ -1,20 +1,15 @@
-"""Gradescope: folders `submission_ID` with a list of whose they are, and an autograder.
+"""Gradescope: folders `submission_ID` with a list of whose they are, and `results.json`.
 
 - "Export Submissions" has a file `submission_metadata.yml` with, for each folder, `:submitters:`
   with `:name:`, `:sid:` and `:email:`, and `:created_at:`. A group's submission counts for each of
   its members. Source: the export itself; public readers of it agree on these keys.
-- `gradescope/autograder.zip` is an autograder that only looks results up. Upload it to the
-  programming assignments that the submissions were exported from, and choose "Regrade all
-  submissions"; no student's code runs there. Without a result the student sees that the autograder
-  failed, and there is no score. Source: Gradescope, "Autograder Specifications", "Output Format"
-  and "Submission Metadata".
+- `results.json` is what an autograder leaves there (`grader.classroom.autograder`). Source:
+  Gradescope, "Autograder Specifications", "Output Format".
 """
 
 from __future__ import annotations
 
-import io
 import re
-import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -24,11 +19,10 @@ import yaml
 
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
-from grader.lms.book import Book, Mark, Task
+from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
 from grader.lms.entries import Entry, Read, SetAside, Who
-from grader.lms.platform import Files, Platform
-from grader.report.page import json_text
+from grader.lms.platform import Platform
 from grader.report.terminal import UNJUDGED
 
 METADATA = "submission_metadata.yml"
@@ -41,28 +35,6 @@ WORDS = {
     "skip": "Skipped.",
     "unavailable": "Not counted: a library is not installed where the judge runs.",
 }
-EPOCH = (1980, 1, 1, 0, 0, 0)  # the same results make the same bytes
-PROGRAM = 0o100755  # an ordinary file that may be run
-SETUP = """#!/usr/bin/env bash
-command -v python3 || { apt-get update && apt-get install -y python3; }
-"""
-RUN = '''#!/usr/bin/env python3
-"""Hand out the result that was graded elsewhere."""
-
-import json
-import os
-import shutil
-import sys
-
-root = os.environ.get("AUTOGRADER_ROOT", "/autograder")
-with open(os.path.join(root, "submission_metadata.json"), encoding="utf-8") as file:
-    number = int(json.load(file)["id"])
-result = os.path.join(root, "source", "graded", f"{number}.json")
-if not os.path.exists(result):
-    sys.exit("This submission was not graded yet, or a person has to look at it first.")
-os.makedirs(os.path.join(root, "results"), exist_ok=True)
-shutil.copyfile(result, os.path.join(root, "results", "results.json"))
-'''
 
 
 # --- what it hands over --------------------------------------------------------------------------
@@ -128,13 +100,6 @@ def sheet(header: Sequence[str]) -> str:
 # --- what it takes back --------------------------------------------------------------------------
 
 
-def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
-    """Return an autograder with the results of the submissions that were exported there."""
-    if "gradescope" not in book.systems:
-        return {}
-    return {"gradescope/autograder.zip": _autograder(_by_submission(book, tasks))}
-
-
 def results_json(marks: Sequence[Mark], tasks: Sequence[Task]) -> dict[str, Any] | None:
     """Return one student's results; None while any is held or unfinished.
 
@@ -191,42 +156,4 @@ def _output(check: Mapping[str, Any]) -> str:
     return text if len(text) <= MAX_OUTPUT else text[: MAX_OUTPUT - 1] + "…"
 
 
-def _by_submission(book: Book, tasks: Sequence[Task]) -> dict[int, str]:
-    """Return the text of `results.json` for each submission of Gradescope's."""
-    groups: dict[int, dict[str, Mark]] = {}
-    for mark in book.entries:
-        number = mark.handed.entry.removeprefix("submission_")
-        if mark.handed.system == "gradescope" and number.isdecimal():
-            # a group's submission was graded for each of its members: the first counts
-            groups.setdefault(int(number), {}).setdefault(mark.exercise, mark)
-    found = {n: results_json(list(each.values()), tasks) for n, each in sorted(groups.items())}
-    return {number: json_text(final) for number, final in found.items() if final is not None}
-
-
-def _autograder(texts: Mapping[int, str]) -> bytes:
-    """Return the zip for Gradescope."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        _add(archive, "setup.sh", SETUP, PROGRAM)
-        _add(archive, "run_autograder", RUN, PROGRAM)
-        for submission, text in texts.items():
-            _add(archive, f"graded/{submission}.json", text, 0o100644)
-    return stream.getvalue()
-
-
-def _add(archive: zipfile.ZipFile, name: str, text: str, mode: int) -> None:
-    info = zipfile.ZipInfo(name, EPOCH)
-    info.compress_type = zipfile.ZIP_DEFLATED
-    info.external_attr = mode << 16
-    archive.writestr(info, text.encode("utf-8", "replace"))
-
-
-PLATFORM = Platform(
-    "Gradescope",
-    read,
-    lambda names: METADATA in names,
-    sheet,
-    gradebook,
-    folder="gradescope",
-    what="Gradescope: an autograder that hands out the results",
-)
+PLATFORM = Platform("Gradescope", read, sheet)

@@ -30,7 +30,7 @@ from typing import BinaryIO
 
 from grader.lms.book import Book, Mark, Task, scaled
 from grader.lms.clean import one_line
-from grader.lms.entries import Entry, Read, Who, several
+from grader.lms.entries import Entry, Read, Who
 from grader.lms.names import student_id
 from grader.lms.people import Sheet
 from grader.lms.platform import Files, Platform
@@ -257,7 +257,6 @@ def feedback(target: BinaryIO, marks: Sequence[Mark], task: Task, pages: Path) -
 PLATFORM = Platform(
     "Moodle",
     read,
-    lambda names: several(names, FOLDER, FLAT),
     sheet,
     gradebook,
     feedback,

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from grader.course.submission import read_regular_file
 from grader.lms.book import Book, Mark, Task
-from grader.lms.entries import Entry, Read, SetAside, Who, several
+from grader.lms.entries import Entry, Read, SetAside, Who
 from grader.lms.platform import Platform
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
@@ -134,4 +134,4 @@ def _id(mark: Mark) -> str:
     return id_ or mark.student
 
 
-PLATFORM = Platform("nbgrader", read, lambda names: several(names, ATTEMPT, who="user"))
+PLATFORM = Platform("nbgrader", read)

@@ -10,7 +10,7 @@ from typing import BinaryIO
 from grader.lms.book import Book, Mark, Task
 from grader.lms.entries import Read
 
-Files = Mapping[str, str | bytes]  # path below the class's folder: content
+Files = Mapping[str, str]  # path below the class's folder: content
 Reads = Callable[[Path, Sequence[Path]], Read]
 Fills = Callable[[Book, Sequence[Task]], Files]
 Packs = Callable[[BinaryIO, Sequence[Mark], Task, Path], None]
@@ -24,8 +24,6 @@ class Platform:
     # The entries among the paths of a folder. Nothing is opened or followed but the platform's own
     # files, and what it does not know is left for the next.
     read: Reads
-    # Whether a folder that holds these names is a download of several students' work.
-    is_download: Callable[[Sequence[str]], bool] = lambda names: False
     # The kind of a CSV with these headings, in small letters, if it is one of the platform's.
     sheet: Callable[[Sequence[str]], str] = lambda header: ""
     # The files that it imports; held gradings are in none.

@@ -12,7 +12,7 @@ from pathlib import Path
 from grader.classroom.intake import notebooks
 from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.errors import InputError, is_disk_full
-from grader.lms import PLATFORMS, platform_of
+from grader.lms import PLATFORMS
 from grader.lms.entries import Entry, Read, SetAside, Who
 from grader.lms.names import may_enter, student_id, unique
 from grader.lms.people import NOBODY, Roster, folded
@@ -30,10 +30,7 @@ from grader.nbgrader.intake import Unreadable
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NOTEBOOKS = 50  # of a student that are opened
 LINK = "a link, which is not followed; expected a folder or an archive"
-DOWNLOAD = (
-    "{platform}'s download of several students, not the work of one; "
-    "name it itself on the command line"
-)
+CLASS = "the work of several students, not of one; name it itself on the command line"
 UNREAD = f"an archive that is not read; ask for one of {', '.join(ARCHIVES)}"
 
 Key = tuple[object, ...]  # what makes two entries one student's
@@ -53,7 +50,7 @@ def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> 
     Archives are unpacked below `scratch`; a folder of a source that holds it is nobody's. Everybody
     in the roster is a student.
 
-    Raises InputError: a source can't be read, or there is nothing in them, or only downloads.
+    Raises InputError: a source can't be read, or there is nothing in them.
     """
     set_aside: list[SetAside] = []
     read: list[tuple[int, Entry]] = []
@@ -64,7 +61,6 @@ def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> 
         set_aside += found.set_aside
     if not read and not roster.people:
         raise InputError(_nothing(sources, set_aside))
-    _refuse_downloads([entry for _, entry in read])
     students = _named(_students(read, roster), roster)
     for student in students:
         _fill(student, scratch / student.id, set_aside)
@@ -100,6 +96,10 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
             f"{source}: a broken archive ({type(error).__name__}); download it again"
         ) from None
     set_aside += [SetAside(f"{source.name}: {name}", why) for name, why in odd]
+    return _unwrapped(room)
+
+
+def _unwrapped(room: Path) -> Path:
     while (inner := _wrapped(room)) is not None:
         room = inner
     return room
@@ -113,19 +113,13 @@ def _wrapped(room: Path) -> Path | None:
     return there[0] if _entries(there[0]).entries else None
 
 
-def _refuse_downloads(entries: Sequence[Entry]) -> None:
-    """Refuse a folder of downloads: nothing in it is a student's."""
-    found = {entry.path: platform_of(entry.path) for entry in entries if _is_plain(entry)}
-    if entries and len(found) == len(entries) and all(found.values()):
-        listed = " ".join(f"'{path}'" for path in found)
-        raise InputError(
-            f"expected students, found downloads of {', '.join(sorted(set(found.values())))} "
-            f"a folder deeper; name them instead: {listed}"
-        )
-
-
-def _is_plain(entry: Entry) -> bool:
-    return entry.who.system == "folder" and not entry.path.is_symlink()
+def _is_class(folder: Path) -> bool:
+    """Tell whether a folder is a download, which people put into another and name that."""
+    try:
+        people = [entry.who for entry in _entries(_unwrapped(folder)).entries]
+    except (InputError, OSError):
+        return False
+    return len({who.id or who.name for who in people if who.system != "folder"}) > 1
 
 
 def _entries(folder: Path, roster: Roster = NOBODY, scratch: Path | None = None) -> Read:
@@ -236,11 +230,11 @@ def _collect(
     if entry.path.is_symlink():
         student.problems.append(LINK)
         return
-    if _is_plain(entry) and (platform := platform_of(entry.path)):
-        student.problems.append(f"{entry.path.name}: {DOWNLOAD.format(platform=platform)}")
-        return
     if not entry.path.is_dir():
         _add_file(student, HandedIn(entry.path, called, entry, number), room, set_aside)
+        return
+    if entry.who.system == "folder" and _is_class(entry.path):
+        student.problems.append(f"{called}: {CLASS}")
         return
     found, links, closed = _files(entry.path)
     student.links |= links
@@ -278,6 +272,9 @@ def _add_file(student: Student, file: HandedIn, room: Path, set_aside: list[SetA
     set_aside += [
         SetAside(f"{file.entry.path.name}: {name}", why, fault=False) for name, why in odd
     ]
+    if file.entry.who.system == "folder" and _is_class(room):
+        student.problems.append(f"{file.name}: {CLASS}")
+        return
     inner, *_ = _files(room)
     student.files += [
         HandedIn(path, path.relative_to(room).as_posix(), file.entry, file.source) for path in inner

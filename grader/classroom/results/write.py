@@ -142,10 +142,7 @@ def _write_gradebooks(
             shutil.rmtree(out / platform.folder, ignore_errors=True)
         with done.part(f"{platform.name}'s files"):
             for name, content in platform.gradebook(book, tasks).items():
-                data = content.encode("utf-8", "replace") if isinstance(content, str) else content
-                with replacing(out / name) as file:
-                    file.write(data)
-                done.files.append(out / name)
+                done.files.append(write_text(out / name, content))
     if options.nbgrader is not None:
         with done.part(f"nbgrader's gradebook {options.nbgrader}"):
             write_into(options.nbgrader, book, tasks)

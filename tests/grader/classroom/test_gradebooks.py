@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
-import subprocess
-import sys
-import zipfile
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -251,7 +247,7 @@ def test_moodle_takes_the_feedback_back(tmp_path: Path, assignment: MoodleAssign
     assert assignment.files["bob"] == {f"{SLUG}.html": (folder / f"{SLUG}.html").read_bytes()}
 
 
-# --- nbgrader, Gradescope ------------------------------------------------------------------------
+# --- nbgrader ------------------------------------------------------------------------------------
 
 
 @pytest.mark.long  # nbgrader takes a while to import
@@ -279,55 +275,18 @@ def test_nbgraders_own_gradebook(tmp_path: Path) -> None:
     assert "give another file to --nbgrader" in str(missing)
 
 
-METADATA = """
-submission_101:
-  :submitters:
-  - :name: Ann
-  - :name: Bo
-submission_103:
-  :submitters:
-  - :name: Cy
-"""
-
-
-def test_gradescope_hands_out_what_was_graded_here(tmp_path: Path) -> None:
-    write(tmp_path / "in" / "submission_metadata.yml", METADATA)
-    names = [f"submission_{number}/{AGENT}" for number in (101, 103)]
-    results, about = taken(tmp_path, names, held="Cy")
-    done = write_results(results, tmp_path / "out", ResultOptions(**about))
-    assert done.missing == []
-    root = tmp_path / "autograder"
-    with zipfile.ZipFile(tmp_path / "out" / "gradescope" / "autograder.zip") as archive:
-        archive.extractall(root / "source")
-        modes = {info.filename: info.external_attr >> 16 for info in archive.infolist()}
-    assert modes["run_autograder"] & modes["setup.sh"] & 0o111
-    assert sorted(path.name for path in (root / "source" / "graded").iterdir()) == ["101.json"]
-
-    def run(submission: int) -> subprocess.CompletedProcess[str]:
-        write(root / "submission_metadata.json", json.dumps({"id": submission}))
-        return subprocess.run(
-            [sys.executable, str(root / "source" / "run_autograder")],
-            env={"AUTOGRADER_ROOT": str(root)}, text=True, capture_output=True, check=False,
-        )  # fmt: skip
-
-    assert run(103).returncode == 1
-    assert not (root / "results").exists()
-    assert run(101).returncode == 0
-    assert json.loads((root / "results" / "results.json").read_text())["score"] == 60.0
-
-
 @pytest.mark.parametrize(
     ("system", "wanted"),
     [
         ("folder", {"canvas", "moodle"}), ("canvas", {"canvas"}), ("moodle", {"moodle"}),
-        ("gradescope", {"gradescope"}), ("github", set()),
+        ("gradescope", set()), ("github", set()),
     ],
 )  # fmt: skip
 def test_gradebooks_are_where_the_class_may_be_its_platforms(
     system: str, wanted: set[str], tmp_path: Path
 ) -> None:
-    for each in ("folder", "gradescope", system):  # those of an earlier run are gone
+    for each in ("folder", system):  # those of an earlier run are gone
         students = {"ann": StudentRow("ann", handed={SLUG: Handed(each, "ann", "1")})}
         write_results([graded("ann")], tmp_path, ResultOptions(students=students))
     there = {path.name for path in tmp_path.iterdir()}
-    assert there & {"canvas", "moodle", "gradescope"} == wanted
+    assert there & {"canvas", "moodle"} == wanted
