@@ -7,6 +7,7 @@ import re
 import unicodedata
 from collections.abc import Container
 
+RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)  # by Windows
 MAX_NAME = 80  # [characters] of a student's id
 MARK = 6  # [characters] that tell two of one name apart
 MARKED = re.compile(rf"~[0-9a-f]{{{MARK},}}$", re.IGNORECASE)
@@ -22,7 +23,7 @@ def student_id(name: str) -> str:
     text = text.strip(" .")[:MAX_NAME].strip(" .")
     while len(text.encode()) > 200:  # a file system counts bytes
         text = text[:-1]
-    return text or "unnamed"
+    return f"_{text}" if RESERVED.fullmatch(text) else text or "unnamed"
 
 
 def unique(name: str, original: str, taken: Container[str]) -> str:

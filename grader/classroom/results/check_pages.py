@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from grader.classroom.marks import Check, checks_of, judged_ones
 from grader.classroom.results.items import Item, alike, item_analysis
@@ -23,7 +23,7 @@ def page_of(task: Task, check: str) -> str:
 
 
 def check_pages(
-    results: Sequence[StoredResult], tasks: Sequence[Task], options: ResultOptions
+    results: Sequence[StoredResult], tasks: Iterable[Task], options: ResultOptions
 ) -> Iterator[tuple[str, str]]:
     """Return the page of each check that somebody failed, and where it goes."""
     for task in tasks:

@@ -36,13 +36,13 @@ ID_FIRST = ("canvas", "id", "idnumber", "sis", "login", "email", "github")
 
 def scores_csv(
     results: Sequence[StoredResult],
-    tasks: Sequence[Task],
+    tasks: Mapping[str, Task],
     students: Mapping[str, StudentRow] | None = None,
 ) -> str:
     """Return the table."""
-    by_slug, known = {task.slug: task for task in tasks}, students or {}
+    known = students or {}
     rows = [
-        _row(result, by_slug[result.exercise], known.get(result.student, StudentRow("")))
+        _row(result, tasks[result.exercise], known.get(result.student, StudentRow("")))
         for result in results
     ]
     return csv_text([SCORES, *rows])
@@ -63,11 +63,12 @@ def mark_of(
     )
 
 
-def book_of(results: Sequence[StoredResult], tasks: Sequence[Task], options: ResultOptions) -> Book:
+def book_of(
+    results: Sequence[StoredResult], tasks: Mapping[str, Task], options: ResultOptions
+) -> Book:
     """Return the class as the gradebooks see it: what was handed in, or has points."""
-    by_slug = {task.slug: task for task in tasks}
     marks = [
-        mark_of(one, by_slug[one.exercise], options.students.get(one.student), options.hidden)
+        mark_of(one, tasks[one.exercise], options.students.get(one.student), options.hidden)
         for one in results
         if not is_absent(one)
     ]

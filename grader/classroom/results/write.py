@@ -6,10 +6,10 @@ import contextlib
 import functools
 import multiprocessing
 import shutil
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
-from itertools import groupby
+from itertools import groupby, product
 from pathlib import Path
 
 from grader.classroom.marks import checks_of, is_graded, tasks_of
@@ -19,7 +19,6 @@ from grader.classroom.results.feedback import index_page, lost_page, write_page
 from grader.classroom.results.files import replacing, write_text
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.page import render
-from grader.classroom.results.published import write_published
 from grader.classroom.results.scores import book_of, scores_csv
 from grader.classroom.row import StoredResult, as_graded
 from grader.errors import is_disk_full
@@ -29,17 +28,25 @@ from grader.lms.clean import one_line
 from grader.lms.nbgrader import write_into
 
 CLASS_PAGE = "class.html"
+PUBLISHED = "published"  # the folder
 BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 MANY = 20  # students; for fewer, starting more processes does not pay
+Results = Sequence[StoredResult]
+Tasks = Mapping[str, Task]  # by slug, in the order of the lesson
 OURS = {"scores.csv": "every grading, for a spreadsheet", "intake.csv": "what became of each file"}
 
 
 @dataclass(frozen=True)
 class Written:
-    """What was written, and what could not be made."""
+    """What was written into a folder, and what could not be made."""
 
+    out: Path
     files: list[Path] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)  # a line each
+
+    def text(self, name: str, text: str) -> None:
+        """Write a file."""
+        self.files.append(write_text(self.out / name, text))
 
     @contextlib.contextmanager
     def part(self, name: str) -> Iterator[None]:
@@ -52,9 +59,7 @@ class Written:
             self.missing.append(f"{name}: {type(error).__name__}: {one_line(error, 200)}")
 
 
-def write_results(
-    results: Sequence[StoredResult], out: Path, options: ResultOptions | None = None
-) -> Written:
+def write_results(results: Results, out: Path, options: ResultOptions | None = None) -> Written:
     """Write the class report, feedback and gradebooks into `out`.
 
     The same results give the same files. Each file is replaced atomically, so nobody reads half of
@@ -63,114 +68,97 @@ def write_results(
 
     Raises OSError: a full disk, or a folder that can't be written.
     """
-    options, done = options or ResultOptions(), Written()
+    options, done = options or ResultOptions(), Written(out)
     known, tasks = _in_order(results)
-    by_slug = {task.slug: task for task in tasks}
     book = book_of(known, tasks, options)
-    _write_tables(known, tasks, out, options, done)
-    _write_gradebooks(book, tasks, out, options, done)
-    for each in _made(known, by_slug, out, options):
+    _write_tables(known, tasks, options, done)
+    _write_gradebooks(book, tasks, options, done)
+    for each in _made(known, tasks, options, out):
         done.files.extend(each.files)
         done.missing.extend(each.missing)
-    _write_feedback_zips(book, tasks, out, options, done)
+    _write_feedback_zips(book, tasks, options, done)
     with done.part("the published feedback"):
-        shown = options.published or ()
-        done.files.extend(write_published(known, by_slug, out, shown, options.title))
+        _write_published(known, tasks, options, done)
     shutil.rmtree(out / CHECKS, ignore_errors=True)
     with done.part(CHECKS):
-        for name, text in check_pages(known, tasks, options):
-            done.files.append(write_text(out / name, text))
-    options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done.files, out))
-    _write_class_page(known, tasks, out, options, done)
+        for name, text in check_pages(known, tasks.values(), options):
+            done.text(name, text)
+    options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done))
+    _write_class_page(known, tasks, options, done)
     return done
 
 
-def write_pages(results: Sequence[StoredResult], out: Path, options: ResultOptions) -> list[Path]:
+def write_pages(results: Results, out: Path, options: ResultOptions) -> list[Path]:
     """Write only the class report and the scores into `out`."""
-    (known, tasks), done = _in_order(results), Written()
-    _write_tables(known, tasks, out, options, done)
-    _write_class_page(known, tasks, out, options, done)
+    (known, tasks), done = _in_order(results), Written(out)
+    _write_tables(known, tasks, options, done)
+    _write_class_page(known, tasks, options, done)
     return done.files
 
 
-def _in_order(results: Sequence[StoredResult]) -> tuple[list[StoredResult], list[Task]]:
+def _in_order(results: Results) -> tuple[Results, Tasks]:
     """Return what students handed in, with the exercises, in their orders."""
     known = [result for result in results if not result.canary]
-    tasks = tasks_of(known)
-    order = {task.slug: index for index, task in enumerate(tasks)}
-    return sorted(known, key=lambda each: (each.student, order[each.exercise])), tasks
+    tasks = {task.slug: task for task in tasks_of(known)}
+    order = list(tasks)
+    return sorted(known, key=lambda each: (each.student, order.index(each.exercise))), tasks
 
 
 def _write_class_page(
-    results: Sequence[StoredResult],
-    tasks: Sequence[Task],
-    out: Path,
-    options: ResultOptions,
-    done: Written,
+    results: Results, tasks: Tasks, options: ResultOptions, done: Written
 ) -> None:
     """Write class.html; if it can't be made, a bare page with what is missing."""
     text = ""
     with done.part(CLASS_PAGE):
-        text = class_page(results, tasks, options, done.missing)
-    text = text or render("bare.html", "class report", missing=done.missing)
-    done.files.append(write_text(out / CLASS_PAGE, text))
+        text = class_page(results, list(tasks.values()), options, done.missing)
+    done.text(CLASS_PAGE, text or render("bare.html", "class report", missing=done.missing))
 
 
 # --- gradebooks ----------------------------------------------------------------------------------
 
 
-def _write_tables(
-    results: Sequence[StoredResult],
-    tasks: Sequence[Task],
-    out: Path,
-    options: ResultOptions,
-    done: Written,
-) -> None:
-    text = scores_csv(results, tasks, options.students)
-    done.files.append(write_text(out / "scores.csv", BOM + text))
-    (out / "intake.csv").unlink(missing_ok=True)
+def _write_tables(results: Results, tasks: Tasks, options: ResultOptions, done: Written) -> None:
+    done.text("scores.csv", BOM + scores_csv(results, tasks, options.students))
+    (done.out / "intake.csv").unlink(missing_ok=True)
     if options.account.lines:
-        done.files.append(write_text(out / "intake.csv", BOM + options.account.csv()))
+        done.text("intake.csv", BOM + options.account.csv())
 
 
-def _write_gradebooks(
-    book: Book, tasks: Sequence[Task], out: Path, options: ResultOptions, done: Written
-) -> None:
+def _write_gradebooks(book: Book, tasks: Tasks, options: ResultOptions, done: Written) -> None:
     """Write all files for gradebooks; older ones would be taken for this run's, and are removed."""
+    every = list(tasks.values())
     for platform in PLATFORMS:
         if platform.what:
-            shutil.rmtree(out / platform.folder, ignore_errors=True)
+            shutil.rmtree(done.out / platform.folder, ignore_errors=True)
         with done.part(f"{platform.name}'s files"):
-            for name, content in platform.gradebook(book, tasks).items():
-                done.files.append(write_text(out / name, content))
+            for name, text in platform.gradebook(book, every).items():
+                done.text(name, text)
     if options.nbgrader is not None:
         with done.part(f"nbgrader's gradebook {options.nbgrader}"):
-            write_into(options.nbgrader, book, tasks)
+            write_into(options.nbgrader, book, every)
 
 
-def _write_feedback_zips(
-    book: Book, tasks: Sequence[Task], out: Path, options: ResultOptions, done: Written
-) -> None:
+def _write_feedback_zips(book: Book, tasks: Tasks, options: ResultOptions, done: Written) -> None:
     """Write the feedback pages as platforms take them back: all, or those published."""
-    for platform in PLATFORMS:
-        for task in tasks if platform.feedback is not None else ():
-            marks = [
-                mark
-                for mark, _ in book.marks(task)
-                if mark.handed.system == platform.folder
-                and (options.published is None or (mark.student, task.slug) in options.published)
-            ]
-            if marks and platform.feedback is not None:
-                path = out / platform.folder / f"{task.slug}-feedback.zip"
-                with done.part(path.name):
-                    with replacing(path) as file:
-                        platform.feedback(file, marks, task, out / "feedback")
-                    done.files.append(path)
+    shown = options.published
+    for platform, task in product(PLATFORMS, tasks.values()):
+        marks = [
+            mark
+            for mark, _ in book.marks(task)
+            if mark.handed.system == platform.folder
+            and (shown is None or (mark.student, task.slug) in shown)
+        ]
+        if marks and platform.feedback is not None:
+            path = done.out / platform.folder / f"{task.slug}-feedback.zip"
+            with done.part(path.name):
+                with replacing(path) as file:
+                    platform.feedback(file, marks, task, done.out / "feedback")
+                done.files.append(path)
 
 
-def _there(written: Iterable[Path], out: Path) -> list[tuple[str, str, tuple[str, ...]]]:
+def _there(done: Written) -> list[tuple[str, str, tuple[str, ...]]]:
     """Return what was written for the report's last lines; of folders, the files in them."""
-    names = sorted(path.relative_to(out).as_posix() for path in written)
+    names = sorted(path.relative_to(done.out).as_posix() for path in done.files)
     every = OURS | {each.folder: each.what for each in PLATFORMS if each.what}
     found = []
     for name, what in every.items():
@@ -183,14 +171,12 @@ def _there(written: Iterable[Path], out: Path) -> list[tuple[str, str, tuple[str
 # --- students' pages -----------------------------------------------------------------------------
 
 
-def _made(
-    results: Sequence[StoredResult], tasks: Mapping[str, Task], out: Path, options: ResultOptions
-) -> Iterator[Written]:
+def _made(results: Results, tasks: Tasks, options: ResultOptions, out: Path) -> Iterator[Written]:
     """Make the pages, in several processes if there are many."""
     students = [list(mine) for _, mine in groupby(results, key=lambda result: result.student)]
     # what a process needs to know
-    about = (tasks, out, options.hidden, options.replays_in, options.title)
-    make = functools.partial(_write_student, *about)
+    about = ResultOptions(options.hide, options.title)
+    make = functools.partial(_write_student, tasks, about, out)
     if options.workers == 1 or len(students) < MANY:
         yield from map(make, students)
         return
@@ -199,20 +185,14 @@ def _made(
         yield from pool.map(make, students)
 
 
-def _write_student(
-    tasks: Mapping[str, Task],
-    out: Path,
-    hidden: frozenset[str],
-    replays_in: str,
-    title: str,
-    results: Sequence[StoredResult],
-) -> Written:
+def _write_student(tasks: Tasks, options: ResultOptions, out: Path, results: Results) -> Written:
     """Write a student's pages; if one can't be made, one that says so takes the place of all."""
-    student, done = results[0].student, Written()
+    student, done = results[0].student, Written(out)
     folder = out / "feedback" / student
     with done.part(f"the feedback of {one_line(student)}"):
-        index = index_page(student, results, tasks, title)
-        done.files.append(write_text(folder / "index.html", index))
+        done.text(
+            f"feedback/{student}/index.html", index_page(student, results, tasks, options.title)
+        )
         for result in results:
             task = tasks[result.exercise]
             page = folder / f"{task.slug}.html"
@@ -221,12 +201,32 @@ def _write_student(
                 continue
             # an absolute path stays itself
             bags = None if result.recordings is None else out / result.recordings
-            done.files.append(write_page(page, result, task, hidden, bags))
+            done.files.append(write_page(page, result, task, options.hidden, bags))
             failed = any(check.get("outcome") == "fail" for check in checks_of(as_graded(result)))
-            if replays_in != "feedback" and bags is not None and failed:
-                mine = out / replays_in / folder.name / page.name
+            if options.replays_in != "feedback" and bags is not None and failed:
+                mine = out / options.replays_in / folder.name / page.name
                 done.files.append(write_page(mine, result, task, frozenset(), bags))
         return done
     for page in folder.glob("*.html"):
         page.unlink()
-    return Written([write_text(folder / "index.html", lost_page(student))], done.missing)
+    return Written(out, [write_text(folder / "index.html", lost_page(student))], done.missing)
+
+
+def _write_published(results: Results, tasks: Tasks, options: ResultOptions, done: Written) -> None:
+    """Copy what students may see anew: the pages that are published, and no other."""
+    folder, shown = done.out / PUBLISHED, options.published or ()
+    for page in folder.glob("*/*.html"):
+        page.unlink()
+    theirs = [each for each in results if (each.student, each.exercise) in shown]
+    for student, each in groupby(theirs, key=lambda result: result.student):
+        mine = list(each)
+        done.text(
+            f"{PUBLISHED}/{student}/index.html", index_page(student, mine, tasks, options.title)
+        )
+        for name in [f"{one.exercise}.html" for one in mine if is_graded(one)]:
+            if (done.out / "feedback" / student / name).is_file():  # else it could not be made
+                shutil.copyfile(done.out / "feedback" / student / name, folder / student / name)
+                done.files.append(folder / student / name)
+    for emptied in (*folder.glob("*/"), folder):
+        with contextlib.suppress(OSError):  # it holds pages, or somebody's own files
+            emptied.rmdir()

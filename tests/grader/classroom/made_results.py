@@ -46,7 +46,8 @@ def result(student: str, *checks: dict[str, Any], **parts: Any) -> StoredResult:
 
 def book(results: list[StoredResult], **options: Any) -> Book:
     """The class as the gradebooks see it."""
-    return book_of(results, tasks_of(results), ResultOptions(**options))
+    tasks = {task.slug: task for task in tasks_of(results)}
+    return book_of(results, tasks, ResultOptions(**options))
 
 
 def for_gradescope(results: list[StoredResult], tasks: list[Task]) -> Any:

@@ -79,7 +79,7 @@ def test_held_gradings_have_no_points_anywhere() -> None:
         assert for_gradescope([one], tasks) is None
     assert [row[0] for row in rows(canvas_csv(book(everyone), tasks[0]) or "")[2:]] == ["zoe"]
     assert [row[0] for row in rows(grades_csv(book(everyone), tasks[0]) or "")[1:]] == ["zoe"]
-    table = csv.DictReader(io.StringIO(scores_csv(everyone, tasks)))
+    table = csv.DictReader(io.StringIO(scores_csv(everyone, {task.slug: task for task in tasks})))
     states = {row["student"]: (row["state"], row["points"]) for row in table}
     assert states["ada"] == states["chen"] == states["eve"] == ("held", "")
     assert states["dan"] == ("running", "")
@@ -106,7 +106,7 @@ def test_a_missing_library_costs_the_student_nothing() -> None:
     )
     task = tasks_of([some])[0]
     assert points_of(some, task) == 75.0
-    (row,) = csv.DictReader(io.StringIO(scores_csv([some], [task])))
+    (row,) = csv.DictReader(io.StringIO(scores_csv([some], {task.slug: task})))
     assert [row[k] for k in ("points", "max_points", "score", "max_score")] == [
         "75", "100", "45", "60",
     ]  # fmt: skip
