@@ -19,7 +19,7 @@ from grader.classroom.folder import ALIKE, STORE, locked, write_class
 from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.options import Options, compare_with_last
 from grader.classroom.progress import Progress
-from grader.classroom.regrade_run import RegradeRun
+from grader.classroom.regrade_run import judge_again
 from grader.classroom.results import ResultOptions, Written, column_titles
 from grader.classroom.results.options import OPTIONS, kept_text
 from grader.classroom.results.similarity import compared
@@ -106,9 +106,13 @@ def _autograde(
             for key, candidate in taken_in.candidates.items()
             if not only or not regrade or key[0] in only
         }
-        run = RegradeRun if regrade else GradingRun
+        about = store, out, candidates, options, progress, writer.look
+        notes: list[str] = []
         try:
-            notes = run(store, out, candidates, options, progress, writer.look).run()
+            if regrade:
+                judge_again(*about)
+            else:
+                notes = GradingRun(*about).run()
         except KeyboardInterrupt:
             store.requeue_running()
             progress.say("interrupted: writing what is graded; Ctrl-C again leaves at once")
@@ -157,7 +161,7 @@ class _Writer:
         self._store.keep(OPTIONS, kept_text(wanted))
         if over:
             every = self._taken_in.candidates.items()
-            sources = {key: each.read_if_possible() for key, each in every if not each.absent}
+            sources = {key: each.read()[0] for key, each in every if not each.absent}
             self._store.keep(ALIKE, msgspec.json.encode(compared(sources)).decode())
         done = write_class(self._store, self._out, wanted)
         self._written = now()

@@ -48,30 +48,17 @@ class Candidate:
     conditions: str  # fingerprint of the grader that would judge them
     absent: bool = False  # nothing was handed in for this exercise
 
-    def read(self) -> dict[str, bytes]:
-        """Return the files' contents by name.
+    def read(self) -> tuple[dict[str, bytes], str]:
+        """Return the files' contents by name, and why nothing can be graded.
 
-        Raises OSError: one can't be read.
+        The reason is "" if it can be, or if nothing was handed in.
         """
-        return {name: read_regular_file(path) for name, path in self.found.files.items()}
-
-    def trouble(self) -> str:
-        """Say why nothing can be graded; "" if it can be, or if nothing was handed in."""
-        if self.absent or self.found.problem:
-            return "" if self.absent else self.found.problem
         try:
-            self.read()
+            files = {name: read_regular_file(path) for name, path in self.found.files.items()}
         except OSError as error:
             name = Path(str(error.filename)).name if error.filename else "a file"
-            return f"{name} can't be read ({error.strerror})"
-        return ""
-
-    def read_if_possible(self) -> dict[str, bytes]:
-        """Return the files' contents by name; none if one can't be read."""
-        try:
-            return self.read()
-        except OSError:
-            return {}
+            return {}, f"{name} can't be read ({error.strerror})"
+        return files, "" if self.absent else self.found.problem
 
     def input_hash(self, files: Mapping[str, bytes], options: Options) -> str:
         """Return a hash of all that the grading of these files depends on."""
@@ -112,11 +99,11 @@ def enter_candidates(
             f"({_some(here)}); give another --out for another class"
         )
     for key, candidate in found.candidates.items():
-        input_hash = candidate.input_hash(candidate.read_if_possible(), options)
+        files, problem = candidate.read()
         store.enter(
             key,
-            input_hash,
-            problem=candidate.trouble(),
+            candidate.input_hash(files, options),
+            problem=problem,
             absent=candidate.absent,
             compared=HASHED if regrade else None,
         )

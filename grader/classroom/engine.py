@@ -110,15 +110,6 @@ class _Slot:
     def free(self) -> bool:
         return self.task is None or self.task.done()
 
-    @property
-    def broken(self) -> bool:
-        return (
-            self.task is not None
-            and self.task.done()
-            and not self.task.cancelled()
-            and isinstance(self.task.exception(), BrokenExecutor)
-        )
-
 
 class LocalWorkers:
     """Worker processes on this machine."""
@@ -133,12 +124,10 @@ class LocalWorkers:
         if slot is None:
             slot = _Slot(_one_process())
             self._slots.append(slot)
-        elif slot.broken:
-            slot.executor.shutdown(wait=False)
-            slot.executor = _one_process()
         try:
             slot.task = slot.executor.submit(task, *arguments)
-        except BrokenExecutor:  # it died between two units
+        except BrokenExecutor:  # it died, in its last unit or since
+            slot.executor.shutdown(wait=False)
             slot.executor = _one_process()
             slot.task = slot.executor.submit(task, *arguments)
         return slot.task

@@ -49,21 +49,13 @@ def opened(out: Path) -> Iterator[Store]:
 
     Raises InputError: there is none here.
     """
-    require_class(out)
-    with Store(out / STORE) as store:
-        yield store
-
-
-def require_class(out: Path) -> None:
-    """Make sure that a class was graded into this folder.
-
-    Raises InputError: no class was.
-    """
     if not (out / STORE).is_file():
         raise InputError(
             f"{out}: expected the folder that `course autograde … --out FOLDER` has written, with "
             f"a file {STORE} in it"
         )
+    with Store(out / STORE) as store:
+        yield store
 
 
 def alike_of(store: Store) -> dict[str, Alike]:

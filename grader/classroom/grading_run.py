@@ -111,10 +111,9 @@ class GradingRun:
 
     def _unit(self, key: Key, *, alone: bool = False) -> Unit | None:
         candidate = self._candidates[key]
-        try:
-            files = candidate.read()
-        except OSError as error:
-            self._hold(key, f"a file that can't be read any more ({error.strerror})")
+        files, problem = candidate.read()
+        if problem:
+            self._hold(key, problem)
             return None
         bag_folder = ""
         if self._options.bags and not self._options.dask:
@@ -200,7 +199,6 @@ class GradingRun:
             recordings=self._store_bags(unit, result),
             cpu_s=result.cpu_s,
             wall_s=result.wall_s,
-            worker=result.worker,
         )
         if problem and not again:
             self._tell(unit, f"held: {problem}")

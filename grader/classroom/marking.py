@@ -16,7 +16,7 @@ from grader.classroom.amendments import Change, Entry, Undo, Whom, active, amend
 from grader.classroom.amendments.apply import version_of
 from grader.classroom.amendments.people import find_student, nearest, the_student
 from grader.classroom.anonymous import codes_of, write_anonymous
-from grader.classroom.folder import locked, opened, require_class, write_class
+from grader.classroom.folder import locked, opened, write_class
 from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
 from grader.classroom.results import ResultOptions
 from grader.classroom.results.options import OPTIONS, kept_options
@@ -49,8 +49,7 @@ def marking(out: Path) -> Iterator[Marking]:
     Raises GraderError: somebody else is writing.
     Raises DiskFull: no space was left.
     """
-    require_class(out)
-    with locked(out), opened(out) as store, naming_a_full_disk(NO_SPACE.format(out=out)):
+    with opened(out) as store, locked(out), naming_a_full_disk(NO_SPACE.format(out=out)):
         yield Marking(store, out)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
@@ -26,8 +25,12 @@ class Progress:
         self._console = console
         self._total = 0
         self._over: set[tuple[str, str]] = set()  # each unit counts once
-        self._bar: Bar | None = None
-        self._task: Any = None
+        self._bar = Bar(
+            BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
+            TextColumn("{task.description}"), console=console, transient=True,
+            disable=not console.is_terminal,
+        )  # fmt: skip
+        self._task = self._bar.add_task("", total=None)
 
     def __enter__(self) -> Progress:
         return self
@@ -38,25 +41,18 @@ class Progress:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if self._bar is not None:
-            self._bar.stop()
+        self._bar.stop()
 
     def begin(self, total: int) -> None:
         """Show the bar: `total` units are to be graded."""
-        self._total = total
-        if self._console.is_terminal and total:
-            self._bar = Bar(
-                BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
-                TextColumn("{task.description}"), console=self._console, transient=True,
-            )  # fmt: skip
+        self.more(total)
+        if total:
             self._bar.start()
-            self._task = self._bar.add_task("", total=total)
 
     def more(self, count: int) -> None:
         """Make the bar longer: so many units of earlier runs are graded again."""
         self._total += count
-        if self._bar is not None:
-            self._bar.update(self._task, total=self._total)
+        self._bar.update(self._task, total=self._total)
 
     def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
         """Print a line for a unit that has come back; unless it is `over`, it will run again.
@@ -68,8 +64,7 @@ class Progress:
         shown = "".join(c if c.isprintable() else "?" for c in student)
         line = f"{len(self._over):4}/{self._total}  {shown}  {exercise}  {outcome}"
         self.say(" ".join(line.split("\n")))
-        if self._bar is not None:
-            self._bar.update(self._task, completed=len(self._over), description=escape(exercise))
+        self._bar.update(self._task, completed=len(self._over), description=escape(exercise))
 
     def say(self, text: str) -> None:
         """Print a line above the bar."""

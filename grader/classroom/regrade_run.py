@@ -15,60 +15,46 @@ from grader.classroom.store import Key, Store
 from grader.classroom.work import Unit, UnitResult, unjudged
 
 
-class RegradeRun:
-    """One run over all stored recordings."""
+def judge_again(
+    store: Store,
+    out: Path,
+    candidates: Mapping[Key, Candidate],
+    options: Options,
+    progress: Progress,
+    look: Callable[[], None] = lambda: None,
+) -> None:
+    """Judge every submission that has recordings; `look` is called between two of them."""
+    old = {
+        (one.student, one.exercise): one
+        for one in store.results()
+        if one.state in (GRADED, HELD) and one.recordings is not None
+    }  # others are for an ordinary run
+    units = [_unit(one, out) for key, one in old.items() if key in candidates]
+    units = [unit for unit in units if Path(unit.saved).is_dir()]
+    hashes = {
+        unit.key: candidates[unit.key].input_hash(candidates[unit.key].read()[0], options)
+        for unit in units
+    }
 
-    def __init__(
-        self,
-        store: Store,
-        out: Path,
-        candidates: Mapping[Key, Candidate],
-        options: Options,
-        progress: Progress,
-        look: Callable[[], None] = lambda: None,
-    ) -> None:
-        self._store = store
-        self._look = look  # called between units
-        self._options = options
-        self._progress = progress
-        self._hashes = {
-            key: candidate.input_hash(candidate.read_if_possible(), options)
-            for key, candidate in candidates.items()
-        }
-        self._old: dict[Key, StoredResult] = {}
-        self._units: list[Unit] = []
-        for result in store.results():
-            key = (result.student, result.exercise)
-            judged = result.state in (GRADED, HELD)  # else an ordinary run will do it
-            if key not in candidates or result.recordings is None or not judged:
-                continue
-            folder = out / result.recordings
-            if folder.is_dir():
-                self._old[key] = result
-                self._units.append(_unit(result, folder))
-
-    def run(self) -> list[str]:
-        """Judge every submission that has recordings; nothing is to be said of that."""
-        self._progress.begin(len(self._units))
-        left = iter(self._units)
-        with engine.open_workers(self._options.workers) as workers:  # the bags are on this machine
-            engine.run(workers, lambda _busy: next(left, None), self._done)
-        return []
-
-    def _done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
+    def done(unit: Unit, result: UnitResult | WorkerDied) -> None:
         if isinstance(result, WorkerDied) or result.grading is None:
             why = str(result) if isinstance(result, WorkerDied) else result.problem
-            self._progress.done(*unit.key, f"as it was: {why}")
+            progress.done(*unit.key, f"as it was: {why}")
             return
-        before = self._old[unit.key].grading or {}
+        before = old[unit.key].grading or {}
         grading = {**result.grading, "isolation": before.get("isolation", "")}
-        self._store.regraded(unit.key, grading, unjudged(grading), self._hashes[unit.key])
+        store.regraded(unit.key, grading, unjudged(grading), hashes[unit.key])
         score = f"{grading['score']}/{grading['max_score']}"
-        self._progress.done(*unit.key, f"{score}, was {before.get('score', '-')}")
-        self._look()
+        progress.done(*unit.key, f"{score}, was {before.get('score', '-')}")
+        look()
+
+    progress.begin(len(units))
+    left = iter(units)
+    with engine.open_workers(options.workers) as workers:  # the bags are on this machine
+        engine.run(workers, lambda _busy: next(left, None), done)
 
 
-def _unit(result: StoredResult, folder: Path) -> Unit:
+def _unit(result: StoredResult, out: Path) -> Unit:
     """Return the unit that judges a result's recordings again."""
     old = result.grading or {}
     return Unit(
@@ -77,5 +63,5 @@ def _unit(result: StoredResult, folder: Path) -> Unit:
         {},
         field=any(check["kind"] == "field" for check in old.get("checks", ())),
         tier=int(old.get("tier", 1)),
-        saved=str(folder),
+        saved=str(out / (result.recordings or "")),
     )

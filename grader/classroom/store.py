@@ -23,7 +23,7 @@ from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, WAITING, StoredR
 from grader.errors import InputError, is_disk_full
 from grader.lms.book import StudentRow
 
-SCHEMA = 3
+SCHEMA = 4
 TABLES = """
 CREATE TABLE IF NOT EXISTS units (
     student TEXT NOT NULL, exercise TEXT NOT NULL, canary INTEGER NOT NULL DEFAULT 0,
@@ -34,15 +34,13 @@ CREATE TABLE IF NOT EXISTS units (
     quarantines INTEGER NOT NULL DEFAULT 0,
     verified INTEGER NOT NULL DEFAULT 0,    -- a good canary came after it
     grading TEXT, recordings TEXT, cpu_s REAL NOT NULL DEFAULT 0, wall_s REAL NOT NULL DEFAULT 0,
-    worker TEXT NOT NULL DEFAULT '', started TEXT NOT NULL DEFAULT '',
     finished TEXT NOT NULL DEFAULT '', problem TEXT NOT NULL DEFAULT '',
     PRIMARY KEY (student, exercise)
 ) STRICT;
-CREATE TABLE IF NOT EXISTS students (student TEXT PRIMARY KEY, about TEXT NOT NULL) STRICT;
-CREATE TABLE IF NOT EXISTS notes (id INTEGER PRIMARY KEY, text TEXT NOT NULL UNIQUE) STRICT;
 CREATE TABLE IF NOT EXISTS kept (name TEXT PRIMARY KEY, text TEXT NOT NULL) STRICT;
 """
 
+NOTES, STUDENTS = "notes", "students"  # what is kept
 Key = tuple[str, str]  # student, exercise
 
 
@@ -146,9 +144,9 @@ class Store:
         """Mark a unit as running."""
         with self._change():
             self._db.execute(
-                "UPDATE units SET state=?, attempts=attempts+1, started=?, finished='',"
-                " input_hash=?, file_names=? WHERE student=? AND exercise=?",
-                (RUNNING, _now(), input_hash, json.dumps(list(file_names)), *key),
+                "UPDATE units SET state=?, attempts=attempts+1, finished='', input_hash=?,"
+                " file_names=? WHERE student=? AND exercise=?",
+                (RUNNING, input_hash, json.dumps(list(file_names)), *key),
             )
 
     def finish(
@@ -161,7 +159,6 @@ class Store:
         recordings: str | None = None,
         cpu_s: float = 0.0,
         wall_s: float = 0.0,
-        worker: str = "",
     ) -> None:
         """Store a result; one with a problem is held, or goes `again` into the queue."""
         self._set(
@@ -170,7 +167,7 @@ class Store:
             unsure=self.counts(key).unsure + again,
             grading=None if grading is None else json.dumps(grading),
             problem=storable(problem), recordings=recordings, cpu_s=cpu_s, wall_s=wall_s,
-            worker=worker, finished=_now(), verified=0,
+            finished=_now(), verified=0,
         )  # fmt: skip
 
     def requeue(self, key: Key, *, death: bool = False) -> Counts:
@@ -212,8 +209,7 @@ class Store:
 
     def note(self, text: str) -> None:
         """Keep a remark for the report."""
-        with self._change():
-            self._db.execute("INSERT OR IGNORE INTO notes (text) VALUES (?)", (storable(text),))
+        self.keep(NOTES, json.dumps(list(dict.fromkeys([*self.notes(), text]))))
 
     def keep(self, name: str, text: str) -> None:
         """Keep a text, in the place of an older one of that name."""
@@ -228,19 +224,16 @@ class Store:
     def know(self, students: Iterable[StudentRow]) -> None:
         """Keep what is known of the students, and of nobody else."""
         # as ASCII: names of files need not be UTF-8
-        rows = [(storable(row.student), json.dumps(msgspec.to_builtins(row))) for row in students]
-        with self._change():
-            self._db.execute("DELETE FROM students")
-            self._db.executemany("INSERT INTO students (student, about) VALUES (?, ?)", rows)
+        self.keep(STUDENTS, json.dumps(msgspec.to_builtins(list(students))))
 
     def students(self) -> dict[str, StudentRow]:
         """Return what is known of the students."""
-        rows = self._db.execute("SELECT student, about FROM students ORDER BY student")
-        return {row[0]: msgspec.convert(json.loads(row[1]), StudentRow) for row in rows}
+        rows = msgspec.convert(json.loads(self.kept(STUDENTS) or "[]"), list[StudentRow])
+        return {row.student: row for row in rows}
 
     def notes(self) -> list[str]:
         """Return the remarks."""
-        return [row[0] for row in self._db.execute("SELECT text FROM notes ORDER BY id")]
+        return list(json.loads(self.kept(NOTES) or "[]"))
 
     def waiting(self) -> list[Key]:
         """Return the queue, by exercise; what killed a worker or could not be judged comes last."""

@@ -49,7 +49,7 @@ def listing(found: Class) -> tuple[str, int]:
         files = by_student.setdefault(student, [])
         if candidate.absent:
             continue
-        trouble = candidate.trouble()
+        _, trouble = candidate.read()
         files.append(f"{slug} (will be held)" if trouble else slug)
         if trouble:
             held.setdefault(f"  will be held: {student}  {' '.join(trouble.split())}", slug)

@@ -83,8 +83,8 @@ def test_a_download_a_folder_deeper_is_held_and_stops_nobody(
     found = looked([tmp_path / "in"], tmp_path)
     (told,) = lines(found.account, "not read")
     assert told.student == "eve" and told.held and "name it itself" in told.reason
-    assert found.candidates["ann", "obstacle_avoidance"].trouble() == ""
-    assert "several students" in found.candidates["eve", "obstacle_avoidance"].trouble()
+    assert found.candidates["ann", "obstacle_avoidance"].read()[1] == ""
+    assert "several students" in found.candidates["eve", "obstacle_avoidance"].read()[1]
 
 
 def test_one_students_prefix_is_no_download(tmp_path: Path) -> None:

@@ -85,6 +85,7 @@ def test_folders_and_archives_are_students(handed_in: Path) -> None:
         ("a\nb\x1b[31m", "a_b_[31m"),
         ("\udcff", "?"),
         ("x" * 300, "x" * 80),
+        ("aux", "_aux"),
     ],
 )
 def test_ids_are_safe(name: str, expected: str) -> None:
