@@ -13,6 +13,7 @@ from typing import Any
 
 from nbconvert.exporters import NotebookExporter
 from nbformat import NotebookNode, v4
+from nbgrader.api import Gradebook
 from nbgrader.converters.base import NbGraderException
 from nbgrader.preprocessors import NbGraderPreprocessor
 from traitlets import Bool, Unicode
@@ -22,13 +23,7 @@ from grader.course.students import read_secret, student_key
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
 from grader.nbgrader.cells import Wanted, last_definitions, made_files, wanted
-from grader.nbgrader.gradebook import (
-    Place,
-    opened,
-    trusted_cells,
-    write_comment,
-    write_mark,
-)
+from grader.nbgrader.gradebook import Place, trusted_cells, write_comment, write_mark
 from grader.nbgrader.intake import Unreadable, read_cells
 from grader.nbgrader.judge import Verdict, judge
 from grader.nbgrader.marks import Mark, mark_of
@@ -80,7 +75,7 @@ class RestoreCells(NbGraderPreprocessor):  # type: ignore[misc]
     def preprocess(self, nb: NotebookNode, resources: Resources) -> tuple[NotebookNode, Resources]:
         """Return the notebook to grade."""
         place = Place.of(resources)
-        with opened(place) as gradebook:
+        with Gradebook(place.db_url) as gradebook:
             trusted = trusted_cells(gradebook, place)
         try:
             return restored(read_cells(Path(resources[FILE])), trusted), resources
@@ -102,7 +97,7 @@ class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
     def preprocess(self, nb: NotebookNode, resources: Resources) -> tuple[NotebookNode, Resources]:
         """Judge the notebook; show the judge's table in its test cells."""
         place = Place.of(resources)
-        with opened(place) as gradebook:
+        with Gradebook(place.db_url) as gradebook:
             trusted = trusted_cells(gradebook, place)
             asked = {cell.name: wanted(cell.source) for cell in trusted if cell.is_test}
             verdicts = self._verdicts(nb, place, [want for want in asked.values() if want])

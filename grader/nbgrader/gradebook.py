@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
-
-from nbgrader.api import Gradebook
 
 from grader.nbgrader.marks import Mark
 from grader.nbgrader.restore import Trusted
@@ -28,13 +24,6 @@ class Place:
         about = resources["nbgrader"]
         names = ("db_url", "notebook", "assignment", "student")
         return cls(*(about[name] for name in names))
-
-
-@contextlib.contextmanager
-def opened(place: Place) -> Iterator[Any]:
-    """Open the gradebook; close it with the block."""
-    with Gradebook(place.db_url) as gradebook:
-        yield gradebook
 
 
 def trusted_cells(gradebook: Any, place: Place) -> list[Trusted]:

@@ -46,22 +46,16 @@ __all__ = [
 Pairs = Sequence[tuple[float, float]]
 
 
-def prepare(*, ros_in_kernel: bool = False) -> None:
+def prepare() -> None:
     """Make this kernel ready for the course: install what is missing, without a restart.
 
     If everything is installed it only says so, in one line. On the system Python of Debian, Ubuntu
     or Colab it runs pip in another process, and finds packages that pip put where Python does not
-    look.
-
-    Parameters
-    ----------
-    ros_in_kernel
-        Also make `import rclpy` and `rclpy.init()` work in this kernel. Exercises don't need it:
-        `drive` and `check` run nodes in other processes.
+    look. rclpy itself stays out of the kernel: `drive` and `check` run nodes in other processes.
     """
     from grader.notebook.preparation import prepare_kernel  # noqa: PLC0415
 
-    prepare_kernel(ros_in_kernel=ros_in_kernel)
+    prepare_kernel()
 
 
 def drive(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import warnings
-from dataclasses import dataclass
+
+from grader.nbgrader.cells import QUOTES, Definition
 
 MAGIC = "%%node"
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]{0,95}\.py")
-QUOTES = "'\""
 
 
 class CellProblem(Exception):
@@ -19,14 +19,6 @@ class CellProblem(Exception):
         self.text = text
         self.line = line  # of the file, 1 is the first
         self.shown = shown  # that line, with carets below it
-
-
-@dataclass(frozen=True)
-class NodeCell:
-    """The file in a cell."""
-
-    file: str  # a plain name that ends in .py
-    source: str  # exactly the cell's text below its first line, with a newline at the end
 
 
 def file_name(words: str) -> str:
@@ -57,7 +49,7 @@ def ended(source: str) -> str:
     return source if source.endswith("\n") else source + "\n"
 
 
-def check_syntax(cell: NodeCell) -> None:
+def check_syntax(cell: Definition) -> None:
     """Make sure that Python can parse a file.
 
     Raises
@@ -65,14 +57,14 @@ def check_syntax(cell: NodeCell) -> None:
     CellProblem
         It can't; the problem has the line.
     """
-    if not cell.source.strip():
+    if not cell.text.strip():
         raise CellProblem("the cell is empty below its first line: there is nothing to save")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            compile(cell.source, cell.file, "exec", dont_inherit=True)
+            compile(cell.text, cell.file, "exec", dont_inherit=True)
     except SyntaxError as error:
-        raise _problem_of(error, cell.source) from None
+        raise _problem_of(error, cell.text) from None
     except UnicodeEncodeError:
         raise CellProblem("the cell has characters that no text file can hold") from None
     except ValueError as error:

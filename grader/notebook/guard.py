@@ -26,7 +26,6 @@ class SpinGuard:
     """An AST transformer of IPython's that changes nothing and refuses cells that would spin."""
 
     def __init__(self) -> None:
-        self.off = False  # rclpy is in the kernel on purpose
         self._spinning: set[str] = set()  # functions of earlier cells that spin
 
     def visit(self, tree: ast.Module) -> ast.Module:
@@ -39,7 +38,7 @@ class SpinGuard:
         """
         defined = {node.name for node in tree.body if isinstance(node, LATER[:2])}
         self._spinning = (self._spinning - defined) | _spinning(tree, self._spinning - defined)
-        if not self.off and any(_spins(node, self._spinning) for node in _run_now(tree)):
+        if any(_spins(node, self._spinning) for node in _run_now(tree)):
             raise _refusal(tree)
         return tree
 
@@ -49,13 +48,6 @@ def register(shell: InteractiveShell) -> None:
     transformers: list[Any] = shell.ast_transformers
     if not any(isinstance(one, SpinGuard) for one in transformers):
         transformers.append(SpinGuard())
-
-
-def allow_spinning(shell: InteractiveShell | None) -> None:
-    """Take the guard off: somebody asked for rclpy in this kernel."""
-    for one in shell.ast_transformers if shell is not None else ():
-        if isinstance(one, SpinGuard):
-            one.off = True
 
 
 def _refusal(tree: ast.Module) -> Exception:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
@@ -26,7 +27,6 @@ from grader.notebook.orders import (
 from grader.notebook.report import CheckReport
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import Progress, preformatted, tell
-from grader.notebook.steps import Steps
 from grader.notebook.written import age_of, newer_cell
 
 
@@ -149,11 +149,11 @@ def _wanted(name: str | None, file: str | Path | None) -> tuple[Exercise, tuple[
 
 def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
     """Ask the judge, with a bar below the cell; None (and a message) if it stopped or failed."""
-    steps = Steps()
+    steps = _Steps()
 
     def on_progress(step: Progressed) -> None:
         steps.note(step)
-        bar.update(*steps.told())
+        bar.update(*steps.shown())
 
     try:
         answer = JUDGE.ask(order, on_progress, bar.beat)
@@ -167,6 +167,47 @@ def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
     end = "\nThis is not your mistake. Run the cell again." if answer.fault else ""
     bar.say(f"{failed}: {sentence(answer.text)}{end}")
     return None
+
+
+@dataclass
+class _Steps:
+    """How far a run is, for the bar below the cell."""
+
+    running: dict[str, None] = field(default_factory=dict)  # scenarios, in order
+    trials: tuple[int, int] = (0, 0)  # done, of
+    checks: tuple[int, int] = (0, 0)
+    outcomes: dict[str, str] = field(default_factory=dict)  # by check
+    search: str = ""  # how far a search is
+
+    def note(self, step: Progressed) -> None:
+        """Note a step."""
+        if step.what == "world":
+            self.trials, self.search = (step.done, step.of), step.name
+            return
+        if step.what != "trial":
+            self.checks = step.done, step.of
+            self.outcomes[step.name] = step.outcome
+            return
+        self.trials = step.done, step.of
+        if step.outcome:
+            self.running.pop(step.name, None)
+        else:
+            self.running[step.name] = None
+
+    def shown(self) -> tuple[float, str]:
+        """Return the progress as a share, 0 … 1, and in words."""
+        (trials, all_trials), (checks, all_checks) = self.trials, self.checks
+        if self.search:
+            return trials / all_trials if all_trials else 0.0, self.search
+        parts = [f"{trials} of {all_trials} runs"] if all_trials else []
+        parts += [f"running {', '.join(self.running)}"] if self.running else []
+        parts += [
+            f"{count} {word}"
+            for word in ("passed", "failed")
+            if (count := list(self.outcomes.values()).count(word[:4]))
+        ]
+        total = all_trials + all_checks
+        return (trials + checks) / total if total else 0.0, ", ".join(parts)
 
 
 def _scenario_name(scenario: str) -> str:

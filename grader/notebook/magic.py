@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from grader.course.submission import MAX_SIZE
 from grader.errors import GraderError
+from grader.nbgrader.cells import Definition
 from grader.notebook import guard
-from grader.notebook.cells import MAGIC, CellProblem, NodeCell, check_syntax, ended, file_name
+from grader.notebook.cells import MAGIC, CellProblem, check_syntax, ended, file_name
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import show, tell
 
@@ -39,7 +40,7 @@ def node(line: str, cell: str) -> None:
     try:
         name = words = file_name(line)
         _refuse_to_hide(name)
-        found = NodeCell(name, ended(cell))
+        found = Definition(name, ended(cell))
         check_syntax(found)
         path = _write(found)
     except CellProblem as problem:
@@ -62,9 +63,9 @@ def _refuse_to_hide(name: str) -> None:
         )
 
 
-def _write(cell: NodeCell) -> Path:
+def _write(cell: Definition) -> Path:
     """Write the file atomically: nobody reads half of it."""
-    data = cell.source.encode("utf-8")
+    data = cell.text.encode("utf-8")
     if len(data) > MAX_SIZE:
         raise CellProblem(f"the cell has {len(data):,} bytes; at most {MAX_SIZE:,} are read")
     path = Path.cwd() / cell.file
@@ -82,18 +83,18 @@ def _write(cell: NodeCell) -> Path:
     return path
 
 
-def _confirm(cell: NodeCell) -> None:
-    lines = cell.source.count("\n")
+def _confirm(cell: Definition) -> None:
+    lines = cell.text.count("\n")
     said = f"Saved {cell.file} ({lines} {'line' if lines == 1 else 'lines'})."
     show({"text/plain": said, "text/html": _with_source(said, cell)})
 
 
-def _with_source(said: str, cell: NodeCell) -> str:
+def _with_source(said: str, cell: Definition) -> str:
     """Return the confirmation as HTML, with the highlighted source folded away below."""
     import IPython.display  # noqa: PLC0415
 
     display: Any = IPython.display
-    code = display.Code(data=cell.source, language="python")._repr_html_()
+    code = display.Code(data=cell.text, language="python")._repr_html_()
     return (
         f'<details><summary style="cursor:pointer">{html.escape(said)}</summary>'
         f'<div style="background:#f7f7f8;color:#17202a;padding:8px 12px;border-radius:6px;'

@@ -2,30 +2,27 @@
 
 On Debian, Ubuntu and Colab the kernel may be the system Python. pip then puts ROS into
 `/usr/local/lib/pythonX.Y/site-packages`, which is not on `sys.path`, while empty folders of the
-same names are. Also, a process looks for shared libraries only where it was told to when it
-started, so this kernel has to load them one by one before `import rclpy` needs them.
+same names are.
 
 Only the standard library is imported here until everything is installed.
 """
 
 from __future__ import annotations
 
-import ctypes
 import importlib
 import os
 import re
 import sys
-import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 
 from grader.course.installed import COURSE
-from grader.errors import GraderError, InputError
+from grader.errors import InputError
 from grader.link import system
 from grader.link.ros_environment import PORTABLE, RosEnvironment, find_ros, portable_ros
 from grader.notebook.program import run
-from grader.notebook.show import Progress, shell
+from grader.notebook.show import Progress
 
 ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"
@@ -39,7 +36,7 @@ WHYS = {  # what pip says: what to do
 }
 
 
-def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
+def prepare_kernel() -> None:
     """See `grader.notebook.prepare`."""
     wanted = missing()
     if wanted and not _install(wanted):
@@ -52,16 +49,6 @@ def prepare_kernel(*, ros_in_kernel: bool = False) -> None:
         return
     adopt(ros)
     said = f"Ready: {'installed ' + ', '.join(wanted) if wanted else 'everything is installed'}"
-    if ros_in_kernel:
-        try:
-            load_ros(ros)
-        except GraderError as error:
-            print(f"Not ready: {error}", flush=True)
-            return
-        from grader.notebook.guard import allow_spinning  # noqa: PLC0415
-
-        allow_spinning(shell())
-        said += "; rclpy works in this kernel"
     print(f"{said}.", flush=True)
     if ros.kind == PORTABLE:
         from grader.link.practice import PRACTICE  # noqa: PLC0415  (needs what is installed now)
@@ -109,98 +96,15 @@ def _is_here(requirement: str) -> bool:
 
 
 def adopt(ros: RosEnvironment) -> None:
-    """Make ROS findable: for this kernel's imports, and for the processes that it starts."""
+    """Make ROS findable for the processes that this kernel starts, with its own path."""
     for folder in map(str, ros.python_path):
         if folder not in sys.path:
             sys.path.append(folder)  # a real package there precedes any empty folder
-    for name in empty_shells(ros.python_path):
-        del sys.modules[name]
     for name, value in ros.variables().items():
         before = os.environ.get(name, "") if name in PATHS else ""
         parts = filter(None, [*value.split(os.pathsep), *before.split(os.pathsep)])
         os.environ[name] = os.pathsep.join(dict.fromkeys(parts))
     importlib.invalidate_caches()
-
-
-def empty_shells(folders: Iterable[Path]) -> list[str]:
-    """Return the modules that were imported from an empty folder though a real package exists."""
-    real = {path.parent.name for folder in folders for path in folder.glob("*/__init__.py")}
-    shells = {
-        name
-        for name, module in sys.modules.items()
-        if name in real and getattr(module, "__file__", None) is None
-    }
-    return [name for name in sys.modules if name.partition(".")[0] in shells]
-
-
-def load_ros(ros: RosEnvironment) -> None:
-    """Load ROS' libraries into this process, and import rclpy.
-
-    Raises
-    ------
-    GraderError
-        rclpy can't be imported.
-    """
-    if ros.kind == PORTABLE:
-        sys.path.insert(0, str(ROOT))
-        importlib.import_module("rclpy")
-        return
-    os.environ.setdefault("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
-    # A notebook's nodes talk to each other, not to those on other machines in the lab.
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    if "ROS_LOG_DIR" not in os.environ and not os.access(Path.home(), os.W_OK):
-        os.environ["ROS_LOG_DIR"] = tempfile.gettempdir()
-    if ros.kind != "apt":  # sourcing apt's ROS told the loader where to look
-        load_libraries(ros.library_path)
-    try:
-        rclpy = importlib.import_module("rclpy")
-    except ImportError as error:
-        raise GraderError(f"rclpy can't be imported here: {error}") from error
-    if not hasattr(rclpy, "init"):
-        raise GraderError(f"rclpy in {list(getattr(rclpy, '__path__', []))} is an empty folder")
-
-
-def load_libraries(folders: Sequence[Path]) -> list[Path]:
-    """Load every shared library of these folders; return those that can't be loaded.
-
-    Their dependencies are not known in advance, so those that fail are retried as long as any
-    succeeds. RTLD_LOCAL keeps their symbols apart; with RTLD_GLOBAL Python aborts at exit.
-    """
-    pending = [file for folder in folders for file in libraries_in(folder)]
-    while pending:
-        failed = [file for file in pending if not _loads(file)]
-        if len(failed) == len(pending):
-            break
-        pending = failed
-    return pending
-
-
-def libraries_in(folder: Path) -> list[Path]:
-    """Return ROS's shared libraries in a folder, which may hold other libraries, too."""
-    if folder.name.endswith(".libs"):
-        return sorted(folder.glob("*.so*"))
-    own = _recorded(folder)
-    return sorted(file for file in folder.glob("lib*.so*") if file in own)
-
-
-def _recorded(folder: Path) -> set[Path]:
-    """Return the files that `ros-*` distributions put into a folder, from their RECORD files."""
-    found = set()
-    for site in (Path(entry) for entry in sys.path if entry):
-        for record in site.glob("ros_*.dist-info/RECORD"):
-            for line in record.read_text("utf-8").splitlines():
-                name = line.partition(",")[0]
-                if ".so" in name and "../" in name:
-                    found.add(Path(os.path.normpath(site / name)))
-    return {path for path in found if path.parent == folder}
-
-
-def _loads(file: Path) -> bool:
-    try:
-        ctypes.CDLL(str(file), mode=ctypes.RTLD_LOCAL)
-    except OSError:
-        return False
-    return True
 
 
 def _install(wanted: Sequence[str]) -> bool:

@@ -16,7 +16,6 @@ from pathlib import Path
 import kernels
 import pytest
 from nbgrader_kit import FULL
-from test_prepare import TALK
 
 from grader.course.exercises import ROOT, find_exercise
 from grader.notebook.bootstrap import BOOTSTRAP
@@ -70,7 +69,7 @@ def bare() -> dict[str, str]:
     return {**kept, "PATH": "/usr/local/bin:/usr/bin:/bin", "PIP_NO_CACHE_DIR": "1"}
 
 
-def test_a_bare_python_grades_a_node_and_speaks_ros(
+def test_a_bare_python_grades_a_node(
     layers: Path, notebook: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(kernels, "LIMIT", PATIENCE)
@@ -83,5 +82,3 @@ def test_a_bare_python_grades_a_node_and_speaks_ros(
         kernels.save(kernel, file, node)
         graded = kernel.run('report = check("1")\nprint(report.score, report.max_score)')
         assert "100 100" in graded.stdout, graded
-        heard = kernel.run(f"prepare(ros_in_kernel=True)\n{TALK}")
-        assert "heard ['hello']" in heard.stdout, heard

@@ -70,12 +70,6 @@ def test_a_function_of_an_earlier_cell_counts_until_it_is_another() -> None:
     assert refused(guard, "main()") == ""
 
 
-def test_it_is_off_for_those_who_asked_for_rclpy_in_the_kernel() -> None:
-    guard = SpinGuard()
-    guard.off = True
-    assert refused(guard, NODE) == ""
-
-
 def test_the_kernel_goes_on_and_check_knows_of_the_cell(kernel: Kernel, folder: Path) -> None:
     name = "obstacle_avoidance_agent.py"
     kernel.run(f"%%node {name}\n{NODE}")

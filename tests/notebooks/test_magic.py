@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from kernels import Kernel
 
-from grader.nbgrader.cells import definition
-from grader.notebook.cells import CellProblem, NodeCell, check_syntax, file_name
+from grader.nbgrader.cells import Definition, definition
+from grader.notebook.cells import CellProblem, check_syntax, file_name
 
 HOSTILE = "<script>alert('x')</script>"
 
@@ -144,14 +144,14 @@ def test_the_package_imports_nothing_heavy() -> None:
 )
 def test_what_python_cannot_read_is_a_problem(source: str, said: str) -> None:
     with pytest.raises(CellProblem) as caught:
-        check_syntax(NodeCell("agent.py", source))
+        check_syntax(Definition("agent.py", source))
     assert said in caught.value.text
 
 
 @given(st.text(max_size=200))
 def test_any_text_is_read_or_explained(source: str) -> None:
     try:
-        check_syntax(NodeCell("agent.py", source + "\n"))
+        check_syntax(Definition("agent.py", source + "\n"))
     except CellProblem as problem:
         assert problem.text
 

@@ -1,4 +1,4 @@
-"""`prepare` and the first cell: what lacks is installed, what pip hid is found, nothing restarts.
+"""`prepare` and the first cell: what lacks is installed, and nothing restarts.
 
 `test_bare_python.py` does all of it on a real bare system Python.
 """
@@ -10,13 +10,13 @@ import json
 import os
 import subprocess
 import sys
-import sysconfig
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from kernels import Kernel, started
+from kernels import Kernel
 
 from grader.errors import InputError
 from grader.link.ros_environment import find_ros
@@ -31,22 +31,6 @@ with open(os.environ["SEEN"], "w") as file:
     json.dump([sys.argv[1:], os.environ.get("PIP_BREAK_SYSTEM_PACKAGES")], file)
 print(os.environ.get("SAY", ""))
 raise SystemExit(int(os.environ.get("EXIT", "0")))
-"""
-TALK = """\
-import rclpy
-from std_msgs.msg import String
-rclpy.init()
-node, heard = rclpy.create_node("bare"), []
-node.create_subscription(String, "words", lambda message: heard.append(message.data), 10)
-publisher = node.create_publisher(String, "words", 10)
-for _ in range(100):
-    publisher.publish(String(data="hello"))
-    rclpy.spin_once(node, timeout_sec=0.1)
-    if heard:
-        break
-node.destroy_node()
-rclpy.shutdown()
-print("heard", heard[:1])
 """
 
 
@@ -215,85 +199,12 @@ def test_only_what_lacks_is_installed_and_a_pip_that_fails_is_explained(
         assert out == "Installed no-such-thing>=1.\nReady: installed no-such-thing>=1.\n"
 
 
-# --- a kernel of a system Python -----------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def system(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The layout of Debian: wheels of ROS where Python does not look, empty folders where it does.
-
-    Returns the folder on the path of the kernel; the other lies beside it.
-    """
-    prefix = tmp_path_factory.mktemp("usr_local")
-    ros = find_ros()
-    if ros.kind == "apt":
-        pytest.skip("ROS 2 comes from apt here")
-    (real,) = ros.python_path
-    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
-    hidden = prefix / "lib" / version / "site-packages"
-    seen = hidden.with_name("dist-packages")
-    hidden.mkdir(parents=True)
-    seen.mkdir()
-    owned = _files_of_ros(real)
-    for entry in real.iterdir():
-        if entry.suffix == ".pth" or entry.name.startswith("ros_wheels_bootstrapper"):
-            continue
-        ours = entry.name in owned and not entry.name.endswith((".libs", ".dist-info"))
-        (hidden if ours else seen).joinpath(entry.name).symlink_to(entry)
-    (seen / "rclpy").mkdir()  # the empty shell
-    for library in (real.parents[1]).glob("*.so*"):
-        (prefix / "lib" / library.name).symlink_to(library)
-    (prefix / "share").symlink_to(real.parents[2] / "share")
-    return seen
-
-
-def _files_of_ros(site: Path) -> set[str]:
-    records = site.glob("ros_*.dist-info/RECORD")
-    lines = (line for record in records for line in record.read_text().splitlines())
-    return {line.partition(",")[0].partition("/")[0] for line in lines} - {".."}
-
-
-def _argv(system: Path) -> list[str]:
-    """Return a kernel that sees only this folder, the course and Python's own modules."""
-    paths = [str(system), str(ROOT), sysconfig.get_path("stdlib")]
-    paths.append(f"{sysconfig.get_path('stdlib')}/lib-dynload")
-    hidden = str(system.with_name("site-packages"))
-    boot = (
-        f"import sys, site; sys.path[:] = {paths!r}; sys.prefix = {str(system.parents[2])!r};"
-        "site.getsitepackages = lambda: []; site.getusersitepackages = lambda: '/nowhere';"
-        "import sysconfig; original = sysconfig.get_path;"
-        f"sysconfig.get_path = lambda name: {hidden!r} if name.endswith('lib') and name != 'stdlib'"
-        " else original(name);"
-        "from ipykernel.kernelapp import launch_new_instance; launch_new_instance()"
-    )
-    return [sys.executable, "-S", "-c", boot]
-
-
-def test_rclpy_works_in_a_kernel_that_runs_where_it_was_an_empty_folder(
-    system: Path, tmp_path: Path
+def test_ros_is_found_by_what_the_kernel_starts(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    kept = {name: os.environ[name] for name in ("PATH", "HOME", "TMPDIR") if name in os.environ}
-    with started(tmp_path, _argv(system), **kept, LANG="C.UTF-8") as kernel:
-        before = kernel.run("import rclpy; print(hasattr(rclpy, 'init'), rclpy.__file__)")
-        assert before.stdout == "False None\n"
-        said = kernel.run("from grader.notebook import *; prepare(ros_in_kernel=True)")
-        assert said.traceback == ""
-        assert said.stdout == "Ready: everything is installed; rclpy works in this kernel.\n"
-        heard = kernel.run(TALK)
-        assert heard.traceback == ""
-        assert "heard ['hello']" in heard.stdout
-
-
-def test_shells_are_known_by_having_no_file(tmp_path: Path) -> None:
-    (tmp_path / "shell_of_ours").mkdir()
-    (tmp_path / "shell_of_ours" / "__init__.py").touch()
-    module = type(sys)("shell_of_ours")
-    below = type(sys)("shell_of_ours.below")
-    sys.modules |= {"shell_of_ours": module, "shell_of_ours.below": below}
-    try:
-        names = ["shell_of_ours", "shell_of_ours.below"]
-        assert preparation.empty_shells([tmp_path]) == names
-        module.__file__ = "somewhere"
-        assert preparation.empty_shells([tmp_path]) == []
-    finally:
-        del sys.modules["shell_of_ours"], sys.modules["shell_of_ours.below"]
+    monkeypatch.setattr(sys, "path", [str(tmp_path / "empty folders")])
+    monkeypatch.setattr(os, "environ", {"LD_LIBRARY_PATH": "/mine"})
+    ros = replace(find_ros(), python_path=(tmp_path,), library_path=(tmp_path / "lib",))
+    preparation.adopt(ros)
+    assert sys.path[-1] == str(tmp_path)
+    assert os.environ["LD_LIBRARY_PATH"].split(os.pathsep) == [str(tmp_path / "lib"), "/mine"]

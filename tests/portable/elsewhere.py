@@ -157,7 +157,7 @@ if __name__ == "__main__":
 
         platform.machine = lambda: "aarch64"
         ros_environment._has_rclpy = lambda _: False
-        prepare_kernel(ros_in_kernel=True)
+        prepare_kernel()
         sys.exit()
     from grader.cli import main
 

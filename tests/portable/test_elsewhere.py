@@ -106,7 +106,7 @@ def test_pytest_has_the_fixture_drive_and_says_what_is_not_there(tmp_path: Path)
 def test_a_notebook_gets_ready_without_the_wheels_of_ros() -> None:
     done = course("prepare")
     said = " ".join(done.stdout.split())
-    assert "Ready: " in said and "; rclpy works in this kernel." in said, done.stderr
+    assert "Ready: " in said, done.stderr
     assert PRACTICE[1:] in said and "has never been run on" in said
 
 
