@@ -17,8 +17,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from grader.classroom.intake import find_files, take_in_one
 from grader.classroom.marks import is_held, tasks_of, why_held
+from grader.classroom.results.files import write_text
 from grader.classroom.results.scores import mark_of
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.work import Unit, UnitResult, grade_unit, unjudged
@@ -30,13 +33,12 @@ from grader.grading.handed_in import layers_here
 from grader.grading.trying import why_none_runs
 from grader.host.sandbox.layers import FILES, USER
 from grader.link.scratch import fresh_folder
-from grader.lms.gradescope import results_json
+from grader.lms.gradescope import SEEN, results_json
 from grader.lms.names import student_id
 from grader.report.page import json_text
 
 SETTINGS = "autograder.json"  # written by grader.authoring.gradescope
 SECRET = "course.secret"
-TRIES = 2  # a grading that a stall of the machine spoilt is done once more
 OWN = 0o700  # for nobody but the user who runs this, root
 
 
@@ -47,12 +49,6 @@ class Settings:
     exercises: tuple[str, ...]  # slugs
     field: bool = False
     hide: tuple[str, ...] = ()  # words of `course autograde --hide`
-
-    @classmethod
-    def read(cls, file: Path) -> Settings:
-        """Return the settings of an autograder."""
-        said = json.loads(file.read_text("utf-8"))
-        return cls(tuple(said["exercises"]), bool(said["field"]), tuple(said["hide"]))
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -73,9 +69,7 @@ def main(arguments: Sequence[str]) -> int:
     if isinstance(found, str):
         print(f"There is no score: {found}")
         return 1
-    part = target.with_name("results.json.part")
-    part.write_text(json_text(found), "utf-8")
-    part.replace(target)
+    write_text(target, json_text(found))
     print(f"{found['score']:g} points")
     return 0
 
@@ -97,7 +91,7 @@ def judged(root: Path) -> dict[str, Any] | str:
             "nothing keeps a node from the results here; expected to run as root, or Linux with "
             "Landlock"
         )
-    settings = Settings.read(root / "source" / SETTINGS)
+    settings = msgspec.json.decode((root / "source" / SETTINGS).read_bytes(), type=Settings)
     exercises = [find_exercise(slug) for slug in settings.exercises]
     secret = root / "source" / SECRET
     key = read_secret(secret) if secret.exists() else None
@@ -131,30 +125,19 @@ def composed(
     hidden: Collection[str],
 ) -> dict[str, Any] | str:
     """Return `results.json` of what was graded, with a failed test for what is not there."""
-    made: dict[str, Any] | None = {"score": 0.0, "output": "", "tests": []}
-    if results:
-        tasks = tasks_of(results)
-        by_slug = {task.slug: task for task in tasks}
-        marks = [mark_of(one, by_slug[one.exercise], hidden=hidden) for one in results]
-        made = results_json(marks, tasks)
+    tasks = tasks_of(results)
+    by_slug = {task.slug: task for task in tasks}
+    marks = [mark_of(one, by_slug[one.exercise], hidden=hidden) for one in results]
+    made = results_json(marks, tasks)
     if made is None:
         return "a check could not be judged"
-    lines = [made["output"]] if made["output"] else []
     for exercise, problem in missing:
-        lines.append(f"{exercise.title}: 0 of {exercise.max_points:g} points; {problem}")
+        title, most = exercise.title, float(exercise.max_points)
+        made["output"] = f"{made['output']}\n{title}: 0 of {most:g} points; {problem}".strip()
         made["tests"].append(
-            {
-                "name": f"{exercise.title}: no file to grade",
-                "score": 0.0,
-                "max_score": float(exercise.max_points),
-                "status": "failed",
-                "output": problem,
-                "output_format": "text",
-                "visibility": "visible",
-                "tags": ["core"],
-            }
-        )
-    made |= {"output": "\n".join(lines), "output_format": "text", "visibility": "visible"}
+            {"name": f"{title}: no file to grade", "score": 0.0, "max_score": most,
+             "status": "failed", "output": problem, **SEEN}
+        )  # fmt: skip
     return made | {"stdout_visibility": "hidden"}
 
 
@@ -174,10 +157,8 @@ def submitter(metadata: Path) -> str:
 def _grade(unit: Unit) -> UnitResult:
     """Grade a unit; once more if a check could not be judged."""
     result = grade_unit(unit)
-    for _ in range(TRIES - 1):
-        if result.grading is not None and not unjudged(result.grading):
-            break
-        result = grade_unit(unit)
+    if result.grading is None or unjudged(result.grading):  # a stall of the machine may be over
+        return grade_unit(unit)
     return result
 
 

@@ -30,6 +30,7 @@ MAX_METADATA = 64 * 1024 * 1024  # [bytes]: it holds the results of every submis
 FOLDER = re.compile(r"submission_(?P<id>\d+)")
 
 MAX_OUTPUT = 4000  # [characters] of one test
+SEEN = {"output_format": "text", "visibility": "visible"}
 WORDS = {
     "pass": "Passed.",
     "skip": "Skipped.",
@@ -101,14 +102,11 @@ def sheet(header: Sequence[str]) -> str:
 
 
 def results_json(marks: Sequence[Mark], tasks: Sequence[Task]) -> dict[str, Any] | None:
-    """Return one student's results; None while any is held or unfinished.
-
-    Gradescope takes a missing score for zero, so it gets only final scores.
-    """
+    """Return one student's results; None if any has no points, which would count as zero."""
     by_slug = {mark.exercise: mark for mark in marks}
     mine = [(task, by_slug[task.slug]) for task in tasks if task.slug in by_slug]
     scores = [mark.points for _, mark in mine if mark.points is not None]
-    if not mine or len(scores) < len(mine):
+    if len(scores) < len(mine):
         return None
     tests: list[dict[str, Any]] = []
     lines: list[str] = []
@@ -121,10 +119,8 @@ def results_json(marks: Sequence[Mark], tasks: Sequence[Task]) -> dict[str, Any]
         "score": round(sum(scores), 2),
         "execution_time": max(1, round(sum(mark.seconds for _, mark in mine))),
         "output": "\n".join(lines),
-        "output_format": "text",
-        "visibility": "visible",
         "tests": tests,
-        "extra_data": {"exercises": [task.slug for task, _ in mine]},
+        **SEEN,
     }
 
 
@@ -134,9 +130,8 @@ def _test(check: Mapping[str, Any], number: str, prefix: str) -> dict[str, Any]:
         "name": prefix + one_line(check.get("title") or check.get("id") or "check", 250),
         "number": number,
         "output": _output(check),
-        "output_format": "text",
         "tags": ["field" if field else "core"],
-        "visibility": "visible",
+        **SEEN,
         "extra_data": {"check": one_line(check.get("id") or ""), "outcome": check.get("outcome")},
     }
     if check.get("outcome") not in UNJUDGED and not check.get("waived"):

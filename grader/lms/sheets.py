@@ -42,6 +42,7 @@ IDS = {
     "e-mail": EMAIL, "id number": NUMBER, "idnumber": NUMBER, "sid": SIS, "student id": OWN,
     "github_username": GITHUB, "github": GITHUB, "identifier": OWN, "id": OWN,
 }  # fmt: skip
+CANVAS_IDS = {"id": CANVAS, "sis user id": SIS, "sis login id": LOGIN}
 NAMES = ("student", "name", "full name", "student name")
 FIRST = ("first name", "firstname", "first_name")
 LAST = ("last name", "surname", "lastname", "last_name")
@@ -64,11 +65,7 @@ def read_roster(files: Sequence[Path]) -> Roster:
     for file in files:
         kind, header, every = _read(file)
         rows = [row for row in every if _is_person(kind, header, row)]
-        if kind == "canvas":
-            found = [_canvas_person(header, row) for row in rows]
-        else:
-            found = [_person(kind, header, row) for row in rows]
-        places = _merge(people, found, file)
+        places = _merge(people, [_person(kind, header, row) for row in rows], file)
         sheets.append(Sheet(file, kind, header, tuple(rows), places, _possible(header, every)))
     return Roster(tuple(people), tuple(sheets))
 
@@ -192,25 +189,16 @@ def _is_person(kind: str, header: Sequence[str], row: Sequence[str]) -> bool:
     return bool(about and about[0].strip()) and "Points Possible" not in row[0]
 
 
-def _canvas_person(header: Sequence[str], row: Sequence[str]) -> Person:
-    cells = {heading.casefold(): cell.strip() for heading, cell in zip(header, row, strict=True)}
-    name = cells.get("student") or f"{cells.get('lastname', '')}, {cells.get('firstname', '')}"
-    quoted = re.fullmatch(r'="(.*)"', name)  # so writes Canvas a name that begins with "="
-    columns = {CANVAS: "id", SIS: "sis user id", LOGIN: "sis login id"}
-    ids = {kind: cells[heading] for kind, heading in columns.items() if cells.get(heading)}
-    if "@" in ids.get(LOGIN, ""):
-        ids[EMAIL] = ids[LOGIN]
-    return Person(quoted[1] if quoted else name, cells.get("section", ""), ids)
-
-
 def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
     cells = {heading.casefold(): cell.strip() for heading, cell in zip(header, row, strict=True)}
     participants: frozenset[str] = frozenset()
     identifier = ""
     ids: dict[str, str] = {}
-    for heading, id_kind in IDS.items():
+    for heading, id_kind in (CANVAS_IDS if kind == "canvas" else IDS).items():
         if cells.get(heading):
             ids.setdefault(id_kind, cells[heading])
+    if kind == "canvas" and "@" in ids.get(LOGIN, ""):
+        ids[EMAIL] = ids[LOGIN]
     if kind == "worksheet":  # "Participant 4711", in the platform's language
         identifier = ids.pop(OWN, "")
         number = re.search(r"(\d+)$", identifier)
@@ -218,7 +206,9 @@ def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
     name = _first(cells, NAMES)
     if not name:
         first, last = _first(cells, FIRST), _first(cells, LAST)
-        name = f"{first} {last}".strip()
+        name = f"{last}, {first}" if kind == "canvas" else f"{first} {last}".strip()
+    quoted = re.fullmatch(r'="(.*)"', name)  # so writes Canvas a name that begins with "="
+    name = quoted[1] if quoted else name
     if kind == "github" and not name:
         name = ids.get(OWN, "")
     name = name or next(iter(ids.values()), "") or identifier  # anonymous submissions

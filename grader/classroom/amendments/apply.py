@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from msgspec.structs import replace as replace_struct
@@ -18,8 +18,18 @@ from grader.course.exercises import find_exercise
 from grader.course.score import score_of
 from grader.lms.book import StudentRow, Task, about
 
-Remarks = dict[str, list[str]]  # a sentence, and whom it is about
 UNSURE = ("error", "inconclusive")  # outcomes that hold a grading
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What is known of the students, and what a person should know."""
+
+    rows: Mapping[str, StudentRow]
+    remarks: dict[str, list[str]] = field(default_factory=dict)  # a sentence: whom it is about
+
+    def remark(self, text: str, student: str) -> None:
+        self.remarks.setdefault(text, []).append(student)
 
 
 def amended(
@@ -36,23 +46,18 @@ def amended(
     rows
         What is known of the students.
     """
-    remarks: Remarks = {}
-    entries = _of_this_class(entries, results, rows, remarks)
+    known = _Known(rows)
+    entries = _of_this_class(entries, results, known)
     tasks = {task.slug: task for task in tasks_of(results)}
     found = []
     for result in results:
         mine = [] if result.canary else [each for each in entries if _is_about(each, result, rows)]
-        if mine:
-            result = _amended(result, mine, tasks[result.exercise], rows, remarks)  # noqa: PLW2901
-        found.append(result)
-    return found, [about(text, students) for text, students in remarks.items()]
+        found.append(_amended(result, mine, tasks[result.exercise], known) if mine else result)
+    return found, [about(text, students) for text, students in known.remarks.items()]
 
 
 def _of_this_class(
-    entries: Sequence[Entry],
-    results: Sequence[StoredResult],
-    rows: Mapping[str, StudentRow],
-    remarks: Remarks,
+    entries: Sequence[Entry], results: Sequence[StoredResult], known: _Known
 ) -> list[Entry]:
     """Return the entries about the students as they are called now.
 
@@ -67,12 +72,12 @@ def _of_this_class(
         if isinstance(change, Undo) or here.issuperset(whom.students):
             found.append(entry)
             continue
-        now = {old: old if old in here else find_student(old, students, rows)
+        now = {old: old if old in here else find_student(old, students, known.rows)
                for old in whom.students}  # fmt: skip
         for old, new in now.items():
             if new is None:
                 text = f"Entry {entry.number} of the log is about somebody who is not in the class"
-                remarks.setdefault(text, []).append(old)
+                known.remark(text, old)
         named = tuple(new or old for old, new in now.items())
         versions = {now[old] or old: hash_ for old, hash_ in whom.versions.items() if old in now}
         whom = replace_struct(whom, students=named, versions=versions)
@@ -84,7 +89,7 @@ def published(
     entries: Sequence[Entry], results: Sequence[StoredResult], rows: Mapping[str, StudentRow]
 ) -> set[tuple[str, str]] | None:
     """Return whose feedback is published, by student and exercise; None if nothing ever was."""
-    entries = _of_this_class(entries, results, rows, {})
+    entries = _of_this_class(entries, results, _Known(rows))
     wanted = [entry.change for entry in entries if isinstance(entry.change, Publish)]
     if not wanted:
         return None
@@ -106,60 +111,57 @@ def _is_about(entry: Entry, result: StoredResult, rows: Mapping[str, StudentRow]
 
 
 def _amended(
-    result: StoredResult,
-    entries: Sequence[Entry],
-    task: Task,
-    rows: Mapping[str, StudentRow],
-    remarks: Remarks,
+    result: StoredResult, entries: Sequence[Entry], task: Task, known: _Known
 ) -> StoredResult:
     steps: list[str] = []
-    numbers = []
+    counted: list[Entry] = []
     changed = result
     for entry in entries:
-        if isinstance(entry.change, SetCheck | Waive):
-            after = _with_check(changed, entry.change, steps)
-            if after is None:
-                if entry.change.whom.students:
-                    text = (
-                        f"Entry {entry.number} of the log has no effect where {result.exercise} "
-                        f"has no check {entry.change.check}"
-                    )
-                    remarks.setdefault(text, []).append(result.student)
-                continue
-            changed = after
-            numbers.append(entry.number)
-            _note_version(entry, entry.change.whom, result, remarks)
-    if numbers:
+        if isinstance(change := entry.change, SetCheck | Waive):
+            after = _with_check(changed, change, steps)
+            if after is not None:
+                changed = after
+                counted.append(entry)
+                _note_version(entry, change.whom, result, known)
+            elif change.whom.students:
+                known.remark(
+                    f"Entry {entry.number} of the log has no effect where {result.exercise} "
+                    f"has no check {change.check}",
+                    result.student,
+                )
+    if counted:
         changed = _judged(changed, result)
     points = points_of(changed, task)
-    rules = [entry for entry in entries if isinstance(entry.change, Late)]
+    rules = [(entry, entry.change) for entry in entries if isinstance(entry.change, Late)]
     if rules and points is not None:
-        penalty = _penalty(rules[-1], result, task, points, rows, steps, remarks)
-        numbers += [rules[-1].number] if penalty else []
+        entry, rule = rules[-1]
+        penalty = _penalty(rule, result, task, points, steps, known)
+        counted += [entry] if penalty else []
         points = round(points - penalty, 2)
-    scores = [entry for entry in entries if isinstance(entry.change, Score)]
-    by_hand = bool(scores)
-    if scores and isinstance(scores[-1].change, Score):
-        given = scores[-1].change
+    scores = [(entry, entry.change) for entry in entries if isinstance(entry.change, Score)]
+    if scores:
+        entry, given = scores[-1]
         points = min(given.points, task.points)
-        steps[:] = [f"Set by hand: {points:g} of {task.points:g} points."]
-        numbers = [scores[-1].number]
+        steps = [f"Set by hand: {points:g} of {task.points:g} points."]
+        counted = [entry]
         changed = replace(changed, state=GRADED)
-        _note_version(scores[-1], given.whom, result, remarks)
-    if not numbers:
+        _note_version(entry, given.whom, result, known)
+    if not counted:
         return result
-    return replace(changed, amended=Amended(points, tuple(steps), tuple(numbers), by_hand, result))
+    numbers = tuple(entry.number for entry in counted)
+    amended_ = Amended(points, tuple(steps), numbers, by_hand=bool(scores), graded=result)
+    return replace(changed, amended=amended_)
 
 
-def _note_version(entry: Entry, whom: Whom, result: StoredResult, remarks: Remarks) -> None:
+def _note_version(entry: Entry, whom: Whom, result: StoredResult, known: _Known) -> None:
     """Remark that a mark was given for another submission than the one that is graded now."""
     then = whom.versions.get(result.student, "")
     if result.student in whom.students and then != version_of(result):
         made = "for an earlier submission" if then else "when nothing was handed in"
-        text = (
-            f"Entry {entry.number} of the log was made {made}, and still counts; look at it again"
+        known.remark(
+            f"Entry {entry.number} of the log was made {made}, and still counts; look at it again",
+            result.student,
         )
-        remarks.setdefault(text, []).append(result.student)
 
 
 def version_of(result: StoredResult) -> str:
@@ -238,22 +240,14 @@ def _most(check: Mapping[str, Any]) -> float:
 
 
 def _penalty(
-    entry: Entry,
-    result: StoredResult,
-    task: Task,
-    points: float,
-    rows: Mapping[str, StudentRow],
-    steps: list[str],
-    remarks: Remarks,
+    rule: Late, result: StoredResult, task: Task, points: float, steps: list[str], known: _Known
 ) -> float:
     """Return the points that lateness costs."""
-    rule = entry.change
-    assert isinstance(rule, Late)
-    row = rows.get(result.student)
+    row = known.rows.get(result.student)
     handed = row.handed.get(result.exercise) if row else None
     late, guess = lateness(rule, result.student, handed)
     if guess:
-        remarks.setdefault(f"{task.heading}: {guess}", []).append(result.student)
+        known.remark(f"{task.heading}: {guess}", result.student)
     share = min(late * rule.per_day, rule.cap)
     penalty = round(min(points, task.points * share / 100), 2)
     if not penalty:
