@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from grader.classroom.intake import Student
-from grader.lms.entries import SetAside
+from grader.lms.platform import SetAside
 from grader.lms.tables import csv_text
 
 GRADED = "to be graded"

@@ -190,10 +190,7 @@ class Canaries:
         rounds.trusted, rounds.suspect, rounds.alone = True, "", False
         rounds.unconfirmed = rounds.stalls
         if rounds.stalls:
-            return Verdict(
-                note=f"{slug}: the machine stalled while a known solution was graded, with nothing "
-                "else running. It confirms nothing."
-            )
+            return Verdict()  # it confirms nothing, which `notes` says
         self._store.verify(key for key in rounds.confirms if key not in again)
         return Verdict(again, note=note if again else "")
 

@@ -49,7 +49,6 @@ class GradingRun:
         self._running: set[Key] = set()
         self._bag_folders = 0  # made so far
         self._exercises = {key[1]: each.exercise for key, each in candidates.items()}
-        self._expected: set[Key] = set()  # units that progress counts
         self._stalled: set[Key] = set()  # units that wait for a second judgement
         self._in_vain = 0  # second judgements in a row that stalled, too
         self._canaries: Canaries
@@ -60,7 +59,6 @@ class GradingRun:
         Raises InputError: code would run without isolation.
         """
         waiting = self._waiting()
-        self._expected = set(waiting)
         self._progress.begin(len(waiting))
         unverified = any(self._store.unverified(slug) for slug in self._exercises)
         if not waiting and not (self._options.canaries and unverified):
@@ -148,10 +146,6 @@ class GradingRun:
             self._store.note(verdict.note)
             self._progress.say(verdict.note)
         self._store.quarantine(verdict.again)
-        new = {*verdict.again, *verdict.held} - self._expected  # of an earlier run
-        self._expected |= new
-        if new:
-            self._progress.more(len(new))
         for key in dict.fromkeys(verdict.held):
             self._hold(key, verdict.why)
 

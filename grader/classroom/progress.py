@@ -45,14 +45,9 @@ class Progress:
 
     def begin(self, total: int) -> None:
         """Show the bar: `total` units are to be graded."""
-        self.more(total)
+        self._total = total
         if total:
             self._bar.start()
-
-    def more(self, count: int) -> None:
-        """Make the bar longer: so many units of earlier runs are graded again."""
-        self._total += count
-        self._bar.update(self._task, total=self._total)
 
     def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
         """Print a line for a unit that has come back; unless it is `over`, it will run again.
@@ -61,10 +56,16 @@ class Progress:
         """
         if over:
             self._over.add((student, exercise))
+            self._total = max(self._total, len(self._over))  # with some of an earlier run
         shown = "".join(c if c.isprintable() else "?" for c in student)
         line = f"{len(self._over):4}/{self._total}  {shown}  {exercise}  {outcome}"
         self.say(" ".join(line.split("\n")))
-        self._bar.update(self._task, completed=len(self._over), description=escape(exercise))
+        self._bar.update(
+            self._task,
+            completed=len(self._over),
+            total=self._total,
+            description=escape(exercise),
+        )
 
     def say(self, text: str) -> None:
         """Print a line above the bar."""

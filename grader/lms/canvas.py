@@ -21,9 +21,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader.lms.book import Book, Mark, Task, scaled
-from grader.lms.entries import Entry, Read, SetAside, Who
 from grader.lms.people import Sheet
-from grader.lms.platform import Files, Platform
+from grader.lms.platform import Entry, Files, Platform, Read, SetAside, Who
 from grader.lms.tables import Cell, Verbatim, csv_text, number
 
 # From the left: what the student called the file can't reach the ids in front of it. But a name may

@@ -6,9 +6,8 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from grader.lms.entries import Entry, Read, SetAside, Who
 from grader.lms.names import may_enter
-from grader.lms.platform import Platform
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who
 from grader.lms.unpack import archive_stem, is_archive, is_unread_archive
 
 FILE = (

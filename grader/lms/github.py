@@ -11,8 +11,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from grader.lms.entries import Entry, Read, Who
-from grader.lms.platform import Platform
+from grader.lms.platform import Entry, Platform, Read, Who
 
 ENDING = "-submissions"
 

@@ -21,8 +21,7 @@ from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
-from grader.lms.entries import Entry, Read, SetAside, Who
-from grader.lms.platform import Platform
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who
 from grader.report.terminal import UNJUDGED
 
 METADATA = "submission_metadata.yml"

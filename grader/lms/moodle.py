@@ -30,10 +30,9 @@ from typing import BinaryIO
 
 from grader.lms.book import Book, Mark, Task, scaled
 from grader.lms.clean import one_line
-from grader.lms.entries import Entry, Read, Who
 from grader.lms.names import student_id
 from grader.lms.people import Sheet
-from grader.lms.platform import Files, Platform
+from grader.lms.platform import Entry, Files, Platform, Read, Who
 from grader.lms.tables import Cell, Verbatim, csv_text
 
 _WHO = r"(?P<name>[^_]+)_(?P<id>\d+)_assignsubmission_(?P<plugin>file|onlinetext)"

@@ -16,8 +16,7 @@ from pathlib import Path
 
 from grader.course.submission import read_regular_file
 from grader.lms.book import Book, Mark, Task
-from grader.lms.entries import Entry, Read, SetAside, Who
-from grader.lms.platform import Platform
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
 ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)

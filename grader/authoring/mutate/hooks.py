@@ -14,7 +14,7 @@ from typing import Any
 def hears(node_class: Any, topic: str, change: Callable[[Any, float], list[Any]]) -> None:
     """Put a change between a topic and every callback that subscribes to it.
 
-    A change with a `silence` [s] makes something empty up when nothing has come for so long.
+    One that expires makes something empty up when nothing has come for so many seconds.
     """
     create = node_class.create_subscription
 
@@ -23,7 +23,8 @@ def hears(node_class: Any, topic: str, change: Callable[[Any, float], list[Any]]
     ) -> Any:
         if name.strip("/") != topic.strip("/"):
             return create(node, msg_type, name, callback, *args, **kwargs)
-        silence = getattr(change, "silence", None)
+        expires = getattr(getattr(change, "change", None), "__name__", "") == "expires"
+        silence = change.amount if expires else None  # type: ignore[attr-defined]
 
         def changed(message: Any) -> Any:
             if silence is not None:

@@ -1,259 +1,206 @@
 """What a wrapper does to the messages, or to one number of them, on their way to or from a node.
 
-Each class goes as source text into the file of a node (`grader.authoring.mutate.wrappers`), after
-`Operator`, so it needs nothing but the two. An operator on messages returns those to pass on; one
-on numbers returns the number to put in the place of another. `t` is the node's time [s].
+Each function goes as source text into the file of a node (`grader.authoring.mutate.wrappers`),
+after `Operator`, so it needs nothing but the two. On messages it returns those to pass on, on
+numbers the number to put in the place of another. `t` is the node's time [s].
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 
 class Operator:
-    """Has one amount, and remembers what came before."""
+    """A change with one amount, which remembers what came before."""
 
-    def __init__(self, amount: float = 0) -> None:
+    def __init__(self, amount: float, change: Callable[[Any, Any, float], Any]) -> None:
         """Take how many messages, how many seconds, which factor, limit, step or part."""
         self.amount = amount
+        self.change = change
         self.count = 0
         self.since = -math.inf
         self.last: Any = None
         self.kept: list[Any] = []
 
+    def __call__(self, value: Any, t: float) -> Any:
+        """Return what takes the place of a message or a number."""
+        return self.change(self, value, t)
+
 
 # --- on messages ----------------------------------------------------------------------------------
 
 
-class Late(Operator):
+def late(op: Operator, message: Any, t: float) -> list[Any]:
     """Passes each message on only when so many others have come."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        self.kept.append(message)
-        return [self.kept.pop(0)] if len(self.kept) > self.amount else []
+    op.kept.append(message)
+    return [op.kept.pop(0)] if len(op.kept) > op.amount else []
 
 
-class OneIn(Operator):
+def one_in(op: Operator, message: Any, t: float) -> list[Any]:
     """Passes on the first of so many messages."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        self.count += 1
-        return [message] if self.count % self.amount == 1 else []
+    op.count += 1
+    return [message] if op.count % op.amount == 1 else []
 
 
-class DropsOneIn(Operator):
+def drops_one_in(op: Operator, message: Any, t: float) -> list[Any]:
     """Loses one of so many messages."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        self.count += 1
-        return [] if self.count % self.amount == 0 else [message]
+    op.count += 1
+    return [] if op.count % op.amount == 0 else [message]
 
 
-class OldOneIn(Operator):
+def old_one_in(op: Operator, message: Any, t: float) -> list[Any]:
     """Repeats the message before in the place of one of so many."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        self.count += 1
-        old, self.last = self.last, message
-        return [old] if self.count % self.amount == 0 else [message]
+    op.count += 1
+    old, op.last = op.last, message
+    return [old] if op.count % op.amount == 0 else [message]
 
 
-class Holds(Operator):
+def holds(op: Operator, message: Any, t: float) -> list[Any]:
     """Repeats a message in the place of those that come within so many seconds of it."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        if t - self.since >= self.amount:
-            self.since, self.last = t, message
-        return [self.last]
+    if t - op.since >= op.amount:
+        op.since, op.last = t, message
+    return [op.last]
 
 
-class AtMostEvery(Operator):
+def at_most_every(op: Operator, message: Any, t: float) -> list[Any]:
     """Drops what comes within so many seconds of the last message that was passed on."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        if t - self.since < self.amount:
-            return []
-        self.since = t
-        return [message]
+    if t - op.since < op.amount:
+        return []
+    op.since = t
+    return [message]
 
 
-class IgnoresFirst(Operator):
+def ignores_first(op: Operator, message: Any, t: float) -> list[Any]:
     """Ignores the first messages."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        self.count += 1
-        return [] if self.count <= self.amount else [message]
+    op.count += 1
+    return [] if op.count <= op.amount else [message]
 
 
-class IgnoresAfter(Operator):
+def ignores_after(op: Operator, message: Any, t: float) -> list[Any]:
     """Ignores everything after so many messages."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        self.count += 1
-        return [message] if self.count <= self.amount else []
+    op.count += 1
+    return [message] if op.count <= op.amount else []
 
 
-class DeafAfter(Operator):
+def deaf_after(op: Operator, message: Any, t: float) -> list[Any]:
     """Ignores everything that comes so many seconds after the first message."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        self.last = t if self.last is None else self.last
-        return [message] if t - self.last < self.amount else []
+    op.last = t if op.last is None else op.last
+    return [message] if t - op.last < op.amount else []
 
 
-class Latches(Operator):
+def latches(op: Operator, message: Any, t: float) -> list[Any]:
     """Keeps the first message for good, and repeats it in the place of every other."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        self.last = message if self.last is None else self.last
-        return [self.last]
+    op.last = message if op.last is None else op.last
+    return [op.last]
 
 
-class Twice(Operator):
+def twice(op: Operator, message: Any, t: float) -> list[Any]:
     """Passes each message on twice."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        return [message, message]
+    return [message, message]
 
 
-class Reorders(Operator):
+def reorders(op: Operator, message: Any, t: float) -> list[Any]:
     """Swaps each message with the one after it."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        self.kept.insert(0, message)
-        both, self.kept = (self.kept, []) if len(self.kept) == 2 else ([], self.kept)
-        return both
+    op.kept.insert(0, message)
+    both, op.kept = (op.kept, []) if len(op.kept) == 2 else ([], op.kept)
+    return both
 
 
-class OnlyNewer(Operator):
+def only_newer(op: Operator, message: Any, t: float) -> list[Any]:
     """Drops a message whose stamp is not newer than every one before it."""
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        stamp = (message.header.stamp.sec, message.header.stamp.nanosec)
-        if stamp <= (self.last or (0, 0)):
-            return []
-        self.last = stamp
-        return [message]
+    stamp = (message.header.stamp.sec, message.header.stamp.nanosec)
+    if stamp <= (op.last or (0, 0)):
+        return []
+    op.last = stamp
+    return [message]
 
 
-class Expires(Operator):
+def expires(op: Operator, message: Any, t: float) -> list[Any]:
     """Says something empty when nothing has come for so many seconds (see `hears`)."""
-
-    @property
-    def silence(self) -> float:
-        """After so long [s]."""
-        return self.amount
-
-    def __call__(self, message: Any, t: float) -> list[Any]:
-        return [message]
+    return [message]
 
 
 # --- on numbers -----------------------------------------------------------------------------------
 
 
-class Times(Operator):
+def times(op: Operator, number: float, t: float) -> float:
     """Multiplies: another unit, another sign, a wrong gain."""
-
-    def __call__(self, number: float, t: float) -> float:
-        return number * self.amount
+    return number * op.amount
 
 
-class Plus(Operator):
+def plus(op: Operator, number: float, t: float) -> float:
     """Adds an offset."""
-
-    def __call__(self, number: float, t: float) -> float:
-        return number + self.amount
+    return number + op.amount
 
 
-class Clips(Operator):
+def clips(op: Operator, number: float, t: float) -> float:
     """Clips to plus and minus a limit."""
-
-    def __call__(self, number: float, t: float) -> float:
-        return max(-self.amount, min(self.amount, number))
+    return max(-op.amount, min(op.amount, number))
 
 
-class NanIs(Operator):
+def nan_is(op: Operator, number: float, t: float) -> float:
     """Takes a certain number for NaN."""
-
-    def __call__(self, number: float, t: float) -> float:
-        return self.amount if math.isnan(number) else number
+    return op.amount if math.isnan(number) else number
 
 
-class Quantises(Operator):
+def quantises(op: Operator, number: float, t: float) -> float:
     """Rounds to steps."""
-
-    def __call__(self, number: float, t: float) -> float:
-        return round(number / self.amount) * self.amount if math.isfinite(number) else number
+    return round(number / op.amount) * op.amount if math.isfinite(number) else number
 
 
-class DeadBand(Operator):
+def dead_band(op: Operator, number: float, t: float) -> float:
     """Takes small numbers for zero."""
-
-    def __call__(self, number: float, t: float) -> float:
-        return 0.0 if abs(number) < self.amount else number
+    return 0.0 if abs(number) < op.amount else number
 
 
-class Sticks(Operator):
+def sticks(op: Operator, number: float, t: float) -> Any:
     """Changes only by more than a band: hysteresis."""
-
-    def __call__(self, number: float, t: float) -> Any:
-        if self.last is None or not abs(number - self.last) <= self.amount:
-            self.last = number
-        return self.last
+    if op.last is None or not abs(number - op.last) <= op.amount:
+        op.last = number
+    return op.last
 
 
-class LowPass(Operator):
+def low_pass(op: Operator, number: float, t: float) -> Any:
     """Takes a part of the new number and the rest of the last one."""
-
-    def __call__(self, number: float, t: float) -> Any:
-        if self.last is None or not math.isfinite(self.last):
-            self.last = number
-        self.last += self.amount * (number - self.last) if math.isfinite(number) else number
-        return self.last
+    if op.last is None or not math.isfinite(op.last):
+        op.last = number
+    op.last += op.amount * (number - op.last) if math.isfinite(number) else number
+    return op.last
 
 
-class FallsAtMost(Operator):
+def falls_at_most(op: Operator, number: float, t: float) -> float:
     """Falls by at most a step from message to message: a gentle stop."""
-
-    def __call__(self, number: float, t: float) -> float:
-        if self.last is not None:
-            number = max(number, self.last - self.amount)
-        self.last = number
-        return number
+    if op.last is not None:
+        number = max(number, op.last - op.amount)
+    op.last = number
+    return number
 
 
-class RisesAtMost(Operator):
+def rises_at_most(op: Operator, number: float, t: float) -> float:
     """Rises by at most a step from message to message."""
-
-    def __call__(self, number: float, t: float) -> float:
-        if self.last is not None:
-            number = min(number, self.last + self.amount)
-        self.last = number
-        return number
+    if op.last is not None:
+        number = min(number, op.last + op.amount)
+    op.last = number
+    return number
 
 
-class LeastOf(Operator):
+def least_of(op: Operator, number: float, t: float) -> Any:
     """Takes the smallest of the last numbers."""
-
-    def __call__(self, number: float, t: float) -> Any:
-        self.kept = [*self.kept, number][-int(self.amount) :]
-        return min(self.kept)
+    op.kept = [*op.kept, number][-int(op.amount) :]
+    return min(op.kept)
 
 
-class ZeroFor(Operator):
+def zero_for(op: Operator, number: float, t: float) -> float:
     """Stays at zero for so many seconds once it is there."""
-
-    def __call__(self, number: float, t: float) -> float:
-        if abs(number) < 1e-9 and t - self.since >= self.amount:
-            self.since = t
-        return 0.0 if t - self.since < self.amount else number
+    if abs(number) < 1e-9 and t - op.since >= op.amount:
+        op.since = t
+    return 0.0 if t - op.since < op.amount else number
 
 
-class NotZeroFor(Operator):
+def not_zero_for(op: Operator, number: float, t: float) -> Any:
     """Goes to zero only when zero has been asked for during so many seconds."""
-
-    def __call__(self, number: float, t: float) -> Any:
-        if abs(number) >= 1e-9:
-            self.since, self.last = t, number
-        return self.last if t - self.since < self.amount else number
+    if abs(number) >= 1e-9:
+        op.since, op.last = t, number
+    return op.last if t - op.since < op.amount else number

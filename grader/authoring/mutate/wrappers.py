@@ -98,8 +98,9 @@ class Wrapper:
     def source(self) -> str:
         """The text that goes into the node's file."""
         hook = hooks.hears if self.hears else hooks.says
-        parts = [operators.Operator, getattr(operators, self.operator), hook]
-        make = f"{self.operator}({'' if self.number is None else repr_of(self.number)})"
+        change = changes()[self.operator]
+        parts = [operators.Operator, change, hook]
+        make = f"Operator({repr_of(self.number or 0.0)}, {change.__name__})"
         if self.field:
             parts.append(hooks.at)
             make = f"at({self.field!r}, lambda: {make})"
@@ -111,6 +112,13 @@ class Wrapper:
             "from typing import Any\n\nimport rclpy.node\n\n\n"
             f"{code}\n\n{end}(rclpy.node.Node, {self.topic!r}, {make})\n\n\n"
         )
+
+
+@cache
+def changes() -> dict[str, Any]:
+    """Return the operators by the names that they have in tables: "LowPass" is low_pass."""
+    found = inspect.getmembers(operators, inspect.isfunction)
+    return {name.title().replace("_", ""): function for name, function in found}
 
 
 @cache

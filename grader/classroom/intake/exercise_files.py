@@ -9,8 +9,8 @@ from pathlib import Path, PurePosixPath
 
 from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.course.submission import read_regular_file
-from grader.lms.entries import Entry
 from grader.lms.names import copy_number, plain
+from grader.lms.platform import Entry
 from grader.lms.unpack import is_archive, is_unread_archive
 
 WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.lms.entries import Entry, Who
 from grader.lms.people import Person
+from grader.lms.platform import Entry, Who
 
 
 @dataclass(frozen=True)

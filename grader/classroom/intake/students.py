@@ -13,9 +13,9 @@ from grader.classroom.intake import notebooks
 from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.errors import InputError, is_disk_full
 from grader.lms import PLATFORMS
-from grader.lms.entries import Entry, Read, SetAside, Who
 from grader.lms.names import may_enter, student_id, unique
 from grader.lms.people import NOBODY, Roster, folded
+from grader.lms.platform import Entry, Read, SetAside, Who
 from grader.lms.unpack import (
     ARCHIVES,
     MAX_DEPTH,

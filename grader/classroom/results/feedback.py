@@ -37,8 +37,8 @@ def write_page(
         bags = None
     changed = result.amended and (result.amended.points, result.amended.steps)
     made_of = (
-        _look(), sorted(hidden), _files_of(bags), result.student, task.title, result.grading,
-        result.file_names, changed,
+        _look(), sorted(hidden), bags is None, result.finished, result.student, task.title,
+        result.grading, result.file_names, changed,
     )  # fmt: skip
     text = json.dumps(made_of, sort_keys=True, default=str).encode("utf-8", "replace")
     stamp = f"<!-- {hashlib.sha256(text).hexdigest()} -->\n"
@@ -91,13 +91,6 @@ def _recordings(bags: Path) -> list[Recording]:
 def _look() -> str:
     """Return what a new player changes."""
     return page_html({})
-
-
-def _files_of(bags: Path | None) -> list[tuple[str, int, int]]:
-    """Return names, sizes and times of the recordings' files, which show whether any changed."""
-    files = sorted(path for path in bags.rglob("*") if path.is_file()) if bags else []
-    stats = [(path.name, path.stat()) for path in files]
-    return [(name, stat.st_size, stat.st_mtime_ns) for name, stat in stats]
 
 
 def _stamp_of(page: Path) -> str:

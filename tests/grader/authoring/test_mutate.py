@@ -87,11 +87,11 @@ def test_a_wrapper_comes_before_the_program_starts() -> None:
     wrapper = next(w for w in wrappers(SUPERVISOR) if w.name == "hears /e_stop Expires 1")
     text = wrapped(REFERENCE, wrapper).files["safety_supervisor.py"]
     hook, start = (
-        text.index("hears(rclpy.node.Node, '/e_stop', Expires(1.0))"),
+        text.index("hears(rclpy.node.Node, '/e_stop', Operator(1.0, expires))"),
         text.index("\nif __"),
     )
     assert text.index("class SafetySupervisor") < hook < start
-    assert "class Late" not in text
+    assert "def late" not in text
 
 
 def test_a_program_without_a_start_cannot_be_wrapped() -> None:

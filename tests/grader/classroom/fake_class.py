@@ -33,9 +33,6 @@ class Quiet:
     def begin(self, total: int) -> None:
         self.lines.append(f"{total} to grade")
 
-    def more(self, count: int) -> None:
-        self.lines.append(f"{count} more")
-
     def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
         self.lines.append(f"{student}: {outcome}")
 
