@@ -237,7 +237,7 @@ def _row(student: Student, found: Mapping[Key, Found], wanted: Sequence[str]) ->
         entry = found[student.id, slug].entry
         if entry is not None:
             handed[slug] = Handed(
-                entry.who.system, entry.who.name, entry.who.id, entry.who.email, entry.path.name,
-                entry.late, entry.time,
+                entry.who.system, entry.who.name, entry.who.id, entry.who.email, entry.late,
+                entry.time,
             )  # fmt: skip
     return StudentRow(student.id, student.person or NO_PERSON, handed)

@@ -42,11 +42,6 @@ def submission_hash(
 def _sources(exercise: Exercise) -> Iterator[Path]:
     rooms = [ROOT / "sim", *(ROOT / "grader" / room for room in VERDICT)]
     files = {path for room in rooms for path in room.rglob("*") if path.suffix in SUFFIXES}
-    others = {path for path in files if _of_another_exercise(path, exercise)}
-    yield from sorted({*files - others, exercise.folder / "exercise.toml"})
-
-
-def _of_another_exercise(path: Path, exercise: Exercise) -> bool:
-    """Return whether a file belongs to the judge of an exercise other than this one."""
-    among = path.is_relative_to(JUDGE) and path.parent != JUDGE
-    return among and not path.is_relative_to(exercise.judge)
+    judges = [folder for folder in JUDGE.iterdir() if folder.is_dir() and folder != exercise.judge]
+    mine = {path for path in files if not any(map(path.is_relative_to, judges))}
+    yield from sorted({*mine, exercise.folder / "exercise.toml"})

@@ -39,7 +39,6 @@ class Handed:
     name: str = ""  # of the student, as in the download
     id: str = ""
     email: str = ""
-    entry: str = ""  # the folder or file in the download
     late: bool = False  # says the platform
     time: str = ""  # when, as the platform writes it; "" if it doesn't say
 

@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader.lms.book import Book, Mark, Task, scaled
-from grader.lms.people import Sheet
+from grader.lms.people import Sheet, unquoted
 from grader.lms.platform import Entry, Files, Platform, Read, SetAside, Who
 from grader.lms.tables import Cell, Verbatim, csv_text, number
 
@@ -99,7 +99,9 @@ def canvas_csv(book: Book, task: Task) -> str | None:
         if not id_ and not login and not book.roster.people:
             login = mark.login
         if id_ or login:
-            rows.append([mark.name, _id(id_), _id(login), mark.row.person.section, points])
+            rows.append(
+                [mark.name, Verbatim(id_), Verbatim(login), mark.row.person.section, points]
+            )
         else:
             lost.append(mark)
     book.leaves_out(f"canvas/{task.slug}.csv", NO_ROW, lost)
@@ -139,7 +141,7 @@ def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
         if row is None or why:
             left.setdefault(why, []).append(mark)
             continue
-        called = [_unquoted(name) for name in row[:names]]
+        called = [unquoted(name) for name in row[:names]]
         rows.append([*called, *map(Verbatim, row[names:end]), scaled(points, task, most)])
     for why, marks in left.items():
         book.leaves_out(file, why, marks)
@@ -149,16 +151,6 @@ def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
 def _assignments(sheet: Sheet) -> tuple[str, ...]:
     """Return the headings of assignments: those with an id at the end, else all."""
     return tuple(each for each in sheet.header if each.endswith(")")) or sheet.header
-
-
-def _unquoted(name: str) -> str:
-    """Return a name that begins with "=" without what Canvas puts around it."""
-    match = re.fullmatch(r'="(.*)"', name, re.DOTALL)
-    return match[1] if match else name
-
-
-def _id(text: str) -> Cell:
-    return Verbatim(text) if text else None
 
 
 PLATFORM = Platform(

@@ -90,16 +90,9 @@ class _Worksheet:
     sheet: Sheet
     rows: Mapping[str, Sequence[str]]  # by participant
 
-    @property
-    def header(self) -> list[str]:
-        """The headings in small letters."""
-        return [heading.casefold() for heading in self.sheet.header]
-
     def cell(self, participant: str, heading: str) -> str:
         """Return what is there; "" if nothing is."""
-        if participant not in self.rows or heading not in self.header:
-            return ""
-        return self.rows[participant][self.header.index(heading)]
+        return self.sheet.cell(self.rows.get(participant), heading)
 
     def is_locked(self, mark: Mark) -> bool:
         """Tell whether a grade can't be changed."""
@@ -110,8 +103,7 @@ def _worksheet(book: Book, task: Task) -> _Worksheet | None:
     """Return the roster's worksheet of an exercise, by who is in it."""
     here = {mark.handed.id for mark, _ in book.marks(task)} - {""}
     for sheet_ in book.sheets("worksheet"):
-        place = [heading.casefold() for heading in sheet_.header].index(IDENTIFIER)
-        rows = {_participant(row[place]): row for row in sheet_.rows}
+        rows = {_participant(sheet_.cell(row, IDENTIFIER)): row for row in sheet_.rows}
         if here & rows.keys():
             return _Worksheet(sheet_, {id_: rows[id_] for id_ in here if id_ in rows})
     return None
@@ -189,11 +181,10 @@ def grades_csv(book: Book, task: Task) -> str | None:
 def _times(book: Book, marks: Sequence[Mark], sheets: Sequence[Sheet]) -> dict[str, str]:
     """Return when the grades of each student were downloaded; none if no sheet says it."""
     for sheet_ in sheets:
-        small = [each.casefold() for each in sheet_.header]
-        if DOWNLOADED.casefold() in small:
-            place = small.index(DOWNLOADED.casefold())
-            rows = {mark.student: book.row_of(sheet_, mark) for mark in marks}
-            return {student: row[place] for student, row in rows.items() if row and row[place]}
+        heading = DOWNLOADED.casefold()
+        if heading in sheet_.small:
+            times = {m.student: sheet_.cell(book.row_of(sheet_, m), heading) for m in marks}
+            return {student: time for student, time in times.items() if time}
     return {}
 
 
@@ -216,7 +207,7 @@ def _filled_in(
     book: Book, task: Task, worksheet: _Worksheet, theirs: Sequence[tuple[Mark, float]]
 ) -> str:
     """Return Moodle's own worksheet with the new grades, without its columns of feedback."""
-    header, file = worksheet.header, f"moodle/{task.slug}-worksheet.csv"
+    header, file = worksheet.sheet.small, f"moodle/{task.slug}-worksheet.csv"
     end = header.index(GRADED_AT) + 1 if GRADED_AT in header else len(header)
     made: list[list[Cell]] = [list(map(Verbatim, worksheet.sheet.header[:end]))]
     locked, lost = [], []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -56,6 +56,15 @@ class Sheet:
     rows: tuple[tuple[str, ...], ...]  # as long as the header
     people: tuple[int, ...]  # of each row: its place in the roster
     points: Mapping[str, str] = field(default_factory=dict)  # Canvas's "Points Possible"
+
+    @property
+    def small(self) -> list[str]:
+        """The headings in small letters."""
+        return [heading.casefold() for heading in self.header]
+
+    def cell(self, row: Sequence[str] | None, heading: str) -> str:
+        """Return what a row has below a heading in small letters; "" if there is none."""
+        return row[self.small.index(heading)].strip() if row and heading in self.small else ""
 
 
 @dataclass(frozen=True)
@@ -141,6 +150,12 @@ def folded(name: str) -> str:
 def squeezed(name: str) -> str:
     """Return a sortable name as Canvas puts it in front of a file: only word characters."""
     return re.sub(r"[\W_]", "", unicodedata.normalize("NFC", name).casefold())
+
+
+def unquoted(name: str) -> str:
+    """Return a name that begins with "=" without what Canvas puts around it."""
+    match = re.fullmatch(r'="(.*)"', name, re.DOTALL)
+    return match[1] if match else name
 
 
 NOBODY = Roster()

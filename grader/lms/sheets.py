@@ -30,6 +30,7 @@ from grader.lms.people import (
     Person,
     Roster,
     Sheet,
+    unquoted,
 )
 
 MAX_SHEET = 20 * 1024 * 1024  # [bytes]
@@ -207,8 +208,7 @@ def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
     if not name:
         first, last = _first(cells, FIRST), _first(cells, LAST)
         name = f"{last}, {first}" if kind == "canvas" else f"{first} {last}".strip()
-    quoted = re.fullmatch(r'="(.*)"', name)  # so writes Canvas a name that begins with "="
-    name = quoted[1] if quoted else name
+    name = unquoted(name)
     if kind == "github" and not name:
         name = ids.get(OWN, "")
     name = name or next(iter(ids.values()), "") or identifier  # anonymous submissions

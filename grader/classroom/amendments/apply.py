@@ -12,13 +12,11 @@ from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, U
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import find_student
-from grader.classroom.marks import points_of, tasks_of
+from grader.classroom.marks import TO_HOLD, points_of, tasks_of
 from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended, StoredResult
 from grader.course.exercises import find_exercise
 from grader.course.score import score_of
 from grader.lms.book import StudentRow, Task, about
-
-UNSURE = ("error", "inconclusive")  # outcomes that hold a grading
 
 
 @dataclass(frozen=True)
@@ -183,14 +181,14 @@ def _with_check(
         return None
     (check,) = found[:1]
     title = str(check.get("title") or change.check).rstrip(".")
-    was = f"Before: {check.get('outcome')}, {_points(check):g} of {_most(check):g} points."
+    most, had = (float(check.get(key) or 0) for key in ("max_points", "points"))
+    was = f"Before: {check.get('outcome')}, {had:g} of {most:g} points."
     said = str(check.get("message") or "")
     if isinstance(change, Waive):
         check.update(outcome="skip", points=0, max_points=0, waived=True)
         check["message"] = f"Does not count. {was} {said}".strip()
         steps.append(f"“{title}” does not count.")
     else:
-        most = _most(check)
         points = min(change.points, most)
         check.update(points=points, outcome="pass" if points >= most else "fail")
         check["message"] = f"Set by hand to {points:g} of {most:g} points. {was} {said}".strip()
@@ -216,7 +214,7 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
     }
     if all(check.get("outcome") == "pass" or check.get("waived") for check in core):
         new["cause"] = None
-    sure = all(check.get("outcome") not in UNSURE for check in grading.get("checks") or ())
+    sure = all(check.get("outcome") not in TO_HOLD for check in grading.get("checks") or ())
     settled = before.state == HELD and sure and _held_for_checks(before)
     state = GRADED if settled else result.state
     return replace(result, grading=new, state=state, problem="" if settled else result.problem)
@@ -225,15 +223,7 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
 def _held_for_checks(result: StoredResult) -> bool:
     outcomes = {check.get("outcome") for check in (result.grading or {}).get("checks") or ()}
     why = result.problem.startswith(STALLS) or UNJUDGED in result.problem
-    return why and not outcomes.isdisjoint(UNSURE)
-
-
-def _points(check: Mapping[str, Any]) -> float:
-    return float(check.get("points") or 0)
-
-
-def _most(check: Mapping[str, Any]) -> float:
-    return float(check.get("max_points") or 0)
+    return why and not outcomes.isdisjoint(TO_HOLD)
 
 
 # --- lateness ------------------------------------------------------------------------------------

@@ -104,16 +104,15 @@ def times_of(
     """
     roster = read_roster([file])
     (sheet,) = roster.sheets
-    small = [heading.casefold() for heading in sheet.header]
-    column = next((small.index(each) for each in HEADINGS if each in small), None)
-    if column is None:
+    heading = next((each for each in HEADINGS if each in sheet.small), "")
+    if not heading:
         raise InputError(
             f"{file}: the headings are {', '.join(sheet.header)[:200]!r}; expected id (or name, "
             "email, login) and time"
         )
     found: dict[str, str] = {}
     for row, place in zip(sheet.rows, sheet.people, strict=True):
-        person, told = roster.people[place], row[column].strip()
+        person, told = roster.people[place], sheet.cell(row, heading)
         if told in ("", "-"):
             continue
         moment = parsed(told, _zone(zone))
