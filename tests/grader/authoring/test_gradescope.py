@@ -9,6 +9,7 @@ import subprocess
 import zipfile
 from pathlib import Path
 
+import msgspec
 import pytest
 from click.testing import CliRunner
 
@@ -56,7 +57,7 @@ def test_what_is_written_is_what_the_autograder_reads(made: Path, tmp_path: Path
     with zipfile.ZipFile(made) as archive:
         archive.extract(SETTINGS, tmp_path)
 
-    settings = Settings.read(tmp_path / SETTINGS)
+    settings = msgspec.json.decode((tmp_path / SETTINGS).read_bytes(), type=Settings)
 
     assert settings == Settings(SLUGS, False, ("worlds",))
 
