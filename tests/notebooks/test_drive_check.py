@@ -92,7 +92,7 @@ def test_a_failure_comes_with_its_replay_at_the_moment(kernel: Kernel) -> None:
     checks = json.loads(kernel.run("import json; print(json.dumps(report.checks))").stdout)
 
     failed = [check for check in checks if check["outcome"] == "fail"]
-    assert failed[0]["id"] == "stop_zone"
+    assert failed[0]["id"] == "sees_sides"  # of the first task that fails
     (payload,) = replays(said)
     first = payload["replays"][0]
     assert first["scenario"] == failed[0]["scenario"]
