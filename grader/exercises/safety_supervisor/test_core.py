@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, TIMING, WIRING, check
-from grader.checks.commands import FIELDS, require_zero
-from grader.checks.words import follows, keeps_distance, wired, within
+from grader.checks.commands import FIELDS
+from grader.checks.words import follows, keeps_distance, wired, within, zero
 from grader.exercises.safety_supervisor.contract import CONTRACT, DIAGNOSTICS_TOPIC
 from grader.exercises.safety_supervisor.words import (
     goes_on,
@@ -46,7 +46,7 @@ def test_passes_on(runs: Runs) -> None:
     follows(runs.only("safe_pass"), "settled", help=help)
     for recording in runs:
         help = "Fill in a new Twist; only linear.x and angular.z are passed on."
-        require_zero(recording, FIELDS[1:5], help)
+        zero(recording, FIELDS[1:5], help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=("safe_limits", LONG), hint="4.1")
