@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, overload
 
-from grader.checks.commands import spell
+from grader.checks.commands import Answer, spell
 from grader.recording import Recording
 
 Interval = tuple[float, float]  # the least and the greatest
@@ -35,6 +35,18 @@ class Case:
             if not _among(self.said.get(name), allowed, tolerance):
                 return name
         return ""
+
+
+def answered(answer: Answer, allowed: Mapping[str, Allowed], *tags: str, what: str = "") -> Case:
+    """Return the occasion of a scan, and the linear.x that answered it."""
+    return Case(
+        at=answer.scan.t,
+        what=what or answer.what,
+        tags=frozenset({*answer.tags, *tags}),
+        allowed=allowed,
+        said={} if answer.speed is None else {"linear.x": answer.speed},
+        count=answer.count,
+    )
 
 
 Oracle = Callable[[Recording], Sequence[Case]]

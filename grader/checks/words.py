@@ -108,8 +108,8 @@ def follows(
             raise LookupError(f"no occasion {tag!r} in {', '.join(run.name for run in runs)}")
     for recording, case in found:
         require_allowed(recording, case, explain(case) or help, tolerance=tolerance, topic=topic)
-    for recording in runs:
-        reacts(recording, [case for _, case in runs.of([recording]).cases()])
+    asked = {name for _, case in found for name in case.allowed}
+    reacts([(run, case) for run, case in runs.cases() if asked & case.allowed.keys()])
 
 
 def require_allowed(
@@ -150,18 +150,18 @@ def require_allowed(
     )
 
 
-def reacts(recording: Recording, cases: Sequence[Case]) -> None:
+def reacts(answers: Sequence[tuple[Recording, Case]]) -> None:
     """Fail if the node nearly always says the same, though the occasions call for different things.
 
     Without this a node that only ever stops would pass every check that expects a stop.
     """
-    answers = [case for case in cases if case.allowed]
-    said = Counter(_rounded(case) for case in answers)
+    said = Counter(_rounded(case) for _, case in answers)
     usual, count = said.most_common(1)[0] if answers else ((), 0)
-    others, bench = len(answers) - count, bool(recording.scenario.bench_scans)
+    others = len(answers) - count
+    bench = any(recording.scenario.bench_scans for recording, _ in answers)
     if others >= (1 - USUAL) * len(answers) or (others and not bench):
         return
-    wrong = [case for case in answers if replace(case, said=dict(usual)).wrong(TOLERANCE)]
+    wrong = [each for each in answers if replace(each[1], said=dict(usual)).wrong(TOLERANCE)]
     if not wrong or (bench and others >= (1 - USUAL) * len(wrong)):
         return
     spelled = ", ".join(f"{name} = {_shown(value)}" for name, value in usual) or "nothing"
@@ -169,8 +169,8 @@ def reacts(recording: Recording, cases: Sequence[Case]) -> None:
         "the node says the same whatever it sees",
         expected="an answer that depends on what comes in",
         actual=spelled + ("" if count == len(answers) else f" in {count} of {len(answers)}"),
-        at=wrong[0].at,
-        recording=recording,
+        at=wrong[0][1].at,
+        recording=wrong[0][0],
         help="Log what you decide on. Is it the same each time? Then look at the perception. If "
         "not: does the decision use it, and do you publish the result?",
     )
