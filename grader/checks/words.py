@@ -184,9 +184,13 @@ def every(
     *,
     begin: float = 0.0,
     end: float | None = None,
+    sooner: bool = False,
     help: str = "",
 ) -> None:
-    """Fail unless messages come on a topic once a period [s], each gap within the tolerance [s]."""
+    """Fail unless messages come on a topic once a period [s], each gap within the tolerance [s].
+
+    `sooner`: more of them may come.
+    """
     require_alive(recording)
     last = recording.duration_s if end is None else end
     times = recording.times(topic)
@@ -195,7 +199,7 @@ def every(
     slack = tolerance + recording.slack
     gaps = np.diff(edges)
     late = np.flatnonzero(gaps > period + slack)
-    early = np.flatnonzero(np.diff(inside) < period - slack)
+    early = np.flatnonzero(np.diff(inside) < (-math.inf if sooner else period - slack))
     if not len(late) and not len(early):
         return
     first = int(late[0]) if len(late) else int(early[0]) + 1
