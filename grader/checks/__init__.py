@@ -1,7 +1,7 @@
 """What the checks of all exercises share; each exercise's own lie in `grader/exercises/NAME`.
 
 ==================  ============================================================================
-words               the words of a check: wired, follows, silent, every, keeps_distance, …
+words               the words of a check: wired, follows, every, keeps_distance, …
 case, check         an occasion with what is allowed and what was said; the mark of a check
 contract            what an exercise's node is: limits, period, worlds
 verdict             how a check fails, or says that the machine allows no verdict
