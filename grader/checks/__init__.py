@@ -1,7 +1,7 @@
 """What the checks of all exercises share; each exercise's own lie in `grader/exercises/NAME`.
 
 ==================  ============================================================================
-words               the words of a check: wired, follows, silent, every, keeps_distance, …
+words               the words of a check: wired, follows, every, keeps_distance, …
 case, check         an occasion with what is allowed and what was said; the mark of a check
 contract            what an exercise's node is: limits, period, worlds
 verdict             how a check fails, or says that the machine allows no verdict
@@ -13,7 +13,7 @@ predictions         what a probe model predicts from a scan; model_cases: the oc
                     that drives as its model says; model_commands: their words
 inferences          what the judge's own models were asked
 callbacks           how long a callback takes
-driving, moments    how far the robot drove, what it touched, and when to open a failure's replay
+moments             when to open the replay of a failure that is about a whole run
 turns, reading      which commands belong to which scan; messages that may be anything
 evidence            what an exercise's `causes.py` returns
 ==================  ============================================================================

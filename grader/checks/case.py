@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, overload
 
-from grader.checks.commands import spell
+from grader.checks.commands import Answer, spell
 from grader.recording import Recording
 
 Interval = tuple[float, float]  # the least and the greatest
@@ -37,6 +37,18 @@ class Case:
         return ""
 
 
+def answered(answer: Answer, allowed: Mapping[str, Allowed], *tags: str, what: str = "") -> Case:
+    """Return the occasion of a scan, and the linear.x that answered it."""
+    return Case(
+        at=answer.scan.t,
+        what=what or answer.what,
+        tags=frozenset({*answer.tags, *tags}),
+        allowed=allowed,
+        said={} if answer.speed is None else {"linear.x": answer.speed},
+        count=answer.count,
+    )
+
+
 Oracle = Callable[[Recording], Sequence[Case]]
 
 
@@ -52,32 +64,14 @@ def remembered(oracle: Oracle) -> Oracle:
     return cases
 
 
+@dataclass(frozen=True, eq=False)
 class Runs(Sequence[Recording]):
-    """The recordings of a check's scenarios, in the order of its mark.
+    """The recordings of a check's scenarios, in the order of its mark."""
 
-    Parameters
-    ----------
-    recordings
-        In the order of the mark.
-    oracle
-        The exercise's `cases`.
-    exercise
-        Its slug.
-    handed
-        What the checks returned that this one needs, by their names.
-    """
-
-    def __init__(
-        self,
-        recordings: Sequence[Recording],
-        oracle: Oracle,
-        exercise: str = "",
-        handed: Mapping[str, Any] | None = None,
-    ) -> None:
-        self._recordings = tuple(recordings)
-        self._oracle = oracle
-        self.exercise = exercise
-        self.handed = handed or {}
+    recordings: Sequence[Recording]
+    oracle: Oracle  # the exercise's `cases`
+    exercise: str = ""  # its slug
+    handed: Mapping[str, Any] = field(default_factory=dict)  # what needed checks returned, by name
 
     @overload
     def __getitem__(self, key: int | str) -> Recording: ...
@@ -88,35 +82,35 @@ class Runs(Sequence[Recording]):
     def __getitem__(self, key: int | str | slice) -> Recording | Runs:
         """Return a recording, by its place or its scenario's name; or some of them."""
         if isinstance(key, slice):
-            return self.of(self._recordings[key])
+            return self.of(self.recordings[key])
         if isinstance(key, int):
-            return self._recordings[key]
-        return next(run for run in self._recordings if run.name == key)
+            return self.recordings[key]
+        return next(run for run in self.recordings if run.name == key)
 
     def __len__(self) -> int:
         """Return how many there are."""
-        return len(self._recordings)
+        return len(self.recordings)
 
     def only(self, *names: str) -> Runs:
         """Return those of these scenarios."""
-        return self.of([run for run in self._recordings if run.name in names])
+        return self.of([run for run in self.recordings if run.name in names])
 
     def driven(self) -> Runs:
         """Return those of closed loops: what a bench shows does not depend on the commands."""
-        return self.of([run for run in self._recordings if not run.scenario.bench_scans])
+        return self.of([run for run in self.recordings if not run.scenario.bench_scans])
 
     def benches(self) -> Runs:
         """Return the others: those in which a bench says what the lidar sees."""
-        return self.of([run for run in self._recordings if run.scenario.bench_scans])
+        return self.of([run for run in self.recordings if run.scenario.bench_scans])
 
     def of(self, recordings: Sequence[Recording]) -> Runs:
         """Return these recordings, with the same oracle."""
-        return Runs(recordings, self._oracle, self.exercise, self.handed)
+        return replace(self, recordings=recordings)
 
     def cases(self, *tags: str) -> Iterator[tuple[Recording, Case]]:
         """Yield the occasions with one of these tags (all without), and their recordings."""
-        for recording in self._recordings:
-            for case in self._oracle(recording):
+        for recording in self.recordings:
+            for case in self.oracle(recording):
                 if not tags or not case.tags.isdisjoint(tags):
                     yield recording, case
 

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grader.checks.ahead import front_distance
-from grader.checks.moments import first_asked
 from grader.checks.turns import turns
-from grader.checks.verdict import fail
-from grader.checks.wiring import require_alive
 from grader.recording import Floats, Recording, Scan
 
 FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
@@ -63,65 +59,6 @@ def answers(recording: Recording) -> list[Answer]:
             )
         )
     return found
-
-
-def require_one_command_each(recording: Recording) -> None:
-    """Fail unless exactly one command followed each scan, and none came before the first."""
-    require_alive(recording)
-    found, twists = answers(recording), recording.twists()
-    if not found:
-        fail("no scan was sent", recording=recording)
-    if len(twists.t) and twists.t[0] < found[0].scan.t:
-        fail(
-            "a command came before the first scan",
-            expected="silence until there is something to decide on",
-            actual=f"a Twist at {twists.t[0]:.3f} s, the first scan at {found[0].scan.t:.3f} s",
-            at=float(twists.t[0]),
-            recording=recording,
-            help="Publish from the scan callback only, not from the constructor or a timer.",
-        )
-    for answer in found:
-        if answer.count != 1:
-            fail(
-                f"{answer.count} commands followed {answer.what}",
-                expected="exactly one Twist for each scan",
-                actual=f"{answer.count} between this scan and the next",
-                at=answer.scan.t,
-                recording=recording,
-                help="Look for a timer, a second publish(), or a return before the publish().",
-            )
-
-
-def require_only_linear_x(recording: Recording, help: str) -> None:
-    """Fail unless there are commands, and every field of them but linear.x is zero."""
-    require_alive(recording)
-    if not len(recording.twists().t):
-        fail(
-            "not a single Twist came on /cmd_vel",
-            expected="one Twist for each scan",
-            actual="nothing on /cmd_vel",
-            at=first_asked(recording),
-            recording=recording,
-        )
-    require_zero(recording, FIELDS[1:], help)
-
-
-def require_zero(recording: Recording, fields: Iterable[str], help: str) -> None:
-    """Fail unless these fields are zero in every command."""
-    twists = recording.twists()
-    for field in fields:
-        numbers = twists.values[:, FIELDS.index(field)]
-        wrong = np.flatnonzero(~is_zero(numbers))
-        if len(wrong):
-            value = float(numbers[wrong[0]])
-            fail(
-                f"{field} is not zero",
-                expected=f"{field} = 0.0",
-                actual=f"{field} = {spell(value)}",
-                at=float(twists.t[wrong[0]]),
-                recording=recording,
-                help=garbage(value) or help,
-            )
 
 
 def is_zero(numbers: Floats) -> NDArray[np.bool_]:

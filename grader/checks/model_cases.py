@@ -8,19 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from grader.checks.case import Allowed, Case, Interval, Said, exactly
+from grader.checks.case import Case, Interval, answered, exactly
 from grader.checks.commands import Answer, answers
 from grader.checks.inferences import questions
-from grader.checks.predictions import (
-    Prediction,
-    max_speed,
-    model_file,
-    prediction,
-    quick,
-)
+from grader.checks.predictions import Prediction, max_speed, model_file, prediction, quick
 from grader.models.features import possible_features
 from grader.models.files import is_kept, probe
 from grader.recording import Inference, Recording
@@ -44,15 +39,15 @@ def speed_cases(recording: Recording, model: Model | None) -> list[Case]:
     cases = []
     for answer, end in zip(found, ends, strict=True):
         right = prediction(source, answer.scan, limit)
-        allowed: dict[str, Allowed] = {SPEED: right.allowed}
-        said: dict[str, Said] = {} if answer.speed is None else {SPEED: answer.speed}
-        if kept and said and not np.isnan(possible_features(answer.scan)).any():
+        case = answered(answer, {SPEED: right.allowed}, what=scan_in_words(recording, answer))
+        if kept and case.said and not np.isnan(possible_features(answer.scan)).any():
             asked = questions(recording, PREDICT, answer.scan.t, end)
-            allowed = {SPEED: _answered(asked, right, limit), PREDICT: frozenset({CALLED})}
-            said[PREDICT] = _asked(asked, right, limit)
-        what = scan_in_words(recording, answer)
-        tags = frozenset(answer.tags)
-        cases.append(Case(answer.scan.t, what, tags, allowed, said, answer.count))
+            case = replace(
+                case,
+                allowed={SPEED: _answered(asked, right, limit), PREDICT: frozenset({CALLED})},
+                said={**case.said, PREDICT: _asked(asked, right, limit)},
+            )
+        cases.append(case)
     return cases
 
 

@@ -1,7 +1,7 @@
 """When to open the replay of a failure that is about a whole run.
 
-Some mistakes have no moment of their own: a node publishes nothing at all, or the robot never
-moves. Students still want to see it happen, so these failures name the most telling moment.
+A node that publishes nothing, or a robot that never moves, has no moment of its own; so these
+failures name the most telling one.
 """
 
 from __future__ import annotations

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import PurePath
 from typing import Any
 
@@ -60,11 +59,6 @@ class Prediction:
     most: float  # [m/s]
     missing: bool  # to have no prediction is right as well
 
-    @property
-    def exists(self) -> bool:
-        """The model predicts a number; if not, 0.0 is right."""
-        return self.most > -math.inf
-
     def allows(self, speed: float) -> bool:
         """Tell whether a command [m/s] can be this prediction, or 0.0 where there is none."""
         predicted = self.least - TOLERANCE <= speed <= self.most + TOLERANCE
@@ -73,20 +67,15 @@ class Prediction:
     @property
     def allowed(self) -> tuple[Interval, ...]:
         """The commands that are right [m/s]."""
-        return exactly(0.0) * self.missing + ((self.least, self.most),) * self.exists
+        exists = self.most > -math.inf
+        return exactly(0.0) * self.missing + ((self.least, self.most),) * exists
 
 
 def predictions(recording: Recording) -> tuple[Prediction, ...]:
     """Return what the scenario's model, without its delay, predicts from each scan sent."""
-    models = recording.scenario.node.models
+    model = probe(quick(recording.scenario.node.models[MODEL]))
     limit = max_speed(recording.scenario)
-    return _predictions(recording.scans(), msgspec.msgpack.encode(models[MODEL]), limit)
-
-
-@lru_cache(maxsize=32)  # several checks ask for the same
-def _predictions(scans: tuple[Scan, ...], packed: bytes, limit: float) -> tuple[Prediction, ...]:
-    model = probe(quick(msgspec.msgpack.decode(packed, type=Model)))
-    return tuple(prediction(model, scan, limit) for scan in scans)
+    return tuple(prediction(model, scan, limit) for scan in recording.scans())
 
 
 def prediction(model: Any, scan: Scan, limit: float) -> Prediction:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from grader.recording import Floats, Recording, Scan
 
 LAST_MOMENT = 0.3  # [s] before the end of a run; the answer to a scan then may come after the end
-UNEXPLAINED = 0.02  # [s] of a turn without CPU time; below it nobody measured the wait for a CPU
 LATEST = 0.5  # [s] from a scan to its answer, in real time, without the node's wait for a CPU
 
 
@@ -45,24 +44,6 @@ def answered_in_turn(recording: Recording) -> int:
     if np.any(delays < 0.0) or np.any(delays > latest) or np.any(unanswered):
         return 0
     return count
-
-
-def until_next_scan(recording: Recording) -> Floats:
-    """Return what the node computed, and was busy, from each scan to the next [s], (2, n).
-
-    In virtual time the answer to a scan costs what all turns up to the next scan cost: a node may
-    put it off to another message's, or ask the judge something on the way. Waiting for a CPU is no
-    business. In real time the answer's delay says it, and n is 0.
-    """
-    cost = recording.compute
-    begins = np.unique(np.searchsorted(cost.time, recording.times("/scan")))
-    begins = begins[begins < len(cost.time)]
-    if recording.live is not None or not len(begins):
-        return np.zeros((2, 0))
-    computed = np.fmin(cost.wall, cost.cpu)
-    waited = cost.wall - computed > UNEXPLAINED
-    busy = np.where(waited, np.maximum(cost.wall - cost.queued, computed), computed)
-    return np.stack([np.add.reduceat(each, begins) for each in (computed, busy)])
 
 
 def _waited(recording: Recording, begins: Floats, ends: Floats) -> Floats:

@@ -11,35 +11,28 @@ Tested with the plug-in that reads it (tests/grader/grading/test_plugin.py).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NoReturn
 
 from grader.recording import Recording
 
 
+@dataclass(eq=False)
 class CheckFailed(AssertionError):
     """The student's mistake."""
 
-    def __init__(
-        self,
-        message: str,
-        *,
-        expected: str = "",
-        actual: str = "",
-        at: float | None = None,
-        scenario: str | None = None,
-        help: str = "",
-        where: str = "",
-        title: str = "",
-    ) -> None:
-        super().__init__(message)
-        self.message = message
-        self.expected = expected
-        self.actual = actual
-        self.at = at  # [s]
-        self.scenario = scenario
-        self.help = help
-        self.where = where
-        self.title = title  # in place of the check's own
+    message: str
+    expected: str = ""
+    actual: str = ""
+    at: float | None = None  # [s]
+    scenario: str | None = None
+    help: str = ""
+    where: str = ""
+    title: str = ""  # in place of the check's own
+
+    def __str__(self) -> str:
+        """Return what happened."""
+        return self.message
 
     @property
     def of_one_message(self) -> bool:
@@ -87,16 +80,8 @@ def fail(
     CheckFailed
         Always.
     """
-    raise CheckFailed(
-        message,
-        expected=expected,
-        actual=actual,
-        at=None if at is None else float(at),
-        scenario=recording.name if recording else None,
-        help=help,
-        where=where,
-        title=title,
-    )
+    when, name = None if at is None else float(at), recording.name if recording else None
+    raise CheckFailed(message, expected, actual, when, name, help, where, title)
 
 
 def inconclusive(message: str) -> NoReturn:

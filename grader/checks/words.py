@@ -2,12 +2,11 @@
 
     wired            the node runs, with the topics and services of its exercise
     answers_once     one command for each scan, and none before the first
-    only_linear_x    every other field of a command is zero
     follows          what the node says is what its contract allows
     reacts           it doesn't say the same whatever it sees
-    silent           nothing on a topic for a while
     every            a period
-    within           every command within the limits
+    only_linear_x    every other field of a command is zero
+    zero, within     these fields are; every command is within the limits
     keeps_distance   no contact, and clear of everything
     drives_on        the robot drives when its way is free
     logs             a line in the log, of a level
@@ -20,26 +19,19 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
-from functools import partial
-from typing import NoReturn
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from grader.checks.ahead import front_distance
-from grader.checks.case import Case, Runs, spell_allowed
-from grader.checks.commands import (
-    garbage,
-    require_one_command_each,
-    require_only_linear_x,
-    spell,
-)
+from grader.checks.case import Case, Runs, Said, spell_allowed
+from grader.checks.commands import FIELDS, ZERO, answers, garbage, spell
 from grader.checks.contract import Limits
-from grader.checks.driving import path_length, require_no_contact
-from grader.checks.moments import came_to_rest, first_asked
+from grader.checks.moments import came_to_rest, first_asked, first_contact
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
-from grader.recording import Recording, Scan
+from grader.recording import Floats, Recording, Scan
 from sim.messages import CMD_VEL_TOPIC
 
 TOLERANCE = 1e-3  # of a number
@@ -47,7 +39,6 @@ UNITS = {"linear.x": "m/s", "angular.z": "rad/s"}
 USUAL = 0.85  # share of answers that are the same, of a node that does not react
 LEAST_WAY = 0.5  # [m] driven in at least one world
 STILL = 0.05  # [m/s]
-SLACK = 1e-6  # beyond a limit
 PUBLISH_ONCE = "Publish once at the end of the callback, whatever the message was."
 
 
@@ -57,16 +48,30 @@ def wired(runs: Runs, *nodes: str) -> None:
         require_wiring(recording, runs.exercise, *nodes)
 
 
-def answers_once(runs: Runs) -> None:
+def answers_once(runs: Sequence[Recording]) -> None:
     """Fail unless each scan is answered by exactly one command, and none comes before."""
     for recording in runs:
-        require_one_command_each(recording)
-
-
-def only_linear_x(runs: Runs, help: str = "This agent only drives straight ahead.") -> None:
-    """Fail unless every field of every command but linear.x is zero."""
-    for recording in runs:
-        require_only_linear_x(recording, help)
+        require_alive(recording)
+        first, commands = recording.times("/scan").min(initial=math.inf), recording.twists().t
+        if len(commands) and commands[0] < first:
+            fail(
+                "a command came before the first scan",
+                expected="silence until there is something to decide on",
+                actual=f"a Twist at {commands[0]:.3f} s, the first scan at {first:.3f} s",
+                at=commands[0],
+                recording=recording,
+                help="Publish from the scan callback only, not from the constructor or a timer.",
+            )
+        for answer in answers(recording):
+            if answer.count != 1:
+                fail(
+                    f"{answer.count} commands followed {answer.what}",
+                    expected="exactly one Twist for each scan",
+                    actual=f"{answer.count} between this scan and the next",
+                    at=answer.scan.t,
+                    recording=recording,
+                    help="Look for a timer, a second publish(), or a return before the publish().",
+                )
 
 
 def follows(
@@ -103,8 +108,8 @@ def follows(
             raise LookupError(f"no occasion {tag!r} in {', '.join(run.name for run in runs)}")
     for recording, case in found:
         require_allowed(recording, case, explain(case) or help, tolerance=tolerance, topic=topic)
-    for recording in runs:
-        reacts(recording, [case for _, case in runs.of([recording]).cases()])
+    asked = {name for _, case in found for name in case.allowed}
+    reacts([(run, case) for run, case in runs.cases() if asked & case.allowed.keys()])
 
 
 def require_allowed(
@@ -120,84 +125,55 @@ def require_allowed(
     if not wrong and (case.allowed or not case.count):
         return
     noun = "command" if topic == CMD_VEL_TOPIC else f"message on {topic}"
-    fails: Callable[..., NoReturn] = partial(fail, at=case.at, recording=recording)
-    if not case.allowed:
-        fails(
-            f"{case.what}: a {noun} came",
-            expected=f"nothing on {topic}",
-            actual=f"{case.count} of them",
-            help=help,
-        )
-    if not case.said:
-        fails(
-            f"{case.what}: there was still no {noun}",
-            expected=", ".join(
-                f"{name} = {spell_allowed(allowed, UNITS.get(name, ''))}"
-                for name, allowed in case.allowed.items()
-            ),
-            actual=f"nothing on {topic}",
-            help=PUBLISH_ONCE if topic == CMD_VEL_TOPIC else help,
-        )
     said, unit = case.said.get(wrong), UNITS.get(wrong, "")
-    shown = _shown(said) + (f" {unit}" if unit else "")
-    wanted = f"{wrong} = {spell_allowed(case.allowed[wrong], unit)}"
-    if not case.count:
-        fails(
-            f"{case.what}: no {noun} came, and the last one still counts",
-            expected=wanted,
-            actual=f"none; it is still {wrong} = {shown}",
-            help=PUBLISH_ONCE,
-        )
-    fails(
-        f"{case.what}: wrong {wrong}" + (f" on {topic}" if topic != CMD_VEL_TOPIC else ""),
-        expected=wanted,
-        actual=f"{wrong} = {shown}",
-        help=_garbage(said, help) or help,
+    expected = f"{wrong} = {spell_allowed(case.allowed.get(wrong, ()), unit)}"
+    actual = f"{wrong} = {_shown(said, unit)}"
+    if not case.allowed:
+        message, expected, actual = f"a {noun} came", f"nothing on {topic}", f"{case.count} of them"
+    elif not case.said:
+        message, actual = f"there was still no {noun}", f"nothing on {topic}"
+    elif not case.count:
+        message = f"no {noun} came, and the last one still counts"
+        actual = f"none; it is still {actual}"
+    else:
+        message = f"wrong {wrong}" + (f" on {topic}" if topic != CMD_VEL_TOPIC else "")
+        help = _garbage(said, help) or help
+    if case.allowed and not (case.said and case.count) and topic == CMD_VEL_TOPIC:
+        help = PUBLISH_ONCE
+    fail(
+        f"{case.what}: {message}",
+        expected=expected,
+        actual=actual,
+        at=case.at,
+        recording=recording,
+        help=help,
     )
 
 
-def reacts(recording: Recording, cases: Sequence[Case]) -> None:
+def reacts(answers: Sequence[tuple[Recording, Case]]) -> None:
     """Fail if the node nearly always says the same, though the occasions call for different things.
 
     Without this a node that only ever stops would pass every check that expects a stop.
     """
-    answers = [case for case in cases if case.allowed]
-    said = Counter(_rounded(case) for case in answers)
+    said = Counter(_rounded(case) for _, case in answers)
     usual, count = said.most_common(1)[0] if answers else ((), 0)
-    others, bench = len(answers) - count, bool(recording.scenario.bench_scans)
+    others = len(answers) - count
+    bench = any(recording.scenario.bench_scans for recording, _ in answers)
     if others >= (1 - USUAL) * len(answers) or (others and not bench):
         return
-    wrong = [case for case in answers if _with(case, usual).wrong(TOLERANCE)]
+    wrong = [each for each in answers if replace(each[1], said=dict(usual)).wrong(TOLERANCE)]
     if not wrong or (bench and others >= (1 - USUAL) * len(wrong)):
         return
+    spelled = ", ".join(f"{name} = {_shown(value)}" for name, value in usual) or "nothing"
     fail(
         "the node says the same whatever it sees",
         expected="an answer that depends on what comes in",
-        actual=_spelled(usual)
-        + ("" if count == len(answers) else f" in {count} of {len(answers)}"),
-        at=wrong[0].at,
-        recording=recording,
+        actual=spelled + ("" if count == len(answers) else f" in {count} of {len(answers)}"),
+        at=wrong[0][1].at,
+        recording=wrong[0][0],
         help="Log what you decide on. Is it the same each time? Then look at the perception. If "
         "not: does the decision use it, and do you publish the result?",
     )
-
-
-def silent(
-    recording: Recording, topic: str, begin: float, end: float, *, what: str, help: str = ""
-) -> None:
-    """Fail if anything came on a topic from `begin` up to `end` [s]."""
-    require_alive(recording)
-    times = recording.times(topic)
-    early = times[(times >= begin) & (times < end)]
-    if len(early):
-        fail(
-            f"{what}: something came on {topic}",
-            expected=f"nothing on {topic}",
-            actual=f"{len(early)} messages, the first at {early[0]:.2f} s",
-            at=float(early[0]),
-            recording=recording,
-            help=help,
-        )
 
 
 def every(
@@ -208,9 +184,13 @@ def every(
     *,
     begin: float = 0.0,
     end: float | None = None,
+    sooner: bool = False,
     help: str = "",
 ) -> None:
-    """Fail unless messages come on a topic once a period [s], each gap within the tolerance [s]."""
+    """Fail unless messages come on a topic once a period [s], each gap within the tolerance [s].
+
+    `sooner`: more of them may come.
+    """
     require_alive(recording)
     last = recording.duration_s if end is None else end
     times = recording.times(topic)
@@ -219,7 +199,7 @@ def every(
     slack = tolerance + recording.slack
     gaps = np.diff(edges)
     late = np.flatnonzero(gaps > period + slack)
-    early = np.flatnonzero(np.diff(inside) < period - slack)
+    early = np.flatnonzero(np.diff(inside) < (-math.inf if sooner else period - slack))
     if not len(late) and not len(early):
         return
     first = int(late[0]) if len(late) else int(early[0]) + 1
@@ -227,54 +207,83 @@ def every(
         f"messages on {topic} do not come every {1000 * period:.0f} ms",
         expected=f"one every {1000 * period:.0f} ms ± {1000 * tolerance:.0f} ms",
         actual=f"{1000 * gaps[first]:.0f} ms from one to the next",
-        at=float(edges[first]),
+        at=edges[first],
         recording=recording,
         help=help,
     )
 
 
+def only_linear_x(
+    runs: Sequence[Recording], help: str = "This agent only drives straight ahead."
+) -> None:
+    """Fail unless there are commands, and every field of them but linear.x is zero."""
+    for recording in runs:
+        require_alive(recording)
+        if not len(recording.twists().t):
+            fail(
+                "not a single Twist came on /cmd_vel",
+                expected="one Twist for each scan",
+                actual="nothing on /cmd_vel",
+                at=first_asked(recording),
+                recording=recording,
+            )
+        zero(recording, FIELDS[1:], help)
+
+
+def zero(recording: Recording, fields: Iterable[str], help: str) -> None:
+    """Fail unless these fields are zero in every command."""
+    for field in fields:
+        between(recording, field, 0.0, 0.0, help)
+
+
 def within(recording: Recording, limits: Limits, help: str = "") -> None:
     """Fail unless every command keeps to the limits of speed and turn rate."""
+    between(recording, "linear.x", limits.slowest, limits.fastest, help)
+    between(recording, "angular.z", -limits.turning, limits.turning, help)
+
+
+def between(
+    recording: Recording, field: str, least: float, most: float | Floats, help: str
+) -> None:
+    """Fail unless a field is from `least` to `most`, of all commands or of each, in every one."""
     require_alive(recording)
     twists = recording.twists()
-    for name, numbers, least, most in (
-        ("linear.x", twists.linear_x, limits.slowest, limits.fastest),
-        ("angular.z", twists.angular_z, -limits.turning, limits.turning),
-    ):
-        wrong = np.flatnonzero(~((numbers >= least - SLACK) & (numbers <= most + SLACK)))
-        if len(wrong):
-            value = float(numbers[wrong[0]])
-            fail(
-                f"{name} is beyond its limits",
-                expected=f"{least:.2f} to {most:.2f} {UNITS[name]}",
-                actual=f"{spell(value)} {UNITS[name]}",
-                at=float(twists.t[wrong[0]]),
-                recording=recording,
-                help=garbage(value) or help,
-            )
+    numbers = twists.values[:, FIELDS.index(field)]
+    limits = np.broadcast_to(most, numbers.shape)
+    wrong = np.flatnonzero(~((numbers >= least - ZERO) & (numbers <= limits + ZERO)))
+    if not len(wrong):
+        return
+    first, unit = wrong[0], UNITS.get(field, "")
+    value = float(numbers[first])
+    fail(
+        f"{field} is beyond its limits" if np.any(limits != least) else f"{field} is not zero",
+        expected=f"{field} = {spell_allowed(((least, float(limits[first])),), unit)}",
+        actual=f"{field} = {_shown(value, unit)}",
+        at=twists.t[first],
+        recording=recording,
+        help=garbage(value) or help,
+    )
 
 
 def keeps_distance(runs: Sequence[Recording], clearance: float = 0.2, help: str = "") -> None:
     """Fail if the robot touched something, came nearer than `clearance` [m], or never drove."""
     for recording in runs:
         require_alive(recording)
-        require_no_contact(
-            recording,
-            "Watch the replay from a second before the contact: what did the lidar see?",
-            expected=f"clearance of at least {clearance} m" if clearance else "no contact",
-        )
-        truth = recording.truth
+        truth, contact = recording.truth, first_contact(recording)
         nearest = int(np.argmin(truth.clearance))
-        if truth.clearance[nearest] < clearance:
-            fail(
-                "the robot came too near to something",
-                expected=f"clearance of at least {clearance} m",
-                actual=f"{truth.clearance[nearest]:.3f} m",
-                at=truth.t[nearest] / 1e9,
-                recording=recording,
-                help=help,
-            )
-    if max(map(path_length, runs)) < LEAST_WAY:
+        if contact is None and truth.clearance[nearest] >= clearance:
+            continue
+        came_near = contact is None
+        fail(
+            "the robot came too near to something" if came_near else "the robot ran into something",
+            expected=f"clearance of at least {clearance} m" if clearance else "no contact",
+            actual=f"{truth.clearance[nearest]:.3f} m" if came_near else "contact",
+            at=truth.t[nearest] / 1e9 if contact is None else contact,
+            recording=recording,
+            help=help or "Watch the replay from a second before: what did the lidar see?",
+        )
+    ways = (np.hypot(np.diff(run.truth.x), np.diff(run.truth.y)).sum() for run in runs)
+    if max(ways) < LEAST_WAY:
         fail(
             "the robot hardly moved, so this proves nothing",
             expected="a robot that drives where its way is free",
@@ -338,31 +347,21 @@ def logs(
     )
 
 
-def _garbage(said: float | str | None, help: str) -> str:
+def _garbage(said: Said | None, help: str) -> str:
     """Say so if a number can only be garbage; NaN may be computed, too: then `help` is better."""
     if not isinstance(said, float) or (math.isnan(said) and help):
         return ""
     return garbage(said)
 
 
-def _rounded(case: Case) -> tuple[tuple[str, float | str], ...]:
+def _rounded(case: Case) -> tuple[tuple[str, Said], ...]:
     return tuple(
         (name, round(value, 3) if isinstance(value, float) else value)
         for name, value in sorted(case.said.items())
     )
 
 
-def _with(case: Case, said: tuple[tuple[str, float | str], ...]) -> Case:
-    return Case(case.at, case.what, case.tags, case.allowed, dict(said))
-
-
-def _spelled(said: tuple[tuple[str, float | str], ...]) -> str:
-    return ", ".join(f"{name} = {_shown(value)}" for name, value in said) or "nothing"
-
-
-def _shown(value: float | str | None) -> str:
+def _shown(value: Said | None, unit: str = "") -> str:
     if value is None:
         return "nothing"
-    if isinstance(value, str):
-        return f"“{value}”"
-    return spell(value)
+    return f"“{value}”" if isinstance(value, str) else f"{spell(value)} {unit}".rstrip()

@@ -6,9 +6,9 @@ import numpy as np
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
-from grader.checks.commands import FIELDS, ZERO, require_zero
+from grader.checks.commands import FIELDS, ZERO
 from grader.checks.verdict import fail
-from grader.checks.words import follows, wired, within
+from grader.checks.words import follows, wired, within, zero
 from grader.exercises.goal_seeking.contract import CONTRACT, MAX_SPEED, SPEED_GAIN
 from grader.exercises.goal_seeking.ways import (
     announces,
@@ -90,7 +90,7 @@ def test_limits(runs: Runs) -> None:
     follows(runs, "ready")
     for recording in runs:
         within(recording, CONTRACT.limits, help="Clamp: max(least, min(most, value)).")
-        require_zero(recording, FIELDS[1:5], help="This robot drives ahead, and turns.")
+        zero(recording, FIELDS[1:5], help="This robot drives ahead, and turns.")
 
 
 @check(points=10, asks=STATE, task=5, scenarios=("goal_arrival", "goal_carried"), hint="5.2")

@@ -20,11 +20,14 @@ def _keeps_the_contract(runs: Runs, help: str) -> None:
 
 field = FieldSuite(_keeps_the_contract)
 
-test_field_best_effort = field.best_effort("goal_field_best_effort", sensor="an odometry")
+test_field_best_effort = field.best_effort(
+    "goal_field_best_effort",
+    title="Hears an odometry driver that publishes best effort (sensor-data QoS).",
+)
 test_field_lost_odometry = field.check(
-    "Reaches its goal when one odometry message in five is lost.", "goal_field_lost_odometry"
+    "goal_field_lost_odometry", title="Reaches its goal when one odometry message in five is lost."
 )
 test_field_mirrored_world = field.mirrored_world("goal_field_mirrored")
 test_field_fast_odometry = field.check(
-    "Keeps to 10 Hz when odometry comes at 100 Hz.", "goal_field_fast_odometry"
+    "goal_field_fast_odometry", title="Keeps to 10 Hz when odometry comes at 100 Hz."
 )

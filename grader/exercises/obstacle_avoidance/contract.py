@@ -6,7 +6,7 @@ import math
 from functools import lru_cache
 
 from grader.checks.ahead import FRONT_HALF_ANGLE, HAIR, front_distance
-from grader.checks.case import Case, exactly
+from grader.checks.case import Case, answered, exactly
 from grader.checks.commands import answers
 from grader.checks.contract import Contract, Survived, free_from
 from grader.recording import Recording, Scan
@@ -16,7 +16,6 @@ SLOW_DISTANCE = 1.0  # [m] nearer than this: slow
 FULL_SPEED = 0.5  # [m/s]
 SLOW_SPEED = 0.15  # [m/s]
 CLEARANCE = 0.2  # [m] between the robot's edge and anything else
-SPEEDS = (0.0, SLOW_SPEED, FULL_SPEED)  # [m/s]
 EDGE = 1.0  # [°] beams this near to the sector's edge may or may not count
 
 CONTRACT = Contract(
@@ -30,14 +29,7 @@ CONTRACT = Contract(
 def cases(recording: Recording) -> list[Case]:
     """Return an occasion for each scan: the speed that its distance asks for."""
     return [
-        Case(
-            at=answer.scan.t,
-            what=answer.what,
-            tags=frozenset(answer.tags),
-            allowed={"linear.x": exactly(*right_speeds(answer.scan))},
-            said={} if answer.speed is None else {"linear.x": answer.speed},
-            count=answer.count,
-        )
+        answered(answer, {"linear.x": exactly(*right_speeds(answer.scan))})
         for answer in answers(recording)
     ]
 

@@ -40,7 +40,6 @@ PERIOD = 0.05  # [s] of a tick
 ARRIVAL_HAIR = 0.005  # [s] what arrived this shortly before a tick may count or not
 SILENCE = 0.3  # [s] without a command, after which the last one is judged again at each tick
 SETTLED = 0.6  # [s] in which a speed is reached, and reasons are not judged after the start
-JUST = 1.0  # [s] after a stop
 MOVING = 0.1  # [m/s] what asks for less may stand
 T = TypeVar("T")
 
@@ -71,7 +70,6 @@ def cases(recording: Recording) -> tuple[Case, ...]:
     A command has as tags the reason for it, if only one is right; and
 
         moves     the robot may not stand
-        after_…   it may not stand any more, just after this reason stopped it
         rising    linear.x gets faster, and the acceleration limit holds it back
         slower    linear.x gets slower, or leads backwards
         settled   the same has been asked for long enough to be reached
@@ -89,8 +87,7 @@ def _ticks(recording: Recording, reports: list[_Report]) -> Iterator[Case]:
     begins = [0.0, *(stream.begin for stream in recording.scenario.raw)]
     times = [report.t for report in reports]
     last = 0.0  # [m/s] linear.x of the command before
-    held, before = frozenset[str](), frozenset[str]()  # reasons of the last stop, of the last tick
-    held_at = 0.0  # [s]
+    before = frozenset[str]()  # the reasons of the last tick
     for t, row, count in _in_force(recording):
         now = sent.by(t, t)
         right = [
@@ -99,18 +96,13 @@ def _ticks(recording: Recording, reports: list[_Report]) -> Iterator[Case]:
             for decision in decisions(situation, last)
         ]
         reasons = frozenset(decision.reason for decision in right)
-        stops = reasons.intersection(STOPS)
-        if stops:
-            held, held_at = stops | (held if before.intersection(STOPS) else stops), t
-        elif t - held_at > JUST:
-            held = frozenset()
         settled = t - max(begin for begin in begins if begin <= t) >= SETTLED
         newest = bisect_right(times, t + ZERO)
         reported: dict[str, Said] = {"reason": reports[newest - 1].text} if newest else {}
         yield Case(
             at=t,
             what=now.what,
-            tags=frozenset(_tags(right, last, held, settled=settled)),
+            tags=frozenset(_tags(right, last, settled=settled)),
             allowed={
                 "linear.x": exactly(*dict.fromkeys(decision.speed for decision in right)),
                 "angular.z": exactly(*dict.fromkeys(decision.turn_rate for decision in right)),
@@ -139,18 +131,15 @@ def _in_force(recording: Recording) -> Iterator[tuple[float, list[float], int]]:
             yield tick, row, 0
 
 
-def _tags(
-    right: list[Decision], last: float, held: frozenset[str], *, settled: bool
-) -> Iterator[str]:
+def _tags(right: list[Decision], last: float, *, settled: bool) -> Iterator[str]:
     reasons = {decision.reason for decision in right}
     rising = any(decision.rising for decision in right)
     if len(reasons) == 1:
         yield from reasons
     if settled and not rising:
         yield "settled"
-    if all(decision.moves for decision in right):
+    if all(decision.speed or decision.turn_rate for decision in right):
         yield "moves"
-        yield from (f"after_{reason}" for reason in held)
     if reasons.issubset(PASSES_ON):
         if rising:
             yield "rising"

@@ -31,11 +31,6 @@ class Decision:
     turn_rate: float = 0.0  # [rad/s]
     rising: bool = False  # linear.x gets faster, and the acceleration limit holds it back
 
-    @property
-    def moves(self) -> bool:
-        """It drives or turns."""
-        return self.speed != 0.0 or self.turn_rate != 0.0
-
 
 @dataclass(frozen=True)
 class Situation:

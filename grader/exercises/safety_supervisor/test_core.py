@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, TIMING, WIRING, check
-from grader.checks.commands import FIELDS, require_zero
-from grader.checks.words import follows, keeps_distance, wired, within
+from grader.checks.commands import FIELDS
+from grader.checks.words import follows, keeps_distance, wired, within, zero
 from grader.exercises.safety_supervisor.contract import CONTRACT, DIAGNOSTICS_TOPIC
 from grader.exercises.safety_supervisor.words import (
     goes_on,
@@ -46,7 +46,7 @@ def test_passes_on(runs: Runs) -> None:
     follows(runs.only("safe_pass"), "settled", help=help)
     for recording in runs:
         help = "Fill in a new Twist; only linear.x and angular.z are passed on."
-        require_zero(recording, FIELDS[1:5], help)
+        zero(recording, FIELDS[1:5], help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=("safe_limits", LONG), hint="4.1")
@@ -82,8 +82,7 @@ def test_e_stop(runs: Runs) -> None:
     """While the last /e_stop was true the robot stands, from the next tick on."""
     help = "Keep the last /e_stop, whatever else holds: true holds until a false comes."
     stops(runs, "e_stop", help)
-    goes_on(runs.only("safe_e_stop"), "moves", help)
-    goes_on(runs.only(BUSY), "after_e_stop", help)
+    goes_on(runs.only("safe_e_stop", BUSY), help)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=("safe_bad_command", LONG), hint="3.2")
@@ -91,7 +90,7 @@ def test_bad_command(runs: Runs) -> None:
     """A command with NaN or infinity in a field stops the robot until a good one comes."""
     help = "math.isfinite on each field, before you compare: comparisons with NaN are false."
     stops(runs, "bad_command", help)
-    goes_on(runs.only("safe_bad_command"), "after_bad_command", help)
+    goes_on(runs.only("safe_bad_command"), help)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=("safe_stale_command", BUTTON, LONG), hint="1.2")
@@ -99,7 +98,7 @@ def test_stale_command(runs: Runs) -> None:
     """Without a raw command for more than 0.5 s (or at all) the robot stands."""
     help = "Note when each command arrives, and look at its age at every tick."
     stops(runs, "stale_command", help)
-    goes_on(runs.only("safe_stale_command"), "moves", help)
+    goes_on(runs.only("safe_stale_command"), help)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=("safe_stale_scan", BUTTON, LONG), hint="1.2")
@@ -107,7 +106,7 @@ def test_stale_scan(runs: Runs) -> None:
     """Without a scan for more than 0.5 s (or at all) the robot stands."""
     help = "Note when each scan arrives, and look at its age at every tick."
     stops(runs, "stale_scan", help)
-    goes_on(runs.only("safe_stale_scan"), "moves", help)
+    goes_on(runs.only("safe_stale_scan"), help)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=("safe_blind",), hint="3.2")
@@ -115,7 +114,7 @@ def test_blind_scan(runs: Runs) -> None:
     """When the newest scan has no usable reading ahead the robot stands; +inf is free."""
     help = "The newest scan counts: if it is blind, an older distance is no help."
     stops(runs, "stale_scan", help)
-    goes_on(runs, "after_stale_scan", help)
+    goes_on(runs, help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=("safe_obstacle", LONG, BUSY), hint="3.1")
@@ -127,7 +126,7 @@ def test_obstacle(runs: Runs) -> None:
     )
     follows(runs, "obstacle", help=help, explain=own_reason)
     follows(runs.only("safe_obstacle"), "settled", help=help)
-    goes_on(runs.only("safe_obstacle"), "moves", help)
+    goes_on(runs.only("safe_obstacle"), help)
 
 
 @check(points=5, asks=SAFETY, scenarios=("safe_drive",))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from grader.checks.case import Case, exactly
+from grader.checks.case import Case, answered, exactly
 from grader.checks.commands import Answer, answers
 from grader.checks.contract import Contract, Limits, Survived, free_from
 from grader.checks.reading import published
@@ -27,9 +27,9 @@ CONTRACT = Contract(
 
 
 def cases(recording: Recording) -> list[Case]:
-    """Return two occasions for each scan: its command, and its closing speed.
+    """Return the occasions of each scan: its command, how many closing speeds come, and which.
 
-    The second is missing where the contract leaves open whether a closing speed comes.
+    The others are missing where the contract leaves open whether a closing speed comes.
     """
     found = answers(recording)
     said = published(recording, TOPIC, FLOAT64)
@@ -41,7 +41,7 @@ def cases(recording: Recording) -> list[Case]:
         if step.silent or step.full:
             values = [float(value.data) for _, value in said[bounds[i] : bounds[i + 1]]]
             what = f"scan {i + 1} ({found[i].what})"
-            occasions.append(_closing_speed(found[i].scan.t, what, step, values))
+            occasions += _closing_speeds(found[i].scan.t, what, step, values)
     return occasions
 
 
@@ -49,31 +49,30 @@ def _command(answer: Answer, step: Step) -> Case:
     what, closing = answer.what, step.closings[0]
     if closing and closing > 0.0 and step.distance is not None:
         what += f" ({step.distance / closing:.1f} s left at {closing:.2f} m/s)"
-    return Case(
-        at=answer.scan.t,
-        what=what,
-        tags=frozenset({"command", *answer.tags, *(["forgotten"] if step.forgotten else [])}),
-        allowed={"linear.x": exactly(*step.speeds)},
-        said={} if answer.speed is None else {"linear.x": answer.speed},
-        count=answer.count,
-    )
+    tags = ("command", "forgotten") if step.forgotten else ("command",)
+    return answered(answer, {"linear.x": exactly(*step.speeds)}, *tags, what=what)
 
 
-def _closing_speed(at: float, what: str, step: Step, values: Sequence[float]) -> Case:
-    if step.full:
-        tags = {"full", "tenth"} if step.count == SIZE else {"full"}
-    elif step.remembered:
-        tags = {"refilling" if step.forgotten else "filling"}
-        what += f", reading {step.count} of {SIZE}" + " since the jump" * step.forgotten
-    else:
-        tags = {"unusable"}
+def _closing_speeds(at: float, what: str, step: Step, values: Sequence[float]) -> Iterator[Case]:
+    """Yield how many come, one or none (`pace`), and what the one is."""
+    if not step.remembered:
         what += ", which is not remembered"
-    bounds = [closing for closing in step.closings if closing is not None]
-    return Case(
+    elif not step.full:
+        what += f", reading {step.count} of {SIZE}" + " since the jump" * step.forgotten
+    filling = step.remembered and not step.full and not step.forgotten
+    yield Case(
         at=at,
         what=what,
-        tags=frozenset(tags),
-        allowed={"data": ((min(bounds), max(bounds)),)} if step.full else {},
-        said={"data": values[-1]} if values else {},
-        count=len(values),
+        tags=frozenset({"pace", "due" if step.full else "filling" if filling else "not_due"}),
+        allowed={"count": frozenset({"1" if step.full else "0"})},
+        said={"count": str(len(values))},
     )
+    bounds = [closing for closing in step.closings if closing is not None]
+    if step.full:
+        yield Case(
+            at=at,
+            what=what,
+            tags=frozenset({"full", "tenth"} if step.count == SIZE else {"full"}),
+            allowed={"data": ((min(bounds), max(bounds)),)},
+            said={"data": values[-1]} if values else {},
+        )

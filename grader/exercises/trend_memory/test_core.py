@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from grader.checks.case import Runs
+from dataclasses import replace
+
+from grader.checks.case import Case, Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
 from grader.checks.words import (
+    TOLERANCE,
     answers_once,
+    follows,
     keeps_distance,
     only_linear_x,
     require_allowed,
     wired,
 )
 from grader.exercises.trend_memory.contract import TOPIC
-from grader.exercises.trend_memory.words import keeps_pace, says
 
 NEAR, LATE = "trend_near", "trend_late_near"
 APPROACH, AWAY, REST, RUSH = "trend_approach", "trend_recede", "trend_rest", "trend_rush"
@@ -42,7 +45,8 @@ def test_only_linear_x(runs: Runs) -> None:
 @check(points=5, asks=STATE, task=3, scenarios=(APPROACH, CHANGES), hint="3.4")
 def test_silent_until_ten(runs: Runs) -> None:
     """Nothing on /closing_speed before the tenth reading; then closing speeds come."""
-    keeps_pace(runs, "filling", help="Return early: nothing is known yet, not even zero.")
+    help = "Return early: nothing is known yet, not even zero."
+    follows(runs, "filling", topic=TOPIC, help=help)
 
 
 @check(
@@ -54,8 +58,11 @@ def test_silent_until_ten(runs: Runs) -> None:
 )
 def test_one_speed_per_reading(runs: Runs) -> None:
     """From the tenth reading on, one closing speed follows each."""
-    help = "Publish once for each scan that is remembered, from the tenth one on."
-    keeps_pace(runs, "full", help=help)
+    help = (
+        "Publish once for each scan that is remembered, from the tenth one on. A deque(maxlen=10) "
+        "never holds more than ten; and are stamps in seconds, sec + nanosec * 1e-9?"
+    )
+    follows(runs, "due", topic=TOPIC, help=help)
 
 
 @check(points=10, asks=DECISION, task=3, scenarios=(APPROACH, AWAY, REST, RUSH), hint="3.1")
@@ -65,21 +72,21 @@ def test_closing_speed(runs: Runs) -> None:
         "All ten readings count, not only the first and the last; distance over stamp in "
         "seconds; positive is closer. Subtract the first stamp before you square anything."
     )
-    says(runs, "tenth", topic=TOPIC, help=help)
+    follows(runs, "tenth", topic=TOPIC, help=help, explain=slip)
 
 
 @check(points=5, asks=DECISION, task=2, scenarios=("trend_ahead",), hint="2.4")
 def test_looks_ahead(runs: Runs) -> None:
     """The distance is the smallest one within ±90° of ahead, as in exercise 1."""
     help = "Compute each beam's angle; what is behind the robot does not matter."
-    says(runs, "full", topic=TOPIC, help=help)
+    follows(runs, "full", topic=TOPIC, help=help, explain=slip)
 
 
 @check(points=5, asks=STATE, task=2, scenarios=(CHANGES, REST), hint="2.2")
 def test_forgets_old(runs: Runs) -> None:
     """Only the last ten readings count: what was before is forgotten, one reading at a time."""
     help = "With each new reading the oldest one goes: deque(maxlen=10)."
-    says(runs, "full", topic=TOPIC, help=help)
+    follows(runs, "full", topic=TOPIC, help=help, explain=slip)
 
 
 @check(points=5, asks=STATE, task=2, scenarios=(STAMPS, EQUAL), hint="2.3")
@@ -89,7 +96,7 @@ def test_uses_stamps(runs: Runs) -> None:
         "header.stamp (sec and nanosec) says when the scan was measured; use that. A scan with "
         "the stamp of the one before is a reading, too; only a step back empties."
     )
-    says(runs, "full", topic=TOPIC, help=help)
+    follows(runs, "full", topic=TOPIC, help=help, explain=slip)
 
 
 @check(points=5, asks=STATE, task=2, scenarios=(UNUSABLE,), hint="2.4")
@@ -99,8 +106,8 @@ def test_unusable_scans(runs: Runs) -> None:
         "A scan that is blind, or +inf ahead, neither adds a reading nor takes one away, and "
         "nothing is published for it. -inf is distance 0: a reading like any other."
     )
-    keeps_pace(runs, "unusable", "full", help=help)
-    says(runs, "full", topic=TOPIC, help=help)
+    follows(runs, "due", "not_due", topic=TOPIC, help=help)
+    follows(runs, "full", topic=TOPIC, help=help, explain=slip)
 
 
 @check(points=5, asks=STATE, task=5, scenarios=("trend_backwards",), hint="5.1")
@@ -118,14 +125,14 @@ def test_clears_jump(runs: Runs) -> None:
 @check(points=5, asks=SAFETY, task=4, scenarios=(NEAR, LATE, "trend_near_away"), hint="4.1")
 def test_stops_near(runs: Runs) -> None:
     """Below 0.5 m the robot stands, whether or not a closing speed is known, and whatever it is."""
-    says(runs, "near", help="Below 0.5 m: 0.0 m/s, from the first scan on.")
+    follows(runs, "near", help="Below 0.5 m: 0.0 m/s, from the first scan on.")
 
 
 @check(points=10, asks=SAFETY, task=4, scenarios=(IN_TIME, FAST, RUSH, UNUSABLE), hint="4.2")
 def test_stops_in_time(runs: Runs) -> None:
     """The robot stands when less than 2 s are left: distance / closing speed < 2.0 s."""
     help = "Something comes: does the newest closing speed count?"
-    says(runs, "in_time", "after", help=help)
+    follows(runs, "in_time", "after", help=help)
 
 
 @check(
@@ -141,14 +148,14 @@ def test_drives_free(runs: Runs) -> None:
         "Without danger it is 0.3 m/s, before the tenth reading too. A negative closing speed "
         "is no danger, and at 0.0 m/s there is nothing to divide by."
     )
-    says(runs, "free", help=help)
+    follows(runs, "free", help=help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=("trend_blind",), hint="4.1")
 def test_blind(runs: Runs) -> None:
     """Without any usable reading ahead the robot stands, and it drives on when it sees again."""
-    says(runs, "blind", help="No usable reading: the robot cannot know, so 0.0.")
-    says(runs, "seen", help="After blindness a good scan counts again.")
+    follows(runs, "blind", help="No usable reading: the robot cannot know, so 0.0.")
+    follows(runs, "seen", help="After blindness a good scan counts again.")
 
 
 @check(points=10, asks=SAFETY, scenarios=DRIVES)
@@ -161,7 +168,20 @@ def test_no_contact(runs: Runs) -> None:
 def starts_over(runs: Runs) -> None:
     """Fail unless the memory is emptied, and decides nothing until it is full again."""
     help = "Compare each stamp with the one before; clear, then remember the new one."
-    keeps_pace(runs, "refilling", "unusable", "full", help=help)
+    follows(runs, "pace", topic=TOPIC, help=help)
     help = "With the memory goes the closing speed: it is not known until there are ten."
     for recording, case in runs.cases("forgotten"):
         require_allowed(recording, case, help)
+
+
+def slip(case: Case) -> str:
+    """Say so if only the sign of a closing speed is wrong, or digits are missing."""
+    said = case.said.get("data")
+    if not isinstance(said, float) or not case.wrong(TOLERANCE):
+        return ""
+    if abs(said) > TOLERANCE and not replace(case, said={"data": -said}).wrong(TOLERANCE):
+        return "Only the sign is wrong: it is *minus* the slope, positive for what comes closer."
+    right = [float(bounds[0]) for bounds in case.allowed["data"]]
+    if any(said == round(least, digits) for least in right for digits in range(3)):
+        return "The number is right, and rounded: publish it as it is, and round in the log only."
+    return ""

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
-from grader.checks.words import answers_once, keeps_distance
+from grader.checks.words import answers_once, follows, keeps_distance
 from grader.exercises.trend_memory.contract import TOPIC
-from grader.exercises.trend_memory.words import keeps_pace, says
 
 
 def _keeps_the_contract(runs: Runs, help: str) -> None:
     """Fail unless the whole contract holds in these scenarios."""
     answers_once(runs)
-    keeps_pace(runs, help=help)
-    says(runs, "full", topic=TOPIC, help=help)
-    says(runs, "command", help=help)
+    for tag in ("pace", "full"):
+        follows(runs, tag, topic=TOPIC, help=help)
+    follows(runs, "command", help=help)
     keeps_distance(runs)
 
 

@@ -24,7 +24,7 @@ def recorded(
         goals=lambda: Goals(*np.array(goals, dtype=float).reshape(-1, 3).T),
         twists=lambda: Twists(when, values),
         times=lambda _: when,
-        truth=SimpleNamespace(t=t * 1e9, x=x, y=y, yaw=yaw, v=0 * t),
+        truth=SimpleNamespace(t=t * 1e9, x=x, y=y, yaw=yaw),
         scenario=SimpleNamespace(script=(), odometry=SimpleNamespace(enabled=not bench)),
         duration_s=end,
         name="goal_turns",

@@ -36,7 +36,7 @@ class Run:
         return ()
 
     def times(self, topic: str) -> np.ndarray:
-        return np.array([])
+        return self._twists.t if topic == "/cmd_vel" else np.array([])
 
 
 def runs(*recordings: Any) -> Runs:

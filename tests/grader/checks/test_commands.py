@@ -11,10 +11,10 @@ from grader.checks.commands import (
     answers,
     garbage,
     is_zero,
-    require_one_command_each,
     spell,
 )
 from grader.checks.verdict import CheckFailed
+from grader.checks.words import answers_once
 
 NODE = """
 class Agent(Echo):
@@ -73,7 +73,7 @@ def test_anything_but_one_command_each_fails(
 ) -> None:
     recording = run_node(node(each, start), short(1.0))
     with pytest.raises(CheckFailed, match=message):
-        require_one_command_each(recording)
+        answers_once([recording])
 
 
 def test_nan_is_not_zero() -> None:
