@@ -117,14 +117,8 @@ class Simulation:
         self.scenario = scenario = _of_seed(scenario, self.seed)
         self.now = 0
         self.layout = scenario_layout(scenario, self.seed)
-        slip = scenario.faults.wheel_slip
-        self._robot = Robot(scenario.robot, self.layout, wheel_slip=slip)
-        self._odometry = Odometry(
-            scenario.odometry,
-            self.layout.start,
-            sensor_rng(self.seed, "odometry"),
-            wheel_slip=slip,
-        )
+        self._robot = Robot(scenario.robot, self.layout)
+        self._odometry = Odometry(scenario.odometry, self.layout.start)
         self._scanner = Scanner(scenario, self.layout, self.seed)
         self._plan(schedule(scenario, self.seed))
         self._stepped = 0  # time that the physics has reached [ns]
