@@ -149,7 +149,6 @@ def laser_scan(
     range_max: float,
     scan_time: float = 0.1,
     stamp: int | None = None,
-    topic: str = SCAN_TOPIC,
     frame_id: str = LASER_FRAME,
 ) -> Message:
     """Return a sensor_msgs/LaserScan with no intensities.
@@ -181,7 +180,7 @@ def laser_scan(
         ranges=np.asarray(ranges, np.float32),
         intensities=np.zeros(0, np.float32),
     )
-    return Message(topic, LASER_SCAN, time, encode(value, LASER_SCAN))
+    return Message(SCAN_TOPIC, LASER_SCAN, time, encode(value, LASER_SCAN))
 
 
 def odometry(
@@ -227,17 +226,15 @@ def pose_stamped(
     y: float,
     yaw: float = 0.0,
     w: float | None = None,
-    frame_id: str = ODOM_FRAME,
-    topic: str = GOAL_TOPIC,
     stamp: int | None = None,
 ) -> Message:
     """Return a geometry_msgs/PoseStamped at that pose [m, m, rad], its quaternion's w if given.
 
     `time` and `stamp` are as in `odometry`; a stamp of -EPOCH_NS is 0, as nobody has set it.
     """
-    header = _header(time if stamp is None else stamp, frame_id)
+    header = _header(time if stamp is None else stamp, ODOM_FRAME)
     value = typestore().types[POSE_STAMPED](header=header, pose=_pose(x, y, yaw, w))
-    return Message(topic, POSE_STAMPED, time, encode(value, POSE_STAMPED))
+    return Message(GOAL_TOPIC, POSE_STAMPED, time, encode(value, POSE_STAMPED))
 
 
 def transform(

@@ -213,9 +213,9 @@ class ForkServer:
                     self._control.sendall(msgspec.json.encode(Clear(str(folder))))
 
     @contextlib.contextmanager
-    def host(self, place: Path | Workplace, *, priority: bool = False) -> Iterator[Link]:
+    def host(self, place: Path | Workplace) -> Iterator[Link]:
         """Fork a host, and link it with the judge (see `host_process`)."""
-        with self.host_process(place, priority=priority) as host:
+        with self.host_process(place) as host:
             yield Link(Pipes(host))
 
     @contextlib.contextmanager

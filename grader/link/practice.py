@@ -122,11 +122,8 @@ class PracticeServer:
         yield Workplace(folder, folder, 0)
 
     @contextlib.contextmanager
-    def host(self, place: Path | Workplace, *, priority: bool = False) -> Iterator[Link]:
-        """Start a host that works in a folder; it is dead when the block ends.
-
-        There is no other user for it, and no priority.
-        """
+    def host(self, place: Path | Workplace) -> Iterator[Link]:
+        """Start a host that works in a folder; it is dead when the block ends."""
         folder = place.folder if isinstance(place, Workplace) else place
         with self._lock:
             host = self._ready.popleft() if self._ready else self._started()
