@@ -8,7 +8,9 @@ robot to see how a node reacts to a new pose.
 import math
 
 from sim.layout import Pose
+from sim.messages import BASE_FRAME, ODOM_FRAME, Message, odometry, transform
 from sim.scenario import OdometrySpec
+from sim.schedule import Event
 
 
 class Odometry:
@@ -24,21 +26,31 @@ class Odometry:
 
     def __init__(self, spec: OdometrySpec, start: Pose) -> None:
         self._linear_scale, self._angular_scale = spec.linear_scale, spec.angular_scale
-        self._true = self._estimate = start
+        self._true = self._estimate = self._reported = start
 
     def jump(self, pose: Pose) -> None:
         """Set the estimate to the true pose [m, m, rad] after a teleport."""
         self._true = self._estimate = pose
+
+    def message(self, event: Event, pose: Pose, speeds: tuple[float, float]) -> Message:
+        """Return the message of this event: true pose [m, m, rad] and speeds [m/s, rad/s]."""
+        self._reported = x, y, yaw = self.measure(pose)
+        v, w = speeds[0] * self._linear_scale, speeds[1] * self._angular_scale
+        return odometry(time=event.delivery, stamp=event.time, x=x, y=y, yaw=yaw, v=v, w=w)
+
+    def transform(self, event: Event) -> Message:
+        """Return the pose of the last message as a transform for tf2."""
+        x, y, yaw = self._reported
+        return transform(
+            time=event.delivery, stamp=event.time, parent=ODOM_FRAME, child=BASE_FRAME,
+            x=x, y=y, yaw=yaw,
+        )  # fmt: skip
 
     def measure(self, true: Pose) -> Pose:
         """Return the reported pose for this true one [m, m, rad], yaw in ±π."""
         self._reckon(true)
         x, y, yaw = self._estimate
         return x, y, math.remainder(yaw, math.tau)
-
-    def speeds(self, v: float, w: float) -> tuple[float, float]:
-        """Return the reported forward and turning speed [m/s, rad/s] for the true ones."""
-        return v * self._linear_scale, w * self._angular_scale
 
     def _reckon(self, true: Pose) -> None:
         """Add the motion since the last call, scaled, along the mean estimated heading."""

@@ -8,7 +8,7 @@ from sim.caster import Caster, faces, static_faces
 from sim.faults import measured, sensor_rng, speckle
 from sim.layout import Floats, Layout, Pose, in_frame
 from sim.lidar import bench_readings, readings
-from sim.messages import Message, laser_scan
+from sim.messages import BASE_FRAME, TF_STATIC_TOPIC, Message, laser_scan, transform
 from sim.scenario import Scenario
 from sim.schedule import Event, scan_rate
 
@@ -54,6 +54,14 @@ class Scanner:
             scan_time=self._scan_time,
             frame_id=self._scenario.lidar.frame,
         )
+
+    def transform(self, event: Event) -> Message:
+        """Return where the lidar is on the robot, for tf2."""
+        x, y, yaw = self._mount
+        return transform(
+            time=event.time, parent=BASE_FRAME, child=self._scenario.lidar.frame,
+            x=x, y=y, yaw=yaw, topic=TF_STATIC_TOPIC,
+        )  # fmt: skip
 
     def _stamp_offset(self, event: Event) -> int:
         """Return what a bench scan adds to its stamp [ns]."""

@@ -6,8 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sim.messages import ODOMETRY, decode
 from sim.odometry import Odometry
 from sim.scenario import OdometrySpec
+from sim.schedule import Event, Kind
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
 poses = st.tuples(st.floats(-9, 9), st.floats(-9, 9), st.floats(-9, 9))
@@ -35,7 +37,9 @@ def test_the_scales_are_drift():
     assert sensor.measure((1.0, 0.0, 1.0)) == pytest.approx((1.1, 0.0, 0.5))
     x, y, yaw = sensor.measure((1.0 + math.cos(1.0), math.sin(1.0), 1.0))
     assert (x, y, yaw) == pytest.approx((1.1 + 1.1 * math.cos(0.5), 1.1 * math.sin(0.5), 0.5))
-    assert sensor.speeds(1.0, 1.0) == (1.1, 0.5)
+    event = Event(time=1, kind=Kind.ODOM, index=0, delivery=2)
+    twist = decode(sensor.message(event, (1.0, 0.0, 1.0), (1.0, 1.0)).data, ODOMETRY).twist.twist
+    assert (twist.linear.x, twist.angular.z) == (1.1, 0.5)
 
 
 def test_a_jump_puts_it_right():
