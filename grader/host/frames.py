@@ -7,6 +7,7 @@ the typed structures below, so a frame of another shape is refused, not interpre
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import msgspec
@@ -342,12 +343,12 @@ FromTest = Reported | Ended  # from a host that runs a test
 
 _encoder = msgspec.msgpack.Encoder()
 # What each side decodes, or msgspec.DecodeError: nothing but one of its frames passes.
-decode_to_host = msgspec.msgpack.Decoder(ToHost).decode
-decode_to_judge = msgspec.msgpack.Decoder(ToJudge).decode
-decode_from_script = msgspec.msgpack.Decoder(FromScript).decode
-decode_from_test = msgspec.msgpack.Decoder(FromTest).decode
-decode_from_live = msgspec.msgpack.Decoder(FromLive).decode
-decode_from_radio = msgspec.msgpack.Decoder(FromRadio).decode
+decode_to_host: Callable[[bytes], ToHost] = msgspec.msgpack.Decoder(ToHost).decode
+decode_to_judge: Callable[[bytes], ToJudge] = msgspec.msgpack.Decoder(ToJudge).decode
+decode_from_script: Callable[[bytes], FromScript] = msgspec.msgpack.Decoder(FromScript).decode
+decode_from_test: Callable[[bytes], FromTest] = msgspec.msgpack.Decoder(FromTest).decode
+decode_from_live: Callable[[bytes], FromLive] = msgspec.msgpack.Decoder(FromLive).decode
+decode_from_radio: Callable[[bytes], FromRadio] = msgspec.msgpack.Decoder(FromRadio).decode
 
 
 def encode(frame: ToHost | ToJudge | FromScript | FromTest | FromLive | FromRadio) -> bytes:
