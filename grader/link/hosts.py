@@ -73,6 +73,8 @@ class ForkServer:
         The newest version (ABI) of Landlock that they use: to see what an older kernel leaves open.
     """
 
+    practice = ""  # a grading made here is not for practice only
+
     def __init__(
         self,
         epoch: int,
@@ -124,11 +126,6 @@ class ForkServer:
             self._process.kill()
             self._process.wait()
         self._log.close()
-
-    @property
-    def practice(self) -> str:
-        """Why a grading made here is for practice only; "" because it isn't."""
-        return ""
 
     @property
     def layers(self) -> tuple[str, ...]:

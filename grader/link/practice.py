@@ -66,13 +66,11 @@ class PracticeServer:
         What its hosts run: nodes in virtual time, or scripts that return.
     """
 
-    def __init__(
-        self,
-        epoch: int,
-        *,
-        libraries: Sequence[str] = (),
-        kind: str = NODES,
-    ) -> None:
+    layers: tuple[str, ...] = ()  # of isolation
+    isolation = NO_ISOLATION
+    practice = PRACTICE
+
+    def __init__(self, epoch: int, *, libraries: Sequence[str] = (), kind: str = NODES) -> None:
         self._arguments = [kind, str(epoch), *libraries]
         self._epoch = epoch
         self._kind = kind
@@ -90,21 +88,6 @@ class PracticeServer:
             self._workshop.__exit__()
         while self._ready:
             self._ready.pop().close()
-
-    @property
-    def layers(self) -> tuple[str, ...]:
-        """No layer of isolation."""
-        return ()
-
-    @property
-    def isolation(self) -> str:
-        """Say that nothing stands between the node and this machine."""
-        return NO_ISOLATION
-
-    @property
-    def practice(self) -> str:
-        """Say what a grading made here is not."""
-        return PRACTICE
 
     @property
     def workshop(self) -> PracticeServer:
