@@ -6,8 +6,8 @@ are decoded into fixed structures, text is capped, and nothing makes the judge w
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Protocol
+from collections.abc import Callable, Generator
+from typing import Protocol, TypeVar
 
 from grader.host.frames import (
     FromScript,
@@ -27,6 +27,10 @@ from grader.link.log import LogLine
 from grader.link.output import Output
 
 READ_EVERY = 16  # exchanges: what the host has printed
+
+Result = TypeVar("Result")
+# Yields what to send and the wall time for the answer [s]; gets the answer and what it cost.
+Conversation = Generator[tuple[Start | Run, float], tuple[ToJudge, Cost], Result]
 
 
 class Transport(Protocol):
@@ -68,6 +72,25 @@ class Link:
         self._exchanges = 0
         self.stdout, self.stderr = host.stdout, host.stderr
         self.log, self.stacks, self.wait = host.log, host.stacks, host.wait
+
+    def converse(self, conversation: Conversation[Result]) -> Result:
+        """Hold a conversation to its end; return what it returns.
+
+        What `run` raises is raised in it, where it waits for the answer. An end that can't wait
+        for its host, because it shares its thread, holds conversations in its own way.
+        """
+        try:
+            question = next(conversation)
+            while True:
+                try:
+                    answer = self.run(*question)
+                except Exception as error:
+                    question = conversation.throw(error)
+                else:
+                    question = conversation.send(answer)
+        except StopIteration as end:
+            result: Result = end.value
+            return result
 
     def run(self, frame: Start | Run, limit: float) -> tuple[ToJudge, Cost]:
         """Run the student's file up to the point where it waits, or let the node go on.

@@ -16,7 +16,7 @@ from grader.host.frames import Delivery, Ended, Run, Settled, Slept, Start, ToJu
 from grader.link import real_clock
 from grader.link.exchange import Cost, HostDied, HostForged, HostHung
 from grader.link.launcher import Launcher
-from grader.link.link import Link
+from grader.link.link import Conversation, Link
 from grader.link.workplace import Excess
 from grader.models.service import ModelService, TooManyQuestions
 from grader.recording import COMPLETED, Outcome, Recording
@@ -110,7 +110,7 @@ def run_trial(
                 stdin=stdin,
             )
             try:
-                outcome = trial.run(start, limits or Limits())
+                outcome = link.converse(trial.conversation(start, limits or Limits()))
             except _Early as early:
                 lead = early.lead
                 continue
@@ -141,12 +141,12 @@ class _Trial:
         self._waited = 0.0  # [s] for a CPU, by the node or the judge
         self._stuck: float | None = None  # [s] since when nothing in the node can ever run again
 
-    def run(self, start: Start, limits: Limits) -> Outcome:
+    def conversation(self, start: Start, limits: Limits) -> Conversation[Outcome]:
         """Run the trial to its end, frame by frame; return how it ended."""
         recorder, simulation, end = self._recorder, self._simulation, self._simulation.end
         began_at = real_clock.perf_counter()
         try:
-            first, cost = self._start(start, limits.start)
+            first, cost = yield from self._start(start, limits.start)
             if isinstance(first, Slept):
                 raise HostForged("a second early start") if start.lead else _Early(first.lead)
             answer: Settled | Ended = first
@@ -161,7 +161,7 @@ class _Trial:
                 until = min(simulation.next_event() or end, self._models.next_due or end, end)
                 frame = Run(until, tuple(Delivery(m.topic, m.data) for m in pending), told)
                 recorder.delivered += pending
-                said, cost = self._link.run(frame, limits.step)
+                said, cost = yield frame, limits.step
                 if isinstance(said, Slept):
                     raise HostForged("a start in the middle of the trial")
                 answer = said
@@ -182,19 +182,19 @@ class _Trial:
             return Outcome("stuck", STUCK, self._stuck)
         return self._outcome(COMPLETED, "")
 
-    def _start(self, start: Start, limit: float) -> tuple[ToJudge, Cost]:
+    def _start(self, start: Start, limit: float) -> Conversation[tuple[ToJudge, Cost]]:
         """Run the file up to the point where it waits; answer what it asks its models till then.
 
         However often it asks: limit [s] is for all of the start-up.
         """
         deadline = real_clock.perf_counter() + limit
-        first, cost = self._link.run(start, limit)
+        first, cost = yield start, limit
         while isinstance(first, Settled) and first.starting:
             if not first.asked or first.published:
                 raise HostForged("a start-up without a question")
             told = tuple(self._models.at_once(question) for question in first.asked)
             left = deadline - real_clock.perf_counter()
-            first, more = self._link.run(Run(0, told=told), left)
+            first, more = yield Run(0, told=told), left
             cost = Cost(cost.wall + more.wall, cost.cpu + more.cpu, cost.queued + more.queued)
         return first, cost
 
