@@ -21,13 +21,10 @@ def sensor_rng(seed: int, sensor: str) -> np.random.Generator:
 
 
 def measured(ranges: Floats, faults: Faults, rng: np.random.Generator) -> Floats:
-    """Return the (n,) ranges [m] with bias, noise and dropped beams; inf stays inf."""
+    """Return the (n,) ranges [m] with noise and dropped beams; inf stays inf."""
     result = ranges
-    if faults.range_bias:
-        result = result + faults.range_bias
     if faults.range_noise:
         result = result + faults.range_noise * rng.standard_normal(len(ranges))
-    if faults.range_bias or faults.range_noise:
         result = np.maximum(result, 0.0)
     if faults.beam_dropout:
         result = np.where(rng.random(len(ranges)) < faults.beam_dropout, math.inf, result)
@@ -62,8 +59,3 @@ def deliveries(times: Times, latency: float, jitter: float, rng: np.random.Gener
     if jitter:
         late = late + np.rint(rng.random(len(times)) * jitter * 1e9).astype(np.int64)
     return np.maximum.accumulate(late)
-
-
-def is_frozen(time: int, faults: Faults) -> bool:
-    """Say whether the lidar repeats its readings at this time [ns]."""
-    return any(begin * 1e9 <= time <= end * 1e9 for begin, end in faults.freeze)

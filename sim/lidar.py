@@ -5,15 +5,6 @@ closer than the sensor can measure, NaN = erroneous. The drivers of the TurtleBo
 not: they send 0.0 for “no return” and for “too near”. A lidar has no noise and loses nothing unless
 the scenario's `[faults]` say so: `Faults` in `sim/scenario.py` has the keys and defaults.
 
-========  =====  ==============  ======  ============  =========  ========
-profile   beams  angles [°]      [Hz]    range [m]     no return  too near
-========  =====  ==============  ======  ============  =========  ========
-default   360    -180 … 179      10      0.15 – 12     +inf       -inf
-lds01     360    0 … 359         5       0.12 – 3.5    0.0        0.0
-lds02     360    0 … 359         10      0.16 – 8      0.0        0.0
-wide      1080   -135 … 134.75   40      0.06 – 10     +inf       -inf
-========  =====  ==============  ======  ============  =========  ========
-
 Sources: `default` has the limits of an RPLIDAR A1M8 (Slamtec's datasheet), the lidar of the
 TurtleBot 4; `lds01` and `lds02` follow ROBOTIS' e-manual on the TurtleBot 3's LDS-01 and LDS-02;
 `wide` has the field of view, rate and limits of a Hokuyo UST-10LX (Hokuyo's datasheet), without

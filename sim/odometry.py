@@ -1,66 +1,56 @@
 """Wheel odometry: a pose that is estimated from how far the wheels turned.
 
-Frame `odom` coincides with the world's frame at the start, then drifts with the scales and the slip
-of the scenario. A scripted teleport sets the estimate to the true pose, unlike dead reckoning:
-checks teleport the robot to see how a node reacts to a new pose.
+Frame `odom` coincides with the world's frame at the start, then drifts with the scenario's scales.
+A scripted teleport sets the estimate to the true pose, unlike dead reckoning: checks teleport the
+robot to see how a node reacts to a new pose.
 """
 
 import math
 
-import numpy as np
-
 from sim.layout import Pose
+from sim.messages import BASE_FRAME, ODOM_FRAME, Message, odometry, transform
 from sim.scenario import OdometrySpec
+from sim.schedule import Event
 
 
 class Odometry:
-    """Dead reckoning from the true motion, with the errors of the scenario.
+    """Dead reckoning from the true motion.
 
     Parameters
     ----------
     spec
-        Scales (1 = no drift) and noise (standard deviations, of every reported value) [m, rad].
+        Scales (1 = no drift).
     start
         The true pose at the start, which is also the first estimate [m, m, rad].
-    rng
-        This sensor's own generator.
-    wheel_slip
-        Fraction of the wheels' motion that is measured although the robot did not move.
     """
 
-    def __init__(
-        self,
-        spec: OdometrySpec,
-        start: Pose,
-        rng: np.random.Generator,
-        *,
-        wheel_slip: float = 0.0,
-    ) -> None:
-        self._linear_scale = spec.linear_scale / (1.0 - wheel_slip)
-        self._angular_scale = spec.angular_scale / (1.0 - wheel_slip)
-        self._position_noise, self._yaw_noise = spec.position_noise, spec.yaw_noise
-        self._noisy = spec.position_noise > 0 or spec.yaw_noise > 0
-        self._rng = rng
-        self._true = self._estimate = start
+    def __init__(self, spec: OdometrySpec, start: Pose) -> None:
+        self._linear_scale, self._angular_scale = spec.linear_scale, spec.angular_scale
+        self._true = self._estimate = self._reported = start
 
     def jump(self, pose: Pose) -> None:
         """Set the estimate to the true pose [m, m, rad] after a teleport."""
         self._true = self._estimate = pose
 
+    def message(self, event: Event, pose: Pose, speeds: tuple[float, float]) -> Message:
+        """Return the message of this event: true pose [m, m, rad] and speeds [m/s, rad/s]."""
+        self._reported = x, y, yaw = self.measure(pose)
+        v, w = speeds[0] * self._linear_scale, speeds[1] * self._angular_scale
+        return odometry(time=event.delivery, stamp=event.time, x=x, y=y, yaw=yaw, v=v, w=w)
+
+    def transform(self, event: Event) -> Message:
+        """Return the pose of the last message as a transform for tf2."""
+        x, y, yaw = self._reported
+        return transform(
+            time=event.delivery, stamp=event.time, parent=ODOM_FRAME, child=BASE_FRAME,
+            x=x, y=y, yaw=yaw,
+        )  # fmt: skip
+
     def measure(self, true: Pose) -> Pose:
         """Return the reported pose for this true one [m, m, rad], yaw in ±π."""
         self._reckon(true)
         x, y, yaw = self._estimate
-        if self._noisy:
-            dx, dy, dyaw = self._rng.standard_normal(3)
-            x += self._position_noise * float(dx)
-            y += self._position_noise * float(dy)
-            yaw += self._yaw_noise * float(dyaw)
         return x, y, math.remainder(yaw, math.tau)
-
-    def speeds(self, v: float, w: float) -> tuple[float, float]:
-        """Return the reported forward and turning speed [m/s, rad/s] for the true ones."""
-        return v * self._linear_scale, w * self._angular_scale
 
     def _reckon(self, true: Pose) -> None:
         """Add the motion since the last call, scaled, along the mean estimated heading."""

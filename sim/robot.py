@@ -38,17 +38,14 @@ class Robot:
         Radius and limits.
     layout
         Obstacles, and where the robot starts.
-    wheel_slip
-        Fraction of the wheels' motion that is lost, 0 – 0.9.
     """
 
-    def __init__(self, spec: RobotSpec, layout: Layout, *, wheel_slip: float = 0.0) -> None:
+    def __init__(self, spec: RobotSpec, layout: Layout) -> None:
         self.pose: Pose = layout.start  # [m, m, rad]
         self.v = 0.0  # forward speed [m/s]
         self.w = 0.0  # turning speed [rad/s]
         self.touched = False  # in contact during the last step
         self._spec = spec
-        self._grip = 1.0 - wheel_slip
         self._space = pymunk.Space()
         self._space.collision_slop = COLLISION_SLOP
         self._add_static(layout)
@@ -58,10 +55,9 @@ class Robot:
 
     def step(self, start: float, linear: float, angular: float) -> None:
         """Advance by `STEP` from scenario time `start` [s] with these wheel speeds [m/s, rad/s]."""
-        spec, grip = self._spec, self._grip
-        v = _toward(linear, spec.max_linear, self.v / grip, spec.max_acceleration * STEP) * grip
-        change = spec.max_angular_acceleration * STEP
-        w = _toward(angular, spec.max_angular, self.w / grip, change) * grip
+        spec = self._spec
+        v = _toward(linear, spec.max_linear, self.v, spec.max_acceleration * STEP)
+        w = _toward(angular, spec.max_angular, self.w, spec.max_angular_acceleration * STEP)
         # pymunk moves the bodies by their old velocities and then sets the new ones, which move
         # them in the next step: this is the mean heading of that step.
         heading = self.pose[2] + STEP * (self.w + 0.5 * w)

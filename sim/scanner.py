@@ -5,10 +5,10 @@ from numpy.typing import NDArray
 
 from sim.bench import bench_ranges
 from sim.caster import Caster, faces, static_faces
-from sim.faults import is_frozen, measured, sensor_rng, speckle
+from sim.faults import measured, sensor_rng, speckle
 from sim.layout import Floats, Layout, Pose, in_frame
 from sim.lidar import bench_readings, readings
-from sim.messages import Message, laser_scan
+from sim.messages import BASE_FRAME, TF_STATIC_TOPIC, Message, laser_scan, transform
 from sim.scenario import Scenario
 from sim.schedule import Event, scan_rate
 
@@ -31,7 +31,6 @@ class Scanner:
         self._entries = np.repeat(np.arange(len(repeats)), repeats)  # of the bench, by scan
         self._profile = profile = scenario.lidar.measures
         self._scan_time = 1.0 / scan_rate(scenario)
-        self._last: NDArray[np.float32] | None = None
         self._mount = scenario.lidar.pose
         self._caster = Caster(
             static_faces(layout),
@@ -56,6 +55,14 @@ class Scanner:
             frame_id=self._scenario.lidar.frame,
         )
 
+    def transform(self, event: Event) -> Message:
+        """Return where the lidar is on the robot, for tf2."""
+        x, y, yaw = self._mount
+        return transform(
+            time=event.time, parent=BASE_FRAME, child=self._scenario.lidar.frame,
+            x=x, y=y, yaw=yaw, topic=TF_STATIC_TOPIC,
+        )  # fmt: skip
+
     def _stamp_offset(self, event: Event) -> int:
         """Return what a bench scan adds to its stamp [ns]."""
         if not self._scenario.bench:
@@ -66,12 +73,10 @@ class Scanner:
         if self._scenario.bench:
             return bench_readings(self._bench_ranges(event.index), self._profile)
         faults = self._scenario.faults
-        if self._last is None or not is_frozen(event.time, faults):
-            mounted = in_frame(pose, self._mount)
-            ranges = self._caster.cast(*mounted, moving=self._moving(event.time))
-            ranges = measured(ranges, faults, self._rng)
-            self._last = speckle(readings(ranges, self._profile), faults, self._rng)
-        return self._last
+        mounted = in_frame(pose, self._mount)
+        ranges = self._caster.cast(*mounted, moving=self._moving(event.time))
+        ranges = measured(ranges, faults, self._rng)
+        return speckle(readings(ranges, self._profile), faults, self._rng)
 
     def _bench_ranges(self, index: int) -> Floats:
         """Return the (n,) ranges [m] of a bench scan; a repeated one is jittered once."""

@@ -24,7 +24,6 @@ MAX_BENCH_SCANS = 20_000
 Probability = Annotated[float, Meta(ge=0, le=1)]
 Delay = Annotated[float, Meta(ge=0, le=10)]  # [s]
 Noise = Annotated[float, Meta(ge=0, le=10)]  # standard deviation
-Bias = Annotated[float, Meta(ge=-10, le=10)]  # [m]
 Limit = Annotated[float, Meta(gt=0, le=100)]  # of a lidar's readings [m]
 Mount = Annotated[float, Meta(ge=-0.5, le=0.5)]  # from the robot's middle [m]
 Rate = Annotated[float, Meta(gt=0, le=200)]  # [Hz]
@@ -96,8 +95,6 @@ class OdometrySpec(_Table, frozen=True):
     phase: Time = 0.007  # time of the first message [s]
     linear_scale: Scale = 1.0  # measured / true distance: drift
     angular_scale: Scale = 1.0  # measured / true angle: drift
-    position_noise: Noise = 0.0  # of every reported x and y [m]
-    yaw_noise: Noise = 0.0  # of every reported yaw [rad]
 
 
 class Transforms(_Table, frozen=True):
@@ -107,10 +104,9 @@ class Transforms(_Table, frozen=True):
 
 
 class Faults(_Table, frozen=True):
-    """[faults] What goes wrong: noise of the lidar, lost messages, slip; nothing by default."""
+    """[faults] What goes wrong: noise of the lidar, late and lost messages; nothing by default."""
 
     range_noise: Noise = 0.0  # of the lidar: standard deviation of every reading [m]
-    range_bias: Bias = 0.0  # of the lidar: added to each reading [m]
     beam_dropout: Probability = 0.0  # that a beam sees nothing
     nan_speckle: Probability = 0.0  # that a beam reads NaN
     scan_latency: Delay = 0.0  # from measurement to delivery [s]
@@ -120,16 +116,12 @@ class Faults(_Table, frozen=True):
     odom_latency: Delay = 0.0  # [s]
     raw_waver: Probability = 0.0  # share by which every second raw command is smaller
     command_latency: Delay = 0.0  # from the node's command to the wheels [s]
-    freeze: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # readings repeat [s]
     blackout: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # no scans [s]
-    wheel_slip: Annotated[float, Meta(ge=0, le=0.9)] = 0.0  # fraction of the wheels' motion lost
 
     def __post_init__(self) -> None:
         """Refuse intervals that end before they begin."""
-        for name in ("freeze", "blackout"):
-            for begin, end in getattr(self, name):
-                if begin >= end:
-                    raise ValueError(f"{name}: expected [begin, end] with begin < end")
+        if any(begin >= end for begin, end in self.blackout):
+            raise ValueError("blackout: expected [begin, end] with begin < end")
 
 
 class Qos(_Table, frozen=True):

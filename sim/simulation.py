@@ -54,17 +54,13 @@ from sim.clearance import clearance
 from sim.faults import sensor_rng
 from sim.layout import Floats, Layout, Pose
 from sim.messages import (
-    BASE_FRAME,
     CMD_VEL_RAW_TOPIC,
     E_STOP_TOPIC,
     EPOCH_NS,
-    ODOM_FRAME,
-    TF_STATIC_TOPIC,
     Message,
     bool_,
     odometry,
     pose_stamped,
-    transform,
     twist,
 )
 from sim.odometry import Odometry
@@ -117,14 +113,8 @@ class Simulation:
         self.scenario = scenario = _of_seed(scenario, self.seed)
         self.now = 0
         self.layout = scenario_layout(scenario, self.seed)
-        slip = scenario.faults.wheel_slip
-        self._robot = Robot(scenario.robot, self.layout, wheel_slip=slip)
-        self._odometry = Odometry(
-            scenario.odometry,
-            self.layout.start,
-            sensor_rng(self.seed, "odometry"),
-            wheel_slip=slip,
-        )
+        self._robot = Robot(scenario.robot, self.layout)
+        self._odometry = Odometry(scenario.odometry, self.layout.start)
         self._scanner = Scanner(scenario, self.layout, self.seed)
         self._plan(schedule(scenario, self.seed))
         self._stepped = 0  # time that the physics has reached [ns]
@@ -133,7 +123,6 @@ class Simulation:
         self._command = (-(10**18), 0.0, 0.0)
         self._samples = [self._sample(contact=False)]
         self._touched = False
-        self._estimate = self.layout.start  # the last pose that the odometry measured
 
     @property
     def pose(self) -> Pose:
@@ -235,51 +224,42 @@ class Simulation:
         return (*robot.pose, robot.v, robot.w, contact)
 
     def _measure(self, event: Event, pose: Pose, speeds: tuple[float, float]) -> Message:
-        if event.kind is Kind.SCAN:
-            return self._scanner.scan(event, pose)
-        if event.kind is Kind.ODOM:
-            self._estimate = x, y, yaw = self._odometry.measure(pose)
-            v, w = self._odometry.speeds(*speeds)
-            return odometry(time=event.delivery, stamp=event.time, x=x, y=y, yaw=yaw, v=v, w=w)
-        if event.kind is Kind.TRANSFORM:
-            x, y, yaw = self._estimate
-            return transform(
-                time=event.delivery, stamp=event.time, parent=ODOM_FRAME, child=BASE_FRAME,
-                x=x, y=y, yaw=yaw,
-            )  # fmt: skip
-        if event.kind is Kind.STATIC_TRANSFORM:
-            lidar = self.scenario.lidar
-            x, y, yaw = lidar.pose
-            return transform(
-                time=event.time, parent=BASE_FRAME, child=lidar.frame, x=x, y=y, yaw=yaw,
-                topic=TF_STATIC_TOPIC,
-            )  # fmt: skip
-        if event.kind is Kind.RAW:
-            index, i = divmod(event.index, RAW_STREAM)
-            stream = self.scenario.raw[index]
-            share = 1.0 - self.scenario.faults.raw_waver * (i % 2)
-            return twist(
-                time=event.time,
-                linear_x=stream.linear_x * share,
-                others=stream.others,
-                angular_z=stream.angular_z * share,
-                topic=CMD_VEL_RAW_TOPIC,
-            )
-        entry = self._script(event)
+        match event.kind:
+            case Kind.SCAN:
+                return self._scanner.scan(event, pose)
+            case Kind.ODOM:
+                return self._odometry.message(event, pose, speeds)
+            case Kind.TRANSFORM:
+                return self._odometry.transform(event)
+            case Kind.STATIC_TRANSFORM:
+                return self._scanner.transform(event)
+            case Kind.RAW:
+                return self._raw(event)
+        return self._scripted(event)
+
+    def _raw(self, event: Event) -> Message:
+        """Return a command of a stream on /cmd_vel_raw."""
+        index, i = divmod(event.index, RAW_STREAM)
+        stream = self.scenario.raw[index]
+        share = 1.0 - self.scenario.faults.raw_waver * (i % 2)
+        return twist(
+            time=event.time,
+            linear_x=stream.linear_x * share,
+            others=stream.others,
+            angular_z=stream.angular_z * share,
+            topic=CMD_VEL_RAW_TOPIC,
+        )
+
+    def _scripted(self, event: Event) -> Message:
+        """Return what the script sends: an e-stop, a goal or an extra pose."""
+        time, entry = event.time, self._script(event)
         if event.kind is Kind.E_STOP:
-            return bool_(E_STOP_TOPIC, event.time, bool(entry.e_stop))
+            return bool_(E_STOP_TOPIC, time, bool(entry.e_stop))
         x, y, yaw = self._scripted_pose(entry)
-        if event.kind is Kind.GOAL:
-            stamp = event.time + round(entry.stamp_offset * 1e9)
-            return pose_stamped(
-                time=event.time,
-                x=x,
-                y=y,
-                yaw=yaw,
-                w=entry.w,
-                stamp=-EPOCH_NS if entry.unstamped else stamp,
-            )
-        return odometry(time=event.time, x=x, y=y, yaw=yaw, qw=entry.w)
+        if event.kind is Kind.SCRIPTED_ODOM:
+            return odometry(time=time, x=x, y=y, yaw=yaw, qw=entry.w)
+        stamp = -EPOCH_NS if entry.unstamped else time + round(entry.stamp_offset * 1e9)
+        return pose_stamped(time=time, x=x, y=y, yaw=yaw, w=entry.w, stamp=stamp)
 
     def _script(self, event: Event) -> ScriptEvent:
         return self.scenario.script[event.index]

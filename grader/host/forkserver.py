@@ -35,16 +35,7 @@ from .virtual import kernel as kernel_module
 from .virtual import threads
 
 REQUEST_DESCRIPTORS = 5  # link in, link out, stdout, stderr, status
-PRELOADED = (  # packages whose message types are loaded before the fork
-    "builtin_interfaces.msg",
-    "diagnostic_msgs.msg",
-    "geometry_msgs.msg",
-    "nav_msgs.msg",
-    "sensor_msgs.msg",
-    "std_msgs.msg",
-    "std_srvs.srv",
-)
-TYPE_SUPPORT = (  # the types of every node and of the exercises: their C libraries are opened too
+TYPE_SUPPORT = (  # the types of every node and of the exercises, loaded with their C libraries
     ("rcl_interfaces.msg", ("ParameterEvent", "Log")),
     ("diagnostic_msgs.msg", ("DiagnosticArray",)),
     ("geometry_msgs.msg", ("Twist", "TwistStamped", "PoseStamped")),
@@ -97,20 +88,7 @@ def serve(
     from .sandbox import layers as sandbox_layers  # noqa: PLC0415  (only Linux can import it)
 
     may_mount = sandbox_layers.begin(layers)
-    body: Body = scripts.serve
-    if kind in (NODES, TESTS):
-        kernel = kernel_module.Kernel()
-        threads.install(kernel, epoch)
-        _warm_up()
-        body = functools.partial(_run_student, kernel, epoch)
-        if kind == TESTS:
-            body = functools.partial(_run_test, kernel, epoch)
-            _warm_up_pytest()
-    elif kind == LIVE:
-        _warm_up(virtual=False)
-        body = _run_live
-    _import(libraries)
-    inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
+    body = prepared(kind, epoch, libraries)
     means = sandbox_layers.prepare(layers, may_mount=may_mount, newest=landlock)
     control.sendall(msgspec.json.encode(means))
     gc.freeze()
@@ -125,6 +103,25 @@ def serve(
             break
     for pidfd, child in children.items():  # the judge is gone, maybe killed: so are its hosts
         _bury(pidfd, child, alone=True)
+
+
+def prepared(kind: str, epoch: int, libraries: Sequence[str]) -> Body:
+    """Import what takes long; return what a host of this kind does with its link."""
+    body: Body = scripts.serve
+    if kind in (NODES, TESTS):
+        kernel = kernel_module.Kernel()
+        threads.install(kernel, epoch)
+        _warm_up()
+        body = functools.partial(_run_student, kernel, epoch)
+        if kind == TESTS:
+            body = functools.partial(_run_test, kernel, epoch)
+            _warm_up_pytest()
+    elif kind == LIVE:
+        _warm_up(virtual=False)
+        body = _run_live
+    _import(libraries)
+    inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
+    return body
 
 
 def _answer(control: socket.socket, body: Body, means: Hello, children: dict[int, Child]) -> bool:
@@ -295,8 +292,6 @@ def _warm_up(*, virtual: bool = True) -> None:
     from rclpy.type_support import check_for_type_support  # noqa: PLC0415
 
     stand_ins.offer()
-    for package in PRELOADED:
-        importlib.import_module(package)
     for package, names in TYPE_SUPPORT:
         module = importlib.import_module(package)
         for name in names:

@@ -7,6 +7,7 @@ the typed structures below, so a frame of another shape is refused, not interpre
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import msgspec
@@ -341,12 +342,13 @@ FromScript = Ended | Loaded | Predicted  # from a host that runs scripts
 FromTest = Reported | Ended  # from a host that runs a test
 
 _encoder = msgspec.msgpack.Encoder()
-_to_host: msgspec.msgpack.Decoder[ToHost] = msgspec.msgpack.Decoder(ToHost)
-_to_judge: msgspec.msgpack.Decoder[ToJudge] = msgspec.msgpack.Decoder(ToJudge)
-_from_script: msgspec.msgpack.Decoder[FromScript] = msgspec.msgpack.Decoder(FromScript)
-_from_test: msgspec.msgpack.Decoder[FromTest] = msgspec.msgpack.Decoder(FromTest)
-_from_live: msgspec.msgpack.Decoder[FromLive] = msgspec.msgpack.Decoder(FromLive)
-_from_radio: msgspec.msgpack.Decoder[FromRadio] = msgspec.msgpack.Decoder(FromRadio)
+# What each side decodes, or msgspec.DecodeError: nothing but one of its frames passes.
+decode_to_host: Callable[[bytes], ToHost] = msgspec.msgpack.Decoder(ToHost).decode
+decode_to_judge: Callable[[bytes], ToJudge] = msgspec.msgpack.Decoder(ToJudge).decode
+decode_from_script: Callable[[bytes], FromScript] = msgspec.msgpack.Decoder(FromScript).decode
+decode_from_test: Callable[[bytes], FromTest] = msgspec.msgpack.Decoder(FromTest).decode
+decode_from_live: Callable[[bytes], FromLive] = msgspec.msgpack.Decoder(FromLive).decode
+decode_from_radio: Callable[[bytes], FromRadio] = msgspec.msgpack.Decoder(FromRadio).decode
 
 
 def encode(frame: ToHost | ToJudge | FromScript | FromTest | FromLive | FromRadio) -> bytes:
@@ -361,39 +363,3 @@ def encode(frame: ToHost | ToJudge | FromScript | FromTest | FromLive | FromRadi
     if len(body) > MAX_FRAME:
         raise ValueError(f"a frame of {len(body)} bytes; the link carries {MAX_FRAME}")
     return LENGTH.pack(len(body)) + body
-
-
-def decode_to_host(body: bytes) -> ToHost:
-    """Decode what the judge said."""
-    return _to_host.decode(body)
-
-
-def decode_to_judge(body: bytes | bytearray) -> ToJudge:
-    """Decode what a host said.
-
-    Raises
-    ------
-    msgspec.DecodeError, msgspec.ValidationError
-        The body isn't one of the frames above.
-    """
-    return _to_judge.decode(body)
-
-
-def decode_from_script(body: bytes | bytearray) -> FromScript:
-    """Decode what a host that runs scripts said; it raises as `decode_to_judge` does."""
-    return _from_script.decode(body)
-
-
-def decode_from_test(body: bytes | bytearray) -> FromTest:
-    """Decode what a host that runs a test said; it raises as `decode_to_judge` does."""
-    return _from_test.decode(body)
-
-
-def decode_from_live(body: bytes | bytearray) -> FromLive:
-    """Decode what a host in real time said; it raises as `decode_to_judge` does."""
-    return _from_live.decode(body)
-
-
-def decode_from_radio(body: bytes | bytearray) -> FromRadio:
-    """Decode what a radio said; it raises as `decode_to_judge` does."""
-    return _from_radio.decode(body)

@@ -33,15 +33,6 @@ ONLY_APT = {name: name.replace("_", "-") for name in (
     "vision_msgs",
 )} | {"tf2_ros": "tf2-ros-py"}  # fmt: skip
 
-# Modules of ROS 2 that are on PyPI, in one family with the wheels of rclpy.
-WHEELS = frozenset((
-    "action_msgs", "actionlib_msgs", "ament_index_python", "builtin_interfaces", "diagnostic_msgs",
-    "geometry_msgs", "lifecycle_msgs", "nav_msgs", "rcl_interfaces", "rosgraph_msgs", "sensor_msgs",
-    "service_msgs", "shape_msgs", "std_msgs", "std_srvs", "stereo_msgs", "test_msgs",
-    "trajectory_msgs", "type_description_interfaces", "unique_identifier_msgs",
-    "visualization_msgs",
-))  # fmt: skip
-
 OF_ROS_1 = {"rospy": "rclpy", "roslib": "rclpy", "tf": "tf2_ros", "actionlib": "rclpy.action"}
 INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
 
@@ -81,9 +72,6 @@ def missing_package(name: str) -> str:
     """Say where a module of ROS that is not installed comes from; "" if it isn't one of ROS."""
     if name in OF_ROS_1:
         return f"{name} belongs to ROS 1; in ROS 2 it is {OF_ROS_1[name]}"
-    if name in WHEELS:
-        package = f"ros-{DISTRO}-{name.replace('_', '-')}"
-        return f"`pip install {package}`, or with ROS 2 from apt `sudo apt install {package}`"
     if name in ONLY_APT:
         return (
             f"{name} is part of ROS 2, but pip has no package of it: on Ubuntu "

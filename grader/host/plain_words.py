@@ -121,15 +121,9 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     ),
     (
         "TypeError",
-        r"unexpected keyword argument",
-        "look at the names of that function's parameters",
-    ),
-    (
-        "TypeError",
         r"only length-1 arrays|only 0-dimensional arrays",
         "this needs one number, and got an array: take one item of it, such as prediction[0]",
     ),
-    ("TypeError", r"not supported between instances", "these two are not of the same kind"),
     (
         "AssertionError",
         r"field must be of type 'float'|must be a float|of type 'float'",

@@ -6,17 +6,13 @@ else is imported; what the student's program prints goes to two files.
 
 from __future__ import annotations
 
-import functools
-import importlib.util
-import inspect
 import os
-import sys
 from pathlib import Path
 
 import msgspec
 
 from .frames import LENGTH, Request
-from .kinds import NODES
+from .wire import Wire
 
 BINARY = getattr(os, "O_BINARY", 0)  # Windows: no other line ends
 
@@ -28,25 +24,11 @@ def serve(kind: str, epoch: str, *rest: str) -> None:
     """
     *libraries, stdout, stderr = rest
     link_in, link_out = _take_pipes(stdout, stderr)
-    if kind == NODES:
-        from . import forkserver  # noqa: PLC0415
-        from .virtual import kernel as kernel_module  # noqa: PLC0415
-        from .virtual import threads  # noqa: PLC0415
+    from . import forkserver  # noqa: PLC0415  (only now are the pipes safe from what it prints)
 
-        kernel = kernel_module.Kernel()
-        threads.install(kernel, int(epoch))
-        forkserver._warm_up()
-        body = functools.partial(forkserver._run_student, kernel, int(epoch))
-    else:
-        from . import scripts  # noqa: PLC0415
-
-        body = functools.partial(scripts.serve)
-    for name in libraries:
-        if importlib.util.find_spec(name.partition(".")[0]) is not None:
-            importlib.import_module(name)
-    inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
+    body = forkserver.prepared(kind, int(epoch), libraries)
     os.write(link_out, LENGTH.pack(0))  # ready
-    _enter(msgspec.json.decode(_read_frame(link_in), type=Request).folder)
+    _enter(msgspec.json.decode(Wire(link_in, link_out).read_frame(), type=Request).folder)
     body(link_in, link_out)
     os._exit(0)
 
@@ -74,18 +56,3 @@ def _enter(folder: str) -> None:
     os.chdir(folder)
     for name in ("HOME", "USERPROFILE", "TMPDIR", "TEMP", "TMP", "ROS_LOG_DIR"):
         os.environ[name] = str(Path(folder))
-
-
-def _read_frame(descriptor: int) -> bytes:
-    (length,) = LENGTH.unpack(_read(descriptor, LENGTH.size))
-    return _read(descriptor, length)
-
-
-def _read(descriptor: int, size: int) -> bytes:
-    data = b""
-    while len(data) < size:
-        chunk = os.read(descriptor, size - len(data))
-        if not chunk:
-            os._exit(0)  # the judge is gone
-        data += chunk
-    return data

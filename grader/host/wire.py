@@ -32,8 +32,12 @@ class Wire:
 
     def receive(self) -> ToHost:
         """Wait for the judge's next frame."""
+        return decode_to_host(self.read_frame())
+
+    def read_frame(self) -> bytes:
+        """Wait for the body of the judge's next frame."""
         (length,) = LENGTH.unpack(self._read_exactly(LENGTH.size))
-        return decode_to_host(self._read_exactly(length))
+        return self._read_exactly(length)
 
     def send(self, frame: ToJudge | FromScript | FromTest | FromLive | FromRadio) -> None:
         """Send a frame, after all that was printed before it."""

@@ -29,7 +29,7 @@ NEEDS: Mapping[str, str] = {  # a layer: what a machine must have for it
     LIMITS: "any Linux",
     USER: "the grader run as root",
     MOUNTS: "the grader run as root, or user namespaces that anybody may make",
-    NETWORK: "as for mounts",
+    NETWORK: "the same as mounts",
     FILES: "Landlock: Linux 5.13 or later, built and started with it",
     CALLS: "seccomp filters, on x86_64 or arm64",
 }
@@ -41,14 +41,6 @@ KEEPS: Mapping[str, str] = {
     NETWORK: "the network, this machine's own services too",
     FILES: "every file but the interpreter, its libraries and the node's own folder",
     CALLS: "programs, processes, sockets, tracing, other processes' memory, kernel features",
-}
-OPENS: Mapping[str, str] = {  # what is possible without a layer, whatever the others do
-    LIMITS: "a node can fill memory and disk",
-    USER: "all nodes are the same user as the grader, and share its limits on processes",
-    MOUNTS: "nodes see each other's shared memory, can fill /dev/shm, and write to the disk",
-    NETWORK: "nothing while seccomp is there; else connections to anywhere",
-    FILES: "a node reads what its user can read: solutions, scenarios, other submissions",
-    CALLS: "a node can start programs, and open connections unless it has no network",
 }
 
 
@@ -62,9 +54,9 @@ class Layer:
 
     @property
     def text(self) -> str:
-        """What it keeps out, or what stays open without it."""
+        """What it keeps out, or what it needs; `gaps` says what is open without it."""
         if not self.here:
-            return f"open: {OPENS[self.name]}"
+            return f"needs {NEEDS[self.name]}"
         return f"keeps out: {KEEPS[self.name]}{f' ({self.version})' if self.version else ''}"
 
 

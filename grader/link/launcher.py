@@ -32,7 +32,5 @@ class Launcher(Protocol):
     def workplace(self, folder: Path) -> AbstractContextManager[Workplace]:
         """Make a folder one that several hosts work in, one after another."""
 
-    def host(
-        self, place: Path | Workplace, *, priority: bool = False
-    ) -> AbstractContextManager[Link]:
+    def host(self, place: Path | Workplace) -> AbstractContextManager[Link]:
         """Start a host that works in a folder; it is dead when the block ends."""

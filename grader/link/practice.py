@@ -66,13 +66,11 @@ class PracticeServer:
         What its hosts run: nodes in virtual time, or scripts that return.
     """
 
-    def __init__(
-        self,
-        epoch: int,
-        *,
-        libraries: Sequence[str] = (),
-        kind: str = NODES,
-    ) -> None:
+    layers: tuple[str, ...] = ()  # of isolation
+    isolation = NO_ISOLATION
+    practice = PRACTICE
+
+    def __init__(self, epoch: int, *, libraries: Sequence[str] = (), kind: str = NODES) -> None:
         self._arguments = [kind, str(epoch), *libraries]
         self._epoch = epoch
         self._kind = kind
@@ -92,21 +90,6 @@ class PracticeServer:
             self._ready.pop().close()
 
     @property
-    def layers(self) -> tuple[str, ...]:
-        """No layer of isolation."""
-        return ()
-
-    @property
-    def isolation(self) -> str:
-        """Say that nothing stands between the node and this machine."""
-        return NO_ISOLATION
-
-    @property
-    def practice(self) -> str:
-        """Say what a grading made here is not."""
-        return PRACTICE
-
-    @property
     def workshop(self) -> PracticeServer:
         """The server of hosts for scripts that goes with this one."""
         with self._lock:
@@ -122,11 +105,8 @@ class PracticeServer:
         yield Workplace(folder, folder, 0)
 
     @contextlib.contextmanager
-    def host(self, place: Path | Workplace, *, priority: bool = False) -> Iterator[Link]:
-        """Start a host that works in a folder; it is dead when the block ends.
-
-        There is no other user for it, and no priority.
-        """
+    def host(self, place: Path | Workplace) -> Iterator[Link]:
+        """Start a host that works in a folder; it is dead when the block ends."""
         folder = place.folder if isinstance(place, Workplace) else place
         with self._lock:
             host = self._ready.popleft() if self._ready else self._started()

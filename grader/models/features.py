@@ -63,32 +63,30 @@ def scan_features(scan: Scan) -> Floats:
     return found
 
 
-def possible_features(scan: Scan, front: float = FRONT_EDGE) -> Floats:
-    """Return all (k, 5) features that are accepted for a scan whose front ends at ±`front` [°].
+@lru_cache(maxsize=2048)
+def possible_features(scan: Scan) -> Floats:
+    """Return all (k, 5) features that are accepted for a scan.
 
     A beam within 1° of a sector's edge may count on either side: for one on the edge, rounding
     decides, and some nodes count beams instead of angles. A row has NaN where a sector is blind.
     Several checks look at the same scan, so the result is cached.
     """
-    return _possible_features(scan, front)
-
-
-@lru_cache(maxsize=2048)
-def _possible_features(scan: Scan, front: float) -> Floats:
     layout = len(scan.ranges), scan.angle_min, scan.angle_increment
     values = np.asarray(scan.ranges, dtype=float)[None, :]
     limits = scan.range_min, scan.range_max
-    found = np.unique(_of_sectors(values, limits, *_possible_sectors(*layout, front)), axis=0)
+    found = np.unique(_of_sectors(values, limits, *_possible_sectors(*layout)), axis=0)
     found.flags.writeable = False
     return found
 
 
 @lru_cache(maxsize=64)
-def _possible_sectors(beams: int, first: float, increment: float, front: float) -> Sectors:
+def _possible_sectors(beams: int, first: float, increment: float) -> Sectors:
     """Return the (k, beams) sectors that are accepted for a lidar, each once."""
     degrees = np.degrees(first + increment * np.arange(beams, dtype=float))
     found = [
-        np.concatenate(_sectors(degrees, (front + left, -front - right, BACK_EDGE + back)))
+        np.concatenate(
+            _sectors(degrees, (FRONT_EDGE + left, -FRONT_EDGE - right, BACK_EDGE + back))
+        )
         for shift in (ROUNDING, TOLERANCE)
         for left, right in itertools.product((shift, -shift), repeat=2)
         for back in (ROUNDING, -ROUNDING, TOLERANCE, -TOLERANCE)

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import importlib
 import pickle
 from collections.abc import Callable, Mapping
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from grader.errors import GraderError
 from grader.host.supplied import classifiers, probes
 from grader.host.supplied.kept import Kept, KeptClassifier
-from grader.models.dataset import PROFILE, make_dataset
 from grader.models.exporter import EXPORTER
-from grader.models.features import features
 from sim.scenario import Model
 
 OWN = "own"  # the student's own trained model
 PICKLE = ".pkl"
 EXPORTED = (".onnx", ".pt2", ".keras")  # suffixes of formats that need other libraries
-LEARNED = ("linear", "tree")  # scikit-learn's own models, if in a pickle
+LEARNED = ("linear", "tree", "trained")  # scikit-learn's own models, if in a pickle
 PROTOCOL = 4  # of pickle; every Python here reads it
 _FOREIGN = b"cmy_training_script\nMyModel\n."  # a pickle whose class was in a script, now missing
 
@@ -38,7 +32,7 @@ _PROBES: dict[str, Callable[..., Any]] = {
     "by_distance": probes.ByDistance,
     "raises_near": probes.RaisesNear,
     "counts_loads": probes.CountsLoads,
-    "slow": probes.Slow,
+    "slow": probes.Echo,
     "weighted": probes.Weighted,
     "linear": _linear,
     "describes": classifiers.Describes,
@@ -103,8 +97,6 @@ def model_bytes(model: Model, suffix: str = PICKLE) -> bytes:
         return _FOREIGN
     if model.probe == "pickled":  # a model, but not in the format of the file's suffix
         return pickle.dumps(probes.Constant(0.3), PROTOCOL)
-    if model.probe == "trained":
-        return _trained(**model.settings)
     if suffix in EXPORTED or model.probe in LEARNED:
         return EXPORTER.content(suffix, model.probe, model.settings)
     return pickle.dumps(probe(model), PROTOCOL)
@@ -122,21 +114,3 @@ def probe(model: Model) -> Any:
         return _PROBES[model.probe](**model.settings)
     except (KeyError, TypeError) as error:
         raise GraderError(f"no model {model.probe!r} with {model.settings}: {error!r}") from error
-
-
-@lru_cache(maxsize=8)
-def _trained(rows: int = 600, trees: int = 12, seed: int = 5) -> bytes:
-    """Return a RandomForestRegressor that learned the expert's speeds, pickled."""
-    try:
-        ensemble: Any = importlib.import_module("sklearn.ensemble")  # 1 s
-    except ImportError as error:
-        raise GraderError(
-            f"scikit-learn is needed to make a trained model ({error}); "
-            "run `pip install scikit-learn onnx onnxruntime skl2onnx`"
-        ) from error
-    data = make_dataset(int(rows), int(seed))
-    degrees = np.degrees(PROFILE.angles)
-    seen = features(data.ranges, degrees, PROFILE.range_min, PROFILE.range_max)
-    whole = np.isfinite(seen).all(axis=1)
-    forest = ensemble.RandomForestRegressor(n_estimators=int(trees), random_state=int(seed))
-    return pickle.dumps(forest.fit(seen[whole], data.speed[whole]), PROTOCOL)

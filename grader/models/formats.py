@@ -6,8 +6,9 @@ request is a line of JSON, and so is its answer::
     {"suffix": ".onnx", "probe": "linear", "settings": {"weights": [...], "offset": 0.1}}
     {"content": "<base64>"}    or    {"problem": "no module named torch"}
 
-Whatever its format, a model is linear or a decision tree. It computes in float32, takes features
-(n, 5) and returns (n, 1), with `flat` (n,), as scikit-learn's do. No file needs code of ours.
+Whatever its format, a model is linear or a decision tree; a pickle may hold a forest. It computes
+in float32, takes features (n, 5) and returns (n, 1), with `flat` (n,), as scikit-learn's do. No
+file needs code of ours.
 """
 
 from __future__ import annotations
@@ -108,6 +109,8 @@ def _steps(values: Sequence[float], first: int) -> Fork | Leaf:
 def _pickled(probe: str, settings: Settings) -> bytes:
     if probe == "tree":
         return pickle.dumps(_learnt_tree(settings), PROTOCOL)
+    if probe == "trained":
+        return pickle.dumps(_learnt_forest(**settings), PROTOCOL)
     from sklearn.linear_model import LinearRegression  # noqa: PLC0415
 
     model = _model(probe, settings)
@@ -123,11 +126,23 @@ def _learnt_tree(settings: Settings) -> Any:
     """Return a DecisionTreeRegressor fitted to the expert's speeds."""
     from sklearn.tree import DecisionTreeRegressor  # noqa: PLC0415
 
-    data = make_dataset(int(settings["rows"]), int(settings["seed"]))
+    tree = DecisionTreeRegressor(max_depth=int(settings["depth"]), random_state=0)
+    return _fitted(tree, settings["rows"], settings["seed"])
+
+
+def _learnt_forest(rows: float = 600, trees: float = 12, seed: float = 5) -> Any:
+    from sklearn.ensemble import RandomForestRegressor  # noqa: PLC0415
+
+    forest = RandomForestRegressor(n_estimators=int(trees), random_state=int(seed))
+    return _fitted(forest, rows, seed)
+
+
+def _fitted(model: Any, rows: float, seed: float) -> Any:
+    """Return a model of scikit-learn's that has learnt the expert's speeds."""
+    data = make_dataset(int(rows), int(seed))
     seen = features(data.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
     whole = np.isfinite(seen).all(axis=1)
-    tree = DecisionTreeRegressor(max_depth=int(settings["depth"]), random_state=0)
-    return tree.fit(seen[whole], data.speed[whole])
+    return model.fit(seen[whole], data.speed[whole])
 
 
 def _grown(tree: Any, node: int) -> Fork | Leaf:

@@ -101,10 +101,7 @@ class ModelService:
     def at_once(self, question: Question) -> Told:
         """Return the answer to a question of a start-up; it says how long the model takes."""
         told, took = self._answer(question, IN_START_UP)
-        return Told(
-            told.number, told.problem, told.error, told.load, told.shape, told.numbers,
-            told.dtype, told.labels, took,
-        )  # fmt: skip
+        return replace(told, wait=took)
 
     # --- what they say ---------------------------------------------------------------------------
 

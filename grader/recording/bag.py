@@ -205,15 +205,7 @@ def _document(recording: Recording) -> _Document:
         yaw=recording.truth.yaw.tolist(),
         delivered={m.topic: m.type for m in recording.delivered},
         published={m.topic: m.type for m in recording.published},
-        compute=list(
-            zip(
-                compute.time.tolist(),
-                compute.wall.tolist(),
-                compute.cpu.tolist(),
-                compute.queued.tolist(),
-                strict=True,
-            )
-        ),
+        compute=np.column_stack(list(vars(compute).values())).tolist(),
         training=recording.training,
         live=recording.live,
         inferences=msgspec.msgpack.encode(recording.inferences),

@@ -61,8 +61,6 @@ def run_live_trial(
     forkserver: ForkServer,
     *,
     seed: int | None = None,
-    arguments: Sequence[str] = (),
-    stamped: bool = False,
     files: Mapping[str, bytes] | None = None,
     reason: str = "",
 ) -> Recording:
@@ -90,12 +88,12 @@ def run_live_trial(
             return not_run(simulation, problem)
         with (
             TRIAL_LOCK.held(alone=attempt > 0),
-            stage(submission, scenario, arguments, files) as staged,
+            stage(submission, scenario, files=files) as staged,
             own_domain() as domain,
         ):
             models = ModelService(scenario, simulation.seed)
             hosts = LiveHosts(forkserver.live, staged, domain, simulation.seed, models)
-            trial = _LiveTrial(simulation, Recorder(stamped=stamped), hosts, staged, models)
+            trial = _LiveTrial(simulation, Recorder(), hosts, staged, models)
             recording = located(trial.run(reason), submission)
         if not recording.live or not recording.live.stall:
             break

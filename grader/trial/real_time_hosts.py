@@ -17,6 +17,7 @@ from typing import Any
 from grader.course.students import host_seed
 from grader.errors import GraderError
 from grader.host.frames import (
+    MAX_FRAME,
     MAX_PUBLISHED,
     MAX_PUBLISHED_BYTES,
     Answers,
@@ -81,11 +82,12 @@ class NotReady(Exception):
 class LiveLink(Channel):
     """Frames to and from a host that speaks whenever it wants."""
 
-    def __init__(self, host: HostProcess, decode: Callable[[bytes], Any]) -> None:
+    def __init__(
+        self, host: HostProcess, decode: Callable[[bytes], Any], largest: int = MAX_FRAME
+    ) -> None:
         super().__init__(host)
         self._decode = decode
-        if decode is decode_from_live:
-            self.largest = MAX_PULSE
+        self.largest = largest
         self.gone = False  # it has hung up
         self.descriptors = (host.link_in, host.stdout, host.stderr)
 
@@ -205,7 +207,7 @@ class LiveHosts:
             host = self._all.enter_context(
                 self._forkserver.host_process(self._place, priority=self.epoch > 0)
             )
-            link = LiveLink(host, decode_from_live)
+            link = LiveLink(host, decode_from_live, MAX_PULSE)
             self._register(link)
             self.programs.append(Program(program, host, link))
             with contextlib.suppress(HostDied):  # then it has hung up, which will be heard

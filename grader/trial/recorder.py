@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import msgspec
 import numpy as np
 
 from grader.host.frames import EndpointReport, Published
@@ -54,7 +55,7 @@ class Recorder:
 
     def note_endpoints(self, reports: Iterable[EndpointReport]) -> None:
         """Note what the node has created."""
-        self.endpoints += [_endpoint(report) for report in reports]
+        self.endpoints += [Endpoint(*msgspec.structs.astuple(report)) for report in reports]
         if len(self.endpoints) > MAX_ENDPOINTS:
             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
 
@@ -139,16 +140,3 @@ def _command(message: Message, stamped: bool) -> Command | None:
     except ValueError:
         return None
     return message.time, linear_x, angular_z
-
-
-def _endpoint(report: EndpointReport) -> Endpoint:
-    return Endpoint(
-        report.kind,
-        report.node,
-        report.topic,
-        report.type,
-        report.reliability,
-        report.durability,
-        report.depth,
-        report.mismatch,
-    )

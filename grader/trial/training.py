@@ -9,7 +9,6 @@ reads numbers.
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import zlib
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from grader.course import installed
 from grader.course.submission import Submission, read_regular_file
 from grader.errors import GraderError
 from grader.host.frames import Ended, Loaded, LoadModels, Predict, Predicted, Script
@@ -121,12 +121,8 @@ def _missing(submission: Submission, spec: TrainingSpec) -> str:
 
 
 def _require_libraries() -> None:
-    absent = [name for name in NEEDED if importlib.util.find_spec(name) is None]
-    if absent:
-        raise GraderError(
-            f"the training part needs {', '.join(absent)}; "
-            "run `pip install scikit-learn onnx onnxruntime skl2onnx`"
-        )
+    if missing := installed.why_not(NEEDED):
+        raise GraderError(f"no training here: {missing.removeprefix('skipped: ')}")
 
 
 # --- the script ----------------------------------------------------------------------------------

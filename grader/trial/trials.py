@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import shutil
 import threading
@@ -10,8 +9,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import TracebackType
-from typing import Protocol
 
 from grader.course import installed
 from grader.course.students import Seed
@@ -68,33 +65,38 @@ class _LeftOut(Exception):
         self.scenario = scenario
 
 
-class Trials(Protocol):
-    """A source of recordings, by the name of the scenario."""
+class Trials:
+    """A source of recordings, by the name of the scenario; of itself it has none."""
 
     def prepare(self, scenarios: Sequence[str]) -> None:
         """Announce the trials that will be needed."""
 
     def get(self, scenario: str) -> Recording:
         """Return a recording; NoRecording if there can be none, TrialFault if making it failed."""
+        raise NoRecording(f"no recording of the scenario {scenario}")
 
     def give_up(self) -> None:
         """Start none of those announced that have not begun: nobody will ask for them."""
 
     def recordings(self) -> list[Recording]:
         """Return all that were asked for and could be made, in order."""
+        return []
 
     def faults(self) -> list[TrialFault]:
         """Return the trials in which the grader failed."""
+        return []
 
     def notes(self) -> list[str]:
         """Return what else a reader of the score should know of the trials, a sentence each."""
+        return []
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
         """Say which libraries are missing to record these scenarios; empty if none is."""
+        return installed.why_not(libraries)
 
 
 @dataclass
-class NodeTrials:
+class NodeTrials(Trials):
     """Runs the student's node, a few scenarios at a time."""
 
     submission: Submission
@@ -127,12 +129,7 @@ class NodeTrials:
     def __enter__(self) -> NodeTrials:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._pool.shutdown(cancel_futures=True)
 
     def prepare(self, scenarios: Sequence[str]) -> None:
@@ -187,10 +184,6 @@ class NodeTrials:
     def _unasked(self, scenario: str) -> bool:
         """Tell whether a trial is left out, were it over by chance: each grading has the same."""
         return self._halted and scenario not in self._asked
-
-    def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
-        """Say which of the libraries are not installed here; empty if all are."""
-        return installed.why_not(libraries)
 
     def seed_of(self, scenario: Scenario) -> int:
         """Return the seed of a scenario's trial."""
@@ -364,17 +357,11 @@ def _trainings(scenario: Scenario) -> list[str]:
     return [*needed, *([scenario.name] if scenario.training is not None else [])]
 
 
-class SavedTrials:
+class SavedTrials(Trials):
     """Recordings from bags; no student's code runs."""
 
     def __init__(self, recordings: Iterable[Recording]) -> None:
         self._recordings = {recording.name: recording for recording in recordings}
-
-    def prepare(self, scenarios: Sequence[str]) -> None:
-        """Nothing to prepare: what is there is there."""
-
-    def give_up(self) -> None:
-        """Nothing to give up."""
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
         """Say which of the libraries are not installed; what was recorded needs none any more."""
@@ -383,18 +370,10 @@ class SavedTrials:
 
     def get(self, scenario: str) -> Recording:
         """Return the recording of a scenario; NoRecording if no bag has it."""
-        with contextlib.suppress(KeyError):
-            return self._recordings[scenario]
-        raise NoRecording(f"no recording of the scenario {scenario}")
+        if scenario not in self._recordings:
+            return super().get(scenario)
+        return self._recordings[scenario]
 
     def recordings(self) -> list[Recording]:
         """Return all recordings."""
         return list(self._recordings.values())
-
-    def faults(self) -> list[TrialFault]:
-        """Return none: nothing runs."""
-        return []
-
-    def notes(self) -> list[str]:
-        """Return none: nothing runs."""
-        return []

@@ -1,5 +1,6 @@
 """The node's parameters, and the scenario that they lead to."""
 
+import importlib.util
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ from rclpy.exceptions import ParameterException
 from sim.errors import InputError
 from sim.lidar import PROFILES
 from sim.live.options import Options
-from sim.scenario import Scenario
+from sim.scenario import Scenario, Transforms
 from sim.scenario_files import load_scenario
 
 LIFE = 3600.0  # after this a robot that nobody stops starts over [s]: a scenario's maximum
@@ -97,6 +98,9 @@ def _declare(node: Any, options: Options) -> Settings:
         raise InputError(problem)
     changes: dict[str, Any] = {"seed": seed, "duration": duration or LIFE}
     changes["robot"] = msgspec.structs.replace(scenario.robot, command_timeout=timeout)
+    # there is no wheel of tf2_msgs: without it the robot sends no transforms
+    sends = importlib.util.find_spec("tf2_msgs") is not None and scenario.odometry.enabled
+    changes["transforms"] = Transforms(enabled=sends)
     if lidar != scenario.lidar.profile:
         changes["lidar"] = msgspec.structs.replace(scenario.lidar, profile=lidar, rate=None)
     return Settings(

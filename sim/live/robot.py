@@ -9,7 +9,7 @@ from sim.live.health import HealthMeter
 from sim.live.timeline import Timeline
 from sim.live.topics import patience, sent_topics
 from sim.messages import Message, with_epoch
-from sim.scenario import LidarSpec, OdometrySpec, Scenario, Transforms
+from sim.scenario import LidarSpec, OdometrySpec, Scenario
 from sim.simulation import Simulation
 
 IDLE_TICK_NS = 100_000_000  # between two steps at most [ns], also when no message is due
@@ -35,8 +35,6 @@ class LiveRobot:
     """
 
     def __init__(self, scenario: Scenario, timeline: Timeline, tick: int = IDLE_TICK_NS) -> None:
-        # The node sends transforms itself, as far as tf2_msgs is installed.
-        scenario = msgspec.structs.replace(scenario, transforms=Transforms())
         self.simulation = Simulation(scenario)
         self.timeline = timeline
         self.rates = sent_topics(scenario)

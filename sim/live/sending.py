@@ -1,4 +1,4 @@
-"""What the robot's node sends: the scenario's messages, /clock, transforms, diagnostics."""
+"""What the robot's node sends: the scenario's messages, /clock, diagnostics."""
 
 import importlib
 from collections.abc import Sequence
@@ -6,18 +6,15 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 
 from sim.live.diagnostics import diagnostics
 from sim.live.extras import Extras
 from sim.live.health import Health
 from sim.live.robot import LiveRobot
-from sim.live.transforms import Transforms, tf_message_class
-from sim.messages import ODOM_TOPIC, OFFERED, SENSORS, Message
+from sim.messages import LATCHED, OFFERED, SENSORS, TF_MESSAGE, Message
 
 DEPTH = 10
 STATIC = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -44,7 +41,6 @@ class Sender:
                 extras.recorder.expect(publisher.topic_name, OFFERED[topic])
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", DEPTH)
         self._clock = node.create_publisher(Clock, "/clock", 1) if clock else None
-        self._tf = self._transforms()
 
     @property
     def awaited(self) -> list[str]:
@@ -63,8 +59,6 @@ class Sender:
             publisher = self._publishers[message.topic]
             publisher.publish(message.data)
             self._extras.record(publisher.topic_name, message.type, now, message.data)
-            if self._tf and message.topic == ODOM_TOPIC:
-                self._send_transform(message)
         if self._extras.viewer:
             simulation = self._robot.simulation
             self._extras.viewer.show(
@@ -99,26 +93,11 @@ class Sender:
         sensors = self._robot.simulation.scenario.qos.sensors
         lossy = topic in SENSORS and sensors == "sensor_data"
         reliability = ReliabilityPolicy.BEST_EFFORT if lossy else ReliabilityPolicy.RELIABLE
-        qos = QoSProfile(depth=DEPTH, reliability=reliability)
-        return self._node.create_publisher(kind, topic.removeprefix("/"), qos)
-
-    def _transforms(self) -> tuple[Transforms, Any] | None:
-        """Send the static transform; return what sends the others, None without tf2_msgs."""
-        tf_message = tf_message_class()
-        if tf_message is None or ODOM_TOPIC not in self._robot.rates:
-            return None
-        transforms = Transforms(tf_message, TransformStamped)
-        lidar = self._robot.simulation.scenario.lidar
-        static = self._node.create_publisher(tf_message, "/tf_static", STATIC)
-        self._send(static, transforms.of_lidar(lidar, _stamp(self._robot.ros_now)))
-        return transforms, self._node.create_publisher(tf_message, "/tf", DEPTH)
-
-    def _send_transform(self, odometry: Message) -> None:
-        assert self._tf is not None
-        transforms, publisher = self._tf
-        transform = transforms.of_odometry(deserialize_message(odometry.data, Odometry))
-        if transform is not None:
-            self._send(publisher, transform)
+        qos = STATIC if topic in LATCHED else QoSProfile(depth=DEPTH, reliability=reliability)
+        is_global = OFFERED[topic] == TF_MESSAGE  # the frames of all robots are one tree
+        return self._node.create_publisher(
+            kind, topic if is_global else topic.removeprefix("/"), qos
+        )
 
     def _send(self, publisher: Any, message: Any) -> None:
         """Publish a message that the simulation did not make."""

@@ -6,11 +6,13 @@ from sim.messages import (
     GOAL_TOPIC,
     ODOM_TOPIC,
     SCAN_TOPIC,
+    TF_STATIC_TOPIC,
+    TF_TOPIC,
 )
 from sim.scenario import Scenario
 from sim.schedule import scan_rate
 
-NOW_AND_THEN = 0.0  # the nominal rate of what the script sends [Hz]
+NOW_AND_THEN = 0.0  # the nominal rate of what comes with another message or by the script [Hz]
 
 
 def sent_topics(scenario: Scenario) -> dict[str, float]:
@@ -31,6 +33,8 @@ def sent_topics(scenario: Scenario) -> dict[str, float]:
         rates[E_STOP_TOPIC] = NOW_AND_THEN
     if scenario.raw:
         rates[CMD_VEL_RAW_TOPIC] = NOW_AND_THEN
+    if scenario.transforms.enabled:
+        rates |= {TF_TOPIC: NOW_AND_THEN, TF_STATIC_TOPIC: NOW_AND_THEN}
     return rates
 
 

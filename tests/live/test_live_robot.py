@@ -175,6 +175,7 @@ def test_the_robot_is_over_after_its_duration() -> None:
         ("avoid_field_wide", {"/scan": 40.0}),
         ("demo_open", {"/odom": 20.0, "/goal_pose": 0.0}),
         ("safe_e_stop", {"/scan": 5.0, "/e_stop": 0.0, "/cmd_vel_raw": 0.0}),
+        ("avoid_field_turned", {"/tf": 0.0, "/tf_static": 0.0}),
     ],
 )
 def test_only_what_the_scenario_sends_has_a_topic(name: str, topics: dict[str, float]) -> None:

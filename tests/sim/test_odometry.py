@@ -2,22 +2,22 @@
 
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sim.messages import ODOMETRY, decode
 from sim.odometry import Odometry
 from sim.scenario import OdometrySpec
+from sim.schedule import Event, Kind
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
 poses = st.tuples(st.floats(-9, 9), st.floats(-9, 9), st.floats(-9, 9))
 START = (1.0, 2.0, 0.5)
 
 
-def odometry(start=START, slip=0.0, seed=1, **spec):
-    rng = np.random.default_rng(seed)
-    return Odometry(OdometrySpec(**spec), start, rng, wheel_slip=slip)
+def odometry(start=START, **spec):
+    return Odometry(OdometrySpec(**spec), start)
 
 
 @SETTINGS
@@ -37,10 +37,9 @@ def test_the_scales_are_drift():
     assert sensor.measure((1.0, 0.0, 1.0)) == pytest.approx((1.1, 0.0, 0.5))
     x, y, yaw = sensor.measure((1.0 + math.cos(1.0), math.sin(1.0), 1.0))
     assert (x, y, yaw) == pytest.approx((1.1 + 1.1 * math.cos(0.5), 1.1 * math.sin(0.5), 0.5))
-    assert sensor.speeds(1.0, 1.0) == (1.1, 0.5)
-    slips = odometry((0.0, 0.0, 0.0), slip=0.5)  # it measures more than was driven
-    assert slips.measure((1.0, 0.0, 0.0)) == pytest.approx((2.0, 0.0, 0.0))
-    assert slips.speeds(0.1, 0.2) == pytest.approx((0.2, 0.4))
+    event = Event(time=1, kind=Kind.ODOM, index=0, delivery=2)
+    twist = decode(sensor.message(event, (1.0, 0.0, 1.0), (1.0, 1.0)).data, ODOMETRY).twist.twist
+    assert (twist.linear.x, twist.angular.z) == (1.1, 0.5)
 
 
 def test_a_jump_puts_it_right():
@@ -48,12 +47,3 @@ def test_a_jump_puts_it_right():
     sensor.measure((3.0, 2.0, 0.5))
     sensor.jump((7.0, 7.0, 0.0))
     assert sensor.measure((7.0, 7.0, 0.0)) == (7.0, 7.0, 0.0)
-
-
-def test_noise_is_on_every_report_and_does_not_add_up():
-    sensor = odometry(position_noise=0.1, yaw_noise=0.01)
-    found = np.array([sensor.measure(START) for _ in range(4000)])
-    assert found.mean(axis=0) == pytest.approx(START, abs=0.01)
-    assert found.std(axis=0) == pytest.approx((0.1, 0.1, 0.01), rel=0.05)
-    again = odometry(position_noise=0.1, yaw_noise=0.01)
-    assert again.measure(START) == tuple(found[0])

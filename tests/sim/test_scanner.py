@@ -44,17 +44,6 @@ def test_a_lidar_may_have_other_limits_than_its_profile():
     assert seen[np.isfinite(seen)].max() <= 5.0
 
 
-def test_a_frozen_lidar_repeats_its_readings_while_its_stamps_go_on():
-    commands = [(k * 100_000_000, 0.3, 0.0) for k in range(60)]
-    _, messages = simulate("[faults]\nfreeze = [[1.0, 2.0]]", commands, world="hall")
-    scans = scans_in(messages)
-    ahead = [float(scan.ranges[180]) for scan in scans]
-    assert len(set(ahead[9:20])) == 1
-    assert len(set(ahead[20:40])) == 20
-    stamps = [scan.header.stamp.sec * SECOND + scan.header.stamp.nanosec for scan in scans]
-    assert set(np.diff(stamps)) == {100_000_000}
-
-
 def test_a_bench_is_sent_scan_by_scan():
     text = """
     [[bench]]

@@ -35,7 +35,7 @@ scenarios = st.builds(
     title=st.text(max_size=9),
     world=st.sampled_from([World(), load_world("store"), load_world("hall")]),
     seed=st.integers(0, 2**53),
-    faults=st.builds(Faults, range_noise=st.floats(0, 1), freeze=st.just(((1.0, 2.0),))),
+    faults=st.builds(Faults, range_noise=st.floats(0, 1), blackout=st.just(((1.0, 2.0),))),
     script=st.lists(events, max_size=3).map(tuple),
     bench=st.lists(scans, max_size=3).map(tuple),
 )

@@ -68,8 +68,8 @@ MISTAKES = {
         "script[0]: expected unstamped or stamp_offset, not both",
     ),
     "interval upside down": (
-        HEAD + "[faults]\nfreeze = [[2, 1]]",
-        "faults.freeze = [[2, 1]]: expected [begin, end] with begin < end",
+        HEAD + "[faults]\nblackout = [[2, 1]]",
+        "faults.blackout = [[2, 1]]: expected [begin, end] with begin < end",
     ),
     "endless bench": (
         HEAD + "[[bench]]\nrepeat = 10000\n" * 3,
@@ -214,7 +214,7 @@ RICH = {
     },
     "robot": {"start": [0, 0, 0], "radius": 0.2},
     "lidar": {"profile": "lds01", "rate": 5},
-    "faults": {"freeze": [[0, 1]], "scan_loss": 0.5},
+    "faults": {"blackout": [[0, 1]], "scan_loss": 0.5},
     "qos": {"sensors": "reliable"},
     "script": [{"at": 1, "goal": [0, 0, 0]}],
     "bench": [{"tags": ["slow"], "patches": [{"from_deg": 0, "to_deg": 1, "range": 2}]}],

@@ -24,7 +24,7 @@ max_linear = 0.4
 [lidar]
 rate = 5.0
 [faults]
-freeze = [[1.0, 2.0], [3.0, 4.0]]
+blackout = [[1.0, 2.0], [3.0, 4.0]]
 [world]
 description = "A wall."
 walls = [{ points = [[2, -1], [2, 1]] }]
@@ -76,7 +76,7 @@ def test_tables_are_merged_at_any_depth_and_anything_else_is_replaced(course: Pa
         course,
         HEAD
         + 'description = "Longer."\nduration = 12.0\nraw = []\n'
-        + "[[script]]\nat = 3.0\ngoal = [3, 0, 0]\n[faults]\nfreeze = [[5.0, 6.0]]\n"
+        + "[[script]]\nat = 3.0\ngoal = [3, 0, 0]\n[faults]\nblackout = [[5.0, 6.0]]\n"
         + '[robot]\nradius = 0.3\n[lidar]\nprofile = "wide"\n[qos]\nsensors = "sensor_data"\n'
         + '[node.models."velocity_model.pkl".settings]\nseconds = 0.8',
     )
@@ -88,7 +88,7 @@ def test_tables_are_merged_at_any_depth_and_anything_else_is_replaced(course: Pa
     model = scenario.node.models["velocity_model.pkl"]
     assert (model.probe, model.settings) == ("slow", {"seconds": 0.8, "scale": 0.04})
     assert [event.at for event in scenario.script] == [3.0]
-    assert (scenario.raw, scenario.faults.freeze) == ((), ((5.0, 6.0),))
+    assert (scenario.raw, scenario.faults.blackout) == ((), ((5.0, 6.0),))
 
 
 def test_a_world_in_the_file_is_merged_too(course: Path) -> None:

@@ -35,12 +35,9 @@ loop = true
 [robot]
 start_jitter = [0.1, 0.1, 20]
 [odometry]
-position_noise = 0.01
-yaw_noise = 0.01
 linear_scale = 1.02
 [faults]
 range_noise = 0.02
-range_bias = 0.01
 beam_dropout = 0.05
 nan_speckle = 0.05
 scan_latency = 0.12
@@ -48,8 +45,6 @@ scan_jitter = 0.2
 scan_loss = 0.2
 odom_loss = 0.1
 odom_latency = 0.03
-wheel_slip = 0.1
-freeze = [[1.0, 1.5]]
 blackout = [[2.0, 2.5]]
 [[script]]
 at = 1.0

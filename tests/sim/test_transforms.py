@@ -84,10 +84,10 @@ def test_the_static_transform_comes_once_and_first() -> None:
 
 def test_a_transform_comes_with_each_odometry() -> None:
     turned = scenario_from_toml(TURNED, "test")
-    noisy = msgspec.structs.replace(
-        turned, odometry=msgspec.structs.replace(turned.odometry, position_noise=0.1)
+    drifting = msgspec.structs.replace(
+        turned, odometry=msgspec.structs.replace(turned.odometry, linear_scale=1.5)
     )
-    messages = run(noisy)
+    messages = run(drifting)
     poses = [decode(m.data, ODOMETRY) for m in messages if m.topic == "/odom"]
     sent = [decode(m.data, TF_MESSAGE).transforms[0] for m in messages if m.topic == "/tf"]
     assert len(sent) == len(poses) > 3

@@ -21,12 +21,16 @@ Floats = NDArray[np.float64]
 
 
 class Echo:
-    """Which feature went where? Predicts feature `feature`, times `scale`, plus `offset`."""
+    """Which feature went where? Predicts feature `feature`, times `scale`, plus `offset`.
 
-    def __init__(self, feature: float = 0, scale: float = 1.0, offset: float = 0.0) -> None:
-        self.feature = int(feature)
-        self.scale = scale
-        self.offset = offset
+    It takes `seconds`.
+    """
+
+    def __init__(
+        self, feature: float = 0, scale: float = 1.0, offset: float = 0.0, seconds: float = 0.0
+    ) -> None:
+        self.feature, self.scale, self.offset = int(feature), scale, offset
+        self.seconds = seconds
 
     def predict(self, features: Any) -> Floats:
         """Return (n,) predictions [m/s]."""
@@ -40,8 +44,8 @@ class Echo:
 class Constant:
     """What is done with this prediction? `value` may be NaN, infinite, too large or negative."""
 
-    def __init__(self, value: float, seconds: float = 0.0) -> None:
-        self.value, self.seconds = value, seconds
+    def __init__(self, value: float) -> None:
+        self.value = value
 
     def predict(self, features: Any) -> Floats:
         """Return (n,) times the value [m/s]."""
@@ -135,20 +139,6 @@ class Weighted:
             )
         answer: Floats = self.offset + rows @ np.asarray(self.weights, dtype=float)
         return answer
-
-
-class Slow(Echo):
-    """Takes `seconds`, then answers as Echo does."""
-
-    def __init__(
-        self,
-        seconds: float = 0.2,
-        feature: float = 0,
-        scale: float = 1.0,
-        offset: float = 0.0,
-    ) -> None:
-        super().__init__(feature, scale, offset)
-        self.seconds = seconds
 
 
 def _metres(features: Any) -> NDArray[np.int_]:

@@ -1,6 +1,5 @@
 """What is said about exceptions that come from where a node runs."""
 
-import importlib.util
 import re
 import urllib.error
 
@@ -12,7 +11,6 @@ from grader.host.hints import (
     KEYBOARD,
     NETWORK,
     PROCESSES,
-    WHEELS,
     hint,
     missing_package,
 )
@@ -89,7 +87,6 @@ def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:
     [
         ("tf2_ros", "`sudo apt install ros-jazzy-tf2-ros-py`"),
         ("tf2_msgs", "`sudo apt install ros-jazzy-tf2-msgs`"),
-        ("test_msgs", "`pip install ros-jazzy-test-msgs`"),
         ("tf", "in ROS 2 it is tf2_ros"),
         ("rospy", "in ROS 2 it is rclpy"),
         ("pizza_interfaces", "build it with colcon"),
@@ -102,12 +99,6 @@ def test_where_a_package_comes_from(name: str, advice: str) -> None:
 @pytest.mark.parametrize("name", ["", "torch", "msgs", "interfaces", "my_helper", "cv2"])
 def test_packages_that_are_not_of_ros(name: str) -> None:
     assert missing_package(name) == ""
-
-
-def test_what_is_said_to_be_in_the_wheels_is_there() -> None:
-    """All of them but the tests' own messages come with the extra `ros`."""
-    missing = {name for name in WHEELS if importlib.util.find_spec(name) is None}
-    assert missing <= {"test_msgs"}
 
 
 def test_causes_that_go_in_a_circle() -> None:

@@ -24,7 +24,7 @@ def test_this_machine_can_run_nodes() -> None:
     assert found.ros
     assert tuple(layer.name for layer in found.layers) == LAYERS
     assert found.layers[0] == Layer(LIMITS, True)
-    assert all(layer.text.startswith(("keeps out: ", "open: ")) for layer in found.layers)
+    assert all(layer.text.startswith(("keeps out: ", "needs ")) for layer in found.layers)
 
 
 @pytest.mark.parametrize(
@@ -104,7 +104,7 @@ def test_the_page_names_what_is_missing() -> None:
     said = said_of(machine(layers=(LIMITS,)))
 
     assert re.search(r"missing +clusters: distributed", said)
-    assert "open: a node reads what its user can read" in said
+    assert "needs Landlock: Linux 5.13 or later" in said
     assert "Your own code only" in said and "--trust" in said
     assert "Other people's code may be graded here." in said_of(machine())
 

@@ -28,7 +28,7 @@ def test_one_alone_waits_for_the_others_and_goes_before_later_ones() -> None:
     with lock.held(alone=False):
         threads[0].start()
         asked.wait()
-        while not lock.exclusive_wanted:  # the first thread is on its way there
+        while not lock.entering.locked():  # the first thread is on its way there
             pass
         threads[1].start()
         order.append("first")
