@@ -72,9 +72,18 @@ class FieldSuite:
         title = f"Hears {sensor} driver that publishes best effort (sensor-data QoS)."
         return self.check(title, *scenarios, help=help, hint=hint)
 
-    def mirrored_world(self, *scenarios: str, help: str = "") -> Check:
-        """Return a check in a world that no node can have learnt by heart."""
-        return self.check("Does the same in a mirrored and rotated world.", *scenarios, help=help)
+    def mirrored_world(
+        self,
+        *scenarios: str,
+        title: str = "Does the same in a mirrored and rotated world.",
+        help: str = "",
+    ) -> Check:
+        """Return a check in a world that no node can have learnt by heart.
+
+        A task that knows left from right (follow the wall on your right) is not the same in a
+        mirror: give scenarios that are only rotated (`rotate_deg`), and a title that says so.
+        """
+        return self.check(title, *scenarios, help=help)
 
     def speckle(
         self,

@@ -45,7 +45,7 @@ def speed_cases(recording: Recording, model: Model | None) -> list[Case]:
     for answer, end in zip(found, ends, strict=True):
         right = prediction(source, answer.scan, limit)
         allowed: dict[str, Allowed] = {SPEED: right.allowed}
-        said: dict[str, Said] = {} if answer.speed is None else {SPEED: answer.speed}
+        said: dict[str, Said] = {**answer.said(SPEED)}
         if kept and said and not np.isnan(possible_features(answer.scan)).any():
             asked = questions(recording, PREDICT, answer.scan.t, end)
             allowed = {SPEED: _answered(asked, right, limit), PREDICT: frozenset({CALLED})}

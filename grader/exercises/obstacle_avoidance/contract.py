@@ -35,7 +35,7 @@ def cases(recording: Recording) -> list[Case]:
             what=answer.what,
             tags=frozenset(answer.tags),
             allowed={"linear.x": exactly(*right_speeds(answer.scan))},
-            said={} if answer.speed is None else {"linear.x": answer.speed},
+            said=answer.said("linear.x"),
             count=answer.count,
         )
         for answer in answers(recording)

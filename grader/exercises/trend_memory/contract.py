@@ -54,7 +54,7 @@ def _command(answer: Answer, step: Step) -> Case:
         what=what,
         tags=frozenset({"command", *answer.tags, *(["forgotten"] if step.forgotten else [])}),
         allowed={"linear.x": exactly(*step.speeds)},
-        said={} if answer.speed is None else {"linear.x": answer.speed},
+        said=answer.said("linear.x"),
         count=answer.count,
     )
 
