@@ -29,7 +29,9 @@ def main(arguments: Sequence[str]) -> int:
     for exercise in chosen:
         made, said = measured(exercise), contract_of(exercise).survives
         others += made != said
-        print(f"{exercise.slug}: {made}" + ("" if made == said else f", but its contract: {said}"))
+        print(
+            f"{exercise.slug}: survives={made}" + ("" if made == said else f"; contract.py: {said}")
+        )
     return 1 if others else 0
 
 

@@ -93,9 +93,11 @@ def delays(
     Raises
     ------
     InputError
-        The exercise's nodes do not drive, or this one can't be driven in virtual time.
+        The exercise's nodes do not drive, it has no scenarios for this, or this node can't be driven in virtual time.
     """
     contract = driving_contract_of(exercise)
+    if not contract.delayed_in:
+        raise InputError(f"{exercise.slug}: its contract.py names no scenarios in delayed_in")
     worlds = [load_scenario(name) for name in contract.delayed_in]
     total, done = len(worlds) * (2 * len(steps) - 1), 0
     tried: dict[str, tuple[Tried, ...]] = {}

@@ -139,15 +139,20 @@ LISTS = (
     (
         "README.md",
         r"^\| \d+ \| \[\w+\]\(exercises/.*\n",
-        "| {{number}} | [{{slug}}](exercises/{{slug}}/README.md) | stop where you are told to |\n",
+        "| {{number}} | [{{slug}}](exercises/{{slug}}/README.md) | stop at a line |\n",
     ),
     (
         "lessons/exercises/index.md",
         r"^\| \d+ \| \[.*/README\.md\).*\n",
-        "| {{number}} | [{{title}}]({{slug}}/README.md) | stop where you are told to | 0.5 | "
+        "| {{number}} | [{{title}}]({{slug}}/README.md) | stop at a line | 0.5 | "
         "[The structure of an agent node](../node.md) |\n",
     ),
     ("lessons/exercises/index.md", r"^\w+/README\n", "{{slug}}/README\n"),
+    (
+        "lessons/node.md",  # the section "Exercise" is its last
+        r"\Z",
+        "\n[Exercise {{number}} · {{title}}](../exercises/{{slug}}/README.md): stop at a line.\n",
+    ),
 )  # fmt: skip
 
 

@@ -126,8 +126,11 @@ def test_the_table_has_a_bar_for_each_delay():
 @pytest.mark.parametrize("exercise", driving(), ids=lambda exercise: exercise.slug)
 def test_every_exercise_that_drives_has_worlds_and_its_references_delays(exercise):
     contract = contract_of(exercise)
-    assert contract.survives is not None
+    where = f"{exercise.judge / 'contract.py'}: expected"
+    assert contract.delayed_in, f"{where} delayed_in=, closed loops of this exercise"
     assert [load_scenario(name).name for name in contract.delayed_in]
+    command = f"python -m grader.authoring.delays {exercise.slug}"
+    assert contract.survives is not None, f"{where} survives=, as `{command}` prints it"
 
 
 @pytest.mark.long
