@@ -26,6 +26,7 @@ from grader.drive.mishaps import (
     Mishap,
     mishap_of,
 )
+from grader.errors import InputError
 from grader.exercises import driving_contract_of
 from grader.recording import Recording
 from sim.scenario import Scenario
@@ -93,7 +94,8 @@ def delays(
     Raises
     ------
     InputError
-        The exercise's nodes do not drive, it has no scenarios for this, or this node can't be driven in virtual time.
+        The exercise's nodes do not drive, its contract names no scenarios, or this node can't be
+        driven in virtual time.
     """
     contract = driving_contract_of(exercise)
     if not contract.delayed_in:
