@@ -8,7 +8,7 @@ from grader.cli.results import FULL
 
 EXAMPLES = """\b
 Examples:
-  course new stop_line
+  course new give_way
 """
 
 

@@ -75,7 +75,7 @@ def _check(name: str, root: Path) -> None:
         raise InputError(f"{name!r}: a word of Python's own; expected another name, {name}_1 say")
     if not NAME.fullmatch(name) or len(name) > LONGEST:
         raise InputError(
-            f"{name!r}: expected a name such as stop_line: small letters, digits and single "
+            f"{name!r}: expected a name such as give_way: small letters, digits and single "
             f"underscores, at most {LONGEST} characters"
         )
     near = difflib.get_close_matches(name, [e.slug for e in all_exercises()], n=1, cutoff=0.9)

@@ -61,7 +61,7 @@ def test_a_new_exercise_is_in_all_its_places(root: Path, monkeypatch: pytest.Mon
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("Stop-Line", "expected a name such as stop_line"),
+        ("Stop-Line", "expected a name such as give_way"),
         ("../evil", "expected a name"),
         ("a" * 21, "at most 20 characters"),
         ("class", "a word of Python's own"),
