@@ -42,6 +42,11 @@ def test_a_careful_node_survives_every_delay(monkeypatch):
     assert margins[-1] < margins[0]
 
 
+def test_a_contract_without_scenarios_for_it_is_named(monkeypatch):
+    with pytest.raises(InputError, match="names no scenarios in delayed_in"):
+        of(careful, monkeypatch, worlds=())
+
+
 def test_a_bold_node_survives_only_without(monkeypatch):
     result = of(bold, monkeypatch)
     assert result.survived == Survived(0, 0)
