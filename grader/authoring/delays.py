@@ -29,7 +29,8 @@ def main(arguments: Sequence[str]) -> int:
     for exercise in chosen:
         made, said = measured(exercise), contract_of(exercise).survives
         others += made != said
-        print(f"{exercise.slug}: {made}" + ("" if made == said else f", but its contract: {said}"))
+        but = "" if made == said else f"; its contract.py says {said}"
+        print(f"{exercise.slug}: survives={made}{but}")
     return 1 if others else 0
 
 

@@ -12,12 +12,13 @@ A mutant is one mistake, written as a small diff of a program in `solutions/EXER
     +            if abs(angle) > math.pi / 4:
     '''
 
-`grader.authoring.edits` tells how an edit is read. A mutant may name a `base` of its own, and in
+`grader.authoring.edits` says how an edit is read. A mutant may name a `base` of its own, and in
 `requires` the modules without which it would fail otherwise. It stands for the same file of the
 exercise as its base.
 
 `python -m grader.authoring.mutants EXERCISE` lists the mutants, `… EXERCISE NAME` prints one, and
-with `--into FOLDER` writes it there with the exercise's other files: to read, to drive or to grade.
+with `--into FOLDER` writes it there with the exercise's other files: to read, to drive or to grade
+(`--force`: in place of what is there).
 """
 
 from __future__ import annotations
@@ -212,6 +213,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("exercise", help="name or number")
     parser.add_argument("name", nargs="?", help="of a mutant; all are listed without")
     parser.add_argument("--into", type=Path, metavar="FOLDER", help="write all files there")
+    parser.add_argument("--force", action="store_true", help="overwrite the files that are there")
     options = parser.parse_args(arguments)
     if options.into and not options.name:
         parser.error("--into needs the name of a mutant")
@@ -229,8 +231,8 @@ def main(arguments: list[str]) -> int:
         return 0
     options.into.mkdir(parents=True, exist_ok=True)
     for file, text in submission_of(exercise, mutant).items():
-        if (options.into / file).exists():
-            parser.error(f"{options.into / file} is there already")
+        if (options.into / file).exists() and not options.force:
+            parser.error(f"{options.into / file} is there already; --force overwrites it")
         (options.into / file).write_text(text, "utf-8")
         print(options.into / file)
     return 0

@@ -38,13 +38,13 @@ class Case:
 
 
 def answered(answer: Answer, allowed: Mapping[str, Allowed], *tags: str, what: str = "") -> Case:
-    """Return the occasion of a scan, and the linear.x that answered it."""
+    """Return the occasion of a scan, and what answered it in the fields that are asked for."""
     return Case(
         at=answer.scan.t,
         what=what or answer.what,
         tags=frozenset({*answer.tags, *tags}),
         allowed=allowed,
-        said={} if answer.speed is None else {"linear.x": answer.speed},
+        said=answer.said(*allowed),
         count=answer.count,
     )
 

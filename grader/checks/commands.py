@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,16 @@ class Answer:
     label: str  # of a bench scan; empty in a closed loop
     tags: tuple[str, ...]
     count: int  # commands between this scan and the next
-    speed: float | None  # linear.x in force [m/s]; None: there has been no command yet
+    twist: Mapping[str, float]  # in force [m/s, rad/s], by FIELDS; empty: there has been none yet
+
+    @property
+    def speed(self) -> float | None:
+        """`linear.x` in force [m/s]; None: there has been no command yet."""
+        return self.twist.get("linear.x")
+
+    def said(self, *fields: str) -> dict[str, float]:
+        """Return these fields of the command in force, as a case has them."""
+        return {name: self.twist[name] for name in fields if self.twist}
 
     @property
     def what(self) -> str:
@@ -55,7 +65,9 @@ def answers(recording: Recording) -> list[Answer]:
                 label=bench[i].label if bench else "",
                 tags=bench[i].tags if bench else (),
                 count=end - begin,
-                speed=float(twists.linear_x[end - 1]) if end else None,
+                twist=dict(zip(FIELDS, twists.values[end - 1].tolist(), strict=True))
+                if end
+                else {},
             )
         )
     return found

@@ -8,7 +8,7 @@ from grader.cli.results import FULL
 
 EXAMPLES = """\b
 Examples:
-  course new stop_line
+  course new give_way
 """
 
 
@@ -25,7 +25,9 @@ def new(name: str) -> int:
     click.echo(f"Exercise {made.number}, {made.slug}. New:")
     for path in made.new:
         click.echo(f"  {path}")
-    click.echo(f"It is also in: {', '.join(map(str, made.edited))}")
+    click.echo("It is also in these lists; say there in your words what it is about:")
+    for path in made.edited:
+        click.echo(f"  {path}")
     for command in made.left:
         click.echo(f"Still to be done: {command}")
     click.echo("See that it is right, and again after each change:")

@@ -26,6 +26,7 @@ from grader.drive.mishaps import (
     Mishap,
     mishap_of,
 )
+from grader.errors import InputError
 from grader.exercises import driving_contract_of
 from grader.recording import Recording
 from sim.scenario import Scenario
@@ -93,9 +94,12 @@ def delays(
     Raises
     ------
     InputError
-        The exercise's nodes do not drive, or this one can't be driven in virtual time.
+        The exercise's nodes do not drive, its contract names no scenarios, or this node can't be
+        driven in virtual time.
     """
     contract = driving_contract_of(exercise)
+    if not contract.delayed_in:
+        raise InputError(f"{exercise.slug}: its contract.py names no scenarios in delayed_in")
     worlds = [load_scenario(name) for name in contract.delayed_in]
     total, done = len(worlds) * (2 * len(steps) - 1), 0
     tried: dict[str, tuple[Tried, ...]] = {}

@@ -135,7 +135,8 @@ def test_every_course_command_is_in_a_document() -> None:
 def test_the_readme_lists_the_exercises() -> None:
     row = re.compile(r"(?m)^\| (\d+) \| \[(\w+)\]\(exercises/(\w+)/README\.md\) \| .+ \|$")
     rows = row.findall((ROOT / "README.md").read_text("utf-8"))
-    assert rows == [(str(e.number), e.slug, e.slug) for e in all_exercises()]
+    wanted = [(str(e.number), e.slug, e.slug) for e in all_exercises()]
+    assert rows == wanted, "a row for each exercise, in the order of their numbers"
 
 
 def _said(pattern: str) -> int:

@@ -18,8 +18,8 @@ from documents import ROOT
 
 PAGE = (ROOT / "docs/add-an-exercise.md").read_text("utf-8")
 WALK = PAGE.partition("\n## The walk")[2].partition("\n## The proof")[0]
-FILE = re.compile(  # a paragraph that begins with a path, then a fence
-    r"^`([\w./-]+)`(?:(?!\n```).)*?\n\n```(?!text)\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL
+FILE = re.compile(  # a paragraph that begins with a path, then a fence: the file or a part of it
+    r"^`([\w./-]+)`(?:(?!\n\n).)*\n\n```(?!text)\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL
 )
 COMMANDS = WALK.partition("### Run it\n")[2]
 PROOF = re.search(r"^```text\n(.*?)^```$", COMMANDS, re.MULTILINE | re.DOTALL)
@@ -76,9 +76,9 @@ def test_the_walk_works_as_it_stands(copy: Path) -> None:
     assert done.returncode == 0, done.stderr
 
     quoted = FILE.findall(WALK)
-    assert len(quoted) == 8
+    assert len(quoted) == 7
     for name, text in quoted:
-        assert (copy / name).read_text("utf-8") == text, name
+        assert text in (copy / name).read_text("utf-8"), name
 
     for command in [*commands[:-1], *recipe(copy, "lint")]:
         done = run(copy, command)

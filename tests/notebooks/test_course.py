@@ -91,7 +91,8 @@ def test_every_exercise_is_in_one_notebook_with_the_judges_points() -> None:
             points = cell_named(notebook, grade_id)["metadata"]["nbgrader"]["points"]
             assert points == sum(points_of(want.exercise)[check] for check in want.checks)
             sums[want.exercise] += points
-    assert sums == {exercise.slug: 100 for exercise in all_exercises()}
+    wanted = {exercise.slug: 100 for exercise in all_exercises()}
+    assert sums == wanted, "each check in one `check(…)` cell of notebooks/text; make skeletons"
 
 
 def test_a_check_that_is_forgotten_or_doubled_is_an_error(tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
 """Seven students through nbgrader's commands: the gradebook says what `course grade` says.
 
-In all nine exercises, which takes long: `make notebooks` (`COURSE_NOTEBOOKS=full`).
+In all exercises, which takes long: `make notebooks` (`COURSE_NOTEBOOKS=full`).
 """
 
 import copy

@@ -86,7 +86,8 @@ def test_every_node_with_parameters_has_its_file() -> None:
         for file in exercise.files:
             source = (exercise.solutions / file).read_text("utf-8")
             if "declare_parameter(" in source and file != "detection_client.py":
-                assert Path(file).stem in nodes
+                where = f"exercises/config/{exercise.slug}.yaml: {file} declares parameters"
+                assert Path(file).stem in nodes, where
     assert {"navigation_client", "manipulation_client", "logging_client"} <= nodes
 
 

@@ -75,7 +75,7 @@ def _check(name: str, root: Path) -> None:
         raise InputError(f"{name!r}: a word of Python's own; expected another name, {name}_1 say")
     if not NAME.fullmatch(name) or len(name) > LONGEST:
         raise InputError(
-            f"{name!r}: expected a name such as stop_line: small letters, digits and single "
+            f"{name!r}: expected a name such as give_way: small letters, digits and single "
             f"underscores, at most {LONGEST} characters"
         )
     near = difflib.get_close_matches(name, [e.slug for e in all_exercises()], n=1, cutoff=0.9)
@@ -139,15 +139,20 @@ LISTS = (
     (
         "README.md",
         r"^\| \d+ \| \[\w+\]\(exercises/.*\n",
-        "| {{number}} | [{{slug}}](exercises/{{slug}}/README.md) | stop where you are told to |\n",
+        "| {{number}} | [{{slug}}](exercises/{{slug}}/README.md) | stop at a line |\n",
     ),
     (
         "lessons/exercises/index.md",
         r"^\| \d+ \| \[.*/README\.md\).*\n",
-        "| {{number}} | [{{title}}]({{slug}}/README.md) | stop where you are told to | 0.5 | "
+        "| {{number}} | [{{title}}]({{slug}}/README.md) | stop at a line | 0.5 | "
         "[The structure of an agent node](../node.md) |\n",
     ),
     ("lessons/exercises/index.md", r"^\w+/README\n", "{{slug}}/README\n"),
+    (
+        "lessons/node.md",  # the section "Exercise" is its last
+        r"\Z",
+        "\n[Exercise {{number}} · {{title}}](../exercises/{{slug}}/README.md): stop at a line.\n",
+    ),
 )  # fmt: skip
 
 

@@ -50,9 +50,7 @@ def exercise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Exercise:
 
 @EXERCISES
 def test_every_catalogue_renders_to_programs_that_say_what_they_are(exercise: Exercise) -> None:
-    found = mutants(exercise)
-    assert len(found) > 30
-    for mutant in found:
+    for mutant in mutants(exercise):
         doc = ast.get_docstring(ast.parse(mutant.text))
         assert doc is not None
         assert doc.splitlines()[0] == mutant.mistake, mutant.name
@@ -172,7 +170,8 @@ def test_the_command_writes_a_submission_and_overwrites_nothing(
     assert written == submission_of(exercise, find_mutant(exercise, "train_no_random_state"))
     with pytest.raises(SystemExit):
         main(command)
-    assert "is there already" in capsys.readouterr().err
+    assert "is there already; --force overwrites it" in capsys.readouterr().err
+    assert main([*command, "--force"]) == 0
 
 
 @pytest.mark.parametrize(

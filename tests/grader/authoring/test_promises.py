@@ -24,7 +24,9 @@ KNOWN = ("blind", "minus_infinity", "stop_zone")
 def test_every_check_of_the_core_is_promised(exercise: Exercise) -> None:
     known = check_names(exercise)
     core = {check for check in known if not check.startswith(FIELD)}
-    assert core - promised(exercise.folder / "README.md", known) == set(), "no sentence asks for it"
+    readme = exercise.folder / "README.md"
+    wanted = f"write <!-- checks: … --> behind the sentence of {readme} that asks for it"
+    assert core - promised(readme, known) == set(), wanted
 
 
 def test_comments_are_read_and_taken_out(tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ def test_a_new_exercise_is_in_all_its_places(root: Path, monkeypatch: pytest.Mon
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("Stop-Line", "expected a name such as stop_line"),
+        ("Stop-Line", "expected a name such as give_way"),
         ("../evil", "expected a name"),
         ("a" * 21, "at most 20 characters"),
         ("class", "a word of Python's own"),
@@ -79,10 +79,10 @@ def test_a_name_that_will_not_do(root: Path, name: str, said: str) -> None:
 
 
 def test_nothing_is_written_if_something_is_in_its_way(root: Path) -> None:
-    (root / "sim" / "scenarios" / "stop_line_ahead.toml").write_text("")
+    (root / "sim" / "scenarios" / "give_way_ahead.toml").write_text("")
     before = files(root)
-    with pytest.raises(InputError, match=r"stop_line_ahead\.toml is called so"):
-        scaffold("stop_line", root)
+    with pytest.raises(InputError, match=r"give_way_ahead\.toml is called so"):
+        scaffold("give_way", root)
     assert files(root) == before
     (root / "README.md").write_text("# A course\n")
     before = files(root)
@@ -94,9 +94,9 @@ def test_nothing_is_written_if_something_is_in_its_way(root: Path) -> None:
 def test_what_cannot_be_generated_is_said(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "GENERATED", ("no_such_module",))
     with pytest.raises(GraderError, match=r"python -m no_such_module: .*No module named"):
-        scaffold("stop_line", root)
+        scaffold("give_way", root)
 
 
 def test_only_in_a_checkout(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="expected a checkout"):
-        scaffold("stop_line", tmp_path)
+        scaffold("give_way", tmp_path)

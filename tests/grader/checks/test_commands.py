@@ -59,6 +59,8 @@ def test_a_watchdog_may_stop_the_robot_and_no_more(
 
     assert {answer.count for answer in answers(recording)} == counts
     assert {answer.speed for answer in answers(recording)} == {0.25} | ({speed} - {0.0})
+    said = answers(recording)[0].said("linear.x", "angular.z")
+    assert said == {"linear.x": 0.25, "angular.z": 0.0}
 
 
 @pytest.mark.parametrize(

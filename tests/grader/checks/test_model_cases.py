@@ -37,7 +37,13 @@ def recorded(monkeypatch: pytest.MonkeyPatch) -> Recorded:
 
     def of(speeds: tuple[float, ...], asked: tuple[float, ...] = RIGHT, **node: Any) -> Any:
         found = [
-            Answer(cast("Scan", SimpleNamespace(t=i, front=front)), f"{front} m", (), 1, speed)
+            Answer(
+                cast("Scan", SimpleNamespace(t=i, front=front)),
+                f"{front} m",
+                (),
+                count=1,
+                twist={"linear.x": speed},
+            )
             for i, (front, speed) in enumerate(zip(FRONTS, speeds, strict=True))
         ]
         monkeypatch.setattr(model_cases, "answers", lambda _: found)

@@ -35,4 +35,4 @@ def test_checks_require_what_their_scenarios_need(
                 found += 1
                 needed = set().union(*(required(s) for s in mark.kwargs.get("scenarios", ())))
                 assert needed <= set(mark.kwargs.get("requires", ())), name
-    assert found >= 10
+    assert found, "no checks in its test_*.py"

@@ -42,6 +42,11 @@ def test_a_careful_node_survives_every_delay(monkeypatch):
     assert margins[-1] < margins[0]
 
 
+def test_a_contract_without_scenarios_for_it_is_named(monkeypatch):
+    with pytest.raises(InputError, match="names no scenarios in delayed_in"):
+        of(careful, monkeypatch, worlds=())
+
+
 def test_a_bold_node_survives_only_without(monkeypatch):
     result = of(bold, monkeypatch)
     assert result.survived == Survived(0, 0)
@@ -126,8 +131,11 @@ def test_the_table_has_a_bar_for_each_delay():
 @pytest.mark.parametrize("exercise", driving(), ids=lambda exercise: exercise.slug)
 def test_every_exercise_that_drives_has_worlds_and_its_references_delays(exercise):
     contract = contract_of(exercise)
-    assert contract.survives is not None
+    where = f"{exercise.judge / 'contract.py'}: expected"
+    assert contract.delayed_in, f"{where} delayed_in=, closed loops of this exercise"
     assert [load_scenario(name).name for name in contract.delayed_in]
+    command = f"python -m grader.authoring.delays {exercise.slug}"
+    assert contract.survives is not None, f"{where} survives=, as `{command}` prints it"
 
 
 @pytest.mark.long

@@ -152,7 +152,8 @@ def test_a_death_is_the_cause_whatever_else_failed(run_node: RunNode) -> None:
 def test_every_hint_of_a_check_is_there(exercise: Exercise) -> None:
     checks = grade(exercise, SavedTrials([]), file="x.py", field=True).checks
     for check in checks:
-        assert hint_for(exercise, [check]) or not check.hint, check.id
+        there = hint_for(exercise, [check]) or not check.hint
+        assert there, f"{exercise.folder / 'hints.md'}: no hint {check.hint} ({check.id})"
 
 
 DIES = """
