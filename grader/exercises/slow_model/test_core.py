@@ -58,6 +58,7 @@ def test_control_period(runs: Runs) -> None:
 def test_starts_at_zero(runs: Runs) -> None:
     """From the first tick on there are commands; they are 0.0 until there is a prediction."""
     stands(runs, START, help="No prediction yet is like no prediction: 0.0.")
+    asks(runs, IDLE, help="Does inference still wait when no scan has come for 38 s?")
 
 
 @check(points=10, asks=TIMING, task=3, scenarios=(LEADER, FAST), hint="3.1")
@@ -96,6 +97,7 @@ def test_too_old(runs: Runs) -> None:
         "The prediction counts as it is until its scan is 0.6 s old, and then it is 0.0, at each "
         "tick: keep the stamp from the scan's header with it, also if the scan comes late."
     )
+    asks(runs, IDLE, help=NEXT_SCAN)  # a node that never asks may stand, and shows nothing
     for recording in runs:
         last, back = silence(recording)
         begin = last.stamp + LATEST_STOP if last else 0.0
@@ -172,6 +174,7 @@ def test_too_slow_model(runs: Runs) -> None:
 @check(points=10, asks=SAFETY, task=1, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
 def test_no_model(runs: Runs) -> None:
     """Without a model that can be loaded: an error in the log, and 0.0 at each tick."""
+    asks(runs.only(LEADER), IDLE, help=NEXT_SCAN)
     reacts(runs[LEADER], cases(runs[LEADER]))
     bare = runs.only(*WITHOUT_MODEL)
     stands(bare, help="Without a model there is no prediction: an error in the log, and 0.0.")
