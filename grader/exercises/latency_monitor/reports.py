@@ -11,7 +11,9 @@ from typing import Any
 
 from grader.checks.case import Case, Runs, Said
 from grader.checks.reading import published
-from grader.checks.words import follows
+from grader.checks.verdict import fail
+from grader.checks.wiring import require_alive
+from grader.checks.words import follows, require_allowed
 from grader.exercises.latency_monitor.contract import KEYS, LEVELS, right_statistics
 from grader.recording import Recording
 
@@ -28,16 +30,16 @@ ALL_KEYS, DIGITS = "each once: " + ", ".join(KEYS), "in digits, 12.3"
 
 def reports(runs: Runs, *keys: str, tag: str = COUNTED, help: str = "") -> None:
     """Fail unless each report with this tag has the right values (or level); each run has one."""
-
-    def asked(recording: Recording) -> list[Case]:
-        return [
-            replace(case, allowed={key: case.allowed[key] for key in keys})
-            for case in cases(recording)
-        ]
-
     for recording in runs:
-        about = Runs([recording], asked)
-        follows(about, tag, help=help, tolerance=TOLERANCE, topic=TOPIC, explain=slip)
+        require_alive(recording)
+        found = [case for case in cases(recording) if tag in case.tags]
+        if not found:
+            when = "before a call had returned" if tag == EMPTY else "after a call had returned"
+            fail(f"no status named “{NAME}” came {when}", recording=recording, help=help)
+        for case in found:
+            asked = replace(case, allowed={key: case.allowed[key] for key in keys})
+            advice = slip(asked) or help
+            require_allowed(recording, asked, advice, tolerance=TOLERANCE, topic=TOPIC)
 
 
 def well_formed(runs: Runs) -> None:

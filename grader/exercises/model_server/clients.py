@@ -88,15 +88,6 @@ def requests(recording: Recording) -> list[Request]:
     return list(found.values())
 
 
-def detections(recording: Recording) -> list[tuple[float, str, str]]:
-    """Return what the clients published on their detection topics: time [s], role, text."""
-    return sorted(
-        (time, role, str(value.data))
-        for role in roles(recording)
-        for time, value in published(recording, f"/{role}/detection", STRING)
-    )
-
-
 def cases(recording: Recording) -> Iterator[Case]:
     """Yield the occasions of the clients' heartbeats, and of the grader's server if it is there."""
     for role in roles(recording):
@@ -150,14 +141,18 @@ def _next_requests(recording: Recording, asked: list[Request]) -> Iterator[Case]
 
 
 def _publications(recording: Recording, asked: list[Request]) -> Iterator[Case]:
-    heard = detections(recording)
+    heard = sorted(
+        (time, str(value.data))
+        for role in roles(recording)
+        for time, value in published(recording, f"/{role}/detection", STRING)
+    )
     last = recording.duration_s - PUBLISHED_WITHIN
     for before, request in pairwise([Request(0.0, "first"), *asked]):
         late = request.took > PATIENCE - NEAR or request.answered >= last
         if late or request.kind not in WELL_FORMED:
             continue
         end = request.answered + PUBLISHED_WITHIN
-        texts = [text for time, _, text in heard if request.answered <= time <= end]
+        texts = [text for time, text in heard if request.answered <= time <= end]
         other = texts[-1][:QUOTED] if texts else "nothing"
         yield Case(
             at=request.answered,
@@ -168,7 +163,7 @@ def _publications(recording: Recording, asked: list[Request]) -> Iterator[Case]:
         )
     said = (note for _, note in notes(recording, SERVED) if isinstance(note, Answered))
     sent = Counter(note.message for note in said if note.success)
-    for time, _, text in heard:
+    for time, text in heard:
         sent[text] -= 1
         if sent[text] < 0:
             yield Case(
