@@ -87,25 +87,20 @@ def follows(
     Parameters
     ----------
     tags
-        Each has to occur: a check that asks nothing cannot fail.
+        Each has to occur: of a node that does too little, nothing is known.
     tolerance
         Of numbers, in their own unit.
     topic
         On which the node says it.
     explain
         Returns what a wrong answer shows, in place of `help`.
-
-    Raises
-    ------
-    LookupError
-        A tag names no occasion of these runs: the check is wrong.
     """
     for recording in runs:
         require_alive(recording)
     found = list(runs.cases(*tags))
     for tag in tags:
         if not any(tag in case.tags for _, case in found):
-            raise LookupError(f"no occasion {tag!r} in {', '.join(run.name for run in runs)}")
+            fail(f"there was no occasion to judge “{tag}”", recording=runs[0], help=help)
     for recording, case in found:
         require_allowed(recording, case, explain(case) or help, tolerance=tolerance, topic=topic)
     asked = {name for _, case in found for name in case.allowed}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
@@ -13,7 +13,7 @@ from grader.checks.case import Case, Runs, Said
 from grader.checks.reading import published
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.checks.words import require_allowed
+from grader.checks.words import follows, require_allowed
 from grader.exercises.latency_monitor.contract import KEYS, LEVELS, right_statistics
 from grader.recording import Recording
 
@@ -24,67 +24,56 @@ EMPTY, COUNTED = "empty", "counted"  # tags: no call had returned by then, or so
 MOST = 1_000  # reports in one trial, of which the longest takes 65 s
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
 PERIOD, PERIOD_TOLERANCE = 1.0, 0.15  # [s] of the reports
-HALF = 0.5  # [ms] what rounding to whole milliseconds may change
-NO_REPORT = "Does the timer's callback run, and is the name right, letter by letter?"
+FORM = "form"  # tag of `forms`
+ALL_KEYS, DIGITS = "each once: " + ", ".join(KEYS), "in digits, 12.3"
 
 
 def reports(runs: Runs, *keys: str, tag: str = COUNTED, help: str = "") -> None:
     """Fail unless each report with this tag has the right values (or level); each run has one."""
-    for recording, case in _reported(runs, tag):
-        asked = replace(case, allowed={key: case.allowed[key] for key in keys})
-        advice = slip(asked) or help
-        require_allowed(recording, asked, advice, tolerance=TOLERANCE, topic=TOPIC)
-
-
-def never_stale_again(runs: Runs) -> None:
-    """Fail if a report says STALE though calls have returned."""
-    for recording, case in _reported(runs, COUNTED):
-        known = replace(case, allowed={"level": frozenset(LEVELS) - {"STALE"}})
-        require_allowed(recording, known, "STALE is for an empty window.", topic=TOPIC)
-
-
-def _reported(runs: Runs, tag: str) -> Iterator[tuple[Recording, Case]]:
-    """Yield the reports with this tag; fail if a run has none."""
     for recording in runs:
         require_alive(recording)
         found = [case for case in cases(recording) if tag in case.tags]
         if not found:
             when = "before a call had returned" if tag == EMPTY else "after a call had returned"
-            fail(
-                f"no status named “{NAME}” came on {TOPIC} {when}",
-                expected="one every second, and one call of predict for each scan",
-                actual=f"{len(recording.of(TOPIC))} messages on {TOPIC}",
-                at=min(PERIOD, recording.duration_s),
-                recording=recording,
-                help=NO_REPORT,
-            )
-        yield from ((recording, case) for case in found)
+            fail(f"no status named “{NAME}” came {when}", recording=recording, help=help)
+        for case in found:
+            asked = replace(case, allowed={key: case.allowed[key] for key in keys})
+            advice = slip(asked) or help
+            require_allowed(recording, asked, advice, tolerance=TOLERANCE, topic=TOPIC)
 
 
 def well_formed(runs: Runs) -> None:
     """Fail unless each message has one status, with its name and eight decimal strings."""
-    for recording in runs:
-        require_alive(recording)
-        messages = published(recording, TOPIC, DIAGNOSTICS)
-        if not messages:
-            fail(
-                f"nothing came on {TOPIC}",
-                expected="one DiagnosticArray every second",
-                at=min(PERIOD, recording.duration_s),
-                recording=recording,
-                help=NO_REPORT,
-            )
-        for at, array in messages:
-            if flaw := _flaw(array.status):
-                expected, actual, help = flaw
-                fail(
-                    f"a message on {TOPIC} is not as agreed",
-                    expected=expected,
-                    actual=actual,
-                    at=at,
-                    recording=recording,
-                    help=help,
-                )
+    help = (
+        "The name has to be the same, letter by letter; status is a list of one element, and its "
+        "values are KeyValue(key=…, value=f'{number:.3f}'), 0.0 without any call."
+    )
+    follows(Runs(runs, forms), FORM, help=help, topic=TOPIC)
+
+
+def forms(recording: Recording) -> list[Case]:
+    """Return an occasion for each message: whether it has the form that is agreed."""
+    right = {
+        "status": frozenset({NAME}),
+        "keys": frozenset({ALL_KEYS}),
+        "values": frozenset({DIGITS}),
+    }
+    return [
+        Case(t, f"the report at {t:.2f} s", frozenset({FORM}), right, form(array.status))
+        for t, array in published(recording, TOPIC, DIAGNOSTICS)
+    ]
+
+
+def form(statuses: Sequence[Any]) -> dict[str, Said]:
+    """Return the names of a message's statuses, and what its keys and values are."""
+    values = statuses[0].values if statuses else ()
+    keys = [value.key for value in values]
+    texts = [v.value for v in values if v.key in KEYS and isinstance(_number(v.value), str)]
+    return {
+        "status": ", ".join(status.name for status in statuses) or "none",
+        "keys": ALL_KEYS if all(keys.count(key) == 1 for key in KEYS) else ", ".join(keys),
+        "values": texts[0] if texts else DIGITS,
+    }
 
 
 @lru_cache(maxsize=8)  # many checks ask for the same
@@ -121,37 +110,11 @@ def _number(text: str) -> Said:
 
 
 def slip(case: Case) -> str:
-    """Say so if the first wrong value is a latency in another unit, or rounded."""
+    """Say so if the first wrong value is a latency in another unit."""
     key = case.wrong(TOLERANCE)
-    if not key.endswith("_ms"):
-        return ""
-    number, allowed = case.said.get(key), case.allowed[key]
-    if not isinstance(number, float) or not isinstance(allowed, tuple):
-        return ""
-    low = allowed[0][0]
-    if not number or not low:
-        return ""
-    for factor, unit in ((1e3, "microseconds"), (1e-3, "seconds")):
-        if math.isclose(number, factor * low, rel_tol=1e-2):
-            return f"These are {unit}; milliseconds are asked for: 1000 times the seconds."
-    if number == round(number) and abs(number - low) <= HALF:
-        return "Rounded to whole milliseconds it says too little: write f'{number:.3f}'."
+    number, allowed = case.said.get(key), case.allowed.get(key)
+    if key.endswith("_ms") and isinstance(number, float) and isinstance(allowed, tuple):
+        for factor, unit in ((1e3, "microseconds"), (1e-3, "seconds")):
+            if number and math.isclose(number, factor * allowed[0][0], rel_tol=1e-2):
+                return f"These are {unit}; milliseconds are asked for: 1000 times the seconds."
     return ""
-
-
-def _flaw(statuses: Sequence[Any]) -> tuple[str, str, str] | None:
-    """Return what is wrong with a message's form: what was expected, what came, and a help."""
-    names = [status.name for status in statuses]
-    if names != [NAME]:
-        help = "The name has to be the same, letter by letter; status is a list of one element."
-        return f"one status named “{NAME}”", ", ".join(names) or "no status", help
-    values = statuses[0].values
-    keys = [value.key for value in values]
-    if any(keys.count(key) != 1 for key in KEYS):
-        help = "status.values is a list of KeyValue(key=…, value=…)."
-        return "each once: " + ", ".join(KEYS), ", ".join(keys) or "no values", help
-    for value in values:
-        if value.key in KEYS and isinstance(_number(value.value), str):
-            help = "f'{number:.3f}'; without any call the numbers are 0.0."
-            return "numbers in digits, “12.3”", f"{value.key} is “{value.value}”", help
-    return None

@@ -17,7 +17,6 @@ from grader.exercises.latency_monitor.reports import (
     PERIOD,
     PERIOD_TOLERANCE,
     TOPIC,
-    never_stale_again,
     reports,
     well_formed,
 )
@@ -101,7 +100,7 @@ def test_stale_at_first(runs: Runs) -> None:
     """Before the first prediction: level STALE, count 0, the other numbers 0.0."""
     help = "An empty window is STALE, has a count of 0, and 0.0 elsewhere."
     reports(runs, "level", *KEYS, tag=EMPTY, help=help)
-    never_stale_again(runs.only(LATE_LIDAR))
+    reports(runs.only(LATE_LIDAR), "level", help="STALE is for an empty window.")
 
 
 @check(points=10, asks=DECISION, task=2, scenarios=(TIMES, CLIP), hint="2.2")

@@ -5,6 +5,8 @@ rhythm      a request was answered soon: the next comes 0.5 s after it
 patience    of one client: the next request waits for the answer, but not for ever
 owed        the same, where there was no answer in time
 publish     the server said something with success: that is published, and nothing else
+beats       each heartbeat counts up, and their mean period is 0.1 s
+goes_on     a client asks, and its heartbeat never pauses: no callback waits
 """
 
 from __future__ import annotations
@@ -17,10 +19,8 @@ from itertools import pairwise, zip_longest
 
 import numpy as np
 
-from grader.checks.case import Case, Runs
+from grader.checks.case import Case, exactly
 from grader.checks.reading import published
-from grader.checks.verdict import fail
-from grader.checks.wiring import require_alive
 from grader.checks.words import every, logs
 from grader.exercises.model_server.notes import (
     NEAR,
@@ -48,6 +48,7 @@ QUOTED = 200  # characters of a message
 WELL_FORMED = ("fine", "same")  # kinds of answers
 WARNINGS = ("warn", "error", "fatal")
 WAIT, FIRST = "seconds to the next request", "seconds to the first request"
+MEAN, PAUSE = "seconds from one to the next, on average", "seconds to the next"
 
 
 @dataclass(frozen=True)
@@ -87,20 +88,16 @@ def requests(recording: Recording) -> list[Request]:
     return list(found.values())
 
 
-def detections(recording: Recording) -> list[tuple[float, str, str]]:
-    """Return what the clients published on their detection topics: time [s], role, text."""
-    return sorted(
-        (time, role, str(value.data))
-        for role in roles(recording)
-        for time, value in published(recording, f"/{role}/detection", STRING)
-    )
-
-
 def cases(recording: Recording) -> Iterator[Case]:
-    """Yield the occasions of the clients of the grader's server, if that is there."""
+    """Yield the occasions of the clients' heartbeats, and of the grader's server if it is there."""
+    for role in roles(recording):
+        yield from _heartbeats(recording, role)
     if not any(program.file == DOUBLE for program in recording.scenario.program):
         return
     asked = requests(recording)
+    some = {"requests": "some" if asked else "none"}
+    what, some_are = "a client runs beside the server", {"requests": frozenset({"some"})}
+    yield Case(NEXT_REQUEST, what, frozenset({"goes_on"}), some_are, some)
     yield from _first_requests(recording, asked)
     if len(roles(recording)) == 1:
         yield from _next_requests(recording, asked)
@@ -144,14 +141,18 @@ def _next_requests(recording: Recording, asked: list[Request]) -> Iterator[Case]
 
 
 def _publications(recording: Recording, asked: list[Request]) -> Iterator[Case]:
-    heard = detections(recording)
+    heard = sorted(
+        (time, str(value.data))
+        for role in roles(recording)
+        for time, value in published(recording, f"/{role}/detection", STRING)
+    )
     last = recording.duration_s - PUBLISHED_WITHIN
     for before, request in pairwise([Request(0.0, "first"), *asked]):
         late = request.took > PATIENCE - NEAR or request.answered >= last
         if late or request.kind not in WELL_FORMED:
             continue
         end = request.answered + PUBLISHED_WITHIN
-        texts = [text for time, _, text in heard if request.answered <= time <= end]
+        texts = [text for time, text in heard if request.answered <= time <= end]
         other = texts[-1][:QUOTED] if texts else "nothing"
         yield Case(
             at=request.answered,
@@ -162,7 +163,7 @@ def _publications(recording: Recording, asked: list[Request]) -> Iterator[Case]:
         )
     said = (note for _, note in notes(recording, SERVED) if isinstance(note, Answered))
     sent = Counter(note.message for note in said if note.success)
-    for time, _, text in heard:
+    for time, text in heard:
         sent[text] -= 1
         if sent[text] < 0:
             yield Case(
@@ -172,74 +173,31 @@ def _publications(recording: Recording, asked: list[Request]) -> Iterator[Case]:
             )
 
 
+def _heartbeats(recording: Recording, role: str) -> Iterator[Case]:
+    heard = published(recording, f"/{role}/heartbeat", UINT32)
+    gaps = np.diff([*(time for time, _ in heard), recording.duration_s])
+    if len(heard) < 2:
+        return
+    beats, what = frozenset({"beats"}), f"a heartbeat of {role}_client"
+    near = BEAT_DRIFT + recording.slack
+    mean, apart = float(gaps[:-1].mean()), {MEAN: ((BEAT - near, BEAT + near),)}
+    yield Case(heard[0][0], f"the heartbeats of {role}_client", beats, apart, {MEAN: mean})
+    for (_, before), (at, after) in pairwise(heard):
+        yield Case(at, what, beats, {"data": exactly(before.data + 1)}, {"data": after.data})
+    # one that is slow all the time does not wait
+    right = {PAUSE: ((0.0, max(LONGEST_GAP + recording.slack, 2 * gaps[:-1].min()) + TICK),)}
+    for (at, _), gap in zip(heard, gaps.tolist(), strict=True):
+        yield Case(at, what, frozenset({"goes_on"}), right, {PAUSE: gap})
+
+
 def beats(recording: Recording) -> None:
-    """Fail unless each client's heartbeat comes ten times a second, and counts up."""
+    """Fail unless each client's heartbeat comes ten times a second."""
     for role in roles(recording):
-        topic = f"/{role}/heartbeat"
         help = (
             "Give it a timer of 0.1 s that waits for nothing. Does the constructor, or a "
             "callback, wait for the service (wait_for_service)?"
         )
-        every(recording, topic, BEAT, LONGEST_GAP - BEAT + TICK, help=help)
-        heard = published(recording, topic, UINT32)
-        times = [time for time, _ in heard]
-        mean = float(np.diff(times).mean()) if len(times) > 1 else math.inf
-        if abs(mean - BEAT) > BEAT_DRIFT + recording.slack:
-            fail(
-                f"the heartbeats of {role}_client are {mean:.3f} s apart on average",
-                expected=f"one message on {topic} every {BEAT} s",
-                actual=f"{len(times)} in {recording.duration_s:.1f} s",
-                at=times[0] if times else 0.0,
-                recording=recording,
-                help="self.create_timer(0.1, …)",
-            )
-        for (_, before), (at, after) in pairwise(heard):
-            if after.data != before.data + 1:
-                fail(
-                    f"the heartbeat of {role}_client does not count up",
-                    expected=f"{before.data + 1} after {before.data}",
-                    actual=str(after.data),
-                    at=at,
-                    recording=recording,
-                    help="Keep the count in an attribute of the node, and add 1 each time.",
-                )
-
-
-def goes_on(runs: Runs) -> None:
-    """Fail if a client's heartbeat pauses: then one of its callbacks waits. Or if it never asks."""
-    for recording in runs:
-        require_alive(recording)
-        for role in roles(recording):
-            times = recording.times(f"/{role}/heartbeat")
-            if len(times) > 1:
-                _require_beating(recording, role, [*times, recording.duration_s])
-        if not requests(recording):
-            fail(
-                "no client ever asks, so there is no answer to wait for",
-                expected="a request every 0.5 s, and heartbeats meanwhile",
-                actual="no request",
-                at=NEXT_REQUEST,
-                recording=recording,
-                help="Does a timer ask, and is its callback called? Is the service found?",
-            )
-
-
-def _require_beating(recording: Recording, role: str, times: list[float]) -> None:
-    gaps = np.diff(times)
-    longest = int(np.argmax(gaps))
-    if gaps[longest] <= max(LONGEST_GAP + recording.slack, 2 * gaps[:-1].min()) + TICK:
-        return
-    fail(
-        f"{role}_client stood still for {gaps[longest]:.2f} s",
-        expected=f"a heartbeat at least every {LONGEST_GAP} s, whatever the server does",
-        actual=f"none after {times[longest]:.2f} s",
-        at=times[longest],
-        recording=recording,
-        help="Does a callback wait: client.call(), await in the default callback group, "
-        "spin_until_future_complete(), a sleep, a loop? While it waits, its executor delivers "
-        "nothing, not even the answer that it waits for. Use call_async() and "
-        "future.add_done_callback(), and return.",
-    )
+        every(recording, f"/{role}/heartbeat", BEAT, LONGEST_GAP - BEAT + TICK, help=help)
 
 
 def warns(recording: Recording, since: float) -> None:

@@ -16,7 +16,7 @@ from functools import cached_property
 import msgspec
 import numpy as np
 
-from grader.checks.case import Case, Runs
+from grader.checks.case import Allowed, Case, Runs, Said, exactly
 from grader.checks.inferences import loads, questions
 from grader.checks.reading import published
 from grader.checks.verdict import fail
@@ -203,21 +203,21 @@ def _reason(ask: Ask) -> Case:
 def _detection(ask: Ask) -> Case:
     words = [word for i in ask.questions("predict") for word in _labels(i)]
     sure = [number for i in ask.questions("predict_proba") for number in i.said]
-    allowed = {
+    allowed: dict[str, Allowed] = {
         "message": frozenset({FORM}),
         "label": frozenset(words),
-        "confidence": frozenset(f"{number:.3f}" for number in sure),
-        "stamp": frozenset({f"{ask.stamp:.3f}"}),
+        "confidence": exactly(*sure),
+        "stamp": exactly(ask.stamp),
     }
     text = ask.said.message if ask.said else ""
     said = read(text)
     if isinstance(said, str):
         return Case(ask.at, ask.what, frozenset({"detection"}), allowed, {"message": said})
-    spelled = {
+    spelled: dict[str, Said] = {
         "message": FORM,
         "label": next((w for w in words if _is_same(said.label, w)), repr(said.label)[:QUOTED]),
-        "confidence": _spell(said.confidence, sure),
-        "stamp": _spell(said.stamp, [ask.stamp]),
+        "confidence": said.confidence,
+        "stamp": said.stamp,
         "text": text[:QUOTED],
     }
     return Case(ask.at, ask.what, frozenset({"detection"}), allowed, spelled)
@@ -245,9 +245,7 @@ def loads_once(runs: Runs) -> None:
         fail(
             f"the model was loaded {len(times)} times in {recording.name}",
             expected="one load, in the server's constructor, and then questions",
-            actual=f"{len(times)} loads"
-            + (f", the last at {times[-1]:.2f} s" if times else "")
-            + f", {len(recording.inferences) - len(times)} questions",
+            actual=f"{len(times)} loads, {len(recording.inferences) - len(times)} questions",
             at=times[-1] if times else 0.0,
             recording=recording,
             help="pickle.load belongs in the constructor of the server and nowhere else: one "
@@ -285,8 +283,3 @@ def _is_same(label: str, word: str) -> bool:
         return label == word or float(label.strip("[]")) == float(word)
     except ValueError:
         return False
-
-
-def _spell(number: float, right: list[float]) -> str:
-    """Return a number with three digits: the right one that it is near, if any."""
-    return f"{next((each for each in right if abs(number - each) <= TOLERANCE), number):.3f}"

@@ -7,11 +7,9 @@ from grader.checks.check import DECISION, STATE, TIMING, WIRING, check
 from grader.checks.verdict import fail
 from grader.checks.words import wired
 from grader.exercises.model_server.clients import (
-    ASK_PERIOD,
     PATIENCE,
     ROLES,
     beats,
-    goes_on,
     requests,
     warns,
 )
@@ -21,7 +19,7 @@ from grader.exercises.model_server.notes import NEAR
 QUICK, SLOW = "detect_quick_server", "detect_slow_server"
 SILENT, RESTART, MALFORMED = "detect_silent_server", "detect_restart", "detect_malformed"
 PUBLISHES = (QUICK, SLOW, SILENT, "detect_default_role")
-DETECTION = "/ROLE/detection"
+DETECTION, HEARTBEAT = "/ROLE/detection", "/ROLE/heartbeat"
 WIRED = ("client_wiring",)
 NEEDS = ("client_wiring", "never_blocks")
 READS = (*NEEDS, "publishes")
@@ -32,20 +30,20 @@ def test_client_wiring(runs: Runs) -> None:
     """The client starts, spins, asks /detect and publishes on its topics."""
     wired(runs, "navigation_client")
     if not runs[0].of("/navigation/heartbeat") and not requests(runs[0]):
-        fail(
-            "the clients start, and then do nothing at all",
-            expected="heartbeats and requests",
-            actual="none",
-            at=ASK_PERIOD,
-            recording=runs[0],
-            help="Does main() spin the node? Does the constructor create the timers, and end?",
-        )
+        help = "Does main() spin the node? Does the constructor create the timers, and end?"
+        fail("the clients start, and then do nothing at all", recording=runs[0], help=help)
 
 
 @check(points=10, asks=TIMING, task=6, scenarios=(SLOW, SILENT), needs=WIRED, hint="6.1")
 def test_never_blocks(runs: Runs) -> None:
     """A client asks, and goes on whether or not an answer comes: no callback ever blocks."""
-    goes_on(runs)
+    help = (
+        "Does a callback wait: client.call(), await in the default callback group, "
+        "spin_until_future_complete(), a sleep, a loop? While it waits, its executor delivers "
+        "nothing, not even the answer that it waits for. Use call_async() and "
+        "future.add_done_callback(), and return."
+    )
+    keeps(runs, "goes_on", topic=HEARTBEAT, help=help)
 
 
 @check(points=10, asks=TIMING, task=5, scenarios=(QUICK, SLOW, RESTART), needs=WIRED, hint="5.1")
@@ -53,6 +51,8 @@ def test_heartbeat(runs: Runs) -> None:
     """A heartbeat every 0.1 s, counting up, without a gap over 0.15 s; with or without a server."""
     for recording in runs:
         beats(recording)
+    help = "self.create_timer(0.1, …); keep the count in an attribute, and add 1 each time."
+    keeps(runs, "beats", topic=HEARTBEAT, help=help)
 
 
 @check(points=3, asks=TIMING, task=6, scenarios=(QUICK,), needs=NEEDS, hint="6.1")

@@ -24,14 +24,8 @@ def test_server_wiring(runs: Runs) -> None:
     """The server starts, spins, listens to /scan and offers the service /detect."""
     wired(runs, "detection_server")
     if not any(ask.said for ask in asks(runs[0])):
-        fail(
-            "the service /detect is there, but never answers",
-            expected="a response to every request",
-            actual="none",
-            at=0.0,
-            recording=runs[0],
-            help="Does main() spin the node? Does the callback return the response?",
-        )
+        help = "Does main() spin the node? Does the callback return the response?"
+        fail("the service /detect is there, but never answers", recording=runs[0], help=help)
 
 
 @check(points=10, asks=DECISION, task=3, scenarios=ANSWERS, needs=NEEDS, hint="3.1")

@@ -1,19 +1,19 @@
-"""The oracle of slow_model: what each command may be, by the scans and by what the model said."""
+"""The oracles of slow_model: what each command may be, and what predict has to be asked."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import numpy as np
 
 from grader.checks.braking import braking, model_says_go
 from grader.checks.case import Case, exactly
 from grader.checks.contract import Contract, Survived
-from grader.checks.predictions import max_speed, predictions
+from grader.checks.predictions import max_speed, model_found, predictions
 from grader.models.features import possible_features
 from grader.recording import Inference, Recording, Scan
 
@@ -29,12 +29,15 @@ AGE_P95_5_HZ = 0.6  # [s] with a lidar of 5 Hz
 UNSEEN = PERIOD + 0.005  # [s] for which an answer may not have reached the control loop
 SILENCE = 1.0  # [s] without a scan that is more than a few lost ones
 SPEED = "linear.x"
-TICK, SILENT, BACK = (
-    "tick",
-    "silent",
-    "back",
-)  # tags: all commands, those without scans, those after
+AT_ONCE = 0.06  # [s] a tick and a little
+ARRIVAL = 0.02  # [s] what happens this shortly before may be seen or not
+# tags: all commands, those before the first answer, those in a silence of the lidar, those after it
+TICK, START, SILENT, BACK = "tick", "start", "silent", "back"
 TOO_LATE = frozenset({"slow", "hangs"})  # tags of scans that the model takes too long for
+ALONE, NEWEST, KNOWN, IDLE = "alone", "newest", "known", "idle"  # tags of `questions`
+UNDER_WAY, NEWER, FEATURES, WAIT = (
+    "calls still under way", "newer scans", "features", "seconds to the next call",
+)  # fmt: skip
 
 CONTRACT = Contract(
     period=PERIOD,
@@ -53,6 +56,7 @@ class Answer:
     asked: float  # [s]
     answered: float  # [s]
     speed: float  # [m/s], clipped; NaN: no number
+    known: bool = True  # it can be what the model says of this scan
 
 
 def cases(recording: Recording) -> tuple[Case, ...]:
@@ -67,6 +71,8 @@ def cases(recording: Recording) -> tuple[Case, ...]:
 @lru_cache(maxsize=8)
 def answers(recording: Recording) -> tuple[Answer, ...]:
     """Return what the model said of which scan: the newest that fits, of those that had come."""
+    if model_found(recording.scenario) is None:
+        return ()
     said, limit = predictions(recording), max_speed(recording.scenario)
     found = [
         Answer(each.scan, each.scan.t, each.scan.t, math.nan) for each in said if blind(each.scan)
@@ -75,20 +81,10 @@ def answers(recording: Recording) -> tuple[Answer, ...]:
         asked, speed = call.asked / 1e9, _number(call, limit)
         there = [each for each in said if each.scan.t <= asked]
         if there:
-            about = next((each for each in reversed(there) if each.allows(speed)), there[-1])
-            found.append(Answer(about.scan, asked, call.answered / 1e9, speed))
+            fits = [each.scan for each in there if each.allows(speed)]
+            about, known = (fits or [there[-1].scan])[-1], bool(fits) or math.isnan(speed)
+            found.append(Answer(about, asked, call.answered / 1e9, speed, known))
     return tuple(sorted(found, key=lambda answer: answer.asked))
-
-
-def unexplained(recording: Recording) -> float | None:
-    """Return when the model was first asked about the features of no scan that had come [s]."""
-    said, limit = predictions(recording), max_speed(recording.scenario)
-    for call in calls(recording):
-        speed, asked = _number(call, limit), call.asked / 1e9
-        there = [each for each in said if each.scan.t <= asked and not blind(each.scan)]
-        if there and not math.isnan(speed) and not any(each.allows(speed) for each in there):
-            return asked
-    return None
 
 
 def calls(recording: Recording) -> list[Inference]:
@@ -125,8 +121,10 @@ def _ticks(recording: Recording) -> Iterator[Case]:
     """Yield each command: the newest answer of the model, or 0.0 if that is too old."""
     said, twists = answers(recording), recording.twists()
     last, back = silence(recording)
+    first = min((each.answered for each in said), default=math.inf)
     for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
         tags = {TICK} | ({BACK} if t >= back else {SILENT} if last and t > last.t else set())
+        tags |= {START} if t < first else set()
         right = {SPEED: exactly(*sorted(right_speeds(said, t, recording.slack)))}
         yield Case(t, f"the command at {t:.2f} s", frozenset(tags), right, {SPEED: speed})
 
@@ -161,14 +159,45 @@ def _held(recording: Recording) -> Iterator[Case]:
     ends = [*begins[1:], recording.duration_s]
     for (spec, first), begin, end in zip(holds, begins, ends, strict=True):
         right = exactly(0.0) if TOO_LATE & set(spec.tags) else first.allowed
-        case = Case(begin + LATEST_STOP, f"“{spec.label}”", frozenset(spec.tags), {SPEED: right})
-        during = np.flatnonzero((twists.t >= case.at) & (twists.t < end))
-        for i in during.tolist():
-            speed = float(twists.linear_x[i])
-            yield replace(case, at=float(twists.t[i]), said={SPEED: speed})
-        if not len(during):
-            earlier = twists.linear_x[twists.t < end].tolist()
-            yield replace(case, said={SPEED: earlier[-1]} if earlier else {}, count=0)
+        tags, what = frozenset(spec.tags), f"“{spec.label}”"
+        for i in np.flatnonzero((twists.t >= begin + LATEST_STOP) & (twists.t < end)):
+            said = {SPEED: float(twists.linear_x[i])}
+            yield Case(float(twists.t[i]), what, tags, {SPEED: right}, said)
+
+
+def questions(recording: Recording) -> Iterator[Case]:
+    """Yield an occasion for each call of predict, and for each scan that finds the model idle.
+
+    A scan that comes while the model works may be kept or dropped.
+    """
+    for before, call in pairwise(calls(recording)):
+        at, busy = call.asked / 1e9, float(call.asked < before.answered)
+        what = f"predict was called at {at:.3f} s"
+        yield Case(at, what, frozenset({ALONE}), {UNDER_WAY: exactly(0.0)}, {UNDER_WAY: busy})
+    arrived = recording.times("/scan")
+    for each in answers(recording):
+        what, near = f"predict was called at {each.asked:.3f} s", ARRIVAL + recording.slack
+        newer = (arrived > each.scan.t) & (arrived <= each.asked - near)
+        newest, known = {NEWER: float(newer.sum())}, "a scan's" if each.known else "no scan's"
+        if not math.isnan(each.speed):
+            yield Case(each.asked, what, frozenset({NEWEST}), {NEWER: exactly(0.0)}, newest)
+            right = {FEATURES: frozenset({"a scan's"})}
+            yield Case(each.asked, what, frozenset({KNOWN}), right, {FEATURES: known})
+    yield from _idle(recording)
+
+
+def _idle(recording: Recording) -> Iterator[Case]:
+    asked = np.array([call.asked for call in calls(recording)]) / 1e9
+    ended = np.array([call.answered for call in calls(recording)]) / 1e9
+    back = silence(recording)[1]
+    right = {WAIT: ((0.0, AT_ONCE + recording.slack),)}
+    for scan in recording.scans():
+        before = int(np.searchsorted(asked, scan.t))
+        busy = before and ended[:before].max() > scan.t - ARRIVAL - recording.slack
+        if not busy and not blind(scan):
+            wait = float(asked[before] if before < len(asked) else recording.duration_s) - scan.t
+            tags = frozenset({IDLE, BACK} if scan.t >= back else {IDLE})
+            yield Case(scan.t, f"a scan came at {scan.t:.2f} s", tags, right, {WAIT: wait})
 
 
 def _number(call: Inference, limit: float) -> float:

@@ -6,39 +6,40 @@ from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.model_commands import loads_once
 from grader.checks.predictions import TOLERANCE
-from grader.checks.words import logs, only_linear_x, wired
+from grader.checks.words import logs, only_linear_x, reacts, wired
 from grader.exercises.slow_model.contract import (
     AGE_P95,
     AGE_P95_5_HZ,
+    ALONE,
     BACK,
+    IDLE,
     LATEST_STOP,
     LEAST_RATE,
     LEAST_RATE_5_HZ,
+    NEWEST,
     SILENT,
+    START,
     TICK,
+    cases,
     silence,
 )
 from grader.exercises.slow_model.words import (
-    START_UP,
-    drives,
+    asks,
     heeds,
     keeps_going,
     keeps_period,
-    one_at_a_time,
     stands,
     stays_young,
-    takes_at_once,
-    takes_newest,
 )
 
 LEADER, FAST, SLOW_LIDAR = "slow_leader", "slow_fast_model", "slow_lidar_5_hz"
-ALONE = "slow_alone"
+LONELY = "slow_alone"
 TOO_SLOW = "slow_too_slow"  # and fast in the end
 DROPOUT, LATE_SCANS, STAMPS = "slow_dropout", "slow_late_scans", "slow_stamps"
 HELD, CLIP = "slow_held", ("slow_clip", "slow_default_speed")
 RAISES, NOT_FINITE, BLIND = "slow_raises", "slow_nan", "slow_blind"
 WITHOUT_MODEL = ("slow_no_model", "slow_empty_model", "slow_late_model")
-SHORTEST_INFERENCE = 0.2  # [s] of the late lidar's model
+NEXT_SCAN = "When one inference has ended, whatever came of it, the next scan is a new start."
 
 
 @check(points=5, asks=WIRING, task=2, scenarios=(LEADER,), needs=())
@@ -56,11 +57,8 @@ def test_control_period(runs: Runs) -> None:
 @check(points=5, asks=SAFETY, task=4, scenarios=("slow_late_lidar",), hint="4.3")
 def test_starts_at_zero(runs: Runs) -> None:
     """From the first tick on there are commands; they are 0.0 until there is a prediction."""
-    for recording in runs:
-        predicted = float(recording.times("/scan").min(initial=99.0)) + SHORTEST_INFERENCE
-        help = "No prediction yet is like no prediction: 0.0."
-        stands(recording, end=predicted, first=START_UP, help=help)
-    drives(runs, "Does inference still wait when no scan has come for 38 s?")
+    stands(runs, START, help="No prediction yet is like no prediction: 0.0.")
+    asks(runs, IDLE, help="Does inference still wait when no scan has come for 38 s?")
 
 
 @check(points=10, asks=TIMING, task=3, scenarios=(LEADER, FAST), hint="3.1")
@@ -73,16 +71,16 @@ def test_inference_rate(runs: Runs) -> None:
     points=5,
     asks=TIMING,
     task=3,
-    scenarios=(LEADER, FAST, ALONE),
+    scenarios=(LEADER, FAST, LONELY),
     needs=("inference_rate",),
     hint="3.1",
 )
 def test_scan_age(runs: Runs) -> None:
     """The scan behind a command is at most 0.58 s old (p95): scans never queue up or get lost."""
     stays_young(runs.only(LEADER, FAST), AGE_P95)
-    takes_newest(runs)
-    for recording in runs:
-        takes_at_once(recording)
+    help = "A full queue keeps what is old: let it drop that, and keep the newest."
+    asks(runs, NEWEST, help=help)
+    asks(runs, IDLE, help=NEXT_SCAN)
 
 
 @check(points=5, asks=TIMING, task=3, scenarios=(SLOW_LIDAR,), hint="3.1")
@@ -99,17 +97,17 @@ def test_too_old(runs: Runs) -> None:
         "The prediction counts as it is until its scan is 0.6 s old, and then it is 0.0, at each "
         "tick: keep the stamp from the scan's header with it, also if the scan comes late."
     )
-    heeds(runs, SILENT, help=help)
+    asks(runs, IDLE, help=NEXT_SCAN)  # a node that never asks may stand, and shows nothing
     for recording in runs:
         last, back = silence(recording)
-        if last:
-            stands(recording, last.stamp + LATEST_STOP + recording.slack, back, help=help)
+        begin = last.stamp + LATEST_STOP if last else 0.0
+        stands(runs.of([recording]), SILENT, begin, back, help=help)
 
 
 @check(points=5, asks=STATE, task=4, scenarios=(DROPOUT, TOO_SLOW, STAMPS), hint="4.1")
 def test_recovery(runs: Runs) -> None:
     """When the lidar comes back, or its clock, or the model is fast again, so do predictions."""
-    takes_at_once(runs[DROPOUT], since=silence(runs[DROPOUT])[1])
+    asks(runs.only(DROPOUT), BACK, help=NEXT_SCAN)
     heeds(runs.only(DROPOUT), BACK, help="Don't remember “too old”: decide again at each tick.")
     help = "A model that was slow for a while may be fast again: go on."
     heeds(runs.only(TOO_SLOW), "good", help=help)
@@ -127,7 +125,7 @@ def test_features(runs: Runs) -> None:
 @check(points=5, asks=SAFETY, task=1, scenarios=(HELD, *CLIP))
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.8 m/s, or not set); the rest is 0."""
-    stands(runs[HELD], help="max(0.0, min(max_speed, prediction)); in Python 0.0 is false.")
+    stands(runs.only(HELD), help="max(0.0, min(max_speed, prediction)); in Python 0.0 is false.")
     heeds(runs.only(*CLIP), "clip", help="max(0.0, min(max_speed, prediction))")
     help = "Publish a prediction as it is, from the first tick to the last: no ramp, no filter."
     heeds(runs.only(*CLIP), TICK, help=help)
@@ -140,8 +138,7 @@ def test_raising_model(runs: Runs) -> None:
     heeds(runs, "raises", help="No prediction means 0.0, after 0.6 s at the latest.")
     heeds(runs, "good", help="After an exception the next inference counts again.")
     loads_once(runs)
-    for recording in runs:
-        takes_at_once(recording)
+    asks(runs, IDLE, help=NEXT_SCAN)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=(NOT_FINITE, BLIND), hint="3.4")
@@ -157,12 +154,11 @@ def test_nan_model(runs: Runs) -> None:
     heeds(runs, "good", help="After NaN or blindness the next prediction counts again.")
 
 
-@check(points=10, asks=TIMING, task=3, scenarios=(ALONE, RAISES, TOO_SLOW), hint="3.2")
+@check(points=10, asks=TIMING, task=3, scenarios=(LONELY, RAISES, TOO_SLOW), hint="3.2")
 def test_one_at_a_time(runs: Runs) -> None:
     """One inference at a time: predict is never called while another call of it still runs."""
-    drives(runs.only(ALONE))
-    for recording in runs:
-        one_at_a_time(recording)
+    help = "A MutuallyExclusiveCallbackGroup, or a single worker thread, ensures that."
+    asks(runs, ALONE, help=help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=(TOO_SLOW,), hint="4.1")
@@ -178,8 +174,10 @@ def test_too_slow_model(runs: Runs) -> None:
 @check(points=10, asks=SAFETY, task=1, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
 def test_no_model(runs: Runs) -> None:
     """Without a model that can be loaded: an error in the log, and 0.0 at each tick."""
-    drives(runs.only(LEADER))
-    for bare in runs.only(*WITHOUT_MODEL):
-        stands(bare, help="Without a model there is no prediction: an error in the log, and 0.0.")
+    asks(runs.only(LEADER), IDLE, help=NEXT_SCAN)
+    reacts(runs[LEADER], cases(runs[LEADER]))
+    bare = runs.only(*WITHOUT_MODEL)
+    stands(bare, help="Without a model there is no prediction: an error in the log, and 0.0.")
+    for recording in bare:
         help = "A robot that silently stands still costs an afternoon: log which file is the cause."
-        logs(bare, ("error", "fatal"), what="the node has no model", help=help)
+        logs(recording, ("error", "fatal"), what="the node has no model", help=help)

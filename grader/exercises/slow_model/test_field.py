@@ -5,9 +5,9 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
 from grader.checks.predictions import TOLERANCE
-from grader.exercises.slow_model.contract import AGE_P95, LEAST_RATE
+from grader.exercises.slow_model.contract import AGE_P95, KNOWN, LEAST_RATE
 from grader.exercises.slow_model.words import (
-    asks_about_scans,
+    asks,
     heeds,
     keeps_going,
     keeps_period,
@@ -25,7 +25,7 @@ def _keeps_the_contract(runs: Runs, help: str) -> None:
         if recording.scenario.bench_scans:
             heeds(run, "field", help=help, tolerance=TOLERANCE)
         else:
-            asks_about_scans(recording, help)
+            asks(run, KNOWN, help=help)
             keeps_going(run, LEAST_RATE)
             stays_young(run, AGE_P95 + LATER * (recording.scenario.faults.scan_loss > 0))
 

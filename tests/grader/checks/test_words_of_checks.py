@@ -67,8 +67,8 @@ def test_only_the_occasions_of_a_tag_are_asked() -> None:
         follows(cases, "clear")
 
 
-def test_a_tag_that_names_nothing_is_the_checks_fault() -> None:
-    with pytest.raises(LookupError, match="no occasion 'slow' in trial"):
+def test_a_tag_that_names_nothing_fails() -> None:
+    with pytest.raises(CheckFailed, match="no occasion to judge “slow”"):
         follows(runs(said(NEAR, 0.0)), "slow")
 
 
