@@ -20,7 +20,6 @@ from grader.exercises.slow_model.contract import (
     SILENT,
     START,
     TICK,
-    cases,
     silence,
 )
 from grader.exercises.slow_model.words import (
@@ -175,7 +174,7 @@ def test_too_slow_model(runs: Runs) -> None:
 def test_no_model(runs: Runs) -> None:
     """Without a model that can be loaded: an error in the log, and 0.0 at each tick."""
     asks(runs.only(LEADER), IDLE, help=NEXT_SCAN)
-    reacts(runs[LEADER], cases(runs[LEADER]))
+    reacts(list(runs.only(LEADER).cases()))
     bare = runs.only(*WITHOUT_MODEL)
     stands(bare, help="Without a model there is no prediction: an error in the log, and 0.0.")
     for recording in bare:
