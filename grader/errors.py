@@ -23,7 +23,7 @@ class DiskFull(GraderError):
 
 
 def is_disk_full(error: BaseException | None) -> bool:
-    """Tell whether a full disk has caused an error, or the error that caused it."""
+    """Return whether a full disk has caused an error, or the error that caused it."""
     seen: set[int] = set()
     while error is not None and id(error) not in seen:
         seen.add(id(error))

@@ -57,7 +57,7 @@ def folder(tell: Callable[[str], None] = lambda _: None) -> Path:
 
 
 def _is_stale() -> bool:
-    """Tell whether it was made from other versions, as in a checkout that has moved on."""
+    """Return whether it was made from other versions, as in a checkout that has moved on."""
     notice = FOLDER / "NOTICE"
     return notice.is_file() and notice.read_text("utf-8") != _notice()
 

@@ -60,7 +60,7 @@ class Prediction:
     missing: bool  # to have no prediction is right as well
 
     def allows(self, speed: float) -> bool:
-        """Tell whether a command [m/s] can be this prediction, or 0.0 where there is none."""
+        """Return whether a command [m/s] can be this prediction, or 0.0 where there is none."""
         predicted = self.least - TOLERANCE <= speed <= self.most + TOLERANCE
         return predicted or (self.missing and abs(speed) < ZERO)
 

@@ -106,7 +106,7 @@ class Canaries:
         return any(rounds.alone and rounds.waiting for rounds in self._rounds.values())
 
     def allows(self, slug: str) -> bool:
-        """Tell whether submissions to an exercise may be graded now."""
+        """Return whether submissions to an exercise may be graded now."""
         return slug not in self._rounds or self._rounds[slug].trusted
 
     def notes(self) -> list[str]:
@@ -222,6 +222,6 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
 
 
 def _is_plain_mutant(claim: Claim) -> bool:
-    """Tell whether a claim is a mutant in one file that fails core checks and needs no library."""
+    """Return whether a claim is a mutant in one file that fails core checks, without libraries."""
     core = not any(check.startswith("field_") for check in claim.fails)
     return claim.kind == "mutant" and core and not claim.requires

@@ -178,7 +178,7 @@ def _wanted(
 
 
 def _handed_in_nothing(student: Student, found: Sequence[Found]) -> bool:
-    """Tell whether what a student has no file of was not handed in, as far as can be told.
+    """Return whether what a student has no file of was not handed in, as far as can be told.
 
     It was perhaps, if a part can't be read, or if something is there and none of it has the name of
     an exercise's file. Then a person has to look.

@@ -243,7 +243,7 @@ def _check_undo(change: Undo, entries: Sequence[Entry]) -> None:
 
 
 def is_about(entry: Entry, student: str, rows: Mapping[str, StudentRow]) -> bool:
-    """Tell whether an entry is about a student."""
+    """Return whether an entry is about a student."""
     change = entry.change
     if isinstance(change, Undo):
         return True

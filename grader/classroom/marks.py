@@ -34,7 +34,7 @@ def checks_of(result: StoredResult) -> list[Check]:
 
 
 def is_held(result: StoredResult) -> bool:
-    """Tell whether a person has to look before this counts."""
+    """Return whether a person has to look before this counts."""
     if result.amended is not None and result.amended.by_hand:
         return False
     if result.state == HELD or (result.state == GRADED and result.grading is None):
@@ -45,17 +45,17 @@ def is_held(result: StoredResult) -> bool:
 
 
 def is_graded(result: StoredResult) -> bool:
-    """Tell whether there is a score that counts."""
+    """Return whether there is a score that counts."""
     return result.state == GRADED and not is_held(result)
 
 
 def is_absent(result: StoredResult) -> bool:
-    """Tell whether nothing was handed in, which is nobody's fault."""
+    """Return whether nothing was handed in, which is nobody's fault."""
     return result.state == ABSENT
 
 
 def is_provisional(result: StoredResult) -> bool:
-    """Tell whether a score counts that may change yet.
+    """Return whether a score counts that may change yet.
 
     It does if a core check could not be judged for want of a library, or if no known solution has
     confirmed the grader since.

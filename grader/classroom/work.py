@@ -106,7 +106,7 @@ def unjudged(grading: dict[str, Any]) -> str:
 
 
 def stalled(grading: dict[str, Any] | None) -> bool:
-    """Tell whether the machine's stalls are all that kept checks from judging."""
+    """Return whether the machine's stalls are all that kept checks from judging."""
     outcomes = {check["outcome"] for check in grading["checks"]} if grading else set()
     return "inconclusive" in outcomes and "error" not in outcomes
 

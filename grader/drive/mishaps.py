@@ -109,7 +109,7 @@ def _e_stop_spans(recording: Recording) -> list[tuple[float, float]]:
 
 
 def _stands(recording: Recording, free: Free, patience: float) -> Mishap | None:
-    """Tell whether the robot stood to the end, though all it saw for so long was a free way."""
+    """Return whether the robot stood to the end, though all it saw for so long was a free way."""
     since = recording.duration_s - patience
     seen = [scan for scan in recording.scans() if scan.t >= since]
     if len(seen) < LEAST_SCANS or not all(free(recording.scenario, scan) for scan in seen):
@@ -121,7 +121,7 @@ def _stands(recording: Recording, free: Free, patience: float) -> Mishap | None:
 
 
 def _lost(recording: Recording) -> Mishap | None:
-    """Tell whether the robot never came to its last goal."""
+    """Return whether the robot never came to its last goal."""
     goals, truth = recording.goals(), recording.truth
     if not len(goals.t):
         return None

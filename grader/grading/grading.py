@@ -309,7 +309,7 @@ def _sentence(fault: TrialFault | str) -> str:
 
 
 def _passed(checks: list[CheckResult]) -> bool:
-    """Tell whether all passed that can be judged on this machine, and at least one can."""
+    """Return whether all passed that can be judged on this machine, and at least one can."""
     judged = [check for check in checks if check.outcome != UNAVAILABLE]
     return all(check.outcome == PASS for check in judged) and (bool(judged) or not checks)
 

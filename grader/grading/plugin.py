@@ -218,7 +218,7 @@ class CheckPlugin:
         self._on_progress(Step(CHECK, done, len(self._checks), check.id, outcome))
 
     def _lived(self, check: Check) -> bool:
-        """Tell whether the node lived on to the end of all of a check's trials."""
+        """Return whether the node lived on to the end of all of a check's trials."""
         return all(self._trials.get(name).outcome.completed for name in check.scenarios)
 
     def _with_log(self, result: CheckResult) -> CheckResult:
@@ -319,7 +319,7 @@ def _read_check(item: pytest.Item) -> Check:
 
 
 def _died_of_one(check: Check, error: BaseException) -> bool:
-    """Tell whether a first check fails since the node, which ran, died of one message."""
+    """Return whether a first check fails since the node, which ran, died of one message."""
     return isinstance(error, CheckFailed) and error.of_one_message and not check.needs
 
 

@@ -72,7 +72,7 @@ Line = tuple[FrameType, int]
 
 
 def account(error: BaseException, folder: Path) -> str:
-    """Tell of an exception: where, what lines of files in `folder` led to it, and what to try."""
+    """Describe an exception: where, what lines of files in `folder` led to it, and what to try."""
     frames = list(_frames(error.__traceback__))
     inner = _since_callback(frames)
     own = [(frame, line) for frame, line in inner if _is_in(frame, folder)]
@@ -105,7 +105,7 @@ def first_of(error: BaseException) -> BaseException:
 
 
 def _is_on_the_way_out(error: BaseException, before: BaseException) -> bool:
-    """Tell whether an exception was raised in the `finally:` through which another one went."""
+    """Return whether an exception was raised in the `finally:` through which another one went."""
     left = {id(frame) for frame, _ in _frames(before.__traceback__)}
     shared = [(frame, line) for frame, line in _frames(error.__traceback__) if id(frame) in left]
     return bool(shared) and _block(*shared[-1]).startswith("finally")
@@ -126,7 +126,7 @@ def _indent(text: str) -> int:
 
 
 def account_of_syntax(error: SyntaxError) -> str:
-    """Tell of a line that Python can't read."""
+    """Describe a line that Python can't read."""
     lines = ["in the start-up"]
     if error.filename and error.lineno:
         lines.append(f"{Path(error.filename).name}, line {error.lineno}, in <module>")

@@ -81,7 +81,7 @@ def report(kind: str, node: Any, endpoint: Any, mismatch: str = "") -> EndpointR
 
 
 def is_parameter_service(name: str) -> bool:
-    """Tell whether it is one of the services that every node has."""
+    """Return whether it is one of the services that every node has."""
     return name.endswith(PARAMETER_SERVICES)
 
 

@@ -318,7 +318,7 @@ def _locals(cls: type) -> set[str]:
 
 
 def _is_given_somewhere(cls: type, name: str) -> bool:
-    """Tell whether a method of the class gives `self.NAME` a value."""
+    """Return whether a method of the class gives `self.NAME` a value."""
     codes = [method.__code__ for method in vars(cls).values() if isinstance(method, FunctionType)]
     return any(
         step.opname == "STORE_ATTR" and step.argval == name

@@ -141,7 +141,7 @@ def _first_line(error: BaseException) -> str:
 
 
 def _detail(error: BaseException, file: str) -> str:
-    """Tell of the student's own lines first; then comes Python's traceback."""
+    """Print the student's own lines first; then comes Python's traceback."""
     trace = _own_traceback(error)
     try:
         if isinstance(error, SyntaxError) and error.filename == file:

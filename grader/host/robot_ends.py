@@ -76,7 +76,7 @@ class RobotEnds:
         self._listeners[topic] = (type_name(msg_type), msg_type, listener)
 
     def hears(self, topic: str) -> bool:
-        """Tell whether it listens to a topic."""
+        """Return whether it listens to a topic."""
         return topic in self._listeners
 
     def speak(self, topic: str, msg_type: Any, theirs: QoSProfile) -> str:

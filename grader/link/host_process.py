@@ -35,7 +35,7 @@ class HostProcess:
             signal.pidfd_send_signal(self.pidfd, signal.SIGKILL)
 
     def is_ready(self) -> bool:
-        """Tell whether the host would go on if the machine let it."""
+        """Return whether the host would go on if the machine let it."""
         return is_ready(self.pid)
 
     def dump_stacks(self) -> None:

@@ -182,6 +182,6 @@ class Pipes(Channel):
         return body
 
     def _is_starved(self, started: float, cpu: float, limit: float) -> bool:
-        """Tell whether it is the machine that keeps the host from answering."""
+        """Return whether it is the machine that keeps the host from answering."""
         passed, used = real_clock.perf_counter() - started, self.cpu() - cpu
         return passed < STARVED * limit and not used >= limit and self._host.is_ready()

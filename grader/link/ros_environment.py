@@ -120,7 +120,7 @@ def _from_wheels(folders: Iterable[Path]) -> RosEnvironment | None:
 
 
 def _has_rclpy(folder: Path) -> bool:
-    """Tell whether this Python can import rclpy from the folder."""
+    """Return whether this Python can import rclpy from the folder."""
     if not (folder / "rclpy" / "__init__.py").is_file():
         return False  # `dist-packages/rclpy` of the Debian layout is an empty shell
     version = f"{sys.version_info.major}{sys.version_info.minor}"

@@ -112,7 +112,7 @@ class RunQueue:
 
 
 def is_ready(pid: int) -> bool:
-    """Tell whether a thread of this process runs, or would if it got a CPU or its disk's data."""
+    """Return whether a thread of this process runs, or would if it got a CPU or its disk's data."""
     with contextlib.suppress(OSError), os.scandir(f"/proc/{pid}/task") as tasks:
         for thread in tasks:
             with contextlib.suppress(OSError, IndexError):

@@ -49,7 +49,7 @@ def fresh_folder() -> Iterator[Path]:
 
 
 def has_space(*folders: Path) -> bool:
-    """Tell whether a grading may still be written to each of these folders."""
+    """Return whether a grading may still be written to each of these folders."""
     found = [os.statvfs(folder) for folder in folders]
     return all(
         each.f_bavail * each.f_frsize >= MIN_SPACE

@@ -21,12 +21,12 @@ WHEELS_BEFORE = (3, 14)  # a Python for which there are none any more
 
 
 def is_tried() -> bool:
-    """Tell whether the course has been run on such a system: Linux on x86_64."""
+    """Return whether the course has been run on such a system: Linux on x86_64."""
     return sys.platform == "linux" and platform.machine() in ("x86_64", "AMD64")
 
 
 def has_ros_wheels() -> bool:
-    """Tell whether PyPI has the real ROS 2 for this system and this Python."""
+    """Return whether PyPI has the real ROS 2 for this system and this Python."""
     return is_tried() and sys.version_info < WHEELS_BEFORE
 
 

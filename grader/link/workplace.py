@@ -39,7 +39,7 @@ class Workplace:
 
     @property
     def limited(self) -> bool:
-        """Tell whether the kernel limits what it holds."""
+        """Return whether the kernel limits what it holds."""
         return self.descriptor >= 0
 
 

@@ -111,7 +111,7 @@ class Book:
         return used | {sheet.kind for sheet in self.roster.sheets}
 
     def may_be(self, *systems: str) -> bool:
-        """Tell whether the class may be one of these platforms'."""
+        """Return whether the class may be one of these platforms'."""
         return self.systems <= ANYWHERE or not self.systems.isdisjoint(systems)
 
     def sheets(self, kind: str) -> list[Sheet]:

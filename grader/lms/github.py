@@ -45,7 +45,7 @@ def _who(user: str) -> Who:
 
 
 def is_clone(path: Path) -> bool:
-    """Tell whether a folder is a repository, as far as it can be read."""
+    """Return whether a folder is a repository, as far as it can be read."""
     return not path.is_symlink() and path.is_dir() and os.path.exists(path / ".git")  # noqa: PTH110
 
 

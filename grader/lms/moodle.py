@@ -95,7 +95,7 @@ class _Worksheet:
         return self.sheet.cell(self.rows.get(participant), heading)
 
     def is_locked(self, mark: Mark) -> bool:
-        """Tell whether a grade can't be changed."""
+        """Return whether a grade can't be changed."""
         return self.cell(mark.handed.id, CHANGEABLE).casefold() == "no"
 
 
@@ -120,7 +120,7 @@ def _maximum(worksheet: _Worksheet | None) -> str:
 
 
 def _is_scale(book: Book, file: str, most: str) -> bool:
-    """Tell whether an assignment has no points: minus a scale's number is there, or zero."""
+    """Return whether an assignment has no points: minus a scale's number is there, or zero."""
     try:
         points = not most or float(most.replace(",", ".")) > 0
     except ValueError:

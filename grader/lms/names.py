@@ -40,7 +40,7 @@ def unique(name: str, original: str, taken: Container[str]) -> str:
 
 
 def may_enter(name: str) -> bool:
-    """Tell whether a file or folder of that name can be a student's work."""
+    """Return whether a file or folder of that name can be a student's work."""
     return not name.startswith(".") and name not in NOT_THEIRS
 
 

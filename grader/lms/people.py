@@ -75,7 +75,7 @@ class Roster:
     sheets: tuple[Sheet, ...] = ()
 
     def is_from(self, path: Path) -> bool:
-        """Tell whether the roster was read from this file."""
+        """Return whether the roster was read from this file."""
         return any(path.exists() and path.samefile(sheet.file) for sheet in self.sheets)
 
     def find(self, system: str, name: str, id_: str = "", email: str = "") -> Person | None:

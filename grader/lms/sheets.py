@@ -178,7 +178,7 @@ def _kind(header: Sequence[str]) -> str:
 
 
 def _is_person(kind: str, header: Sequence[str], row: Sequence[str]) -> bool:
-    """Tell whether a row is a student; Canvas has two more without an id, and one for tests."""
+    """Return whether a row is a student; Canvas has two more without an id, and one for tests."""
     if kind == "gradescope":
         cells = dict(zip(map(str.casefold, header), row, strict=True))
         return cells.get("role", "").strip().casefold() in ("", "student")

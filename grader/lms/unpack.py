@@ -42,12 +42,12 @@ class Refused(Exception):
 
 
 def is_archive(name: str) -> bool:
-    """Tell whether files called so are unpacked."""
+    """Return whether files called so are unpacked."""
     return name.lower().endswith(ARCHIVES)
 
 
 def is_unread_archive(name: str) -> bool:
-    """Tell whether files called so are archives that are not unpacked."""
+    """Return whether files called so are archives that are not unpacked."""
     return name.lower().endswith(UNREAD) and not is_archive(name)
 
 

@@ -172,7 +172,7 @@ def _pose_near(faces: Floats, rng: np.random.Generator) -> tuple[float, float, f
 
 
 def _is_outside(layout: Layout, x: float, y: float) -> bool:
-    """Tell whether a point lies in a solid, or beyond the room's wall."""
+    """Return whether a point lies in a solid, or beyond the room's wall."""
     corners = layout.walls[0]
     low, high = corners.min(axis=0), corners.max(axis=0)
     inside = low[0] < x < high[0] and low[1] < y < high[1]

@@ -73,7 +73,7 @@ def _within(folder: Path, name: str) -> Path:
 
 
 def is_kept(name: str, model: Model) -> bool:
-    """Tell whether the model of this file stays with the judge, as every probe in a pickle does.
+    """Return whether the model of this file stays with the judge, as every probe in a pickle does.
 
     The file says nothing of what it would answer: who wants to know has to ask.
     """

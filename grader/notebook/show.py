@@ -25,7 +25,7 @@ def shell() -> Any:
 
 
 def in_notebook() -> bool:
-    """Tell whether this runs in a kernel that displays HTML."""
+    """Return whether this runs in a kernel that displays HTML."""
     return hasattr(shell(), "kernel")
 
 

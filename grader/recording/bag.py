@@ -156,7 +156,7 @@ def _clear(folder: Path) -> None:
 
 
 def _is_bag(folder: Path) -> bool:
-    """Tell whether the folder holds a bag and nothing else that somebody may miss."""
+    """Return whether the folder holds a bag and nothing else that somebody may miss."""
     if folder.is_symlink() or not (folder / METADATA).is_file():
         return False
     return all(file.name == METADATA or file.suffix == ".mcap" for file in folder.iterdir())

@@ -178,7 +178,7 @@ def _seconds(limit: float = LIMIT, patience: float = PATIENCE) -> tuple[float, f
 
 
 def _plain(value: object) -> bool:
-    """Tell whether a value can be sent: text, numbers, and lists and dicts of them."""
+    """Return whether a value can be sent: text, numbers, and lists and dicts of them."""
     if isinstance(value, list | tuple):
         return all(map(_plain, value))
     if isinstance(value, dict):
@@ -204,5 +204,5 @@ def _failure(item: pytest.Item, text: str) -> pytest.TestReport:
 
 
 def _is_theirs(line: str) -> bool:
-    """Tell whether a line of a stack is not of what runs the test."""
+    """Return whether a line of a stack is not of what runs the test."""
     return not OF_PYTEST.match(line)

@@ -42,7 +42,7 @@ def not_run(simulation: Simulation, outcome: Outcome) -> Recording:
 
 
 def is_halt(recording: Recording) -> bool:
-    """Tell whether a node hung, or ended before it was sent anything, or never spun."""
+    """Return whether a node hung, or ended before it was sent anything, or never spun."""
     outcome = recording.outcome
     if outcome.completed or outcome.kind == "real_time" or recording.scenario.training is not None:
         return False

@@ -24,4 +24,4 @@ OnProgress = Callable[[Step], None]
 
 
 def ignore(step: Step) -> None:
-    """Tell nobody."""
+    """Report to nobody."""

@@ -340,7 +340,7 @@ class LiveHosts:
             raise GraderError(NO_RADIO)
 
     def _answer(self) -> None:
-        """Tell the programs what their models say, when it is time."""
+        """Send the programs what their models say, when it is time."""
         for program, told in self._models.due(real_clock.monotonic_ns()):
             with contextlib.suppress(HostDied, HostHung):
                 program.link.send(Answers((told,)))
@@ -370,14 +370,14 @@ class LiveHosts:
             raise Over
 
     def _counts(self, published: Published) -> bool:
-        """Tell whether a message is worth noting.
+        """Return whether a message is worth noting.
 
         Between a program's start-up and the scenario's beginning nobody asks what it says.
         """
         return published.time >= self.epoch > 0 or self._said_in_start_up(published)
 
     def _said_in_start_up(self, published: Published) -> bool:
-        """Tell whether a program said this before it began to spin, as far as is known."""
+        """Return whether a program said this before it began to spin, as far as is known."""
         who = [p.pulse for p in self.programs if published.topic in p.topics]
         return not who or any(not pulse.spun or published.time < pulse.spun for pulse in who)
 

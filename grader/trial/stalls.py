@@ -27,6 +27,6 @@ class AnswerRate:
         self._answered[kind] += answered
 
     def answers(self, kind: frozenset[str]) -> bool:
-        """Tell whether the node usually answers events of a kind; False while the kind is new."""
+        """Return whether the node usually answers events of a kind; False while the kind is new."""
         events = self._events[kind]
         return events >= ENOUGH and self._answered[kind] >= USUAL * events

@@ -108,7 +108,7 @@ def _train(
 
 
 def _is_usable(training: Training) -> bool:
-    """Tell whether the model can drive: it predicts, and does not take for ever."""
+    """Return whether the model can drive: it predicts, and does not take for ever."""
     predicts = training.pickle.loaded and not training.pickle.problem
     return predicts and len(training.single_wall) == SINGLES * np.float64().itemsize
 

@@ -182,7 +182,7 @@ class NodeTrials(Trials):
         return [said if count > 1 else said.replace("were", "was")]
 
     def _unasked(self, scenario: str) -> bool:
-        """Tell whether a trial is left out, were it over by chance: each grading has the same."""
+        """Return whether a trial is left out, were it over by chance: each grading has the same."""
         return self._halted and scenario not in self._asked
 
     def seed_of(self, scenario: Scenario) -> int:
@@ -193,7 +193,7 @@ class NodeTrials(Trials):
 
     @property
     def _slow(self) -> bool:
-        """Tell whether the trials have used up PATIENCE: no submission holds up a class at will."""
+        """Return whether the trials have used up PATIENCE: no submission holds up a class."""
         return sum(self._took) > PATIENCE
 
     def _over(self) -> list[Future[Recording]]:

@@ -96,7 +96,7 @@ class ActionClient(Destroyable):
         return None if taken is None else taken[0]
 
     def is_action_server_available(self) -> bool:
-        """Tell whether somebody serves the action, with all that belongs to it."""
+        """Return whether somebody serves the action, with all that belongs to it."""
         services = all(client.service_server_is_available() for client in self._clients)
         topics = all(subscription.peers for subscription in self._subscriptions)
         return services and topics

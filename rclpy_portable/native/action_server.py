@@ -110,7 +110,7 @@ class ActionServer(Destroyable):
         return self._clock.now()
 
     def goal_exists(self, info: Any) -> bool:
-        """Tell whether there is a goal of this id."""
+        """Return whether there is a goal of this id."""
         return self._find(bytes(info.goal_id.uuid)) is not None
 
     def notify_goal_done(self) -> None:

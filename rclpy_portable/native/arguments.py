@@ -198,7 +198,7 @@ def _problem(error: Exception) -> str:
 
 
 def _is_for(pattern: str, full_name: str) -> bool:
-    """Tell whether a pattern of rcl's means a node: `*` is one token, `**` any number."""
+    """Return whether a pattern of rcl's means a node: `*` is one token, `**` any number."""
     if not pattern.startswith("/"):
         pattern = f"/{pattern}"
     form = re.escape(pattern).replace(r"/\*\*", r"(/\w+)*").replace(r"/\*", r"(/\w+)")

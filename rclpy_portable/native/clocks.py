@@ -61,7 +61,7 @@ class Clock(Destroyable):
         return rcl_time_point_t(self.now(), self.type)
 
     def get_ros_time_override_is_enabled(self) -> bool:
-        """Tell whether it shows what it was set to."""
+        """Return whether it shows what it was set to."""
         self._only_ros_time()
         return self._active
 
@@ -137,7 +137,7 @@ class ClockEvent:
         self._state = False
 
     def is_set(self) -> bool:
-        """Tell whether it is set."""
+        """Return whether it is set."""
         return self._state
 
     def wait_until_steady(self, clock: Clock, until: rcl_time_point_t) -> None:

@@ -30,7 +30,7 @@ class Context(Destroyable):
         return self._domain_id
 
     def ok(self) -> bool:
-        """Tell whether it was not shut down."""
+        """Return whether it was not shut down."""
         return self._alive
 
     def shutdown(self) -> None:

@@ -119,7 +119,7 @@ class Statuses:
         machine.changed()
 
     def is_untold(self, kind: int) -> bool:
-        """Tell whether something of this kind has happened since the last look."""
+        """Return whether something of this kind has happened since the last look."""
         return kind in self._untold
 
     def take(self, kind: int) -> Any:

@@ -38,11 +38,11 @@ class ActionGoalHandle(Destroyable):
         return self._status
 
     def is_active(self) -> bool:
-        """Tell whether it has not come to an end."""
+        """Return whether it has not come to an end."""
         return self._status not in TERMINAL
 
     def is_cancelable(self) -> bool:
-        """Tell whether it may still be canceled."""
+        """Return whether it may still be canceled."""
         return (self._status, GoalEvent.CANCEL_GOAL) in NEXT
 
     def update_goal_state(self, event: GoalEvent) -> None:

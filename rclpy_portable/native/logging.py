@@ -46,7 +46,7 @@ def clear() -> None:
 
 
 def logger_is_enabled_for(name: str, severity: int) -> bool:
-    """Tell whether a logger writes lines of this severity."""
+    """Return whether a logger writes lines of this severity."""
     return severity >= get_logger_effective_level(name)
 
 

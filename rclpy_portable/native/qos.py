@@ -137,7 +137,7 @@ def doubts(pub: rmw_qos_profile_t, sub: rmw_qos_profile_t) -> list[str]:
 
 
 def check_compatible(pub: rmw_qos_profile_t, sub: rmw_qos_profile_t) -> QoSCheckCompatibleResult:
-    """Tell whether a publisher and a subscription can talk: rclpy_qos_check_compatible."""
+    """Return whether a publisher and a subscription can talk: rclpy_qos_check_compatible."""
     errors = [f"ERROR: {said};" for _, said in conflicts(pub, sub)]
     if errors:
         return QoSCheckCompatibleResult(QoSCompatibility.ERROR, "".join(errors))

@@ -135,7 +135,7 @@ class Client(_ServiceEnd):
         return bool(self.queue)
 
     def service_server_is_available(self) -> bool:
-        """Tell whether somebody would answer."""
+        """Return whether somebody would answer."""
         return bool(self._servers())
 
     def send_request(self, request: Any) -> int:

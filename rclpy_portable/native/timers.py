@@ -29,7 +29,7 @@ class Timer(Destroyable):
         return not self._canceled and self._next <= self._clock.now()
 
     def is_timer_ready(self) -> bool:
-        """Tell whether it is due."""
+        """Return whether it is due."""
         return self.ready
 
     def call_timer(self) -> None:
@@ -48,7 +48,7 @@ class Timer(Destroyable):
         self._canceled = True
 
     def is_timer_canceled(self) -> bool:
-        """Tell whether it was canceled."""
+        """Return whether it was canceled."""
         return self._canceled
 
     def reset_timer(self) -> None:

@@ -66,7 +66,7 @@ class WaitSet(Destroyable):
         return self._add("event", handle)
 
     def is_ready(self, kind: str, index: int) -> bool:
-        """Tell whether a handle was ready when the last wait ended."""
+        """Return whether a handle was ready when the last wait ended."""
         return self._ready[kind][index]
 
     def get_ready_entities(self, kind: str) -> list[int]:

@@ -70,7 +70,7 @@ class Trick:
 
     @property
     def hangs(self) -> bool:
-        """Tell whether its trials end by the clock."""
+        """Return whether its trials end by the clock."""
         return "hung" in self.outcomes
 
     @property

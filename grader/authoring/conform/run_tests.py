@@ -55,12 +55,12 @@ class PytestPlugin:
         items[:] = [item for item in items if item.nodeid not in self._results.known]
 
     def pytest_collectreport(self, report: Any) -> None:
-        """Tell of a module that can't be imported."""
+        """Write that a module can't be imported."""
         if report.failed and report.nodeid not in self._results.known:
             self._results.write(report.nodeid, FAILED, str(report.longrepr))
 
     def pytest_runtest_logstart(self, nodeid: str) -> None:
-        """Tell that a test starts."""
+        """Write that a test starts."""
         self._worst = (PASSED, "")
         self._results.write(nodeid, STARTED)
 
@@ -72,7 +72,7 @@ class PytestPlugin:
             self._worst = (SKIPPED, str(report.longrepr))
 
     def pytest_runtest_logfinish(self, nodeid: str) -> None:
-        """Tell how a test ended."""
+        """Write how a test ended."""
         self._results.write(nodeid, *self._worst)
 
 

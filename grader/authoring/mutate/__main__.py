@@ -60,7 +60,7 @@ def mutants_of(exercise: Exercise, variants: int = VARIANTS) -> Iterator[Claim]:
 
 
 def _all_nodes(claim: Claim) -> bool:
-    """Tell whether a variant's own files are nodes that can be wrapped, not a training script."""
+    """Return whether a variant's own files are nodes that can be wrapped, not a training script."""
     reference = {f: (claim.exercise.solutions / f).read_text("utf-8") for f in claim.files}
     own = [text for file, text in claim.files.items() if text != reference[file]]
     return all("rclpy" in text and "\nif __name__ == " in text for text in own)

@@ -69,6 +69,6 @@ def reviewed(exercise: Exercise) -> Reviewed:
 
 
 def _matches(pattern: str, name: str) -> bool:
-    """Tell whether a name fits a pattern in which only `*` and `?` mean something."""
+    """Return whether a name fits a pattern in which only `*` and `?` mean something."""
     escaped = pattern.replace("[", "[[]")
     return compile_pattern(translate(escaped)).match(name) is not None

@@ -143,7 +143,7 @@ def _other_expressions(node: ast.expr) -> Iterator[str]:
 
 
 def _can_go(node: ast.stmt) -> bool:
-    """Tell whether a statement can be left out: a call, a `continue`, an attribute's new value."""
+    """Return whether a statement can go: a call, a `continue`, an attribute's new value."""
     call = isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
     assigns = isinstance(node, ast.Assign | ast.AugAssign) and not _defines(node)
     return call or assigns or isinstance(node, ast.Continue)
@@ -159,7 +159,7 @@ def _other_constants(value: object) -> Iterator[str]:
 
 
 def _defines(node: ast.stmt) -> bool:
-    """Tell whether an assignment makes a local name, without which the rest dies at once."""
+    """Return whether an assignment makes a local name, without which the rest dies at once."""
     targets = node.targets if isinstance(node, ast.Assign) else []
     return any(isinstance(target, ast.Name | ast.Tuple) for target in targets)
 

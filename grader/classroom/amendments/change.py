@@ -18,7 +18,7 @@ class Whom(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_default
     versions: dict[str, str] = {}
 
     def includes(self, student: str, rows: Mapping[str, StudentRow]) -> bool:
-        """Tell whether a change is about a student."""
+        """Return whether a change is about a student."""
         if self.students:
             return student in self.students
         if self.section:

@@ -114,7 +114,7 @@ def _wrapped(room: Path) -> Path | None:
 
 
 def _is_class(folder: Path) -> bool:
-    """Tell whether a folder is a download, which people put into another and name that."""
+    """Return whether a folder is a download, which people put into another and name that."""
     try:
         people = [entry.who for entry in _entries(_unwrapped(folder)).entries]
     except (InputError, OSError):
@@ -193,7 +193,7 @@ def _label(who: Who) -> str:
 
 
 def _is_blind(who: Who) -> bool:
-    """Tell whether Moodle calls everybody so: its anonymous submissions have only numbers."""
+    """Return whether Moodle calls everybody so: its anonymous submissions have only numbers."""
     return who.system == "moodle" and who.name.casefold() == "participant"
 
 

@@ -43,12 +43,12 @@ def for_students(
 
 
 def hides_worlds(hidden: Collection[str]) -> bool:
-    """Tell whether worlds, seeds and replays stay with the instructor."""
+    """Return whether worlds, seeds and replays stay with the instructor."""
     return "worlds" in hidden or "details" in hidden
 
 
 def shows_run(scenario: str, hidden: Collection[str]) -> bool:
-    """Tell whether students may see a scenario's run."""
+    """Return whether students may see a scenario's run."""
     return not ("field" in hidden and FIELD_RUN in scenario.split("_"))
 
 

@@ -51,7 +51,7 @@ def cause_of_commands(exercise: Exercise, failed: Sequence[Failed], trials: ByNa
 
 
 def never_moves(trials: ByName) -> bool:
-    """Tell whether no command of any trial moves the robot: many mistakes look like that."""
+    """Return whether no command of any trial moves the robot: many mistakes look like that."""
     values = [np.abs(each.twists().values) for each in trials.values()]
     return bool(values) and all(
         np.nan_to_num(each, nan=1).max(initial=0) <= ZERO for each in values

@@ -156,7 +156,7 @@ Instruction = tuple[int, int, int, int]  # code, jump if true, jump if false, co
 
 
 def has_seccomp() -> bool:
-    """Tell whether this kernel filters system calls, and their numbers are known here."""
+    """Return whether this kernel filters system calls, and their numbers are known here."""
     strict_or_filter = _libc().prctl(PR_GET_SECCOMP, 0, 0, 0, 0)
     return strict_or_filter >= 0 and platform.machine() in ARCHITECTURES
 

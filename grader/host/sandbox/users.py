@@ -93,7 +93,7 @@ def count_own_processes() -> None:
 
 
 def can_count_own_processes() -> bool:
-    """Tell whether that works here: in a child, two processes fit where two are allowed."""
+    """Return whether that works here: in a child, two processes fit where two are allowed."""
     child = os.fork()
     if child == 0:
         with contextlib.suppress(OSError):

@@ -77,7 +77,7 @@ class DetectionDouble(Node):  # type: ignore[misc]
         return response
 
     def note(self, number: int, **what: object) -> None:
-        """Tell the judge something about a request."""
+        """Send the judge a note about a request."""
         self.served.publish(String(data=json.dumps({"life": self.life, "number": number, **what})))
 
     def message(self, kind: str, number: int) -> str:

@@ -121,7 +121,7 @@ class Rosout:
 
 
 def is_on(context: Any) -> bool:
-    """Tell whether the command line of a context leaves /rosout on."""
+    """Return whether the command line of a context leaves /rosout on."""
     flags = [
         word for word in getattr(context, "_course_arguments", ()) if word in (ENABLE, DISABLE)
     ]

@@ -121,7 +121,7 @@ def install_alone(kernel: Kernel) -> None:
 
 
 def _is_rclpys(number: int) -> bool:
-    """Tell whether rclpy handles a signal: it shuts down, and passes the signal on."""
+    """Return whether rclpy handles a signal: it shuts down, and passes the signal on."""
     rclpy: Any = sys.modules.get("rclpy.signals")
     if rclpy is None or number not in (signal.SIGINT, signal.SIGTERM):
         return False

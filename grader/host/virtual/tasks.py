@@ -43,7 +43,7 @@ def install(kernel: Kernel) -> None:
 
 
 def is_new(kernel: Kernel, task: Any) -> bool:
-    """Tell whether a task that an executor offers deserves to be handed out.
+    """Return whether a task that an executor offers deserves to be handed out.
 
     Not if it was handed out and still queues in the thread pool (rclpy#1452 offers it again and
     again), nor if it is a coroutine that waits for a future which is not done.

@@ -66,7 +66,7 @@ class Lock:
         self._held = False
 
     def locked(self) -> bool:
-        """Tell whether somebody holds the lock."""
+        """Return whether somebody holds the lock."""
         return self._held
 
     release_lock, locked_lock = release, locked
@@ -166,7 +166,7 @@ def _install_threads(kernel: Kernel) -> None:
 
 
 def _tell_unraisable(error: BaseException, function: Callable[..., object]) -> None:
-    """Tell of an exception in a thread without a `Thread`, as Python would without `_run`."""
+    """Report an exception in a thread without a `Thread`, as Python would without `_run`."""
     trace = error.__traceback__ and error.__traceback__.tb_next
     told = "Exception ignored in thread started by"
     if sys.unraisablehook is sys.__unraisablehook__:  # it takes no arguments but Python's own

@@ -36,7 +36,7 @@ FILES = {
 
 
 def python_accepts(file: Path) -> bool:
-    """Tell whether Python begins to run the file; what the file does then is another matter."""
+    """Return whether Python begins to run the file; what the file does then is another matter."""
     command = [sys.executable, "-I", "-S", "-X", "utf8", file]
     done = subprocess.run(command, capture_output=True, check=False)
     said = done.stderr.strip().splitlines()

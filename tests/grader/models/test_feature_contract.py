@@ -108,7 +108,7 @@ def pasted(student: str, skeleton: Path) -> dict[str, Any]:
 
 
 def right(found: np.ndarray | None, scan: Scan) -> bool:
-    """Tell whether features are in the form of the contract and right."""
+    """Return whether features are in the form of the contract and right."""
     assert found is not None
     assert found.shape == (1, 5)
     assert found.dtype == np.float32

@@ -128,7 +128,7 @@ class Buffer:
         timeout: Duration = Duration(),  # noqa: B008
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Tell whether `lookup_transform` would succeed; with the reason if it is asked for."""
+        """Return whether `lookup_transform` would succeed; with the reason if it is asked for."""
         why = self._wait(target_frame, source_frame, time, timeout)
         return (not why, why) if return_debug_tuple else not why
 
