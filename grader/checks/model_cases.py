@@ -37,7 +37,7 @@ def speed_cases(recording: Recording, model: Model | None) -> list[Case]:
     kept = model is not None and is_kept(model_file(recording.scenario), model) and limit > 0.0
     ends = [*(answer.scan.t for answer in found[1:]), recording.duration_s]
     cases = []
-    for answer, end in zip(found, ends, strict=True):
+    for answer, end in zip(found, ends[: len(found)], strict=True):
         right = prediction(source, answer.scan, limit)
         case = answered(answer, {SPEED: right.allowed}, what=scan_in_words(recording, answer))
         if kept and case.said and not np.isnan(possible_features(answer.scan)).any():

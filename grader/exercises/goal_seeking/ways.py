@@ -84,12 +84,13 @@ def announces(recording: Recording, quest: Quest) -> None:
 def warns(recording: Recording) -> None:
     """Fail unless the node warned of a goal that is not finite, and of a pose."""
     for what, times in bad_input(recording).items():
+        first = min(times, default=recording.duration_s)
         logs(
             recording,
             LOUD,
             what=f"a {what} that is not finite is ignored",
-            begin=times[0],
-            end=times[0] + AT_ONCE + recording.slack,
+            begin=first,
+            end=first + AT_ONCE + recording.slack,
             help="self.get_logger().warning(…): whoever sent it has to hear of it.",
         )
 
