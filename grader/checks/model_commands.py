@@ -67,6 +67,12 @@ def loads_once(runs: Runs) -> None:
         )
 
 
+def started(recording: Recording) -> str:
+    """Return in words with which parameters the node was started."""
+    given = (f"{k}:={v}" for k, v in recording.scenario.node.parameters.items())
+    return f"Started with {' and '.join(given) or 'the defaults, velocity_model.pkl and 0.5'}"
+
+
 def is_free(scan: Scan) -> bool:
     """Return whether the way is so free that every model trained on the course's data drives."""
     distance = front_distance(scan)

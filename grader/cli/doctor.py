@@ -20,13 +20,13 @@ def doctor() -> int:
 
     reason = why_not_linux()
     if reason:
-        from grader.report.terminal import render_practice  # noqa: PLC0415
+        from grader.report.diagnosis import render_practice  # noqa: PLC0415
 
         render_practice(reason, Console())
         return 1
     from grader.grading.trying import why_none_runs  # noqa: PLC0415
     from grader.link.doctor import diagnose  # noqa: PLC0415
-    from grader.report.terminal import render_diagnosis  # noqa: PLC0415
+    from grader.report.diagnosis import render_diagnosis  # noqa: PLC0415
 
     found = diagnose()
     if not found.problem:

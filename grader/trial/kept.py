@@ -25,6 +25,8 @@ from grader.recording import Recording
 from sim.scenario import Scenario
 
 FORMAT = 2
+# what unpickling may raise, as the library reference lists it
+BROKEN = (pickle.UnpicklingError, AttributeError, EOFError, ImportError, IndexError)
 CODE = Path(__file__).resolve().parents[2]
 ENGINE = ("sim", "grader/host", "grader/link", "grader/models", "grader/recording", "grader/trial")
 LIBRARIES = ("ros-jazzy-rclpy", "numpy", "pymunk", "rosbags", "scikit-learn", "onnxruntime")
@@ -67,7 +69,7 @@ class KeptRecordings:
         try:
             data = self._place(submission, scenario, seed, files).read_bytes()
             recording, model = pickle.loads(zlib.decompress(data))
-        except (OSError, EOFError, zlib.error, pickle.UnpicklingError):
+        except (OSError, zlib.error, *BROKEN):
             return None
         return replace(recording, scenario=scenario), model
 

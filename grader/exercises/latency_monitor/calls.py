@@ -59,9 +59,8 @@ def asks_once_each(runs: Runs) -> None:
     for recording in runs:
         require_alive(recording)
         scans = [scan.t for scan in recording.scans()]
-        calls = questions(
-            recording, PREDICT, min(scans, default=0.0), math.inf
-        )  # it may warm up before
+        first = min(scans, default=0.0)  # it may warm up before
+        calls = questions(recording, PREDICT, first, math.inf)
         for number, at in enumerate(sorted(call.asked / 1e9 for call in calls), 1):
             come = sum(scan <= at + recording.slack for scan in scans)
             if number > come:

@@ -6,7 +6,7 @@ from functools import partial
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
-from grader.checks.model_commands import is_free, loads_once, predicts, stands
+from grader.checks.model_commands import is_free, loads_once, predicts, stands, started
 from grader.checks.words import answers_once, drives_on, keeps_distance, only_linear_x, wired
 from grader.exercises.ml_velocity.contract import FOREST, TOLERANCE
 
@@ -140,13 +140,8 @@ def test_clipped(runs: Runs) -> None:
 def test_parameters(runs: Runs) -> None:
     """The parameters model_path and max_speed are obeyed, and have their defaults."""
     for recording in runs:
-        given = recording.scenario.node.parameters
-        started = " and ".join(f"{name}:={value}" for name, value in given.items())
-        help = (
-            f"Started with {started or 'the defaults, velocity_model.pkl and 0.5'}; a model in "
-            "velocity_model.pkl that is not asked for always predicts 0.1."
-        )
-        follows_model(runs.of([recording]), help=help)
+        help = "A model in velocity_model.pkl that is not asked for always predicts 0.1."
+        follows_model(runs.of([recording]), help=f"{started(recording)}. {help}")
 
 
 @check(points=4, asks=STATE, task=2, scenarios=("ml_loads_once", "ml_raises", HUNDRED), hint="2.1")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, WIRING, check
-from grader.checks.model_commands import predicts
+from grader.checks.model_commands import predicts, started
 from grader.checks.words import answers_once, only_linear_x, wired
 
 READINGS, LONG, BLIND = "format_readings", "format_hundred", "format_blind"
@@ -56,10 +56,5 @@ def test_blind_sector(runs: Runs) -> None:
 def test_parameters(runs: Runs) -> None:
     """The parameters model_path and max_speed are obeyed, and have their defaults."""
     for recording in runs:
-        given = recording.scenario.node.parameters
-        started = " and ".join(f"{name}:={value}" for name, value in given.items())
-        help = (
-            f"Started with {started or 'the defaults, velocity_model.pkl and 0.5'}. 0.0 is a "
-            "number, too, though it is not true."
-        )
+        help = f"{started(recording)}. 0.0 is a number, too, though it is not true."
         predicts(runs.of([recording]), help=help)

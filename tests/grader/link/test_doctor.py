@@ -14,7 +14,7 @@ from grader.host.frames import Hello
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
 from grader.link import doctor
 from grader.link.doctor import Diagnosis, Layer, diagnose, foreign_code_problem, gaps
-from grader.report.terminal import render_diagnosis
+from grader.report.diagnosis import render_diagnosis
 
 
 def test_this_machine_can_run_nodes() -> None:

@@ -12,7 +12,7 @@ from rich.console import Console
 from grader.errors import InputError
 from grader.link import system
 from grader.link.ros_environment import find_ros
-from grader.report.terminal import render_practice
+from grader.report.diagnosis import render_practice
 
 TRIED = ("linux", "x86_64")
 UNTRIED = [("darwin", "arm64"), ("darwin", "x86_64"), ("win32", "AMD64"), ("linux", "aarch64")]

@@ -1,0 +1,86 @@
+"""Show in the terminal what `course doctor` found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from grader.link import system
+from grader.report.terminal import MAX_WIDTH, OUTCOMES, is_ascii, printable
+
+if TYPE_CHECKING:
+    from grader.link.doctor import Diagnosis
+
+PRACTICE_HERE = (
+    "course grade and course drive take the portable runtime instead: rclpy's own Python on a "
+    "native half that is written in Python, in the same virtual time.",
+    "It is for practice. Your instructor's grade comes from the real rclpy on Linux; "
+    "docs/portable.md in the course's repository says how the two were compared.",
+    "Nothing isolates a node here: your own code only. course autograde, --tier 2 and the fixture "
+    "virtual_time need Linux.",
+)
+
+
+def render_diagnosis(found: Diagnosis, console: Console) -> None:
+    """Print what `course doctor` found."""
+    width = min(console.width, MAX_WIDTH)
+    console.print(_facts(found.python, found.ros or "not found", found.extras), width=width)
+    layers = Table(box=None, padding=(0, 2, 0, 1), header_style="bold")
+    for heading in ("Layer", "", "What it is for"):
+        layers.add_column(heading)
+    for layer in found.layers:
+        sign, ascii_sign, _, style = OUTCOMES["pass" if layer.here else "fail"]
+        mark = Text(ascii_sign if is_ascii(console) else sign, style=style)
+        layers.add_row(layer.name, mark, layer.text)
+    console.print()
+    console.print(layers, width=width)
+    console.print()
+    for heading, sentences in (
+        ("What a submission can still do here", found.gaps),
+        ("What a class may fail on here", found.trouble),
+    ):
+        if sentences:
+            console.print(Text(f" {heading}", style="bold"), width=width)
+            bullets = Table(box=None, show_header=False, padding=(0, 1, 0, 1))
+            for sentence in sentences:
+                bullets.add_row("-", printable(sentence, console))
+            console.print(bullets, width=width)
+            console.print()
+    if found.problem:
+        said = Text(f" No node can run here: {printable(found.problem, console)}", style="bold red")
+    elif found.foreign_code:
+        said = Text(f" Your own code only: {found.foreign_code}", style="yellow")
+    else:
+        said = Text(" Other people's code may be graded here.", style="green")
+    console.print(said, width=width)
+
+
+def _facts(python: str, ros: str, extras: Mapping[str, tuple[str, ...]]) -> Table:
+    facts = Table(box=None, show_header=False, padding=(0, 2, 0, 1))
+    facts.add_row("Python", python)
+    facts.add_row("ROS 2", ros)
+    for what, missing in extras.items():
+        facts.add_row(
+            Text("missing" if missing else "installed", style="yellow" if missing else "green"),
+            f"{what}: {', '.join(missing)}" if missing else what,
+        )
+    return facts
+
+
+def render_practice(reason: str, console: Console) -> None:
+    """Print what `course doctor` says where the real rclpy can't run."""
+    width = min(console.width, MAX_WIDTH)
+    ros = "portable: rclpy's own Python, for practice"
+    console.print(_facts(system.name(), ros, system.missing_extras()), width=width)
+    console.print()
+    if untried := system.never_run():
+        console.print(Text(f" {untried}", style="bold yellow"), width=width)
+        console.print()
+    console.print(Text(f" The real rclpy can't run here: {reason}", style="yellow"), width=width)
+    console.print()
+    for line in PRACTICE_HERE:
+        console.print(Text(f" {line}"), width=width)
