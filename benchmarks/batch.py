@@ -7,21 +7,32 @@ nbgrader that line says so.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib.util
 import os
 import resource
 import subprocess
 import sys
 import tempfile
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 
-from grader.classroom.work import Unit, UnitResult, grade_unit
+from grader.classroom.work import Unit, grade_unit
 from grader.course.exercises import find_exercise
 
+TICK = os.sysconf("SC_CLK_TCK")  # of the times in /proc [1/s]
 FEW = 10  # the cost from here on must not grow
 SETTINGS = "c = get_config()\nc.CourseDirectory.course_id = 'bench'\n"
+
+
+@dataclass(frozen=True)
+class _Cost:
+    """What grading one submission took."""
+
+    cpu_s: float  # [s] of the worker and its descendants
+    wall_s: float  # [s]
+    memory: int  # [bytes] the worker's afterwards, resident
 
 
 def main() -> int:
@@ -35,29 +46,35 @@ def main() -> int:
     exercise = find_exercise(given.exercise)
     texts = {name: (exercise.solutions / name).read_bytes() for name in exercise.files}
     unit = Unit("warm", exercise.slug, texts, bags=False, field=given.field, trust=given.trust)
+    before = _cpu_seconds()
     first = grade_unit(unit)
+    cold = _cpu_seconds() - before
     if first.grading is None:
         print(first.problem)
         return 1
-    # without the gradings, which would fill the memory that is measured
-    results = [
-        replace(grade_unit(replace(unit, student=str(n))), grading=None)
-        for n in range(given.submissions)
-    ]
+    results = [_cost(replace(unit, student=str(n))) for n in range(given.submissions)]
     cpu, wall = median(r.cpu_s for r in results), median(r.wall_s for r in results)
     load = os.getloadavg()[0]
     print(
         f"{exercise.slug} in full ({'core and field' if given.field else 'core'}, "
         f"{len(first.grading['recordings'])} trials), "
         f"one warm worker, {len(results)} submissions, load {load:.1f}: "
-        f"{cpu:.2f} CPU s and {wall:.2f} s each (medians); the first, cold: {first.cpu_s:.2f} CPU s"
+        f"{cpu:.2f} CPU s and {wall:.2f} s each (medians); the first, cold: {cold:.2f} CPU s"
     )
     _growth(results)
     _peer(cpu)
     return 0
 
 
-def _growth(results: list[UnitResult]) -> None:
+def _cost(unit: Unit) -> _Cost:
+    """Grade a unit; its grading, which would fill the memory that is measured, is not kept."""
+    before = _cpu_seconds()
+    wall = grade_unit(unit).wall_s
+    size = int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    return _Cost(_cpu_seconds() - before, wall, size)
+
+
+def _growth(results: list[_Cost]) -> None:
     if len(results) <= FEW:
         print(f"growth: not measured with {len(results)} submissions, at least {FEW + 1} needed")
         return
@@ -118,6 +135,33 @@ def _nbgrader_seconds() -> float:
             subprocess.run([*command, "autograde", "one", "--force"], check=True, **quiet)
             times.append(_children_seconds() - before)
         return median(times)
+
+
+def _cpu_seconds() -> float:
+    """Return the CPU time of this process and its descendants, dead ones included [s].
+
+    The host's fork server lives on from unit to unit, so `os.times` does not have the nodes.
+    """
+    return sum(_ticks(pid) for pid in _family(os.getpid())) / TICK
+
+
+def _family(pid: int) -> list[int]:
+    """Return a process and its living descendants."""
+    found = [pid]
+    with contextlib.suppress(OSError):
+        for task in Path(f"/proc/{pid}/task").iterdir():
+            for child in (task / "children").read_text().split():
+                found += _family(int(child))
+    return found
+
+
+def _ticks(pid: int) -> int:
+    """Return the CPU time of a process and of the children it has waited for [1/TICK s]."""
+    try:
+        after_name = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0
+    return sum(map(int, after_name[11:15]))
 
 
 def _children_seconds() -> float:

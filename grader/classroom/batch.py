@@ -17,7 +17,7 @@ from grader.classroom.amendments.people import the_student
 from grader.classroom.candidates import Class, enter_candidates, find_class
 from grader.classroom.folder import ALIKE, STORE, locked, write_class
 from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
-from grader.classroom.options import Options, compare_with_last
+from grader.classroom.options import Options, refuse_another
 from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import judge_again
 from grader.classroom.results import ResultOptions, Written, column_titles
@@ -27,7 +27,6 @@ from grader.classroom.row import StoredResult
 from grader.classroom.store import Store
 from grader.errors import InputError, naming_a_full_disk
 from grader.link.scratch import sweep
-from grader.lms.book import missing_columns
 
 NO_SPACE = (
     "the disk is full, so the batch has stopped. Free some space where {out} is, and in "
@@ -88,10 +87,7 @@ def _autograde(
     with locked(out), Store(out / STORE) as store, _emptied(scratch), _emptied(parts):
         sweep()
         store.requeue_running()
-        if without := compare_with_last(options, store):
-            progress.say(without)
-        for wrong in missing_columns(column_titles(options.columns), options.roster):
-            progress.say(wrong)
+        refuse_another(options, store)
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
         if taken_in.gone:
             progress.say(taken_in.gone)

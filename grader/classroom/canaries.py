@@ -161,7 +161,7 @@ class Canaries:
         if stalled(result.grading):
             rounds.stalls = True
         else:
-            self._store.canary(unit.key, result.grading, drift, result.cpu_s)
+            self._store.canary(unit.key, result.grading, drift)
             if drift:
                 rounds.drifts.append(f"the known solution {unit.student.lstrip('.')} {drift}")
         if rounds.waiting or rounds.running:

@@ -191,7 +191,6 @@ class GradingRun:
             problem=problem,
             again=again,
             recordings=self._store_bags(unit, result),
-            cpu_s=result.cpu_s,
             wall_s=result.wall_s,
         )
         if problem and not again:

@@ -15,7 +15,6 @@ from pathlib import Path
 from grader.classroom.amendments import Change, Entry, Undo, Whom, active, amended, undone_by
 from grader.classroom.amendments.apply import version_of
 from grader.classroom.amendments.people import find_student, nearest, the_student
-from grader.classroom.anonymous import codes_of, write_anonymous
 from grader.classroom.folder import locked, opened, write_class
 from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
 from grader.classroom.results import ResultOptions
@@ -96,17 +95,11 @@ class Marking:
         return f"{len(self.students)} students; as graded: {counts}"
 
     def student(self, word: str) -> str:
-        """Return the student whom a word means, which may be a code.
+        """Return the student whom a word means.
 
         Raises InputError: nobody or more than one can be meant.
         """
-        found = [student for student, code in self.codes.items() if code == word]
-        return found[0] if found else the_student(word, self.students, self.rows)
-
-    @property
-    def codes(self) -> Mapping[str, str]:
-        """The students' codes."""
-        return codes_of(self.store, self.students)
+        return the_student(word, self.students, self.rows)
 
     def points(self, student: str) -> list[tuple[StoredResult, str, str]]:
         """Return a student's results with the points as graded and as they count."""
@@ -192,15 +185,6 @@ class Marking:
     def write(self) -> Marked:
         """Write all results anew."""
         return Marked(None, [], [], self._written()[1])
-
-    def write_anonymous(self, into: Path) -> list[Path]:
-        """Write the class page and the scores with codes for students; return them.
-
-        Raises InputError: the folder is that of the class, or lies in it.
-        """
-        if into.resolve().is_relative_to(self.out.resolve()):
-            raise InputError(f"--into {into}: expected a folder outside {self.out}, to hand on")
-        return write_anonymous(self.counting(), self.codes, self.options, into)
 
     def counting(self) -> list[StoredResult]:
         """Return the results as they count now."""

@@ -14,7 +14,7 @@ from grader.errors import InputError
 from grader.lms.people import NOBODY, Roster
 
 CANARY_INTERVAL = 25  # units of an exercise between two rounds of canaries
-SETTINGS = "settings"  # what the store calls those of the last run
+SECRET = "secret"  # what the store calls the mark of the class's
 
 
 @dataclass(frozen=True)
@@ -39,35 +39,25 @@ class Options:
     columns: tuple[str, ...] = ()  # "EXERCISE=TITLE": the gradebook's column of an exercise
 
 
-def compare_with_last(options: Options, store: Store) -> str:
-    """Say what the last run was given and this one lacks; keep this one's secret and `field`.
+def refuse_another(options: Options, store: Store) -> None:
+    """Refuse what contradicts the last run into this folder.
 
     Raises InputError: the class has a secret, and this is none or another; or something was hidden
     from students, and nothing is said of that now.
     """
-    last = json.loads(store.kept(SETTINGS) or "{}")
-    kept = json.loads(store.kept(OPTIONS) or "{}")  # with which the results were written
-    secret = options.secret
+    secret, before = options.secret, store.kept(SECRET)
     # what tells one secret from another and nothing else of it
     mark = hmac.new(secret, b"this class", hashlib.sha256).hexdigest()[:16] if secret else ""
-    if last.get("secret", "") not in ("", mark):
+    if before not in ("", mark):
         raise InputError(
             "--secret: expected the file that this class was graded with, in whose worlds all its "
             f"results are, but there is {'another' if secret else 'none'}; for other worlds give "
             "another --out"
         )
-    hidden = kept.get("hide", "nothing")
+    hidden = json.loads(store.kept(OPTIONS) or "{}").get("hide", "nothing")
     if not options.hide and hidden != "nothing":
         raise InputError(
             f"--hide: the last run hid {hidden} from students; give --hide {hidden} again, or "
             "--hide nothing"
         )
-    store.keep(SETTINGS, json.dumps({"secret": mark, "field": options.field}))
-    pairs = {
-        "--field": (last.get("field"), options.field),
-        "--roster": (kept.get("roster", {}).get("sheets"), options.roster.sheets),
-        "--column": (kept.get("columns"), options.columns),
-        "--nbgrader": (kept.get("nbgrader"), options.nbgrader),
-    }
-    without = [name for name, (before, now) in pairs.items() if before and not now]
-    return f"the last run into this folder had {', '.join(without)}, too" if without else ""
+    store.keep(SECRET, mark)

@@ -31,7 +31,6 @@ class StoredResult:
     state: str  # one of STATES
     grading: dict[str, Any] | None  # `Grading.as_dict()`; None while there is none
     recordings: Path | None  # a folder of bags
-    cpu_s: float  # [s]
     wall_s: float  # [s]
     attempts: int
     problem: str  # why it is held or could not be graded; "" if neither

@@ -33,7 +33,7 @@ CREATE TABLE IF NOT EXISTS units (
     unsure INTEGER NOT NULL DEFAULT 0,      -- gradings that could not judge
     quarantines INTEGER NOT NULL DEFAULT 0,
     verified INTEGER NOT NULL DEFAULT 0,    -- a good canary came after it
-    grading TEXT, recordings TEXT, cpu_s REAL NOT NULL DEFAULT 0, wall_s REAL NOT NULL DEFAULT 0,
+    grading TEXT, recordings TEXT, wall_s REAL NOT NULL DEFAULT 0,
     finished TEXT NOT NULL DEFAULT '', problem TEXT NOT NULL DEFAULT '',
     PRIMARY KEY (student, exercise)
 ) STRICT;
@@ -157,7 +157,6 @@ class Store:
         problem: str = "",
         again: bool = False,
         recordings: str | None = None,
-        cpu_s: float = 0.0,
         wall_s: float = 0.0,
     ) -> None:
         """Store a result; one with a problem is held, or goes `again` into the queue."""
@@ -166,7 +165,7 @@ class Store:
             state=WAITING if again else HELD if problem else GRADED,
             unsure=self.counts(key).unsure + again,
             grading=None if grading is None else json.dumps(grading),
-            problem=storable(problem), recordings=recordings, cpu_s=cpu_s, wall_s=wall_s,
+            problem=storable(problem), recordings=recordings, wall_s=wall_s,
             finished=_now(), verified=0,
         )  # fmt: skip
 
@@ -186,12 +185,12 @@ class Store:
             problem=storable(problem), input_hash=input_hash, finished=_now(),
         )  # fmt: skip
 
-    def canary(self, key: Key, grading: dict[str, Any] | None, problem: str, cpu_s: float) -> None:
+    def canary(self, key: Key, grading: dict[str, Any] | None, problem: str) -> None:
         """Store the latest grading of a known solution."""
         with self._change():
             self._put(
                 key, canary=1, input_hash="", state=HELD if problem else GRADED, attempts=1,
-                grading=json.dumps(grading), problem=storable(problem), cpu_s=cpu_s,
+                grading=json.dumps(grading), problem=storable(problem),
                 finished=_now(), verified=1,
             )  # fmt: skip
 
@@ -254,7 +253,7 @@ class Store:
     def results(self) -> list[StoredResult]:
         """Return all units, in order."""
         rows = self._db.execute(
-            "SELECT student, exercise, file_names, input_hash, state, grading, recordings, cpu_s,"
+            "SELECT student, exercise, file_names, input_hash, state, grading, recordings,"
             " wall_s, attempts, problem, finished, canary, verified OR NOT EXISTS"
             " (SELECT 1 FROM units AS known WHERE known.canary AND known.exercise=units.exercise)"
             " FROM units ORDER BY student, exercise"
@@ -265,8 +264,8 @@ class Store:
                 input_hash=row[3], state=row[4],
                 grading=None if row[5] is None else json.loads(row[5]),
                 recordings=None if row[6] is None else Path(row[6]),
-                cpu_s=row[7], wall_s=row[8], attempts=row[9], problem=row[10],
-                finished=row[11], canary=bool(row[12]), verified=bool(row[13]),
+                wall_s=row[7], attempts=row[8], problem=row[9],
+                finished=row[10], canary=bool(row[11]), verified=bool(row[12]),
             )
             for row in rows
         ]  # fmt: skip

@@ -27,7 +27,6 @@ from grader.grading.grading import grade
 from grader.grading.handed_in import grade_files, reason_of
 from grader.link.scratch import fresh_folder
 
-TICK = os.sysconf("SC_CLK_TCK")  # of the times in /proc [1/s]
 UNIT_LIMIT = 2 * 3600.0  # [s] after which a worker exits; trials end long before that
 
 
@@ -62,9 +61,7 @@ class UnitResult:
     problem: str = ""  # why there is no grading; never the student's fault
     disk_full: bool = False  # that is why
     bags: bytes = b""  # a tar file, if the unit named no folder
-    cpu_s: float = 0.0  # [s] of the worker and its descendants
     wall_s: float = 0.0  # [s]
-    memory: int = 0  # [bytes] the worker's, resident
 
 
 _one_at_a_time = threading.Lock()
@@ -73,28 +70,10 @@ _one_at_a_time = threading.Lock()
 def grade_unit(unit: Unit) -> UnitResult:
     """Grade a unit; two at a time in one process wait for each other."""
     with _one_at_a_time, _time_limit(UNIT_LIMIT):
-        start, before = time.monotonic(), cpu_seconds()
+        start = time.monotonic()
         result = _grade(unit)
         _free_memory()
-        return replace(
-            result,
-            cpu_s=max(0.0, cpu_seconds() - before),
-            wall_s=time.monotonic() - start,
-            memory=resident_memory(),
-        )
-
-
-def cpu_seconds() -> float:
-    """Return the CPU time of this process and its descendants, dead ones included [s].
-
-    The host's fork server lives on from unit to unit, so `os.times` does not have the nodes.
-    """
-    return sum(_ticks(pid) for pid in _family(os.getpid())) / TICK
-
-
-def resident_memory() -> int:
-    """Return the resident memory of this process [bytes]."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        return replace(result, wall_s=time.monotonic() - start)
 
 
 def unjudged(grading: dict[str, Any]) -> str:
@@ -183,22 +162,3 @@ def _free_memory() -> None:
         gc.freeze()
     with contextlib.suppress(OSError, AttributeError):  # another C library than glibc
         ctypes.CDLL(None).malloc_trim(0)
-
-
-def _family(pid: int) -> list[int]:
-    """Return a process and its living descendants."""
-    found = [pid]
-    with contextlib.suppress(OSError):
-        for task in Path(f"/proc/{pid}/task").iterdir():
-            for child in (task / "children").read_text().split():
-                found += _family(int(child))
-    return found
-
-
-def _ticks(pid: int) -> int:
-    """Return the CPU time of a process and of the children it has waited for [1/TICK s]."""
-    try:
-        after_name = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return 0
-    return sum(map(int, after_name[11:15]))

@@ -88,7 +88,7 @@ def autograde(
     code 0: all graded. 1: some are held, or not understood: a person should look. 2: wrong usage,
     or the grader's fault.
 
-    Give later runs into the same folder the same options: what they lack of the last one is said.
+    Give later runs into the same folder the same options.
     """
     from rich.console import Console  # noqa: PLC0415
 

@@ -261,23 +261,6 @@ def write(folder: Path) -> int:
         return _told(class_.write())
 
 
-@marks.command()
-@folder
-@click.option("--into", type=click.Path(path_type=Path), required=True, help="A folder.")
-def anonymous(folder: Path, into: Path) -> int:
-    """Write a class page and scores whose students are codes, to show to others.
-
-    The same student has the same code each time; `course report FOLDER --student CODE` says whose
-    it is.
-    """
-    from grader.classroom.marking import marking  # noqa: PLC0415
-
-    with marking(folder) as class_:
-        for path in class_.write_anonymous(into):
-            click.echo(str(path))
-    return FULL
-
-
 def _who(by: str) -> str:
     if by.strip():
         return by

@@ -53,7 +53,7 @@ def report(folder: Path, student: str, json_: str | None) -> int:
 
 def _about(class_: Marking, student: str) -> list[str]:
     """Return how a student's points came about."""
-    lines = [f"{student} ({class_.codes[student]})"]
+    lines = [student]
     for result, graded, counts in class_.points(student):
         lines.append(f"  {result.exercise}: {counts}" + ("" if graded == counts else
                      f", graded {graded}"))  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -178,20 +177,3 @@ def scaled(points: float, task: Task, most: str) -> float:
     except ValueError:
         return points
     return points if not 0 < full < 1e6 else round(points / task.points * full, 2)
-
-
-def missing_columns(titles: Mapping[str, str], roster: Roster) -> list[str]:
-    """Return a sentence for each title that was given and that no gradebook of the roster has."""
-    books = [sheet for sheet in roster.sheets if sheet.kind in ("canvas", "moodle")]
-    headings = [each for sheet in books for each in sheet.header]
-    return [
-        f"--column: no column {title!r} in {', '.join(sheet.file.name for sheet in books)}, so "
-        f"importing makes a new one{_nearest(title, headings)}"
-        for title in titles.values()
-        if books and not any(title in (each, bare(each)) for each in headings)
-    ]
-
-
-def _nearest(title: str, headings: Sequence[str]) -> str:
-    near = difflib.get_close_matches(title, headings, n=1)
-    return f"; did you mean {one_line(near[0])!r}?" if near else ""

@@ -44,7 +44,6 @@ def test_the_report_says_what_a_professor_asks(open_file: OpenFile, folder: Path
         "the worker died three times",
         "the machine stood still for 2.4 s",
         "canary goal_seeking/mutant/turns_the_long_way",
-        "identical but for names and layout",
         "Separates well.",
         "python 3.11.2",
     ):

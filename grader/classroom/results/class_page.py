@@ -18,7 +18,6 @@ from grader.classroom.row import RUNNING, WAITING, StoredResult
 from grader.lms.book import Task
 from grader.lms.clean import one_line
 
-SLOWEST = 5
 MOST_CHANGES = 50  # of the log
 
 Results = Sequence[StoredResult]
@@ -32,7 +31,6 @@ class _Exercise:
     results: Results
     graded: Results
     scores: Distribution
-    slowest: Results
     judged: int  # gradings that the items are of
     items: Sequence[Item]  # the most failed first
     ready: str  # how many are field-ready
@@ -76,8 +74,6 @@ def class_page(
 
 def sections_of(results: Results, options: ResultOptions) -> dict[str, list[StoredResult]]:
     """Return the results by section of the roster, in order; {} if it has none."""
-    if options.anonymous:
-        return {}
     found: dict[str, list[StoredResult]] = {}
     for result in results:
         row = options.students.get(result.student)
@@ -117,7 +113,6 @@ def _exercise(results: Results, task: Task, options: ResultOptions) -> _Exercise
         mine,
         graded,
         distribution(mine, task),
-        sorted(graded, key=lambda result: (-result.wall_s, result.student))[:SLOWEST],
         len(judged),
         sorted(item_analysis(judged), key=lambda item: -item.failed),
         f"{sum(map(bool, ready))} of {asked}" if asked else NOTHING,
@@ -143,7 +138,7 @@ def _students(
     found = {(result.student, result.exercise): result for result in results}
     for student in sorted({result.student for result in results}):
         row = options.students.get(student)
-        called = row.person.label if row is not None and not options.anonymous else ""
+        called = row.person.label if row is not None else ""
         called = "" if called == student else called
         mine = [(found.get((student, task.slug)), task) for task in tasks]
         points = [points_of(result, task) for result, task in mine if result is not None]

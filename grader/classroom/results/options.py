@@ -48,7 +48,6 @@ class ResultOptions:
     columns: Mapping[str, str] = field(default_factory=dict)  # slug: title in the gradebook
     log: Sequence[Entry] = ()  # of what people have changed
     published: Collection[tuple[str, str]] | None = None  # pages; None: nothing was published yet
-    anonymous: bool = False  # students are codes, and no page is about one of them
 
     def __post_init__(self) -> None:
         """Check the words of `hide`.

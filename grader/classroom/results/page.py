@@ -55,7 +55,6 @@ def _environment() -> Environment:
         "plural": words.plural,
         "points": words.points,
         "points_of": marks.points_of,
-        "seconds": words.seconds,
         "signed": words.signed,
         "so_far": marks.so_far,
         "url": quote,

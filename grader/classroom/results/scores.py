@@ -27,7 +27,6 @@ from grader.lms.tables import Cell, Verbatim, csv_text
 SCORES = (
     "student", "name", "id", "section", "exercise", "state", "points", "max_points", "score",
     "max_score", "before_cap", "field_ready", "passed", "failed", "skipped", "attempts", "wall_s",
-    "cpu_s",
     "handed_in", "late", "finished", "problem", "points_as_graded", "changed",
 )  # fmt: skip
 # of the ids, the one that the instructor's lists most likely have
@@ -98,7 +97,6 @@ def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
         *(counts if result.state == GRADED and result.grading else (None, None, None)),
         result.attempts,
         round(result.wall_s, 2),
-        round(result.cpu_s, 2),
         Verbatim(handed.time if handed else ""),
         "late" if handed and handed.late else "",
         result.finished,

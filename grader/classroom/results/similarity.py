@@ -45,7 +45,6 @@ class Group(msgspec.Struct, frozen=True):
     file: str
     students: tuple[str, ...]
     similarity: float  # 0 … 1, of the closest pair
-    identical: bool  # all of them, but for names, comments and layout
 
 
 class OwnCode(msgspec.Struct, frozen=True):
@@ -172,7 +171,6 @@ def _groups_of(file: str, words: Mapping[str, list[str]], handed_out: Prints) ->
             file=file,
             students=tuple(sorted(members)),
             similarity=max(links[pair] for pair in links if pair[0] in members),
-            identical=len({tuple(words[student]) for student in members}) == 1,
         )
         for members in _connected(links)
     ]

@@ -28,11 +28,6 @@ def signed(value: float | None) -> str:
     return NOTHING if value is None else f"{value:+.2f}".replace("-", "\N{MINUS SIGN}")
 
 
-def seconds(value: float) -> str:
-    """Return a duration."""
-    return f"{value:.1f} s" if value < 100 else f"{value:.0f} s"
-
-
 def plural(n: int, word: str) -> str:
     """Return a count with its noun."""
     return f"{n} {word}" if n == 1 else f"{n} {word}s"

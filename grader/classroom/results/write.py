@@ -88,14 +88,6 @@ def write_results(results: Results, out: Path, options: ResultOptions | None = N
     return done
 
 
-def write_pages(results: Results, out: Path, options: ResultOptions) -> list[Path]:
-    """Write only the class report and the scores into `out`."""
-    (known, tasks), done = _in_order(results), Written(out)
-    _write_tables(known, tasks, options, done)
-    _write_class_page(known, tasks, options, done)
-    return done.files
-
-
 def _in_order(results: Results) -> tuple[Results, Tasks]:
     """Return what students handed in, with the exercises, in their orders."""
     known = [result for result in results if not result.canary]

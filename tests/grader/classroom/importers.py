@@ -113,27 +113,6 @@ class Canvas:
 
 
 @dataclass
-class Moodle:
-    """A course of Moodle's. Source: grade/import/csv/classes/load_data.php."""
-
-    users: dict[str, str]  # what identifies a user: the user
-    graded: dict[str, int] = field(default_factory=dict)  # user: when the grade was given
-    grades: dict[str, float | None] = field(default_factory=dict)
-
-    def load(self, text: str) -> None:
-        """Import a file whose first column identifies users and whose second has grades."""
-        header, *rows = csv.reader(io.StringIO(text, newline=""))
-        times = header.index("Last downloaded from this course") if len(header) > 2 else None
-        for row in rows:
-            assert row[0] in self.users, "user not found: the whole import ends"
-            user = self.users[row[0]]
-            if times is not None:
-                assert row[times].isdecimal(), "the date is invalid"
-                assert int(row[times]) >= self.graded.get(user, 0), "graded after the download"
-            self.grades[user] = None if row[1] in ("", "-") else float(row[1])
-
-
-@dataclass
 class MoodleAssignment:
     """One assignment. Sources: mod/assign/feedback/offline and mod/assign/feedback/file."""
 

@@ -10,7 +10,6 @@ import pytest
 
 from grader.classroom import engine
 from grader.classroom.engine import LocalWorkers
-from grader.classroom.work import cpu_seconds
 
 ROOT = Path(__file__).resolve().parents[3]
 PARENT = """\
@@ -54,15 +53,3 @@ def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == -9
     assert int(done.stdout) > 0  # and here nobody holds the pipe any more
-
-
-def test_the_cpu_time_of_a_host_that_lives_on_counts() -> None:
-    burn = "import time\nwhile time.process_time() < 0.3: pass\nprint(flush=True); input()"
-    before = cpu_seconds()
-    command = [sys.executable, "-c", burn]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as host:
-        assert host.stdout is not None
-        host.stdout.readline()
-        spent = cpu_seconds() - before
-        host.kill()
-    assert spent >= 0.25

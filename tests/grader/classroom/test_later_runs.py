@@ -31,29 +31,6 @@ def roster(tmp_path: Path) -> Roster:
     return read_roster([tmp_path / "gradebook.csv"])
 
 
-def test_a_column_that_is_not_there_is_said(
-    grade_class: Any, tmp_path: Path, roster: Roster
-) -> None:
-    said = grade_class(roster=roster, columns=(f"{SLUG}=Homewerk",))[2].lines
-    assert (
-        "--column: no column 'Homewerk' in gradebook.csv, so importing makes a new one; did you "
-        "mean 'Homework (71)'?"
-    ) in said
-    said = grade_class(roster=roster, columns=(f"{SLUG}=Homework",))[2].lines
-    assert not any("--column: no" in line for line in said)
-
-
-def test_what_a_later_run_lacks_is_said(grade_class: Any, roster: Roster) -> None:
-    grade_class(field=True, roster=roster, columns=(f"{SLUG}=Homework",))
-    _, workers, quiet = grade_class(field=True)
-    assert workers.students == []
-    assert "the last run into this folder had --roster, --column, too" in quiet.lines
-    _, workers, quiet = grade_class()
-    assert workers.students == ["ann", "bob", "eve"]
-    assert "the last run into this folder had --field, too" in quiet.lines
-    assert not any("the last run" in line for line in grade_class()[2].lines)
-
-
 def test_what_was_hidden_is_not_shown_by_a_slip(grade_class: Any) -> None:
     grade_class(hide="details")
     with pytest.raises(InputError, match="give --hide details again, or --hide nothing"):

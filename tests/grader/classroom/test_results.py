@@ -23,17 +23,12 @@ from grader.classroom.results.scores import scores_csv
 from grader.classroom.row import HELD, RUNNING, StoredResult
 from grader.lms.canvas import canvas_csv
 from grader.lms.clean import cell, one_line, visible
-from grader.lms.moodle import grades_csv
 
 FORMULAS = (
     "=1+1", "+1+1", "-A1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "  =1", "\uff1d1", "\u202e=1",
 )  # fmt: skip
 TEXTS = ("-1", "+49", "-1.5", "%0A", "|x", "a=b", "ada")  # which no spreadsheet runs
-GRADEBOOKS = tuple(
-    f"{system}/{exercise}.csv"
-    for system in ("canvas", "moodle")
-    for exercise in ("obstacle_avoidance", "goal_seeking")
-)
+GRADEBOOKS = ("canvas/obstacle_avoidance.csv", "canvas/goal_seeking.csv")
 
 
 def right(student: str, **parts: Any) -> StoredResult:
@@ -78,7 +73,6 @@ def test_held_gradings_have_no_points_anywhere() -> None:
         assert points_of(one, tasks[0]) is None
         assert for_gradescope([one], tasks) is None
     assert [row[0] for row in rows(canvas_csv(book(everyone), tasks[0]) or "")[2:]] == ["zoe"]
-    assert [row[0] for row in rows(grades_csv(book(everyone), tasks[0]) or "")[1:]] == ["zoe"]
     table = csv.DictReader(io.StringIO(scores_csv(everyone, {task.slug: task for task in tasks})))
     states = {row["student"]: (row["state"], row["points"]) for row in table}
     assert states["ada"] == states["chen"] == states["eve"] == ("held", "")

@@ -54,7 +54,6 @@ def graded(
                 state="graded",
                 grading=json.loads(json.dumps(grading.as_dict())),
                 recordings=bags.relative_to(out) if bags else None,
-                cpu_s=1.0,
                 wall_s=1.0,
                 attempts=1,
                 problem="",

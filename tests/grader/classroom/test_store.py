@@ -27,12 +27,12 @@ def test_a_unit_goes_its_way(tmp_path: Path) -> None:
         assert store.waiting() == [ANN]
         store.claim(ANN, "h1", ["a.py"])
         assert (store.waiting(), states(store)) == ([], {"ann": RUNNING})
-        store.finish(ANN, GRADING, recordings="recordings/ann", cpu_s=1.5, wall_s=2.0)
+        store.finish(ANN, GRADING, recordings="recordings/ann", wall_s=2.0)
     with Store(tmp_path / "s") as store:
         (result,) = store.results()
 
     assert (result.state, result.grading, result.attempts) == (GRADED, GRADING, 1)
-    assert (result.recordings, result.cpu_s) == (Path("recordings/ann"), 1.5)
+    assert (result.recordings, result.wall_s) == (Path("recordings/ann"), 2.0)
     assert result.finished.endswith("+00:00")
     assert result.file_names == ("a.py",)
 
