@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from grader.classroom.intake import Student
+from grader.classroom.intake.handed_in import Student
 from grader.lms.platform import SetAside
 from grader.lms.tables import csv_text
 

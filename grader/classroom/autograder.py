@@ -19,7 +19,8 @@ from typing import Any
 
 import msgspec
 
-from grader.classroom.intake import find_files, take_in_one
+from grader.classroom.intake.exercise_files import find_files
+from grader.classroom.intake.students import take_in_one
 from grader.classroom.marks import is_held, tasks_of, why_held
 from grader.classroom.results.files import write_text
 from grader.classroom.results.scores import mark_of

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import shutil
 import tempfile
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,12 +19,12 @@ from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.options import Options, refuse_another
 from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import judge_again
-from grader.classroom.results import ResultOptions, Written, column_titles
-from grader.classroom.results.options import OPTIONS, kept_text
+from grader.classroom.results.options import OPTIONS, ResultOptions, column_titles, kept_text
 from grader.classroom.results.similarity import compared
+from grader.classroom.results.write import Written
 from grader.classroom.row import StoredResult
 from grader.classroom.store import Store
-from grader.errors import InputError, naming_a_full_disk
+from grader.errors import naming_a_full_disk
 from grader.link.scratch import sweep
 
 NO_SPACE = (
@@ -33,10 +32,6 @@ NO_SPACE = (
     "{temporary}, and run the same command again: it resumes where it left off"
 )
 UNPACKED = ".unpacked"  # archives, during a run
-# Results are written while a batch runs, which takes up to ten seconds for 500 students.
-WRITE_EVERY, LONGEST = 60.0, 600.0  # [s] between two times
-PATIENCE = 10  # times as long as the last time took
-now = time.monotonic
 
 
 @dataclass(frozen=True)
@@ -102,7 +97,7 @@ def _autograde(
             for key, candidate in taken_in.candidates.items()
             if not only or not regrade or key[0] in only
         }
-        about = store, out, candidates, options, progress, writer.look
+        about = store, out, candidates, options, progress
         notes: list[str] = []
         try:
             if regrade:
@@ -131,38 +126,26 @@ def _students(words: Sequence[str], store: Store, taken_in: Class) -> set[str]:
 
 
 class _Writer:
-    """Writes the results while the batch runs, and when it is over."""
+    """Writes the results when the batch is over, or was interrupted."""
 
     def __init__(self, store: Store, out: Path, options: Options, taken_in: Class) -> None:
         self._store = store
         self._out = out
         self._options = options
         self._taken_in = taken_in
-        self._written = now()  # [s] when
-        self._took = 0.0  # [s]
         store.keep(OPTIONS, kept_text(self._wanted([])))  # for marks, after a kill, too
-
-    def look(self) -> None:
-        """Write what is there if the last time was long ago."""
-        if now() - self._written >= min(LONGEST, max(WRITE_EVERY, PATIENCE * self._took)):
-            with contextlib.suppress(InputError):  # it is said in the end
-                self.write([])
 
     def write(
         self, notes: Sequence[str], *, over: bool = False
     ) -> tuple[list[StoredResult], Written]:
         """Write all results; submissions are compared with each other only when all is over."""
-        begun = now()
         wanted = self._wanted(notes)
         self._store.keep(OPTIONS, kept_text(wanted))
         if over:
             every = self._taken_in.candidates.items()
             sources = {key: each.read()[0] for key, each in every if not each.absent}
             self._store.keep(ALIKE, msgspec.json.encode(compared(sources)).decode())
-        done = write_class(self._store, self._out, wanted)
-        self._written = now()
-        self._took = self._written - begun
-        return done
+        return write_class(self._store, self._out, wanted)
 
     def _wanted(self, notes: Sequence[str]) -> ResultOptions:
         return ResultOptions(

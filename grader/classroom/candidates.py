@@ -20,7 +20,9 @@ from grader.classroom.account import (
     student_lines,
 )  # fmt: skip
 from grader.classroom.conditions import HASHED, fingerprint, submission_hash
-from grader.classroom.intake import Found, Intake, Student, find_files, left_over, take_in
+from grader.classroom.intake.exercise_files import Found, find_files, left_over
+from grader.classroom.intake.handed_in import Student
+from grader.classroom.intake.students import Intake, take_in
 from grader.classroom.options import Options
 from grader.classroom.row import ABSENT
 from grader.classroom.store import Key, Store

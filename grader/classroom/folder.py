@@ -11,9 +11,11 @@ from pathlib import Path
 
 import msgspec
 
-from grader.classroom.amendments import active, amended, published
-from grader.classroom.results import ResultOptions, Written, write_results
+from grader.classroom.amendments.apply import amended, published
+from grader.classroom.amendments.log import active
+from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.similarity import Alike
+from grader.classroom.results.write import Written, write_results
 from grader.classroom.row import StoredResult
 from grader.classroom.store import Store
 from grader.errors import GraderError, InputError

@@ -6,7 +6,7 @@ import io
 import shutil
 import tarfile
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from grader.classroom import engine
@@ -38,11 +38,9 @@ class GradingRun:
         candidates: Mapping[Key, Candidate],
         options: Options,
         progress: Progress,
-        look: Callable[[], None] = lambda: None,
     ) -> None:
         self._store = store
         self._out = out
-        self._look = look  # called between units
         self._candidates = candidates
         self._options = options
         self._progress = progress
@@ -138,7 +136,6 @@ class GradingRun:
                 raise
             why = f"{type(error).__name__}: {error}"
             self._hold(unit.key, f"the result could not be stored ({why})")
-        self._look()
 
     def _follow(self, verdict: Verdict) -> None:
         """Do what follows from a round of canaries."""

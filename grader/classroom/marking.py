@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from grader.classroom.amendments import Change, Entry, Undo, Whom, active, amended, undone_by
-from grader.classroom.amendments.apply import version_of
+from grader.classroom.amendments.apply import amended, version_of
+from grader.classroom.amendments.change import Change, Undo, Whom
+from grader.classroom.amendments.log import Entry, active, undone_by
 from grader.classroom.amendments.people import find_student, nearest, the_student
 from grader.classroom.folder import locked, opened, write_class
 from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
-from grader.classroom.results import ResultOptions
-from grader.classroom.results.options import OPTIONS, kept_options
+from grader.classroom.results.options import OPTIONS, ResultOptions, kept_options
 from grader.classroom.row import StoredResult, as_graded
 from grader.classroom.store import Store
 from grader.errors import InputError, naming_a_full_disk

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from grader.classroom import engine
@@ -21,9 +21,8 @@ def judge_again(
     candidates: Mapping[Key, Candidate],
     options: Options,
     progress: Progress,
-    look: Callable[[], None] = lambda: None,
 ) -> None:
-    """Judge every submission that has recordings; `look` is called between two of them."""
+    """Judge every submission that has recordings."""
     old = {
         (one.student, one.exercise): one
         for one in store.results()
@@ -46,7 +45,6 @@ def judge_again(
         store.regraded(unit.key, grading, unjudged(grading), hashes[unit.key])
         score = f"{grading['score']}/{grading['max_score']}"
         progress.done(*unit.key, f"{score}, was {before.get('score', '-')}")
-        look()
 
     progress.begin(len(units))
     left = iter(units)

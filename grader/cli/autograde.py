@@ -108,7 +108,7 @@ def autograde(
     from grader.classroom.batch import looked_at  # noqa: PLC0415
     from grader.classroom.options import Options  # noqa: PLC0415
     from grader.classroom.progress import Progress, say  # noqa: PLC0415
-    from grader.classroom.results import ResultOptions, column_titles  # noqa: PLC0415
+    from grader.classroom.results.options import ResultOptions, column_titles  # noqa: PLC0415
     from grader.cli.batch import listing, summary  # noqa: PLC0415
     from grader.course.students import read_secret  # noqa: PLC0415
     from grader.lms.sheets import read_roster  # noqa: PLC0415

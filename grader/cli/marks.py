@@ -113,7 +113,7 @@ def set_(
     section: str, everybody: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Give a CHECK these POINTS, whatever it came to."""
-    from grader.classroom.amendments import SetCheck  # noqa: PLC0415
+    from grader.classroom.amendments.change import SetCheck  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
@@ -136,7 +136,7 @@ def waive(
     everybody: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Leave a CHECK out of score and maximum; the others count for more."""
-    from grader.classroom.amendments import Waive  # noqa: PLC0415
+    from grader.classroom.amendments.change import Waive  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
@@ -157,7 +157,7 @@ def score(
     everybody: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Give students these POINTS in an exercise, whatever was graded, or nothing handed in."""
-    from grader.classroom.amendments import Score  # noqa: PLC0415
+    from grader.classroom.amendments.change import Score  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
@@ -193,7 +193,7 @@ def late(
     Times are those of the platform, as far as it has told them, or of --times. Without --deadline
     only what the platform itself calls late is late, and counts as one day.
     """
-    from grader.classroom.amendments import Late  # noqa: PLC0415
+    from grader.classroom.amendments.change import Late  # noqa: PLC0415
     from grader.classroom.amendments.late import moment_of, span_of, times_of  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
@@ -226,7 +226,7 @@ def publish(
     everybody: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Copy feedback pages into FOLDER/published, and keep them in step; `undo` takes them back."""
-    from grader.classroom.amendments import Publish  # noqa: PLC0415
+    from grader.classroom.amendments.change import Publish  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
@@ -244,7 +244,7 @@ def publish(
 @_reason
 def undo(folder: Path, entry: int, why: str, by: str) -> int:
     """Have an ENTRY of the log no longer count. To bring it back, undo that."""
-    from grader.classroom.amendments import Undo  # noqa: PLC0415
+    from grader.classroom.amendments.change import Undo  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
@@ -274,7 +274,7 @@ def _told(done: Marked) -> int:
     """Say what a change came to, and return the exit code."""
     from rich.console import Console  # noqa: PLC0415
 
-    from grader.classroom.amendments import described  # noqa: PLC0415
+    from grader.classroom.amendments.log import described  # noqa: PLC0415
     from grader.classroom.progress import say  # noqa: PLC0415
 
     lines = []

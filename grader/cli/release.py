@@ -90,7 +90,7 @@ def _autograder(
     folder: Path, slugs: list[str], field: bool, hide: str | None, secret: Path | None
 ) -> int:
     from grader.authoring.gradescope import total_points, write_autograder  # noqa: PLC0415
-    from grader.classroom.results import ResultOptions  # noqa: PLC0415
+    from grader.classroom.results.options import ResultOptions  # noqa: PLC0415
     from grader.course.students import read_secret  # noqa: PLC0415
 
     if secret is not None:

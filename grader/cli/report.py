@@ -12,7 +12,7 @@ import click
 from grader.cli.results import FULL, JSON_STDOUT
 
 if TYPE_CHECKING:
-    from grader.classroom.amendments import Entry
+    from grader.classroom.amendments.log import Entry
     from grader.classroom.marking import Marking
 
 EXAMPLES = """\b
@@ -65,7 +65,7 @@ def _about(class_: Marking, student: str) -> list[str]:
 
 
 def _log(class_: Marking, entries: list[Entry]) -> list[str]:
-    from grader.classroom.amendments import described, undone_by  # noqa: PLC0415
+    from grader.classroom.amendments.log import described, undone_by  # noqa: PLC0415
     from grader.classroom.results.words import moment  # noqa: PLC0415
 
     if not entries:

@@ -12,8 +12,10 @@ import classes
 import payloads
 import pytest
 
-from grader.classroom.amendments import Entry, Undo, Waive
-from grader.classroom.results import ResultOptions, write_results
+from grader.classroom.amendments.change import Undo, Waive
+from grader.classroom.amendments.log import Entry
+from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.write import write_results
 from grader.report.page import page_html
 
 OpenFile = Callable[..., Any]

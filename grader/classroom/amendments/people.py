@@ -33,20 +33,18 @@ def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRo
     found = find_student(word, students, rows)
     if found is not None:
         return found
-    same = [s for s in students if _forms(word).intersection(map(folded, _names(s, rows.get(s))))]
-    if len(same) > 1:
-        raise InputError(
-            f"{one_line(word)!r} may be {' or '.join(map(one_line, same[:NEAR]))}: give the id"
-        )
-    called = [(name, s) for s in students for name in _names(s, rows.get(s))]
+    called = {
+        one_line(s) if name == s else f"{one_line(name)} ({one_line(s)})": name
+        for s in students
+        for name in _names(s, rows.get(s))
+    }
     parts = set(_parts(word))
-    like = {name for name, _ in called if parts.intersection(_parts(name))}
-    like = like or set(difflib.get_close_matches(word, [n for n, _ in called], NEAR, cutoff=0.5))
-    near = [f"{one_line(name)} ({one_line(s)})" for name, s in called if name in like and name != s]
-    near = near or [one_line(s) for _, s in called if s in like]
-    near = near[:NEAR]
-    hint = f"did you mean {' or '.join(near)}?" if near else "scores.csv lists all under `student`"
-    raise InputError(f"nobody in this class is {one_line(word)!r}; {hint}")
+    near = [shown for shown, name in called.items() if parts.intersection(_parts(name))]
+    if not near:
+        like = difflib.get_close_matches(word, called.values(), NEAR, cutoff=0.5)
+        near = [shown for shown, name in called.items() if name in like]
+    hint = f"did you mean {' or '.join(near[:NEAR])}?" if near else "scores.csv lists all students"
+    raise InputError(f"expected one student of this class, not {one_line(word)!r}; {hint}")
 
 
 def _parts(name: str) -> list[str]:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from grader.classroom.marks import tasks_of
-from grader.classroom.results import ResultOptions
+from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.scores import book_of, mark_of
 from grader.classroom.row import StoredResult
 from grader.lms.book import Book, Task

@@ -13,9 +13,7 @@ import pytest
 from fake_class import grading
 from made_results import check
 
-from grader.classroom.amendments import (
-    Whom,
-)
+from grader.classroom.amendments.change import Whom
 from grader.classroom.marking import marking
 from grader.classroom.work import Unit, UnitResult
 

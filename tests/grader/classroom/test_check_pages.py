@@ -6,7 +6,8 @@ from pathlib import Path
 
 from made_results import OBSTACLES, check, result
 
-from grader.classroom.results import ResultOptions, write_results
+from grader.classroom.results.options import ResultOptions
+from grader.classroom.results.write import write_results
 from grader.classroom.row import StoredResult
 
 HOSTILE = "</style><script>x</script> \u202e"

@@ -10,7 +10,8 @@ import pytest
 
 from grader.classroom.account import Account, Line
 from grader.classroom.candidates import OTHER_CLASS, Class, find_class
-from grader.classroom.intake import Intake, find_files, take_in
+from grader.classroom.intake.exercise_files import find_files
+from grader.classroom.intake.students import Intake, take_in
 from grader.classroom.options import Options
 from grader.cli.batch import listing
 from grader.lms.sheets import read_roster

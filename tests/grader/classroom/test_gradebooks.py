@@ -17,7 +17,8 @@ from made_results import check, result
 from grader.classroom.candidates import find_class
 from grader.classroom.marks import tasks_of
 from grader.classroom.options import Options
-from grader.classroom.results import ResultOptions, column_titles, write_results
+from grader.classroom.results.options import ResultOptions, column_titles
+from grader.classroom.results.write import write_results
 from grader.classroom.row import ABSENT, HELD, StoredResult
 from grader.errors import InputError
 from grader.lms.book import Book, Handed, StudentRow

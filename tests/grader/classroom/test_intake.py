@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.intake import Student, find_files, take_in
+from grader.classroom.intake.exercise_files import find_files
+from grader.classroom.intake.handed_in import Student
+from grader.classroom.intake.students import take_in
 from grader.course.submission import MAX_SIZE, read_regular_file
 from grader.errors import InputError
 from grader.lms import unpack

@@ -8,7 +8,9 @@ from pathlib import Path
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from grader.classroom.intake import Student, find_files, take_in
+from grader.classroom.intake.exercise_files import find_files
+from grader.classroom.intake.handed_in import Student
+from grader.classroom.intake.students import take_in
 
 AGENT = "agent.py"
 PIECES = (

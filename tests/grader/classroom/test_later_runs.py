@@ -10,7 +10,7 @@ import pytest
 from fake_class import FILE, SLUG, fair
 from marked_class import points, scores
 
-from grader.classroom.amendments import Score
+from grader.classroom.amendments.change import Score
 from grader.classroom.marking import marking
 from grader.errors import InputError
 from grader.lms.people import Roster

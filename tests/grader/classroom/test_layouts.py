@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.intake import Intake, find_files, take_in
+from grader.classroom.intake.exercise_files import find_files
+from grader.classroom.intake.students import Intake, take_in
 from grader.course.exercises import EXERCISES
 from grader.errors import InputError
 from grader.lms import unpack

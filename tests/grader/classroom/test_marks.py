@@ -14,18 +14,10 @@ from fake_class import FILE, SLUG, fair
 from made_results import result
 from marked_class import ANN, CHECKS, WHY, judged, payload, points, scores
 
-from grader.classroom.amendments import (
-    Entry,
-    Late,
-    Publish,
-    Score,
-    SetCheck,
-    Undo,
-    Waive,
-    Whom,
-    amended,
-)
+from grader.classroom.amendments.apply import amended
+from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Undo, Waive, Whom
 from grader.classroom.amendments.late import moment_of, span_of, times_of
+from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import the_student
 from grader.classroom.marking import marking, reading
 from grader.classroom.marks import points_of, tasks_of
@@ -134,7 +126,7 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
     with reading(graded) as class_:
         task = class_.exercise("")
         for words, section, everybody, said in (
-            (["anne"], "", False, "nobody in this class is 'anne'; did you mean ann?"),
+            (["anne"], "", False, "not 'anne'; did you mean ann?"),
             (["zzz"], "", False, "scores.csv lists all"),
             ([], "A", False, "unknown section 'A'; there are: none"),
             ([], "", False, "expected whom"),
@@ -158,7 +150,7 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
         ("ray, carla", ""),
         ("carla ray", ""),
         ("Lee", r"did you mean Ann Lee \(leeann_1\) or Ann Lee \(leeann_2\)\?"),
-        ("Ann Lee", "'Ann Lee' may be leeann_1 or leeann_2: give the id"),
+        ("Ann Lee", r"not 'Ann Lee'; did you mean Ann Lee \(leeann_1\) or Ann Lee \(leeann_2\)\?"),
         ("Ray", r"did you mean Carla Ray \(raycarla_3\)\?"),
     ],
 )

@@ -17,9 +17,11 @@ import pytest
 from made_results import book, check, classes, for_gradescope, result
 
 from grader.classroom.marks import points_of, tasks_of, why_held
-from grader.classroom.results import ResultOptions, write, write_results
+from grader.classroom.results import write
 from grader.classroom.results.items import distribution, item_analysis, point_biserial
+from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.scores import scores_csv
+from grader.classroom.results.write import write_results
 from grader.classroom.row import HELD, RUNNING, StoredResult
 from grader.lms.canvas import canvas_csv
 from grader.lms.clean import cell, one_line, visible

@@ -11,7 +11,8 @@ import pytest
 from made_results import classes
 
 from grader.classroom.batch import GradedClass
-from grader.classroom.results import Written, feedback, write, write_results
+from grader.classroom.results import feedback, write
+from grader.classroom.results.write import Written, write_results
 from grader.cli.batch import summary
 from grader.lms import PLATFORMS
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from made_results import check, result
 
-from grader.classroom.results import ResultOptions
+from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.withheld import for_students
 from grader.errors import InputError
 
