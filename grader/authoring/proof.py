@@ -5,8 +5,8 @@ that has to catch each (see `grader.authoring.mutants`). Other checks may fail w
 are only judged when all of the core passed, so a mutant names either kind.
 
 `python -m grader.authoring.proof [EXERCISE …]` prints which mutant is killed by which check;
-`--only NAME` proves one, `--workers N` says how many processes grade. At the end stands what a
-mistake costs; `--keep FILE` writes points, failed checks and cause of each claim.
+`--only NAME` proves one, `--workers N` says how many processes grade, `--keep FILE` writes points,
+failed checks and cause of each claim.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import msgspec
+
 from grader.authoring.claims import Claim, claims, grade_claim
-from grader.authoring.costs import Row, keep, print_costs
 from grader.authoring.gradings import gradings
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.errors import InputError
@@ -69,6 +70,33 @@ def unproven(claim: Claim, grading: Grading) -> str:
     if claim.kind == "mutant":
         return ", ".join(sorted(claim.fails & set(absent)))
     return f"{sum(absent.values())} points" if absent and claim.kind != "skeleton" else ""
+
+
+class Row(msgspec.Struct, frozen=True):
+    """A claim, and what its grading came to."""
+
+    exercise: str
+    kind: str  # reference, variant, mutant or skeleton
+    name: str
+    mistake: str
+    points: int
+    most: int  # that could be won on this machine
+    fails: tuple[str, ...]  # ids of checks
+    cause: str  # the line above the table; "" if there is none
+
+    @classmethod
+    def of(cls, kind: str, name: str, mistake: str, grading: Grading) -> Row:
+        """Return the row of a graded claim."""
+        return cls(
+            grading.exercise.slug,
+            kind,
+            name,
+            mistake,
+            grading.score,
+            grading.max_score,
+            tuple(sorted(check.id for check in grading.checks if check.outcome == FAIL)),
+            "" if grading.cause is None else grading.cause.text,
+        )
 
 
 @dataclass
@@ -131,7 +159,6 @@ def main(arguments: list[str]) -> int:
     killed, mutants = sum(t.killed for t in tallies), sum(t.mutants for t in tallies)
     print(f"  {'together':24} {killed:6} {mutants:3}")
     rows = [row for tally in tallies for row in tally.rows.values()]
-    print_costs(rows)
     if options.keep:
         keep(options.keep, rows)
     _print_list("Mutants that do not fail as they say", [x for t in tallies for x in t.uncaught])
@@ -161,6 +188,12 @@ def _prove_one(name: str, exercises: list[Exercise], kept: KeptRecordings) -> in
 def _print_list(title: str, lines: list[str]) -> None:
     print(f"\n{title}: {'none' if not lines else len(lines)}")
     print("".join(f"  {line}\n" for line in lines), end="")
+
+
+def keep(path: Path, rows: Iterable[Row]) -> None:
+    """Write rows as JSON, one a line."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(b"".join(msgspec.json.encode(row) + b"\n" for row in rows))
 
 
 def _prove(exercise: Exercise, claimed: list[Claim], graded: Iterator[Grading]) -> Tally:

@@ -83,20 +83,6 @@ def row(page: Any, text: str) -> Any:
     return found
 
 
-def test_it_opens_within_jupyterlab(browser: Any, server: Server) -> None:
-    with tab(browser, server, **WIDE) as opened:
-        page = opened.page
-        page.goto(server.address("lab"))
-        page.get_by_role("menuitem", name="Nbgrader", exact=True).click()
-        page.get_by_role("menuitem", name="Formgrader", exact=True).click()
-
-        frame = page.frame_locator("iframe[src*='formgrader']")
-
-        cells = frame.locator("table tbody tr", has_text=NAME)
-        cells.wait_for()
-        assert cells.locator(".num-submissions").inner_text() == "2"
-
-
 def test_the_button_grades_as_the_command_does(page: Any, course: Path, server: Server) -> None:
     page.goto(server.address(f"formgrader/manage_submissions/{NAME}"))
     assert row(page, "ada").locator(".score").inner_text() == "90 / 100"

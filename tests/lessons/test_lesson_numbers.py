@@ -172,14 +172,3 @@ def test_programs_have_the_numbers_of_the_contract(name: str) -> None:
     )
     for form, key, scale in IN_PROGRAMS[name]:
         assert form.format(NUMBERS[key].value * scale) in texts
-
-
-def test_the_index_lists_every_page_and_its_minutes() -> None:
-    index = (LESSONS / "index.md").read_text("utf-8")
-    rows = dict(re.findall(r"^\| \[[^\]]+\]\((\w+)\.md\) \| (\d+) \|", index, re.MULTILINE))
-    listed = set(re.findall(r"^\| \[[^\]]+\]\((\w+)\.md\)", index, re.MULTILINE))
-    assert {page.stem for page in PAGES} == listed | {"index", "glossary"}
-    assert sum(int(minutes) for minutes in rows.values()) == 110
-    assert "about 110 minutes" in index
-    for page, minutes in rows.items():
-        assert f"*{minutes} minutes*" in (LESSONS / f"{page}.md").read_text("utf-8"), page

@@ -143,11 +143,6 @@ def test_a_mistake_is_named(exercise: Exercise, old: str, new: str, message: str
     assert message in str(caught.value)
 
 
-def test_an_unknown_mutant_is_answered_with_the_nearest(exercise: Exercise) -> None:
-    with pytest.raises(InputError, match=r"no mutant 'narow'; did you mean 'narrow'\?"):
-        find_mutant(exercise, "narow")
-
-
 # --- the command ----------------------------------------------------------------------------------
 
 

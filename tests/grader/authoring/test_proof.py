@@ -8,11 +8,12 @@ field in `make test-long`.
 from collections.abc import Iterator
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from grader.authoring import proof
 from grader.authoring.claims import Claim, claim_of, claims, complete, cover, grade_claim
-from grader.authoring.proof import main, objections, unproven
+from grader.authoring.proof import Row, keep, main, objections, unproven
 from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
 from grader.grading.grading import Grading, grade
@@ -266,3 +267,17 @@ def test_what_can_not_be_proven_is_said_in_a_line(
         main(arguments)
     assert ended.value.code == 2
     assert said in capsys.readouterr().err
+
+
+def test_claims_are_kept_one_a_line(pair: Exercise, tmp_path: Path) -> None:
+    file = tmp_path / "build" / "proof.jsonl"
+    rows = [
+        Row.of(
+            "mutant", name, "Asks wrong.", graded(named(pair, name), answers="pass", asks="fail")
+        )
+        for name in ("asks_wrong", "shy")
+    ]
+    keep(file, rows)
+    lines = file.read_bytes().splitlines()
+    assert [msgspec.json.decode(line, type=Row) for line in lines] == rows
+    assert (rows[0].points, rows[0].most, rows[0].fails) == (50, 100, ("asks",))

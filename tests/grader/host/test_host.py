@@ -141,37 +141,6 @@ def test_sleep_blocks_one_thread_and_callback_groups_keep_the_control_rate(
     np.testing.assert_allclose(measured, 0.2, atol=1e-9)  # as a profiler in the node sees it
 
 
-def test_all_clocks_agree(run_node: RunNode) -> None:
-    recording = run_node("""
-        from rclpy.clock import Clock, ClockType
-        class Clocks(Echo):
-            def on_scan(self, scan):
-                ros = self.get_clock().now().nanoseconds
-                stamp = scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec
-                system = Clock(clock_type=ClockType.SYSTEM_TIME).now().nanoseconds
-                print(ros - stamp, system - ros, time.time_ns() - ros)
-        rclpy.init(); rclpy.spin(Clocks())
-    """)
-
-    lines = [line.text for line in recording.log if line.level == "stdout"]
-    assert lines == ["0 0 0"] * 20
-
-
-def test_a_busy_wait_costs_time(run_node: RunNode) -> None:
-    recording = run_node("""
-        class Busy(Echo):
-            def on_scan(self, scan):
-                end = time.monotonic() + 0.05
-                while time.monotonic() < end:
-                    pass
-                self.publisher.publish(Twist())
-        rclpy.init(); rclpy.spin(Busy())
-    """)
-
-    delay = recording.times("/cmd_vel") - recording.times("/scan")
-    np.testing.assert_allclose(delay, 0.05, atol=0.002)
-
-
 def test_parameters_and_remapping_come_from_the_command_line(run_node: RunNode) -> None:
     source = """
         class Parametrised(Echo):

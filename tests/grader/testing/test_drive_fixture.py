@@ -76,10 +76,8 @@ TESTS = """
         assert wall.report(tmp_path / "run.html").stat().st_size > 100_000
 
 
-
     def test_failure_of_a_shared_run(wall):
         assert wall.clearance.min() > 9.0
-
 
 
     def test_parameters_and_stamps(drive):
@@ -103,7 +101,6 @@ TESTS = """
         assert run.scans()[0].angle_min == 0.0
 
 
-
     def test_a_dead_node(drive):
         run = drive("dies.py", scenario="avoid_wall")
         assert run.outcome.kind == "exception" and run.t[-1] < 2.0 and len(run.scans()) == 5
@@ -122,7 +119,6 @@ TESTS = """
 
     def test_no_scenario(drive):
         drive("my_agent.py", scenario="avoid_well")
-
 
 
     def test_no_duration(drive):

@@ -84,10 +84,6 @@ RIGHT = """
         assert len(heard) == 6 and heard[-1].data == "6"
 
 
-
-
-
-
     @pytest.mark.virtual_time
     def test_the_mark_is_enough():
         began = time.monotonic()
@@ -106,8 +102,6 @@ RIGHT = """
             assert not rclpy.ok()
 
 
-
-
     class TestInAClass:
         @pytest.mark.parametrize("text", ["a b", "c::d", "e/f"])
         def test_with_fixtures(self, virtual_time, of_the_module, text, tmp_path, monkeypatch):
@@ -116,7 +110,6 @@ RIGHT = """
             assert os.environ["HERE"] == (tmp_path / "file").read_text()
             assert of_the_module == ["module"]
             assert os.environ["OF_THE_STUDENT"] == "yes"
-
 
 
     @pytest.mark.xfail(strict=True)
@@ -201,7 +194,6 @@ WRONG = """
         with virtual_time() as world:
             world.run(until=1.0)
             world.publish("/in", String(), at=0.5)
-
 
 
     def test_goes_back(virtual_time):
