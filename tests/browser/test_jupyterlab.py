@@ -22,7 +22,6 @@ from nbgrader_kit import FULL, cell_named, fill, make_course, released, solution
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
-from grader.nbgrader.cells import wanted
 
 NEEDED = ("jupyterlab", "ipykernel", "nbgrader", "matplotlib")
 LACKS = [name for name in NEEDED if find_spec(name) is None]
@@ -169,23 +168,6 @@ def change_theme(page: Any, name: str) -> None:
 
 
 # --- the solution --------------------------------------------------------------------------
-
-
-def test_every_check_passes(right: Opened) -> None:
-    assert complaints_in_cells(right) == []
-    asked = [wanted(source_of(cell)) for cell in right.cells]
-    assert sum(len(want.checks) > 0 for want in asked if want) == 5
-    for number, want in enumerate(asked):
-        if want is None:
-            continue
-        cell = right.cell(number)
-        assert set(chips(cell)) == {"✓ pass"}, want
-        assert len(chips(cell)) >= max(1, len(want.checks))
-    every = right.beginning(f'check("{SLUG}", field=True)')
-    assert set(chips(every)) == {"✓ pass"}
-    said = every.text_content()
-    assert "100 / 100" in said
-    assert "field-ready" in said.lower()
 
 
 def test_a_replay_plays(right: Opened) -> None:

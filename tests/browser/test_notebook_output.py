@@ -9,7 +9,7 @@ from typing import Any
 
 import payloads
 import pytest
-from frames import colours, value, wait_until
+from frames import colours, wait_until
 
 from grader.notebook.frame import frame_html
 from grader.notebook.report import CheckReport
@@ -84,14 +84,6 @@ def test_nothing_of_the_replay_is_cut_off(open_output: Open, width: int) -> None
             "(part) => document.querySelector(part).getBoundingClientRect().bottom", part
         )
         assert bottom <= inner, part
-
-
-def test_it_stands_at_the_first_failing_moment(open_output: Open) -> None:
-    frame = frame_in(open_output(frame_html(PAGE, title="Replay")))
-
-    moment = payloads.wall_run()["moments"][0]
-    assert value(frame, "time") == pytest.approx(moment["t"])
-    assert moment["title"] in frame.locator(".annotation").inner_text()
 
 
 def test_the_frame_cannot_reach_the_notebook(open_output: Open) -> None:

@@ -129,14 +129,8 @@ def test_n_and_p_walk_through_the_moments(open_page: Open) -> None:
     assert value(page, "time") == pytest.approx(first)
 
 
-def test_every_control_can_be_reached_and_has_a_name(open_page: Open) -> None:
+def test_the_slider_follows_the_mouse_and_the_keyboard(open_page: Open) -> None:
     page = at_start(open_page(payloads.failing_page()))
-    nameless = page.evaluate(
-        """[...document.querySelectorAll('button, select, [role=slider], canvas, summary')]
-        .filter((e) => !(e.getAttribute('aria-label') || e.textContent.trim()).length)
-        .map((e) => e.outerHTML)"""
-    )
-    assert nameless == []
     slider = page.get_by_role("slider")
     box = slider.bounding_box()
     page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)

@@ -17,7 +17,6 @@ from grader.authoring.pitfalls import (
     NODES,
     PITFALLS,
     Pitfall,
-    drive,
     made,
     main,
     replay,
@@ -107,13 +106,6 @@ def test_a_replay_is_small_and_names_no_machine(runs: Runs, pitfall: Pitfall, no
     html = replay(pitfall, runs.of(pitfall.name, node))
     assert len(html.encode()) < LARGEST
     assert [word for word in (str(ROOT), "site-packages", "dist-packages") if word in html] == []
-
-
-def test_two_runs_give_the_same_replay(runs: Runs, forkserver: ForkServer) -> None:
-    pitfall = BY_NAME["left_right_swapped"]
-    node = "left_right_swapped_wrong"
-    again = replay(pitfall, drive(pitfall, node, forkserver))
-    assert again == replay(pitfall, runs.of(pitfall.name, node))
 
 
 def test_other_arguments_are_refused() -> None:

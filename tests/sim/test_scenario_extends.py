@@ -7,8 +7,7 @@ import pytest
 
 from sim.errors import InputError
 from sim.scenario import Scenario
-from sim.scenario_files import load_scenario, scenario_from_toml, scenario_names
-from sim.toml_input import parse_toml, read_toml
+from sim.scenario_files import load_scenario, scenario_from_toml
 from sim.world import load_world
 
 BASE = """
@@ -154,14 +153,3 @@ def test_a_mistake_of_the_base_is_named_in_its_file(course: Path) -> None:
     assert str(caught.value) == (
         f"{course / 'wall.toml'}: unknown key 'robot.raduis'; did you mean 'radius'?"
     )
-
-
-# --- the scenarios of the course -----------------------------------------------------------------
-
-
-def test_a_scenario_of_the_course_extends_one_of_its_own_exercise() -> None:
-    paths = scenario_names()
-    bases = {name: parse_toml(read_toml(path), name).get("extends") for name, path in paths.items()}
-    extending = {name: base for name, base in bases.items() if base}
-    assert len(extending) > 50
-    assert [n for n, base in extending.items() if paths[base].parent != paths[n].parent] == []

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from grader.authoring.carried import built_wheel, carried, what_lacks
-from grader.errors import InputError
 from grader.notebook.bootstrap import BOOTSTRAP
 
 ADDRESS = "https://university.example/rclpy_agents_course-0.1.0-py3-none-any.whl"
@@ -51,12 +50,3 @@ def test_it_is_said_what_notebooks_will_lack(root: Path) -> None:
     assert built_wheel(root) is None
     assert "the notebooks will ask for it; run `make wheel`" in what_lacks(None, "", root)
     assert what_lacks(None, ADDRESS, root) == ""
-
-
-def test_the_notebooks_are_told_an_address() -> None:
-    found = carried(FILES, None, ADDRESS)
-    (cell,) = json.loads(found["notebooks/01_loop.ipynb"])["cells"]
-    assert f'os.environ.get("COURSE_SOURCE") or "{ADDRESS}"\n' in "".join(cell["source"])
-    assert found["lesson/index.html"] == b"<p>"
-    with pytest.raises(InputError, match="--source 'here': expected the address"):
-        carried(FILES, None, "here")

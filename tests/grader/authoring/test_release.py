@@ -9,7 +9,6 @@ import shutil
 import subprocess
 import sys
 import tomllib
-import zipfile
 from collections.abc import Collection
 from pathlib import Path
 
@@ -235,16 +234,6 @@ def test_what_was_made_in_the_checkout_stays_there(tmp_path: Path) -> None:
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).touch()
     assert [*_walk(tmp_path)] == [tmp_path / "room/a.py"]
-
-
-@pytest.mark.long
-def test_the_archive_is_the_folder_and_the_same_each_time(released: Path, tmp_path: Path) -> None:
-    packed = released.with_name("course.zip")
-    with zipfile.ZipFile(packed) as archive:
-        names = {name.removeprefix("course/") for name in archive.namelist()}
-    assert names == files(released)
-    release(tmp_path / "course", archive=True)
-    assert (tmp_path / "course.zip").read_bytes() == packed.read_bytes()
 
 
 @pytest.mark.long

@@ -102,12 +102,6 @@ def test_every_way_of_spinning_answers_every_scan(style: str, run_node: RunNode)
     assert delay.max() <= 0.011
 
 
-def test_same_node_same_recording(run_node: RunNode) -> None:
-    for style in ("worker thread and queue", "MultiThreadedExecutor", "ThreadPoolExecutor"):
-        digests = {run_node(SPINNING[style]).digest() for _ in range(2)}
-        assert len(digests) == 1, style
-
-
 SLEEPY = """
     class Sleepy(Node):
         def __init__(self, *groups):

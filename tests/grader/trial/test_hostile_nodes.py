@@ -61,22 +61,6 @@ def test_a_start_up_has_one_limit_however_often_it_asks(run_node: RunNode) -> No
     assert recording.outcome.kind == "hung"
 
 
-def test_a_full_folder_ends_the_trial(run_node: RunNode) -> None:
-    recording = run_node("""
-        class Hoarder(Echo):
-            def on_scan(self, scan):
-                self.count = getattr(self, 'count', 0) + 1
-                try:
-                    for i in range(1_000): open(f'{self.count}_{i}', 'wb').close()
-                except OSError: pass
-        rclpy.init(); rclpy.spin(Hoarder())
-    """)
-
-    assert recording.outcome.kind == "flooded"
-    assert "5,000 files" in recording.outcome.text
-    assert 0.1 < recording.outcome.at < 1.0
-
-
 ATTACKS = {
     "writes garbage": "for fd in range(3, 21): write(fd, b'garbage' * 100)",
     "writes large lengths": "for fd in range(3, 21): write(fd, bytes([255] * 4))",
@@ -116,14 +100,6 @@ def test_attacks_on_the_link_end_the_trial(run_node: RunNode, attack: str) -> No
 
     assert recording.outcome.completed if harmless else recording.outcome.kind in ENDS
     assert all(message.type == TWIST for message in recording.published)
-
-
-def test_the_next_trial_knows_nothing_of_an_attack(run_node: RunNode) -> None:
-    source = "rclpy.init(); rclpy.spin(Echo())"
-    before = run_node(source).digest()
-    run_node("for fd in range(3, 21):\n    try: os.write(fd, b'x' * 99)\n    except OSError: pass")
-
-    assert run_node(source).digest() == before
 
 
 def test_a_node_can_not_write_into_the_bags_own_topics(run_node: RunNode) -> None:
