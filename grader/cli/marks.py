@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import getpass
 import math
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from grader.classroom.marking import Marked
 
 MOST = 20  # lines
-_NEGATIVE = re.compile(r"-\d[\d.,]*%?")  # an option begins with a letter
 EXAMPLES = """\b
 Examples:
   course marks waive graded blind --exercise 1 --all --why "the task was unclear"
@@ -59,17 +57,6 @@ class _Number(click.ParamType[float]):
         return self.fail(f"{value!r}: expected a number {most}, such as 8.5", param, ctx)
 
 
-class _Points(click.Command):
-    """A command with a number of points: a negative one is a number, not an unknown option."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse; a number with a sign goes to the check of numbers."""
-        for argument in args:
-            if _NEGATIVE.fullmatch(argument):
-                _Number().convert(argument, None, ctx)
-        return super().parse_args(ctx, args)
-
-
 def _whom(command: Command) -> Command:
     """Add the options that say whom a change is about."""
     for option in (
@@ -101,7 +88,7 @@ def marks() -> None:
     """
 
 
-@marks.command("set", cls=_Points)
+@marks.command("set")
 @folder
 @click.argument("check")
 @click.argument("points", type=_Number())
@@ -146,7 +133,7 @@ def waive(
         return _told(class_.add(Waive(task.slug, check, whom), _who(by), why))
 
 
-@marks.command(cls=_Points)
+@marks.command()
 @folder
 @click.argument("points", type=_Number())
 @exercise
