@@ -5,30 +5,30 @@ from dataclasses import replace
 
 import pytest
 
-from grader.exercises.safety_supervisor.rules import Situation, decisions
+from grader.exercises.safety_supervisor.rules import Situation, command, right_reasons
 
 NAN = (math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
 FREE = Situation(False, (0.5, 0.0, 0.0, 0.0, 0.0, 1.9), 0.1, (2.0,), 0.1)
 
 
 def reasons(situation: Situation) -> set[str]:
-    return {decision.reason for decision in decisions(situation, last=0.5)}
+    return set(right_reasons(situation, fastest=0.545))
 
 
 @pytest.mark.parametrize(
     ("situation", "right"),
     [
         (FREE, {"ok"}),
-        (replace(FREE, e_stop=True, asked=NAN, command_age=9.0), {"e_stop"}),
-        (replace(FREE, asked=NAN, command_age=9.0, scan_age=9.0), {"bad_command"}),
-        (replace(FREE, asked=None, command_age=math.inf, scan_age=9.0), {"stale_command"}),
+        (replace(FREE, e_stop=True, raw=NAN, command_age=9.0), {"e_stop"}),
+        (replace(FREE, raw=NAN, command_age=9.0, scan_age=9.0), {"bad_command"}),
+        (replace(FREE, raw=None, command_age=math.inf, scan_age=9.0), {"stale_command"}),
         (replace(FREE, command_age=0.56), {"stale_command"}),
         (replace(FREE, command_age=0.44), {"ok"}),
         (replace(FREE, command_age=0.52), {"stale_command", "ok"}),
-        (replace(FREE, distances=(0.4,), asked=(0.8, 0.0, 0.0, 0.0, 0.0, 3.0)), {"obstacle"}),
+        (replace(FREE, distances=(0.4,), raw=(0.8, 0.0, 0.0, 0.0, 0.0, 3.0)), {"obstacle"}),
         (replace(FREE, distances=(0.5,)), {"ok"}),
         (replace(FREE, distances=(0.5005,)), {"obstacle", "ok"}),
-        (replace(FREE, distances=(0.4,), asked=(-0.8, 0.0, 0.0, 0.0, 0.0, 0.0)), {"limited"}),
+        (replace(FREE, distances=(0.4,), raw=(-0.8, 0.0, 0.0, 0.0, 0.0, 0.0)), {"limited"}),
     ],
 )
 def test_the_first_rule_that_matches_gives_the_reason(
@@ -38,5 +38,14 @@ def test_the_first_rule_that_matches_gives_the_reason(
 
 
 def test_just_as_asked_and_just_limited_look_alike() -> None:
-    asked = replace(FREE, asked=(0.145, 0.0, 0.0, 0.0, 0.0, 1.9))
-    assert {decision.reason for decision in decisions(asked, last=0.1)} == {"ok", "limited"}
+    asked = replace(FREE, raw=(0.145, 0.0, 0.0, 0.0, 0.0, 1.9))
+    assert set(right_reasons(asked, fastest=0.145)) == {"ok", "limited"}
+
+
+@pytest.mark.parametrize(
+    ("reason", "right"),
+    [("e_stop", (0.0, 0.0)), ("obstacle", (0.0, 1.9)), ("limited", (0.145, 1.9))],
+)
+def test_a_reason_gives_the_command(reason: str, right: tuple[float, float]) -> None:
+    too_much = replace(FREE, raw=(0.8, 0.0, 0.0, 0.0, 0.0, 3.0))
+    assert command(reason, too_much, fastest=0.145) == right
