@@ -100,16 +100,15 @@ def bad_input(recording: Recording) -> dict[str, list[float]]:
     return {name: [row[0] for row in rows if not _is_finite(row)] for name, rows in came}
 
 
-def seeking(recording: Recording) -> list[tuple[float, float]]:
-    """Return from when to when the node has something to do [s]: until it knows of its arrival."""
+def seeking(recording: Recording) -> Iterator[tuple[float, float]]:
+    """Yield from when to when the node has something to do [s]: until it knows of its arrival."""
     run = _Run(recording)
-    spans: list[tuple[float, float]] = []
+    begin = run.ready
     for quest in run.quests:
-        begin = max(quest.begin, run.ready)
-        if spans and spans[-1][1] == quest.begin:  # on the way to another goal
-            begin = spans.pop()[0]
-        spans.append((begin, min(quest.end, run.arrival(quest))))
-    return spans
+        end = min(quest.end, run.arrival(quest))
+        if end < quest.end or quest is run.quests[-1]:
+            yield begin, end
+            begin = quest.end
 
 
 class _Run:

@@ -60,7 +60,6 @@ def right_numbers(recording: Recording, time: float) -> list[tuple[Numbers, Numb
     return found
 
 
-@lru_cache(maxsize=4096)  # a node may report very often
 def numbers(latencies: tuple[float, ...], deadline: float) -> Numbers:
     """Return the eight values and the level, of a window of calls [ms]."""
     if not latencies:

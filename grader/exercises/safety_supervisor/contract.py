@@ -24,10 +24,10 @@ from grader.exercises.safety_supervisor.rules import (
     PASSES_ON,
     STOPS,
     TOLERANCE,
+    Decision,
     Situation,
-    command,
+    decisions,
     matching,
-    right_reasons,
 )
 from grader.recording import Recording, Scan
 from sim.messages import BOOL, CMD_VEL_RAW_TOPIC, E_STOP_TOPIC, decode, twist_from_cdr
@@ -92,49 +92,41 @@ def _ticks(recording: Recording, reports: list[Report]) -> Iterator[Case]:
     last = 0.0  # [m/s] linear.x of the command before
     before = frozenset[str]()  # the reasons of the last tick
     for t, row, count in _in_force(recording):
-        now, fastest = sent.by(t, t), max(0.0, last) + MAX_RISE
-        right = [
-            (reason, situation)
-            for situation in (now, sent.by(t - ARRIVAL_HAIR - recording.slack, t))
-            for reason in right_reasons(situation, fastest)
-        ]
-        speeds, turn_rates = zip(*(command(*each, fastest) for each in right), strict=True)
-        reasons = frozenset(reason for reason, _ in right)
-        only = reasons if len(reasons) == 1 else frozenset()
-        passed = reasons.issubset(PASSES_ON)
-        rising = any(command(*each, fastest) != command(*each, math.inf) for each in right)
-        slower = all(speed < max(0.0, last) or speed < 0.0 for speed in speeds)
-        settled = t - max(begin for begin in begins if begin <= t) >= SETTLED
-        holds = {
-            "rising": passed and rising,
-            "slower": passed and slower,
-            "settled": settled and not rising,
-        }
+        now, earlier = sent.by(t, t), sent.by(t - ARRIVAL_HAIR - recording.slack, t)
+        right = [*decisions(now, last), *decisions(earlier, last)]
         reported = _newest(reports, t + ZERO)[1] or {}
         said = {**_command(row), **reported} if row else {}
-        yield Case(
-            at=t,
-            what=now.what,
-            tags=only | {tag for tag, hold in holds.items() if hold},
-            allowed={
-                "linear.x": exactly(*dict.fromkeys(speeds)),
-                "angular.z": exactly(*dict.fromkeys(turn_rates)),
-            },
-            said=said,
-            count=count,
-        )
+        settled = t - max(begin for begin in begins if begin <= t) >= SETTLED
+        tags = frozenset(_tags(right, last, settled=settled))
+        speeds, turn_rates = {each.speed for each in right}, {each.turn_rate for each in right}
+        allowed = {"linear.x": exactly(*speeds), "angular.z": exactly(*turn_rates)}
+        yield Case(t, now.what, tags, allowed, said, count)
         if count:
-            most = {"linear.x": ((-math.inf, fastest + TOLERANCE),)}
+            most = {"linear.x": ((-math.inf, max(0.0, last) + MAX_RISE + TOLERANCE),)}
             yield Case(t, now.what, frozenset({"rise"}), most, said)
         asked = {"driving": speeds, "turning": turn_rates}
         if moving := {name: YES for name, numbers in asked.items() if 0.0 not in numbers}:
-            yield Case(t, now.what, only | {"moves"}, moving, said)
+            yield Case(t, now.what, frozenset({"moves", *LEVELS.keys() & tags}), moving, said)
+        reasons = frozenset(each.reason for each in right)
         if t > SETTLED:  # a new reason is due at the next tick
             sure = [reason for reason, matches in matching(now).items() if matches == {True}]
             tag = "first" if len(sure) > 2 else "alone"  # "ok" is always among them
-            due = {"reason": reasons | before}
-            yield Case(t, now.what, frozenset({tag}), due, reported)
+            yield Case(t, now.what, frozenset({tag}), {"reason": reasons | before}, reported)
         last, before = row[0] if row and math.isfinite(row[0]) else 0.0, reasons
+
+
+def _tags(right: list[Decision], last: float, *, settled: bool) -> Iterator[str]:
+    reasons = {decision.reason for decision in right}
+    rising = any(decision.rising for decision in right)
+    if len(reasons) == 1:
+        yield from reasons
+    if settled and not rising:
+        yield "settled"
+    if reasons.issubset(PASSES_ON):
+        if rising:
+            yield "rising"
+        if all(decision.speed < max(0.0, last) or decision.speed < 0.0 for decision in right):
+            yield "slower"
 
 
 def _command(row: list[float]) -> dict[str, Said]:

@@ -1,4 +1,4 @@
-"""The rules of safety_supervisor: which reasons are right, given what a node has been sent."""
+"""The rules of safety_supervisor: which decisions are right, given what a node has been sent."""
 
 from __future__ import annotations
 
@@ -12,13 +12,22 @@ from grader.checks.commands import FIELDS
 LONGEST_SILENCE = 0.5  # [s]
 AGE_HAIR = 0.05  # [s] ages this near to the limit may fall on either side
 STOP_DISTANCE = 0.5  # [m]
-MAX_SPEED = 0.5  # [m/s]
-MAX_TURN_RATE = 1.9  # [rad/s]
+LIMITS = MAX_SPEED, MAX_TURN_RATE = 0.5, 1.9  # [m/s] and [rad/s]
 MAX_RISE = 0.045  # [m/s] of linear.x in a tick
 TOLERANCE = 1e-3  # [m/s] of a speed that is just as asked, or just limited
 
 STOPS = ("e_stop", "bad_command", "stale_command", "stale_scan")
 PASSES_ON = ("limited", "ok")
+
+
+@dataclass(frozen=True)
+class Decision:
+    """One right command, and the reason for it."""
+
+    reason: str
+    speed: float = 0.0  # [m/s]
+    turn_rate: float = 0.0  # [rad/s]
+    rising: bool = False  # linear.x gets faster, and the acceleration limit holds it back
 
 
 @dataclass(frozen=True)
@@ -82,24 +91,23 @@ def matching(situation: Situation, fastest: float = math.inf) -> dict[str, set[b
     }
 
 
-def right_reasons(situation: Situation, fastest: float) -> Iterator[str]:
-    """Yield the first rule that matches; more where a limit is too near to tell."""
+def decisions(situation: Situation, last: float) -> Iterator[Decision]:
+    """Yield what is right after a last speed [m/s]; several where a limit is too near to tell."""
+    fastest = max(0.0, last) + MAX_RISE
+    speed, turn_rate = (_clamp(*pair) for pair in zip(situation.asked, LIMITS, strict=True))
     for reason, matches in matching(situation, fastest).items():
-        if True in matches:
-            yield reason
+        if True in matches and reason in STOPS:
+            yield Decision(reason)
+        elif True in matches and reason == "obstacle":
+            yield Decision(reason, 0.0, turn_rate)
+        elif True in matches:
+            yield Decision(reason, min(speed, fastest), turn_rate, speed > fastest)
         if matches == {True}:
             return
 
 
-def command(reason: str, situation: Situation, fastest: float) -> tuple[float, float]:
-    """Return linear.x [m/s] and angular.z [rad/s] that a reason asks for."""
-    if reason in STOPS:
-        return 0.0, 0.0
-    speed, turn_rate = situation.asked
-    turn_rate = min(max(turn_rate, -MAX_TURN_RATE), MAX_TURN_RATE)
-    if reason == "obstacle":
-        return 0.0, turn_rate
-    return min(max(speed, -MAX_SPEED), MAX_SPEED, fastest), turn_rate
+def _clamp(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
 
 
 def _is_old(age: float) -> set[bool]:

@@ -85,4 +85,4 @@ def test_a_pose_of_nan_changes_nothing(said: Rows, ok: bool) -> None:
 
 def test_the_way_ends_on_arrival_and_goes_on_to_a_newer_goal() -> None:
     two = [(0.5, 2.0, 0.0), (1.5, 2.0, 0.1), (3.0, 9.0, 9.0)]
-    assert seeking(recorded(WAY, two)) == [(1.0, 2.0), (3.0, 6.0)]
+    assert list(seeking(recorded(WAY, two))) == [(1.0, 2.0), (3.0, 6.0)]

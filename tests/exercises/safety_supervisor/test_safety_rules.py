@@ -2,17 +2,18 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
-from grader.exercises.safety_supervisor.rules import Situation, command, right_reasons
+from grader.exercises.safety_supervisor.rules import Decision, Situation, decisions
 
 NAN = (math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
 FREE = Situation(False, (0.5, 0.0, 0.0, 0.0, 0.0, 1.9), 0.1, (2.0,), 0.1)
 
 
 def reasons(situation: Situation) -> set[str]:
-    return set(right_reasons(situation, fastest=0.545))
+    return {decision.reason for decision in decisions(situation, last=0.5)}
 
 
 @pytest.mark.parametrize(
@@ -39,13 +40,17 @@ def test_the_first_rule_that_matches_gives_the_reason(
 
 def test_just_as_asked_and_just_limited_look_alike() -> None:
     asked = replace(FREE, raw=(0.145, 0.0, 0.0, 0.0, 0.0, 1.9))
-    assert set(right_reasons(asked, fastest=0.145)) == {"ok", "limited"}
+    assert {decision.reason for decision in decisions(asked, last=0.1)} == {"ok", "limited"}
 
 
 @pytest.mark.parametrize(
-    ("reason", "right"),
-    [("e_stop", (0.0, 0.0)), ("obstacle", (0.0, 1.9)), ("limited", (0.145, 1.9))],
+    ("situation", "right"),
+    [
+        ({"e_stop": True}, Decision("e_stop")),
+        ({"distances": (0.4,)}, Decision("obstacle", 0.0, 1.9)),
+        ({}, Decision("limited", 0.045, 1.9, rising=True)),
+    ],
 )
-def test_a_reason_gives_the_command(reason: str, right: tuple[float, float]) -> None:
-    too_much = replace(FREE, raw=(0.8, 0.0, 0.0, 0.0, 0.0, 3.0))
-    assert command(reason, too_much, fastest=0.145) == right
+def test_a_reason_gives_the_command(situation: dict[str, Any], right: Decision) -> None:
+    too_much = replace(FREE, raw=(0.8, 0.0, 0.0, 0.0, 0.0, 3.0), **situation)
+    assert list(decisions(too_much, last=0.0)) == [right]
