@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 
 import numpy as np
 
@@ -79,13 +79,12 @@ class Quest:
 
 
 def cases(recording: Recording) -> list[Case]:
-    """Return the occasions: the start, each pose of a bench, each arrival, bad input."""
+    """Return the occasions: the start, each tick or pose on the way, each arrival, bad input."""
     run = _Run(recording)
     found = [*run.start(), *run.bad_input()]
     for quest in run.quests:
-        found += run.stop(quest)
-        if not recording.scenario.odometry.enabled:
-            found += run.bench(quest)
+        drives = recording.scenario.odometry.enabled
+        found += [*(run.way(quest) if drives else run.bench(quest)), *run.stop(quest)]
     return sorted(found, key=lambda case: case.at)
 
 
@@ -138,8 +137,17 @@ class _Run:
             until = min(pose.end, quest.end)
             if quest.begin <= pose.t < min(until - REACTION, self.arrival(quest)):
                 said = self.said(pose.t, until)
-                yield _speed(quest, pose, said)
+                straight = abs(quest.heading_error(pose)) < STRAIGHT
+                yield _speed(quest, pose.t, pose, said, straight=straight)
                 yield from _turn(quest, pose, said)
+
+    def way(self, quest: Quest) -> Iterator[Case]:
+        """Yield the speed of each command on the way, for the farther of the last two poses."""
+        begin, end = max(quest.begin, self.ready) + UNHEARD, min(quest.end, self.arrival(quest))
+        for t, said in self.during(begin, end):
+            count = bisect_right(self.poses, t, key=attrgetter("t"))
+            known = self.poses[max(0, count - 2) : count]
+            yield _speed(quest, t, max(known, key=quest.distance), said)
 
     def stop(self, quest: Quest) -> Iterator[Case]:
         """Yield the stop on arrival, and the silence after it."""
@@ -215,12 +223,12 @@ def _silence(tag: str, what: str, said: Sequence[tuple[float, Said]], at: float 
     return Case(said[0][0] if said else at, what, frozenset({tag}), count=len(said))
 
 
-def _speed(quest: Quest, pose: Pose, said: Said) -> Case:
-    """Return the speed that a distance asks for; it may be less where the robot turns."""
-    distance, straight = quest.distance(pose), abs(quest.heading_error(pose)) < STRAIGHT
+def _speed(quest: Quest, at: float, pose: Pose, said: Said, *, straight: bool = False) -> Case:
+    """Return the speed that a distance asks for; it may be less where the robot may turn."""
+    distance = quest.distance(pose)
     law = min(MAX_SPEED, SPEED_GAIN * distance)
     return Case(
-        at=pose.t,
+        at=at,
         what=f"{distance:.2f} m from {quest.what}" + ", straight ahead" * straight,
         tags=frozenset({"speed"}),
         allowed={"linear.x": exactly(law) if straight else ((0.0, law),)},

@@ -65,7 +65,7 @@ def test_turns_short_way(runs: Runs) -> None:
     follows(runs, "turn", help=help)
 
 
-@check(points=10, asks=DECISION, task=4, scenarios=("goal_speeds",), hint="4.2")
+@check(points=10, asks=DECISION, task=4, scenarios=("goal_speeds", FIRST), hint="4.2")
 def test_speed_law(runs: Runs) -> None:
     """linear.x = min(0.3, 0.5 · distance) [m/s]; slower only while it turns."""
     help = f"linear.x = min({MAX_SPEED}, {SPEED_GAIN} * distance), to the newest goal"
