@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter, itemgetter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grader.checks.case import Case, exactly
-from grader.checks.commands import is_zero
+from grader.checks.commands import ZERO
 from grader.checks.contract import Contract, Limits, Survived
 from grader.recording import Recording
-from grader.recording.views import Goals, Odom
 from sim.messages import CMD_VEL_TOPIC as CMD_VEL
 
 TOLERANCE = 0.5  # [m] within this distance a goal is reached
@@ -28,7 +28,6 @@ STANDS = 0.3  # [s] for which a bad message is the newest one
 STRAIGHT = 0.01  # [rad] from the goal: the robot has no reason to turn
 UNSURE = 0.2  # [rad] from ahead and from behind, where a turn to either side is right
 TURNS = 1e-3  # [rad/s]
-INSTANT = 1e-9  # [s]
 STEADY = 0.1  # [rad/s] either way of a robot that looks straight at its goal
 
 CONTRACT = Contract(
@@ -38,16 +37,18 @@ CONTRACT = Contract(
     delayed_in=("goal_across_the_seam", "goal_behind", "goal_beside"),
     survives=Survived(sensors=300, commands=300),
 )
-STILL = {"linear.x": 0.0, "angular.z": 0.0}  # [m/s] and [rad/s]
 COMMANDS = {CMD_VEL: frozenset({"commands"})}  # whatever they say
-STOP = {name: exactly(number) for name, number in STILL.items()}
+STILL = {"linear.x": 0.0, "angular.z": 0.0}  # [m/s] and [rad/s]
+Rows = list[list[float]]
+Said = Mapping[str, float]  # a command's numbers, by the names of STILL; none: no command
 
 
 @dataclass(frozen=True)
 class Pose:
-    """A pose that the node was sent."""
+    """A pose, and for how long it was the newest one that the node was sent."""
 
-    t: float  # [s] when it arrived
+    t: float  # [s]
+    end: float  # [s]
     x: float  # [m]
     y: float  # [m]
     yaw: float  # [rad]
@@ -78,194 +79,154 @@ class Quest:
 
 
 def cases(recording: Recording) -> list[Case]:
-    """Return the occasions: the start, each pose or tick on the way, each arrival, bad input."""
+    """Return the occasions: the start, each tick or pose on the way, each arrival, bad input."""
     run = _Run(recording)
     found = [*run.start(), *run.bad_input()]
     for quest in run.quests:
-        found += run.way(quest) if recording.scenario.odometry.enabled else run.holds(quest)
-        found += run.stop(quest)
+        drives = recording.scenario.odometry.enabled
+        found += [*(run.way(quest) if drives else run.bench(quest)), *run.stop(quest)]
     return sorted(found, key=lambda case: case.at)
 
 
 def quests(recording: Recording) -> list[Quest]:
     """Return the finite goals in order; the others count for nothing."""
-    goals = recording.goals()
-    rows = np.column_stack((goals.t, goals.x, goals.y))[finite(goals)].tolist()
-    ends = [row[0] for row in rows[1:]] + [recording.duration_s]
-    return [Quest(t, end, x, y) for (t, x, y), end in zip(rows, ends, strict=False)]
-
-
-def poses(recording: Recording) -> list[Pose]:
-    """Return the finite poses in order; the others count for nothing."""
-    odom = recording.odometry()
-    rows = np.column_stack((odom.t, odom.x, odom.y, odom.yaw))[finite(odom)].tolist()
-    return [Pose(*row) for row in rows]
+    return [Quest(*row) for row in _spans(_came(recording)["goal"], recording.duration_s)]
 
 
 def bad_input(recording: Recording) -> dict[str, list[float]]:
     """Return when goals and poses came that are not finite [s]."""
-    came: dict[str, Goals | Odom] = {"goal": recording.goals(), "pose": recording.odometry()}
-    return {what: view.t[~finite(view)].tolist() for what, view in came.items()}
+    came = _came(recording).items()
+    return {name: [row[0] for row in rows if not _is_finite(row)] for name, rows in came}
 
 
-def finite(view: Goals | Odom) -> NDArray[np.bool_]:
-    """Return which goals or poses are finite, (n,)."""
-    numbers = (view.x, view.y, view.yaw) if isinstance(view, Odom) else (view.x, view.y)
-    found: NDArray[np.bool_] = np.all(np.isfinite(numbers), axis=0)
-    return found
-
-
-def seeking(recording: Recording) -> list[tuple[float, float]]:
-    """Return from when to when the node has something to do [s]: until it knows of its arrival."""
+def seeking(recording: Recording) -> Iterator[tuple[float, float]]:
+    """Yield from when to when the node has something to do [s]: until it knows of its arrival."""
     run = _Run(recording)
-    spans: list[tuple[float, float]] = []
+    begin = run.ready
     for quest in run.quests:
-        begin, end = max(quest.begin, run.ready), run.way_ends(quest)
-        if spans and spans[-1][1] == quest.begin:  # on the way to another goal
-            begin = spans.pop()[0]
-        spans.append((begin, end))
-    return spans
-
-
-def speed_law(distance: float) -> float:
-    """Return the forward speed [m/s] for a distance to go [m]."""
-    return min(MAX_SPEED, SPEED_GAIN * distance)
+        end = min(quest.end, run.arrival(quest))
+        if end < quest.end or quest is run.quests[-1]:
+            yield begin, end
+            begin = quest.end
 
 
 class _Run:
     """What a node was sent in a trial, what it said, and the occasions that follow from it."""
 
     def __init__(self, recording: Recording) -> None:
-        self.quests, self.poses = quests(recording), poses(recording)
-        self.heard = np.array([pose.t for pose in self.poses])  # (n,) [s]
-        self.bad = bad_input(recording)
-        self.twists, self.end = recording.twists(), recording.duration_s
-        self.stops = set(self.twists.t[np.all(is_zero(self.twists.values), axis=1)].tolist())
+        self.end = recording.duration_s
+        self.quests, self.bad = quests(recording), bad_input(recording)
+        self.poses = [Pose(*row) for row in _spans(_came(recording)["pose"], self.end)]
         both = self.quests and self.poses
         self.ready = max(self.quests[0].begin, self.poses[0].t) if both else self.end  # [s]
+        twists = recording.twists()
+        said = (dict(zip(STILL, row, strict=True)) for row in twists.values[:, [0, 5]].tolist())
+        self.commands: list[tuple[float, Said]] = list(zip(twists.t.tolist(), said, strict=True))
 
     def start(self) -> Iterator[Case]:
         """Yield the silence until there are a pose and a goal, and that it ends."""
-        early = self.times(0.0, self.ready)
+        early = self.during(0.0, self.ready)
         yield _silence("before", "before the node had both a pose and a goal", early)
         if self.ready < self.end:
-            yield Case(
-                at=self.ready,
-                what="with a pose and a goal",
-                tags=frozenset({"ready"}),
-                allowed=COMMANDS,
-                said={CMD_VEL: "commands"} if self.said(self.ready, self.end) else {},
-            )
+            said = {CMD_VEL: "commands"} if self.during(self.ready, self.end) else {}
+            yield Case(self.ready, "with a pose and a goal", frozenset({"ready"}), COMMANDS, said)
 
-    def holds(self, quest: Quest) -> Iterator[Case]:
-        """Yield a speed and a turn for each pose of a bench that held for a tick or longer."""
-        ends = [pose.t for pose in self.poses[1:]] + [self.end]
-        for pose, end in zip(self.poses, ends, strict=False):
-            until = min(end, quest.end)
-            if quest.begin <= pose.t < min(until - REACTION, self.way_ends(quest)):
+    def bench(self, quest: Quest) -> Iterator[Case]:
+        """Yield the speed and the turn for each pose that held for a tick or longer."""
+        for pose in self.poses:
+            until = min(pose.end, quest.end)
+            if quest.begin <= pose.t < min(until - REACTION, self.arrival(quest)):
                 said = self.said(pose.t, until)
-                yield _speed(quest, pose.t, [pose], said)
-                yield from _turn(quest, pose.t, pose, said)
+                straight = abs(quest.heading_error(pose)) < STRAIGHT
+                yield _speed(quest, pose.t, pose, said, straight=straight)
+                yield from _turn(quest, pose, said)
 
     def way(self, quest: Quest) -> Iterator[Case]:
-        """Yield a speed for each command on the way to a goal, and the side of the first turn."""
-        on_the_way = self.times(max(quest.begin + UNHEARD, self.ready), self.way_ends(quest))
-        said = {t: self.said(t, t + INSTANT) for t in on_the_way}
-        for t in on_the_way:
-            yield _speed(quest, t, self.known(t), said[t])
-        turns = [t for t in on_the_way if abs(said[t]["angular.z"]) > TURNS] or on_the_way
-        for t in turns[:1]:
-            yield from _turn(quest, t, self.known(t)[-1], said[t])
+        """Yield the speed of each command on the way, for the farther of the last two poses."""
+        begin, end = max(quest.begin, self.ready) + UNHEARD, min(quest.end, self.arrival(quest))
+        for t, said in self.during(begin, end):
+            count = bisect_right(self.poses, t, key=attrgetter("t"))
+            known = self.poses[max(0, count - 2) : count]
+            yield _speed(quest, t, max(known, key=quest.distance), said)
 
     def stop(self, quest: Quest) -> Iterator[Case]:
-        """Yield where the first stop has to be, the stop on arrival, and the silence after it."""
-        during = self.times(max(quest.begin, self.ready), quest.end)
-        moving = [t for t in during if t not in self.stops]
-        stops = [t for t in during if t in self.stops and t > min(moving, default=0.0)]
-        for t in stops[:1]:
-            yield Case(
-                at=t,
-                what=f"the first zero Twist on the way to {quest.what}",
-                tags=frozenset({"stop"}),
-                allowed={"distance [m]": ((0.0, TOLERANCE + MARGIN),)},
-                said={"distance [m]": quest.distance(self.known(t)[-1])},
-            )
+        """Yield the stop on arrival, and the silence after it."""
         there = self.arrival(quest)
-        if there is None or quest.end < there + REACTION:
+        if quest.end < there + REACTION:
             return
         begin, end = max(quest.begin, there - PERIOD), there + REACTION
-        yield Case(
-            at=there,
-            what=f"within {TOLERANCE} m of {quest.what}",
-            tags=frozenset({"stop", "there"}),
-            allowed=STOP,
-            said=self.said(begin, end),
-        )
-        stopped = next((t + INSTANT for t in stops if t >= begin), end)
-        after = self.times(stopped, quest.end)
+        what, tags = f"within {TOLERANCE} m of {quest.what}", frozenset({"stop", "there"})
+        right = {name: exactly(number) for name, number in STILL.items()}
+        yield Case(there, what, tags, right, self.said(begin, end))
+        stops = (t for t, said in self.during(begin, end) if _is_zero(said))
+        stopped = next(stops, end)
+        after = [(t, said) for t, said in self.during(stopped, quest.end) if t > stopped]
         yield _silence("stop", f"after the stop at {quest.what}", after, there)
 
     def bad_input(self) -> Iterator[Case]:
         """Yield that nothing changes when a goal or a pose comes that is not finite."""
-        for t, name in sorted((t, name) for name, times in self.bad.items() for t in times):
-            what, tags = f"a {name} that is not finite has come", frozenset({"bad"})
-            was, now = self.said(0.0, t) or STILL, self.said(t + UNHEARD, t + STANDS)
+        for t, name in ((t, name) for name, times in self.bad.items() for t in times):
             if any(t - UNHEARD < quest.begin <= t for quest in self.quests):
-                what += ", right after a good one"
-                yield Case(t, what, tags, COMMANDS, {CMD_VEL: "commands"} if now else {})
-                continue
-            busy = len(self.times(t - REACTION, t)) > 1  # then silence is a change, too
+                continue  # there is no answer to the good one yet
+            was, now = self.said(0.0, t) or STILL, self.said(t + UNHEARD, t + STANDS)
+            busy = len(self.during(t - REACTION, t)) > 1  # then silence is a change, too
             allowed = {
                 "linear.x": exactly(was["linear.x"]),
                 "angular.z": ((was["angular.z"] - STEADY, was["angular.z"] + STEADY),),
             }
-            yield Case(t, what, tags, allowed, now if busy else now or was)
+            what, said = f"a {name} that is not finite has come", now if busy else now or was
+            yield Case(t, what, frozenset({"bad"}), allowed, said)
 
-    def way_ends(self, quest: Quest) -> float:
-        """Return when the node knew that it was there [s], or another goal came."""
-        there = self.arrival(quest)
-        return quest.end if there is None else there
+    def arrival(self, quest: Quest) -> float:
+        """Return when the node first knew that it was within the tolerance [s]; inf: never."""
+        known = (pose for pose in self.poses if pose.end > quest.begin and pose.t < quest.end)
+        there = (pose for pose in known if quest.distance(pose) <= TOLERANCE - MARGIN)
+        return next((max(pose.t, quest.begin) for pose in there), math.inf)
 
-    def arrival(self, quest: Quest) -> float | None:
-        """Return when the node first knew that it was within the tolerance of a goal [s]."""
-        first = max(0, int(np.searchsorted(self.heard, quest.begin, side="right")) - 1)
-        for pose in self.poses[first : int(np.searchsorted(self.heard, quest.end))]:
-            if quest.distance(pose) <= TOLERANCE - MARGIN:
-                return max(pose.t, quest.begin)
-        return None
+    def during(self, begin: float, end: float) -> list[tuple[float, Said]]:
+        """Return the commands in [begin, end) [s], with their times."""
+        first, last = (bisect_left(self.commands, t, key=itemgetter(0)) for t in (begin, end))
+        return self.commands[first:last]
 
-    def known(self, time: float) -> list[Pose]:
-        """Return the last two poses that the node had been sent at a time [s]."""
-        count = int(np.searchsorted(self.heard, time, side="right"))
-        return self.poses[max(0, count - 2) : count]
-
-    def times(self, begin: float, end: float) -> list[float]:
-        """Return when commands came in [begin, end) [s]."""
-        first, last = np.searchsorted(self.twists.t, (begin, end)).tolist()
-        return [float(t) for t in self.twists.t[first:last]]
-
-    def said(self, begin: float, end: float) -> Mapping[str, float]:
-        """Return the last command in [begin, end); nothing if there was none."""
-        first, last = np.searchsorted(self.twists.t, (begin, end)).tolist()
-        if first == last:
-            return {}
-        return dict(zip(STILL, self.twists.values[last - 1, [0, 5]].tolist(), strict=True))
+    def said(self, begin: float, end: float) -> Said:
+        """Return the last command in [begin, end) [s]; nothing if there was none."""
+        found = self.during(begin, end)
+        return found[-1][1] if found else {}
 
 
-def _silence(tag: str, what: str, times: Sequence[float], at: float = 0.0) -> Case:
-    """Return the occasion to say nothing, and the times [s] at which the node did."""
-    return Case(at=times[0] if times else at, what=what, tags=frozenset({tag}), count=len(times))
+def _came(recording: Recording) -> dict[str, Rows]:
+    """Return the goals that came, (t [s], x, y [m]) each, and the poses, with a yaw [rad] too."""
+    goals, odom = recording.goals(), recording.odometry()
+    return {
+        "goal": np.column_stack((goals.t, goals.x, goals.y)).tolist(),
+        "pose": np.column_stack((odom.t, odom.x, odom.y, odom.yaw)).tolist(),
+    }
 
 
-def _speed(quest: Quest, at: float, known: Sequence[Pose], said: Mapping[str, float]) -> Case:
-    """Return the speed that a distance asks for, that of the farther of the poses.
+def _is_finite(row: Sequence[float]) -> bool:
+    return all(map(math.isfinite, row))
 
-    It is the law's for a robot that has one pose for a while and looks straight at its goal; it may
-    be less, but never below zero, where the robot turns.
-    """
-    distance = max(quest.distance(pose) for pose in known)
-    straight = len(known) == 1 and abs(quest.heading_error(known[0])) < STRAIGHT
-    law = speed_law(distance)
+
+def _spans(rows: Rows, end: float) -> Rows:
+    """Return the finite rows, each with the time of the next one after its own [s]."""
+    finite = [row for row in rows if _is_finite(row)]
+    ends = [row[0] for row in finite[1:]] + [end]
+    return [[row[0], until, *row[1:]] for row, until in zip(finite, ends, strict=False)]
+
+
+def _is_zero(said: Said) -> bool:
+    return all(abs(number) < ZERO for number in said.values())
+
+
+def _silence(tag: str, what: str, said: Sequence[tuple[float, Said]], at: float = 0.0) -> Case:
+    """Return the occasion to say nothing, and how many commands came."""
+    return Case(said[0][0] if said else at, what, frozenset({tag}), count=len(said))
+
+
+def _speed(quest: Quest, at: float, pose: Pose, said: Said, *, straight: bool = False) -> Case:
+    """Return the speed that a distance asks for; it may be less where the robot may turn."""
+    distance = quest.distance(pose)
+    law = min(MAX_SPEED, SPEED_GAIN * distance)
     return Case(
         at=at,
         what=f"{distance:.2f} m from {quest.what}" + ", straight ahead" * straight,
@@ -275,21 +236,16 @@ def _speed(quest: Quest, at: float, known: Sequence[Pose], said: Mapping[str, fl
     )
 
 
-def _turn(quest: Quest, at: float, pose: Pose, said: Mapping[str, float]) -> Iterator[Case]:
+def _turn(quest: Quest, pose: Pose, said: Said) -> Iterator[Case]:
     """Yield the side to turn to, unless either is right."""
-    error = quest.heading_error(pose)
+    error, rate = quest.heading_error(pose), said.get("angular.z", 0.0)
     if UNSURE < abs(error) < math.pi - UNSURE:
         side = "left" if error > 0 else "right"
+        turned = "left" if rate > TURNS else "right" if rate < -TURNS else "none"
         yield Case(
-            at=at,
+            at=pose.t,
             what=f"{quest.what}, {abs(error):.2f} rad to the {side} of where the robot looks",
             tags=frozenset({"turn"}),
             allowed={"turn": frozenset({side})},
-            said={"turn": _side(said["angular.z"])} if said else {},
+            said={"turn": turned} if said else {},
         )
-
-
-def _side(rate: float) -> str:
-    if math.isnan(rate):
-        return "NaN"
-    return "none" if abs(rate) <= TURNS else "left" if rate > 0 else "right"

@@ -9,14 +9,7 @@ import numpy as np
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.checks.words import every, logs
-from grader.exercises.goal_seeking.contract import (
-    PERIOD,
-    TOLERANCE,
-    Quest,
-    bad_input,
-    quests,
-    seeking,
-)
+from grader.exercises.goal_seeking.contract import PERIOD, TOLERANCE, Quest, bad_input, seeking
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
 
@@ -30,31 +23,33 @@ NOT_THERE = (
 )
 
 
-def goals_of(recording: Recording) -> list[Quest]:
-    """Return the goals of a node that lived to the end."""
+def reaches(recording: Recording, quest: Quest, within: float = math.inf) -> float:
+    """Fail unless the robot drives to a goal in this time [s], before it is carried anywhere.
+
+    Return the ratio of the shortest path to the goal's circle to the path driven.
+    """
     require_alive(recording)
-    return quests(recording)
-
-
-def reaches(recording: Recording, quest: Quest, within: float = math.inf) -> None:
-    """Fail unless the robot drives to a goal in this time [s], before it is carried anywhere."""
-    truth = recording.truth
-    t = truth.t / 1e9
     carried = [event.at for event in recording.scenario.script if event.teleport is not None]
     ends = (quest.end, quest.begin + within, *carried)
     end = min(end for end in ends if end > quest.begin)
-    during = np.flatnonzero((t >= quest.begin) & (t < end))
-    distance = np.hypot(truth.x - quest.x, truth.y - quest.y)[during]
-    if (distance <= TOLERANCE + LATE).any():
-        return
-    fail(
-        f"the robot did not reach {quest.what}",
-        expected=f"within {TOLERANCE} m after at most {end - quest.begin:.0f} s",
-        actual=f"{distance.min():.2f} m at the nearest, {distance[-1]:.2f} m at the end",
-        at=t[during][int(np.argmin(distance))],
-        recording=recording,
-        help=NOT_THERE,
-    )
+    truth, t = recording.truth, recording.truth.t / 1e9
+    during = (t >= quest.begin) & (t < end)
+    t, x, y = t[during], truth.x[during], truth.y[during]
+    distance = np.hypot(x - quest.x, y - quest.y)
+    nearest, near = int(np.argmin(distance)), distance <= TOLERANCE + LATE
+    if not near.any():
+        fail(
+            f"the robot did not reach {quest.what}",
+            expected=f"within {TOLERANCE} m after at most {end - quest.begin:.0f} s",
+            actual=f"{distance[nearest]:.2f} m at the nearest, {distance[-1]:.2f} m at the end",
+            at=t[nearest],
+            recording=recording,
+            help=NOT_THERE,
+        )
+    there = int(np.argmax(near))
+    shortest = float(distance[0] - distance[there])
+    driven = np.hypot(np.diff(x), np.diff(y))[:there].sum()
+    return shortest / max(shortest, float(driven)) if there else 1.0
 
 
 def keeps_time(recording: Recording) -> None:
@@ -93,17 +88,3 @@ def warns(recording: Recording) -> None:
             end=first + AT_ONCE + recording.slack,
             help="self.get_logger().warning(…): whoever sent it has to hear of it.",
         )
-
-
-def path_ratio(recording: Recording, quest: Quest) -> float:
-    """Return shortest path / path driven to the goal's circle, 0 if it was not reached."""
-    truth = recording.truth
-    during = (truth.t / 1e9 >= quest.begin) & (truth.t / 1e9 <= quest.end)
-    x, y = truth.x[during], truth.y[during]
-    distance = np.hypot(x - quest.x, y - quest.y)
-    near = np.flatnonzero(distance <= TOLERANCE + LATE)
-    if not len(near):
-        return 0.0
-    steps = np.hypot(np.diff(x), np.diff(y))[: near[0]]
-    shortest = float(distance[0] - distance[near[0]])
-    return shortest / max(shortest, float(steps.sum()))

@@ -7,25 +7,16 @@ from dataclasses import replace
 
 from grader.checks.case import Runs
 from grader.checks.inferences import questions
-from grader.checks.model_cases import PREDICT, SPEED
-from grader.checks.predictions import TOLERANCE
+from grader.checks.model_cases import PREDICT
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.checks.words import require_allowed
 from grader.recording import Recording
 
-
-def predicts_late(runs: Runs, tag: str, help: str) -> None:
-    """Fail unless the prediction for a scan with this tag is among the commands after it.
-
-    Other scans have waited for it, and the commands for all of them come at the same moment.
-    """
-    for recording, case in runs.cases(tag):
-        twists, allowed = recording.twists(), {SPEED: case.allowed[SPEED]}
-        after = twists.linear_x[twists.t > case.at].tolist()
-        said = [replace(case, allowed=allowed, said={SPEED: speed}) for speed in after]
-        if all(each.wrong(TOLERANCE) for each in said):
-            require_allowed(recording, said[0] if said else replace(case, said={}), help)
+MEASURE = (
+    "Call predict for each scan, and measure that call: numbers about no calls, or about others, "
+    "say nothing about the model that drives."
+)
 
 
 def answers_all(recording: Recording) -> None:
@@ -48,26 +39,20 @@ def asks_once_each(runs: Runs) -> None:
     What is measured is up to the node: numbers about no calls, or always the same ones, are right
     and say nothing.
     """
-    help = (
-        "Call predict for each scan, and measure that call: numbers about no calls, or about "
-        "others, say nothing about the model that drives."
-    )
     for recording, case in runs.cases():
         if asked := case.allowed.get(PREDICT):
             about = replace(case, allowed={PREDICT: asked})
-            require_allowed(recording, about, help, topic=PREDICT)
+            require_allowed(recording, about, MEASURE, topic=PREDICT)
     for recording in runs:
         require_alive(recording)
-        scans = [scan.t for scan in recording.scans()]
-        first = min(scans, default=0.0)  # it may warm up before
+        scans = recording.times("/scan")
+        first = float(scans[0]) if len(scans) else 0.0  # it may warm up before
         calls = questions(recording, PREDICT, first, math.inf)
         for number, at in enumerate(sorted(call.asked / 1e9 for call in calls), 1):
-            come = sum(scan <= at + recording.slack for scan in scans)
-            if number > come:
+            if number > (scans <= at + recording.slack).sum():
                 fail(
-                    "predict was called more often than scans had come",
+                    f"predict was called for the {number}th time before as many scans had come",
                     expected="one call of predict for each scan that has features",
-                    actual=f"call {number} at {at:.3f} s, though only {come} scans had come",
                     at=at,
                     recording=recording,
                     help="Also after NaN or an exception: 0.0 for this scan; the next is asked.",

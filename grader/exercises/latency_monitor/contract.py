@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from typing import NamedTuple
+from functools import lru_cache
 
 import numpy as np
 
 from grader.checks.braking import braking, model_says_go
-from grader.checks.case import Case, Interval
+from grader.checks.case import Case
 from grader.checks.contract import Contract, Survived
 from grader.checks.model_cases import speed_cases
 from grader.checks.predictions import model_found
@@ -19,6 +17,7 @@ from grader.recording import Recording
 KEYS = ("count", "mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "deadline_ms", "missed")
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
 OK, WARN, ERROR, STALE = range(4)
+Numbers = dict[str, float]  # by KEYS; and the level
 WINDOW = 100  # calls
 DEADLINE = 100.0  # [ms] without the parameter
 NEAR = 0.001  # [s] a call that ends this near to a report may count or not
@@ -41,96 +40,54 @@ def cases(recording: Recording) -> list[Case]:
     return speed_cases(recording, model_found(recording.scenario))
 
 
-@dataclass(frozen=True)
-class Statistics:
-    """What a report has to say about a window of calls."""
+def right_numbers(recording: Recording, time: float) -> list[tuple[Numbers, Numbers]]:
+    """Return what a report may say at a time [s]: the least and the greatest of each number.
 
-    latencies: tuple[float, ...]  # [ms]
-    deadline: float  # [ms]
-    late: float = 0.0  # [ms] that each call may have taken longer, in real time
-
-    @cached_property
-    def numbers(self) -> dict[str, float]:
-        """The eight values."""
-        found = self.latencies
-        p50, p95, p99 = np.percentile(found, (50, 95, 99)) if found else (0.0,) * 3
-        return {
-            "count": len(found),
-            "mean_ms": float(np.mean(found)) if found else 0.0,
-            "p50_ms": float(p50),
-            "p95_ms": float(p95),
-            "p99_ms": float(p99),
-            "max_ms": max(found, default=0.0),
-            "deadline_ms": self.deadline,
-            "missed": sum(latency > self.deadline for latency in found),
-        }
-
-    @property
-    def level(self) -> int:
-        """The level: STALE, OK, WARN or ERROR."""
-        if not self.latencies:
-            return STALE
-        if self.numbers["p95_ms"] > self.deadline:
-            return ERROR
-        return WARN if self.numbers["missed"] else OK
-
-    @property
-    def levels(self) -> frozenset[str]:
-        """The levels that are right, in words: more than one if calls may have taken longer."""
-        least, most = self.level, self._latest.level
-        return frozenset(LEVELS[least : most + 1])
-
-    def span(self, key: str) -> Interval:
-        """Return the least and the greatest right value of a key."""
-        return self.numbers[key], self._latest.numbers[key]
-
-    @cached_property
-    def _latest(self) -> Statistics:
-        if not self.late:
-            return self
-        return Statistics(tuple(latency + self.late for latency in self.latencies), self.deadline)
-
-
-def right_statistics(recording: Recording, time: float) -> tuple[Statistics, ...]:
-    """Return what a report may say at a time [s]: a call that ends just then may count or not.
-
-    In real time each call may take longer.
+    There are several if calls end just then: they may count or not. In real time each call may
+    take longer.
     """
     overhead = 0.0 if recording.live is None else OVERHEAD
-    soonest, latest = _calls(recording), _calls(recording, overhead / 1000.0)
-    latencies = [call.latency for call in soonest]
+    calls, near = _calls(recording), NEAR + recording.slack
+    ends = [end for end, _ in calls]
+    least = bisect_right(ends, time - near - overhead / 1000.0)
+    most = bisect_right(ends, time + near)
     deadline = float(recording.scenario.node.parameters.get("deadline_ms", DEADLINE))
-    near = NEAR + recording.slack
-    least = bisect_right([call.end for call in latest], time - near)
-    most = bisect_right([call.end for call in soonest], time + near)
-    late = 1000.0 * recording.slack + overhead
-    return tuple(
-        _statistics(tuple(latencies[max(0, n - WINDOW) : n]), deadline, late)
-        for n in range(max(least, most - MOST_CHOICES), most + 1)
-    )
+    found = []
+    for n in range(max(least, most - MOST_CHOICES), most + 1):
+        window = tuple(latency for _, latency in calls[max(0, n - WINDOW) : n])
+        late = tuple(latency + 1000.0 * recording.slack + overhead for latency in window)
+        found.append((numbers(window, deadline), numbers(late, deadline)))
+    return found
 
 
-@lru_cache(maxsize=4096)  # a node may report very often
-def _statistics(latencies: tuple[float, ...], deadline: float, late: float) -> Statistics:
-    return Statistics(latencies, deadline, late)
-
-
-class _Call(NamedTuple):
-    """A call of predict that returned."""
-
-    end: float  # [s]
-    latency: float  # [ms]
+def numbers(latencies: tuple[float, ...], deadline: float) -> Numbers:
+    """Return the eight values and the level, of a window of calls [ms]."""
+    if not latencies:
+        return dict.fromkeys(KEYS, 0.0) | {"deadline_ms": deadline, "level": STALE}
+    p50, p95, p99 = np.percentile(latencies, (50, 95, 99)).tolist()
+    missed = sum(latency > deadline for latency in latencies)
+    return {
+        "count": len(latencies),
+        "mean_ms": float(np.mean(latencies)),
+        "p50_ms": p50,
+        "p95_ms": p95,
+        "p99_ms": p99,
+        "max_ms": max(latencies),
+        "deadline_ms": deadline,
+        "missed": missed,
+        "level": ERROR if p95 > deadline else WARN if missed else OK,
+    }
 
 
 @lru_cache(maxsize=8)
-def _calls(recording: Recording, overhead: float = 0.0) -> list[_Call]:
-    """Return the calls in order of their end, as if each took longer by the overhead [s].
+def _calls(recording: Recording) -> list[tuple[float, float]]:
+    """Return when each call of predict returned [s], and its latency [ms], in that order.
 
     They are those that the judge had answered, so that only a node that asks has any.
     """
     found = [
-        _Call(call.answered / 1e9 + overhead, call.took / 1e6)
+        (call.answered / 1e9, call.took / 1e6)
         for call in recording.inferences
         if call.method == "predict" and not call.failed and call.asked >= 0
     ]
-    return sorted(found, key=lambda call: call.end)  # of those that end together the first asked
+    return sorted(found, key=lambda call: call[0])  # of those that end together the first asked

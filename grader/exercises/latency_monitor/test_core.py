@@ -6,19 +6,14 @@ from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.model_commands import loads_once, predicts, stands
 from grader.checks.words import answers_once, every, only_linear_x, wired
-from grader.exercises.latency_monitor.calls import (
-    answers_all,
-    asks_once_each,
-    predicts_late,
-)
-from grader.exercises.latency_monitor.contract import KEYS
+from grader.exercises.latency_monitor.calls import answers_all, asks_once_each
 from grader.exercises.latency_monitor.reports import (
     EMPTY,
+    FORM,
     PERIOD,
     PERIOD_TOLERANCE,
     TOPIC,
     reports,
-    well_formed,
 )
 
 TIMES = "latency_times"
@@ -49,7 +44,7 @@ def test_one_command_per_scan(runs: Runs) -> None:
 def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
-    predicts(runs, "features", help=help)
+    predicts(runs, help=help)
 
 
 @check(
@@ -57,24 +52,19 @@ def test_features(runs: Runs) -> None:
 )
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.4, 0.8 m/s, or not set); the rest is 0."""
-    clip, held = runs.only(CLIP), runs.only(LATE_LIDAR)
-    help = "max(0.0, min(max_speed, prediction))"
-    predicts(runs[:2], "clip", help=help)
-    predicts(runs[2:3], "call", help=help)
-    only_linear_x(runs[:3], help="This robot only drives straight ahead.")
-    predicts(clip, "late", help="A call that misses the deadline counts as missed, and drives.")
-    predicts_late(clip, "longest", help="A late prediction counts as missed, and drives.")
-    predicts(clip, "waited", help="A scan that waited for the model is answered as any other.")
-    predicts(held, help="max_speed 0.0 holds the robot; in Python 0.0 is false.")
+    help = "max(0.0, min(max_speed, prediction)), also of a scan that waited or a call that is late"
+    predicts(runs.only(CLIP), "clip", "late", "waited", help=help)
+    predicts(runs.only("latency_default_speed", DEADLINE), help=help)
+    predicts(runs.only(LATE_LIDAR), help="max_speed 0.0 holds the robot; in Python 0.0 is false.")
+    only_linear_x(runs, help="This robot only drives straight ahead.")
 
 
 @check(points=5, asks=SAFETY, task=1, scenarios=(SAYS_NAN, *NO_MODEL))
 def test_fail_safe(runs: Runs) -> None:
     """NaN, a blind sector, an empty scan, no model at all: 0.0, and the node goes on."""
     held = runs.only(SAYS_NAN)
-    help = "Without a usable prediction: 0.0, and still one Twist for the scan."
-    predicts(held, "none", help=help)
-    predicts(held, "good", help="After that a good scan counts again.")
+    help = "Without a usable prediction: 0.0, and still one Twist; then a good scan counts again."
+    predicts(held, help=help)
     loads_once(held)
     stands(runs.only(*NO_MODEL))
 
@@ -92,14 +82,18 @@ def test_report_rate(runs: Runs) -> None:
 @check(points=10, asks=WIRING, task=5, scenarios=(TIMES,), hint="5.1")
 def test_status_form(runs: Runs) -> None:
     """Each report has one status with its name and eight values, all of them decimal strings."""
-    well_formed(runs)
+    help = (
+        "status is a list of one element, and its values are "
+        "KeyValue(key=…, value=f'{number:.3f}'), 0.0 without any call."
+    )
+    reports(runs, FORM, help=help)
 
 
 @check(points=5, asks=STATE, task=4, scenarios=(LATE_LIDAR, RAISES, NO_MODEL[0]), hint="3.2")
 def test_stale_at_first(runs: Runs) -> None:
     """Before the first prediction: level STALE, count 0, the other numbers 0.0."""
     help = "An empty window is STALE, has a count of 0, and 0.0 elsewhere."
-    reports(runs, "level", *KEYS, tag=EMPTY, help=help)
+    reports(runs, EMPTY, help=help)
     reports(runs.only(LATE_LIDAR), "level", help="STALE is for an empty window.")
 
 
@@ -107,7 +101,7 @@ def test_stale_at_first(runs: Runs) -> None:
 def test_mean_and_max(runs: Runs) -> None:
     """count, mean_ms and max_ms are those of the calls so far, in milliseconds."""
     asks_once_each(runs.only(TIMES))
-    help = "Measure around predict only, with time.perf_counter, and leave no call out."
+    help = "Measure around predict only, 1000 times the seconds, and leave no call out."
     reports(runs, "count", "mean_ms", "max_ms", help=help)
 
 
@@ -156,8 +150,7 @@ def test_levels(runs: Runs) -> None:
 def test_raised_calls(runs: Runs) -> None:
     """A call that raises leads to 0.0 and is not counted; one that returns NaN is counted."""
     raises = runs.only(RAISES)
-    predicts(raises, "raises", help="A model that raises gives no prediction: 0.0.")
-    predicts(raises, "good", help="After an exception the next scan counts again.")
+    predicts(raises, help="A model that raises gives no prediction: 0.0. The next scan is asked.")
     loads_once(raises)
     asks_once_each(runs)
     help = "Start the clock anew for each call, and append after predict has returned, NaN or not."

@@ -6,8 +6,8 @@ import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+from operator import itemgetter
 from typing import TypeVar
 
 import numpy as np
@@ -23,12 +23,14 @@ from grader.exercises.safety_supervisor.rules import (
     MAX_TURN_RATE,
     PASSES_ON,
     STOPS,
+    TOLERANCE,
     Decision,
     Situation,
     decisions,
+    matching,
 )
 from grader.recording import Recording, Scan
-from sim.messages import BOOL, CMD_VEL_RAW_TOPIC, E_STOP_TOPIC, TWIST, decode, twist_from_cdr
+from sim.messages import BOOL, CMD_VEL_RAW_TOPIC, E_STOP_TOPIC, decode, twist_from_cdr
 from sim.scenario import Scenario
 
 DIAGNOSTICS_TOPIC = "/diagnostics"
@@ -41,7 +43,9 @@ ARRIVAL_HAIR = 0.005  # [s] what arrived this shortly before a tick may count or
 SILENCE = 0.3  # [s] without a command, after which the last one is judged again at each tick
 SETTLED = 0.6  # [s] in which a speed is reached, and reasons are not judged after the start
 MOVING = 0.1  # [m/s] what asks for less may stand
+YES = frozenset({"yes"})
 T = TypeVar("T")
+Report = tuple[float, dict[str, Said]]  # when it came [s], and what it says: reason and level
 
 
 def _asked_to_go(scenario: Scenario, scan: Scan) -> bool:
@@ -69,51 +73,66 @@ def cases(recording: Recording) -> tuple[Case, ...]:
 
     A command has as tags the reason for it, if only one is right; and
 
-        moves     the robot may not stand
         rising    linear.x gets faster, and the acceleration limit holds it back
         slower    linear.x gets slower, or leads backwards
         settled   the same has been asked for long enough to be reached
 
-    A reason has `alone` or `first`: as one rule matches, or the first of several. A report has
-    `report` for its form, and `level`.
+    `moves` asks only that the robot doesn't stand, `rise` how fast it may get faster. A reason has
+    `alone` or `first`: as one rule matches, or the first of several. A report has `report` for its
+    form, and `level`.
     """
     reports = _reports(recording)
     return (*_ticks(recording, reports), *_forms(reports))
 
 
-def _ticks(recording: Recording, reports: list[_Report]) -> Iterator[Case]:
+def _ticks(recording: Recording, reports: list[Report]) -> Iterator[Case]:
     """Yield the occasions of each tick: a command, and the reason that was given last."""
     sent = _Sent(recording)
     begins = [0.0, *(stream.begin for stream in recording.scenario.raw)]
-    times = [report.t for report in reports]
     last = 0.0  # [m/s] linear.x of the command before
     before = frozenset[str]()  # the reasons of the last tick
     for t, row, count in _in_force(recording):
-        now = sent.by(t, t)
-        right = [
-            decision
-            for situation in (now, sent.by(t - ARRIVAL_HAIR - recording.slack, t))
-            for decision in decisions(situation, last)
-        ]
-        reasons = frozenset(decision.reason for decision in right)
+        now, earlier = sent.by(t, t), sent.by(t - ARRIVAL_HAIR - recording.slack, t)
+        right = [*decisions(now, last), *decisions(earlier, last)]
+        reported = _newest(reports, t + ZERO)[1] or {}
+        said = {**_command(row), **reported} if row else {}
         settled = t - max(begin for begin in begins if begin <= t) >= SETTLED
-        newest = bisect_right(times, t + ZERO)
-        reported: dict[str, Said] = {"reason": reports[newest - 1].text} if newest else {}
-        yield Case(
-            at=t,
-            what=now.what,
-            tags=frozenset(_tags(right, last, settled=settled)),
-            allowed={
-                "linear.x": exactly(*dict.fromkeys(decision.speed for decision in right)),
-                "angular.z": exactly(*dict.fromkeys(decision.turn_rate for decision in right)),
-            },
-            said={"linear.x": row[0], "angular.z": row[5], **reported} if row else {},
-            count=count,
-        )
+        tags = frozenset(_tags(right, last, settled=settled))
+        speeds, turn_rates = {each.speed for each in right}, {each.turn_rate for each in right}
+        allowed = {"linear.x": exactly(*speeds), "angular.z": exactly(*turn_rates)}
+        yield Case(t, now.what, tags, allowed, said, count)
+        if count:
+            most = {"linear.x": ((-math.inf, max(0.0, last) + MAX_RISE + TOLERANCE),)}
+            yield Case(t, now.what, frozenset({"rise"}), most, said)
+        asked = {"driving": speeds, "turning": turn_rates}
+        if moving := {name: YES for name, numbers in asked.items() if 0.0 not in numbers}:
+            yield Case(t, now.what, frozenset({"moves", *LEVELS.keys() & tags}), moving, said)
+        reasons = frozenset(each.reason for each in right)
         if t > SETTLED:  # a new reason is due at the next tick
-            tag = "first" if len(now.matching()) > 1 else "alone"
+            sure = [reason for reason, matches in matching(now).items() if matches == {True}]
+            tag = "first" if len(sure) > 2 else "alone"  # "ok" is always among them
             yield Case(t, now.what, frozenset({tag}), {"reason": reasons | before}, reported)
         last, before = row[0] if row and math.isfinite(row[0]) else 0.0, reasons
+
+
+def _tags(right: list[Decision], last: float, *, settled: bool) -> Iterator[str]:
+    reasons = {decision.reason for decision in right}
+    rising = any(decision.rising for decision in right)
+    if len(reasons) == 1:
+        yield from reasons
+    if settled and not rising:
+        yield "settled"
+    if reasons.issubset(PASSES_ON):
+        if rising:
+            yield "rising"
+        if all(decision.speed < max(0.0, last) or decision.speed < 0.0 for decision in right):
+            yield "slower"
+
+
+def _command(row: list[float]) -> dict[str, Said]:
+    """Return what a command says: its numbers, and whether the robot drives and turns."""
+    driving, turning = ("no" if abs(number) < ZERO else "yes" for number in (row[0], row[5]))
+    return {"linear.x": row[0], "angular.z": row[5], "driving": driving, "turning": turning}
 
 
 def _in_force(recording: Recording) -> Iterator[tuple[float, list[float], int]]:
@@ -131,84 +150,54 @@ def _in_force(recording: Recording) -> Iterator[tuple[float, list[float], int]]:
             yield tick, row, 0
 
 
-def _tags(right: list[Decision], last: float, *, settled: bool) -> Iterator[str]:
-    reasons = {decision.reason for decision in right}
-    rising = any(decision.rising for decision in right)
-    if len(reasons) == 1:
-        yield from reasons
-    if settled and not rising:
-        yield "settled"
-    if all(decision.speed or decision.turn_rate for decision in right):
-        yield "moves"
-    if reasons.issubset(PASSES_ON):
-        if rising:
-            yield "rising"
-        if all(decision.speed < max(0.0, last) or decision.speed < 0.0 for decision in right):
-            yield "slower"
-
-
-@dataclass(frozen=True)
-class _Report:
-    """A message on /diagnostics."""
-
-    t: float  # [s]
-    text: str  # the reason word, or else what stands in its place
-    level: str  # of the first status
-
-
-def _reports(recording: Recording) -> list[_Report]:
-    found = []
+def _reports(recording: Recording) -> list[Report]:
+    """Return what was reported: a reason word, or else what stands in its place, and a level."""
+    found: list[Report] = []
     for t, value in published(recording, DIAGNOSTICS_TOPIC, DIAGNOSTICS):
         if len(value.status) != 1:
-            found.append(_Report(t, f"{len(value.status)} statuses", ""))
+            found.append((t, {"reason": f"{len(value.status)} statuses"}))
             continue
         (status,) = value.status
         word = re.match(r"\w+", status.message)
         text = word[0] if word and word[0] in LEVELS else status.message[:60]
         level = int(status.level)
-        found.append(_Report(t, text, LEVEL_NAMES.get(level, f"{level}, which is garbage")))
+        said = {"reason": text, "level": LEVEL_NAMES.get(level, f"{level}, which is none")}
+        found.append((t, said))
     return found
 
 
-def _forms(reports: list[_Report]) -> Iterator[Case]:
+def _forms(reports: list[Report]) -> Iterator[Case]:
     """Yield the occasions of each report: its form, and the level of the reason that it gives."""
-    words = frozenset(LEVELS)
-    if not reports:
-        yield Case(SETTLED, "at the start", frozenset({"report"}), {"reason": words}, count=0)
-    for report in reports:
-        said = {"reason": report.text}
-        yield Case(report.t, "a report", frozenset({"report"}), {"reason": words}, said)
-        if report.text in LEVELS:
-            allowed, tags = frozenset({LEVELS[report.text]}), frozenset({"level"})
-            what = f"a report of “{report.text}”"
-            yield Case(report.t, what, tags, {"level": allowed}, {"level": report.level})
+    words = {"reason": frozenset(LEVELS)}
+    for t, said in reports:
+        yield Case(t, "a report", frozenset({"report"}), words, said)
+        if level := LEVELS.get(str(said["reason"])):
+            what, right = f"a report of “{said['reason']}”", {"level": frozenset({level})}
+            yield Case(t, what, frozenset({"level"}), right, said)
 
 
 class _Sent:
     """What the node was sent, and when."""
 
     def __init__(self, recording: Recording) -> None:
-        sent, scans = recording.delivered, recording.scans()
-        raw = [m for m in sent if m.topic == CMD_VEL_RAW_TOPIC and m.type == TWIST]
-        stops = [m for m in sent if m.topic == E_STOP_TOPIC and m.type == BOOL]
-        self._raw = [m.time / 1e9 for m in raw], [twist_from_cdr(m.data) for m in raw]
-        self._stops = [m.time / 1e9 for m in stops], [decode(m.data, BOOL).data for m in stops]
-        self._scans = [scan.t for scan in scans], [_distances(scan) for scan in scans]
+        raw = (m for m in recording.delivered if m.topic == CMD_VEL_RAW_TOPIC)
+        stops = (m for m in recording.delivered if m.topic == E_STOP_TOPIC)
+        self._raw = [(m.time / 1e9, twist_from_cdr(m.data)) for m in raw]
+        self._stops = [(m.time / 1e9, decode(m.data, BOOL).data) for m in stops]
+        self._scans = [
+            (scan.t, tuple(front_distance(scan, half_angle) for half_angle in HALF_ANGLES))
+            for scan in recording.scans()
+        ]
 
     def by(self, arrived: float, now: float) -> Situation:
         """Return what had arrived by a time [s], with ages as they are now [s]."""
-        pressed, _ = _newest(self._stops, arrived)
-        asked, asked_at = _newest(self._raw, arrived)
-        distances, seen_at = _newest(self._scans, arrived)
+        _, pressed = _newest(self._stops, arrived)
+        asked_at, asked = _newest(self._raw, arrived)
+        seen_at, distances = _newest(self._scans, arrived)
         return Situation(bool(pressed), asked, now - asked_at, distances or (), now - seen_at)
 
 
-def _newest(sent: tuple[list[float], Sequence[T]], t: float) -> tuple[T | None, float]:
-    """Return the newest value by t [s], and its time [s]."""
-    times, values = sent
-    i = bisect_right(times, t)
-    return (values[i - 1], times[i - 1]) if i else (None, -math.inf)
-
-
-def _distances(scan: Scan) -> tuple[float | None, ...]:
-    return tuple(front_distance(scan, half_angle) for half_angle in HALF_ANGLES)
+def _newest(sent: Sequence[tuple[float, T]], t: float) -> tuple[float, T | None]:
+    """Return the newest by t [s], and its time [s]."""
+    i = bisect_right(sent, t, key=itemgetter(0))
+    return sent[i - 1] if i else (-math.inf, None)

@@ -4,17 +4,10 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, TIMING, WIRING, check
-from grader.checks.commands import FIELDS
+from grader.checks.commands import FIELDS, ZERO
 from grader.checks.words import follows, keeps_distance, wired, within, zero
 from grader.exercises.safety_supervisor.contract import CONTRACT, DIAGNOSTICS_TOPIC
-from grader.exercises.safety_supervisor.words import (
-    goes_on,
-    one_a_tick,
-    own_reason,
-    reports_often,
-    rises_slowly,
-    stops,
-)
+from grader.exercises.safety_supervisor.words import heeds, one_a_tick, own_reason, reports_often
 
 SHORT = (
     "safe_pass", "safe_limits", "safe_ramp", "safe_e_stop", "safe_stale_command",
@@ -66,7 +59,7 @@ def test_acceleration(runs: Runs) -> None:
         "The most is max(0, last) + 0.045, where last is what you published one tick ago, "
         "whatever the reason for it was."
     )
-    rises_slowly(runs, help)
+    follows(runs, "rise", help=help, tolerance=ZERO)
     follows(runs.only("safe_ramp"), "rising", help=help)
 
 
@@ -81,40 +74,40 @@ def test_never_delays(runs: Runs) -> None:
 def test_e_stop(runs: Runs) -> None:
     """While the last /e_stop was true the robot stands, from the next tick on."""
     help = "Keep the last /e_stop, whatever else holds: true holds until a false comes."
-    stops(runs, "e_stop", help)
-    goes_on(runs.only("safe_e_stop", BUSY), help)
+    heeds(runs, "e_stop", help=help)
+    heeds(runs.only("safe_e_stop", BUSY), "moves", help=help)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=("safe_bad_command", LONG), hint="3.2")
 def test_bad_command(runs: Runs) -> None:
     """A command with NaN or infinity in a field stops the robot until a good one comes."""
     help = "math.isfinite on each field, before you compare: comparisons with NaN are false."
-    stops(runs, "bad_command", help)
-    goes_on(runs.only("safe_bad_command"), help)
+    heeds(runs, "bad_command", help=help)
+    heeds(runs.only("safe_bad_command"), "moves", help=help)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=("safe_stale_command", BUTTON, LONG), hint="1.2")
 def test_stale_command(runs: Runs) -> None:
     """Without a raw command for more than 0.5 s (or at all) the robot stands."""
     help = "Note when each command arrives, and look at its age at every tick."
-    stops(runs, "stale_command", help)
-    goes_on(runs.only("safe_stale_command"), help)
+    heeds(runs, "stale_command", help=help)
+    heeds(runs.only("safe_stale_command"), "moves", help=help)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=("safe_stale_scan", BUTTON, LONG), hint="1.2")
 def test_stale_scan(runs: Runs) -> None:
     """Without a scan for more than 0.5 s (or at all) the robot stands."""
     help = "Note when each scan arrives, and look at its age at every tick."
-    stops(runs, "stale_scan", help)
-    goes_on(runs.only("safe_stale_scan"), help)
+    heeds(runs, "stale_scan", help=help)
+    heeds(runs.only("safe_stale_scan"), "moves", help=help)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=("safe_blind",), hint="3.2")
 def test_blind_scan(runs: Runs) -> None:
     """When the newest scan has no usable reading ahead the robot stands; +inf is free."""
     help = "The newest scan counts: if it is blind, an older distance is no help."
-    stops(runs, "stale_scan", help)
-    goes_on(runs, help)
+    heeds(runs, "stale_scan", help=help)
+    heeds(runs, "moves", help=help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=("safe_obstacle", LONG, BUSY), hint="3.1")
@@ -126,7 +119,7 @@ def test_obstacle(runs: Runs) -> None:
     )
     follows(runs, "obstacle", help=help, explain=own_reason)
     follows(runs.only("safe_obstacle"), "settled", help=help)
-    goes_on(runs.only("safe_obstacle"), help)
+    heeds(runs.only("safe_obstacle"), "moves", help=help)
 
 
 @check(points=5, asks=SAFETY, scenarios=("safe_drive",))
