@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from grader.checks.turns import answered_in_turn
+from grader.checks.commands import answered_in_turn
 from grader.checks.verdict import fail, inconclusive
 from grader.recording import Floats, Recording
 

@@ -10,7 +10,7 @@ from itertools import islice
 from typing import Any
 
 from grader.checks.case import Case, Runs, Said
-from grader.checks.reading import published
+from grader.checks.commands import published
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.checks.words import follows, require_allowed

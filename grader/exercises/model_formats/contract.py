@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from pathlib import PurePath
 
-from grader.checks.braking import LINEAR, PICKLE, model_says_go
 from grader.checks.case import Case
 from grader.checks.contract import Contract, Survived
-from grader.checks.model_cases import speed_cases
-from grader.checks.predictions import model_file, model_found
+from grader.checks.predictions import (
+    LINEAR,
+    MODEL,
+    model_file,
+    model_found,
+    model_says_go,
+    speed_cases,
+)
 from grader.recording import Recording
 from sim.scenario import NodeSpec
 
@@ -24,7 +29,7 @@ POLICY = "policy.onnx"
 CONTRACT = Contract(
     free=model_says_go,
     nodes=(
-        NodeSpec(models={PICKLE: LINEAR}),
+        NodeSpec(models={MODEL: LINEAR}),
         NodeSpec(parameters={"model_path": POLICY}, models={POLICY: LINEAR}),
     ),
     delayed_in=("format_drive_pickle", "format_drive_onnx"),

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, WIRING, check
-from grader.checks.model_commands import predicts, started
+from grader.checks.model_commands import obeys_parameters, predicts
 from grader.checks.words import answers_once, only_linear_x, wired
 
 READINGS, LONG, BLIND = "format_readings", "format_hundred", "format_blind"
+PARAMETERS = ("format_parameters", "format_held", "format_defaults")
 STANDING = (BLIND, "format_no_file", "format_raises_pickle")
 
 
@@ -36,25 +37,16 @@ def test_only_linear_x(runs: Runs) -> None:
 @check(points=4, asks=DECISION, task=2, scenarios=(READINGS, LONG))
 def test_readings(runs: Runs) -> None:
     """The features are those of exercise 2: infinities replaced, unusable readings dropped."""
-    help = (
-        "Compare with your function of exercise 2, and with its README: +inf and above range_max "
-        "is range_max, -inf is range_min, NaN and below range_min is dropped."
-    )
-    predicts(runs, "readings", help=help)
+    predicts(runs, "readings", help="Compare with your function of exercise 2, and its README.")
 
 
 @check(points=4, asks=SAFETY, task=8, scenarios=(BLIND,))
 def test_blind_sector(runs: Runs) -> None:
     """A sector without a usable reading means 0.0, and the node goes on."""
-    help = "Do not ask the model about a scan with a blind sector: command 0.0 and log why."
-    predicts(runs, "blind", help=help)
+    predicts(runs, "blind")
 
 
-@check(
-    points=2, asks=WIRING, task=1, scenarios=("format_parameters", "format_held", "format_defaults")
-)
+@check(points=2, asks=WIRING, task=1, scenarios=PARAMETERS)
 def test_parameters(runs: Runs) -> None:
     """The parameters model_path and max_speed are obeyed, and have their defaults."""
-    for recording in runs:
-        help = f"{started(recording)}. 0.0 is a number, too, though it is not true."
-        predicts(runs.of([recording]), help=help)
+    obeys_parameters(runs, "0.0 is a number, too, though it is not true.")

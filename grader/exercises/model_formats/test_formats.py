@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, check
-from grader.checks.model_commands import is_free, predicts
+from grader.checks.model_commands import FREE, predicts
 from grader.checks.words import drives_on, keeps_distance
 from grader.exercises.model_formats.contract import KERAS, ONNX, SKLEARN, TORCH
 
-FEATURES = (
-    "The model is linear with five different weights: are the features right, and in their order?"
-)
+FEATURES = "The model has five different weights: are the features right, and in their order?"
 SHAPES = "(n,) and (n, 1) both hold n numbers: np.ravel treats them alike."
 
 
@@ -37,8 +35,7 @@ def test_onnx(runs: Runs) -> None:
 )
 def test_onnx_names(runs: Runs) -> None:
     """Takes an ONNX model with other names, and an output of the shape (n,)."""
-    help = f"Ask the session: get_inputs()[0].name. run(None, …) returns all outputs. {SHAPES}"
-    predicts(runs, "features", help=help)
+    predicts(runs, "features", help=f"Ask the session: get_inputs()[0].name. {SHAPES}")
 
 
 @check(points=6, asks=DECISION, task=5, scenarios=("format_torch",), requires=TORCH, hint="5.1")
@@ -64,11 +61,7 @@ def test_keras(runs: Runs) -> None:
 )
 def test_deep_other_models(runs: Runs) -> None:
     """Takes other .pt2 and .keras: output (n,), POLICY.PT2, Keras and device = cuda."""
-    help = (
-        f"{SHAPES} The suffix may be in capitals, device concerns PyTorch only, and only .keras "
-        "needs Keras."
-    )
-    predicts(runs, "features", help=help)
+    predicts(runs, "features", help=f"{SHAPES} The suffix may be in capitals.")
 
 
 @check(
@@ -81,8 +74,7 @@ def test_deep_other_models(runs: Runs) -> None:
 def test_drives(runs: Runs) -> None:
     """The same trained decision tree drives the robot as .pkl and as .onnx, without contact."""
     keeps_distance(runs, 0.0)
-    for recording in runs:
-        drives_on(recording, is_free)
+    drives_on(runs, FREE)
 
 
 @check(
@@ -95,5 +87,4 @@ def test_drives(runs: Runs) -> None:
 def test_deep_drives(runs: Runs) -> None:
     """The same tree drives the robot as .pt2 and as .keras, without contact."""
     keeps_distance(runs, 0.0)
-    for recording in runs:
-        drives_on(recording, is_free)
+    drives_on(runs, FREE)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grader.checks.case import Case, Runs
+from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, check
 from grader.checks.model_commands import loads_once, predicts, stands
 from grader.checks.words import follows
@@ -23,11 +23,8 @@ UPPER = ("format_upper_pickle", "format_upper_onnx")
 WITHOUT = ("format_without_torch", "format_without_keras")
 ALONE = ("format_pickle_alone", "format_onnx_alone", "format_cuda_alone")
 SWAPPED, RAISES = ("format_swap_pickle", "format_swap_onnx"), "format_raises_pickle"
-OTHER = 0.4  # [m/s] says the model that takes the place of the first one
-KNOWN = (
-    "Only .pkl, .onnx, .pt2 and .keras are loaded: with any other suffix, or none, there is no "
-    "model, and the node publishes 0.0."
-)
+KNOWN = "Only .pkl, .onnx, .pt2 and .keras are loaded: any other suffix means no model, and 0.0."
+LOAD_ONCE = "Load in __init__, keep the model in an attribute, and call that in the callback."
 LOAD_LATER = "Import a format's library in the function that loads that format, not at the top."
 
 
@@ -79,7 +76,7 @@ def test_other_libraries(runs: Runs) -> None:
 def test_loads_once(runs: Runs) -> None:
     """The .pkl and the .onnx are loaded once, while the node is constructed."""
     loads_once(runs.only(SWAPPED[0], RAISES))  # the judge keeps these
-    follows(runs.only(*SWAPPED), "loads", explain=_loaded_late)
+    follows(runs.only(*SWAPPED), "loads", help=LOAD_ONCE)
 
 
 @check(
@@ -93,13 +90,4 @@ def test_loads_once(runs: Runs) -> None:
 )
 def test_deep_loads_once(runs: Runs) -> None:
     """The .pt2 and the .keras are loaded once, while the node is constructed."""
-    follows(runs, "loads", explain=_loaded_late)
-
-
-def _loaded_late(case: Case) -> str:
-    speed = case.said.get("linear.x")
-    late = isinstance(speed, float) and abs(speed - OTHER) <= 1e-3
-    return (
-        "Load in __init__, keep the session or module in an attribute, call it in the callback."
-        + (f" {OTHER} m/s is what the file says that took the first one's place at 0.25 s." * late)
-    )
+    follows(runs, "loads", help=LOAD_ONCE)

@@ -8,6 +8,7 @@ from grader.checks.model_commands import ERRORS, predicts
 from grader.checks.words import logs
 from grader.exercises.model_formats.contract import KERAS, ONNX, TORCH
 
+CUDA = ("format_cuda_pickle", "format_cuda_onnx")
 SAYS = ("format_says_pickle", "format_says_onnx")
 RAISES = ("format_raises_pickle", "format_raises_onnx", "format_long_raises")
 DEEP = ("format_says_torch", "format_says_keras", "format_raises_torch", "format_raises_keras")
@@ -16,14 +17,13 @@ DEEP = ("format_says_torch", "format_says_keras", "format_raises_torch", "format
 @check(points=3, asks=SAFETY, task=8, scenarios=SAYS, requires=ONNX)
 def test_clipped(runs: Runs) -> None:
     """The prediction is clipped to 0 … max_speed (0.5 m/s)."""
-    predicts(runs, "clip", help="min(max(speed, 0.0), max_speed)")
+    predicts(runs, "clip")
 
 
 @check(points=3, asks=SAFETY, task=8, scenarios=(*SAYS, "format_long_nan"), requires=ONNX)
 def test_not_finite(runs: Runs) -> None:
     """A prediction that is not finite means 0.0, and the node goes on."""
-    help = "min and max do not stop NaN, and clip +inf to full speed: ask math.isfinite first."
-    predicts(runs, "not_finite", help=help)
+    predicts(runs, "not_finite")
 
 
 @check(
@@ -31,25 +31,16 @@ def test_not_finite(runs: Runs) -> None:
 )
 def test_deep_bounds(runs: Runs) -> None:
     """The same with .pt2 and .keras: clipped; 0.0 if not finite, or if the model raises."""
-    help = "Whatever the format: one number comes out, and it goes through the same checks."
-    predicts(runs, help=help)
+    predicts(runs, help="Whatever the format: the number goes through the same checks.")
 
 
 @check(points=3, asks=SAFETY, task=8, scenarios=RAISES, requires=ONNX)
 def test_model_raises(runs: Runs) -> None:
     """When the model raises, the command is 0.0 and the node goes on."""
-    help = "try: … except Exception as error: around the prediction, and publish 0.0."
-    predicts(runs, "raises", help=help)
+    predicts(runs, "raises")
 
 
-@check(
-    points=2,
-    asks=DECISION,
-    task=5,
-    scenarios=("format_cuda_pickle", "format_cuda_onnx"),
-    requires=ONNX,
-    hint="7.2",
-)
+@check(points=2, asks=DECISION, task=5, scenarios=CUDA, requires=ONNX, hint="7.2")
 def test_device_ignored(runs: Runs) -> None:
     """With .pkl and .onnx the parameter device changes nothing; a warning is allowed."""
     predicts(runs, "features", help="device concerns PyTorch only.")
