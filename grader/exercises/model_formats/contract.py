@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import PurePath
 
 from grader.checks.case import Case
+from grader.checks.check import check
 from grader.checks.contract import Contract, Survived
 from grader.checks.predictions import (
     LINEAR,
@@ -24,6 +26,7 @@ SKLEARN = ("sklearn",)
 ONNX = ("onnx", "onnxruntime")
 TORCH = ("torch",)
 KERAS = ("torch", "keras")
+deep = partial(check, needs=("torch_export", "keras"), requires=KERAS)
 
 POLICY = "policy.onnx"
 CONTRACT = Contract(
