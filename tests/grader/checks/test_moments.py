@@ -24,7 +24,7 @@ TRAINING = "ml_velocity/test_training.py"
     sorted(file for room in ("checks", "exercises") for file in (GRADER / room).rglob("*.py")),
     ids=lambda file: file.relative_to(GRADER).as_posix(),
 )
-def test_what_tells_a_student_what_was_expected_tells_when(file: Path) -> None:
+def test_a_failure_with_an_expectation_has_a_moment(file: Path) -> None:
     """What has no `expected` is no mistake of a student: a scenario that ended too early."""
     name = file.relative_to(GRADER).as_posix().partition("/")[2]
     for function in ast.walk(ast.parse(file.read_text("utf-8"))):

@@ -130,6 +130,8 @@ def wrong(run: Any) -> list[str]:
 def test_what_the_model_says_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
     assert wrong(recorded(monkeypatch, RIGHT)) == ["", "", ""]
     assert wrong(recorded(monkeypatch, (0.1, 0.2, 0.25))) == ["", "", "linear.x"]
+    assert wrong(recorded(monkeypatch, RIGHT, ())) == ["predict"] * 3  # computed without it
+    assert wrong(recorded(monkeypatch, RIGHT, (0.1, 0.3, 0.3))) == ["", "predict", ""]
     assert wrong(recorded(monkeypatch, (0.0,) * 3, (), parameters={"max_speed": 0.0})) == [""] * 3
     judge(recorded(monkeypatch, RIGHT))
 
