@@ -47,7 +47,7 @@ class Check:
     scenarios: tuple[str, ...]
     needs: tuple[str, ...]
     requires: tuple[str, ...] = ()  # modules of optional libraries
-    asks: str = ""  # one of grader.checks.check.ASKS
+    asks: str = ""  # one of grader.checks.check.Asks
     task: int = 0  # the README's number; 0: all
     hint: str = ""  # where it stands in hints.md, "3.1": task and number
 
