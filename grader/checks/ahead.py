@@ -24,6 +24,11 @@ def front_distance(scan: Scan, half_angle: float = FRONT_HALF_ANGLE) -> float | 
     return max(0.0, float(usable.min())) if usable.size else None
 
 
+def front_distances(scan: Scan) -> tuple[float | None, ...]:
+    """Return all distances [m] that a right node may take for the front's; None: blind."""
+    return tuple(front_distance(scan, half_angle) for half_angle in HALF_ANGLES)
+
+
 @lru_cache(maxsize=256)
 def _ahead(beams: int, first: float, increment: float, half_angle: float) -> NDArray[np.bool_]:
     """Return which beams of a lidar lie within ±half_angle [°] of ahead, (beams,)."""

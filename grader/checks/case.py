@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, overload
+from typing import Any
 
 from grader.checks.commands import Answer, spell
 from grader.recording import Recording
@@ -71,21 +71,13 @@ class Runs(Sequence[Recording]):
     recordings: Sequence[Recording]
     oracle: Oracle  # the exercise's `cases`
     exercise: str = ""  # its slug
-    handed: Mapping[str, Any] = field(default_factory=dict)  # what needed checks returned, by name
 
-    @overload
-    def __getitem__(self, key: int | str) -> Recording: ...
-
-    @overload
-    def __getitem__(self, key: slice) -> Runs: ...
-
-    def __getitem__(self, key: int | str | slice) -> Recording | Runs:
-        """Return a recording, by its place or its scenario's name; or some of them."""
-        if isinstance(key, slice):
-            return self.of(self.recordings[key])
-        if isinstance(key, int):
-            return self.recordings[key]
-        return next(run for run in self.recordings if run.name == key)
+    def __getitem__(self, key: Any) -> Any:
+        """Return a recording, by its place or its scenario's name; of a slice, some of them."""
+        if isinstance(key, str):
+            return next(run for run in self.recordings if run.name == key)
+        found = self.recordings[key]
+        return self.of(found) if isinstance(key, slice) else found
 
     def __len__(self) -> int:
         """Return how many there are."""

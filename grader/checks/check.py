@@ -9,61 +9,32 @@ follows(runs, "slow", help="0.5 m itself belongs to the slow zone.")
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Final, Literal
 
 import pytest
 
-WIRING, DECISION, SAFETY, STATE, TIMING = ASKS = (
-    "wiring",  # does the node run, with its topics?
-    "decision",  # the right answer to an input
-    "safety",  # nobody gets hurt
-    "state",  # it remembers, and forgets
-    "timing",  # in time
-)
+Asks = Literal["wiring", "decision", "safety", "state", "timing"]
+WIRING: Final = "wiring"  # does the node run, with its topics?
+DECISION: Final = "decision"  # the right answer to an input
+SAFETY: Final = "safety"  # nobody gets hurt
+STATE: Final = "state"  # it remembers, and forgets
+TIMING: Final = "timing"  # in time
 
 Mark = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 def check(
     *,
-    asks: str,
-    scenarios: Sequence[str],
-    points: int = 0,
-    task: int = 0,
-    needs: Sequence[str] = ("wiring",),
-    requires: Sequence[str] = (),
-    hint: str = "",
-    field: bool = False,
+    asks: Asks,
+    scenarios: Sequence[str],  # whose recordings it reads
+    points: int = 0,  # of the exercise's 100; a field check has none
+    task: int = 0,  # the README's number; 0: all of them
+    needs: Sequence[str] = ("wiring",),  # checks without which this one can't be judged
+    requires: Sequence[str] = (),  # modules of optional libraries without which it isn't judged
+    hint: str = "",  # where it stands in hints.md: task and number, "3.1"
+    field: bool = False,  # it counts for the badge only
 ) -> Mark:
-    """Return the mark of a check.
-
-    Parameters
-    ----------
-    asks
-        One of `ASKS`.
-    scenarios
-        Whose recordings it reads.
-    points
-        Of the exercise's 100; a field check has none.
-    task
-        The README's number; 0: all of them.
-    needs
-        Checks without which this one can't be judged, the wiring unless others are named; what
-        they return is in `runs.handed`.
-    requires
-        Modules of optional libraries without which it isn't judged.
-    hint
-        Where its hint stands in hints.md: task and number, "3.1".
-    field
-        It counts for the badge only.
-
-    Raises
-    ------
-    ValueError
-        It asks none of the five.
-    """
-    if asks not in ASKS:
-        raise ValueError(f"asks={asks!r}: expected one of {', '.join(ASKS)}")
+    """Return the mark of a check."""
     return pytest.mark.check(
         asks=asks,
         scenarios=tuple(scenarios),

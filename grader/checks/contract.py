@@ -9,11 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from grader.checks.ahead import front_distance
+from grader.checks.ahead import front_distances
 from grader.recording import Scan
 from sim.scenario import NodeSpec, Scenario
-
-SECTORS = (88.5, 91.5)  # [°] to either side: beams near ±90° may count or not
 
 Free = Callable[[Scenario, Scan], bool]
 
@@ -62,7 +60,7 @@ def free_from(distance: float) -> Free:
     """Return whether nothing ahead is nearer than a distance [m]."""
 
     def free(scenario: Scenario, scan: Scan) -> bool:
-        seen = [front_distance(scan, half_angle) for half_angle in SECTORS]
+        seen = front_distances(scan)
         return all(nearest is not None and nearest >= distance for nearest in seen)
 
     return free

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partialmethod
+from typing import Any
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, check
@@ -31,30 +32,16 @@ class FieldSuite:
     needs: tuple[str, ...] = ("wiring",)
     nodes: tuple[str, ...] = ()  # those that take part, where an exercise has several
 
-    def check(
-        self,
-        *scenarios: str,
-        title: str,
-        help: str = "",
-        requires: tuple[str, ...] = (),
-        hint: str = "",
-    ) -> Check:
+    def check(self, *scenarios: str, title: str, help: str = "", **marked: Any) -> Check:
         """Return a check that the node is wired and keeps the contract in these scenarios."""
 
-        @check(
-            field=True,
-            asks=DECISION,
-            scenarios=scenarios,
-            needs=self.needs,
-            requires=requires,
-            hint=hint,
-        )
         def test(runs: Runs) -> None:
             wired(runs, *self.nodes)
             self.contract(runs, help)
 
         test.__doc__ = title
-        return test
+        mark = check(field=True, asks=DECISION, scenarios=scenarios, needs=self.needs, **marked)
+        return mark(test)
 
     # the usual ones: other lidars, other worlds, other faults
     lds01 = partialmethod(

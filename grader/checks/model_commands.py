@@ -1,10 +1,9 @@
-"""The words of the checks about a node that drives as a model says.
+"""The words of the checks about a node that drives as a model says (`predictions`).
 
-    predicts    the command is what the model says, clipped
-    stands      0.0 for every scan, and an error in the log
-    loads_once  one load, before the first scan
-
-What is right stands in `model_cases`.
+predicts, obeys_parameters    the command is what the model says, clipped
+stands                        0.0 for every scan, and an error in the log
+loads_once                    one load, before the first scan
+keeps_contract                all of it, for the field suite
 """
 
 from __future__ import annotations
@@ -12,18 +11,22 @@ from __future__ import annotations
 import math
 from functools import partial
 
-from grader.checks.ahead import front_distance
 from grader.checks.case import Case, Runs
-from grader.checks.inferences import loads
-from grader.checks.model_cases import CALLED, PREDICT
-from grader.checks.predictions import model_file
+from grader.checks.contract import free_from
+from grader.checks.predictions import CALLED, PREDICT, loads, model_file
 from grader.checks.verdict import fail
-from grader.checks.words import TOLERANCE, follows, logs
-from grader.recording import Recording, Scan
+from grader.checks.words import TOLERANCE, answers_once, follows, keeps_distance, logs
+from grader.recording import Recording
 
 ERRORS = ("error", "fatal")
+HELP = {  # by tag
+    "blind": "Do not ask the model about a scan with a blind sector: command 0.0 and log why.",
+    "clip": "min(max(speed, 0.0), max_speed)",
+    "not_finite": "min and max do not stop NaN, and clip +inf: ask math.isfinite first.",
+    "raises": "try: … except Exception as error: around the prediction, and publish 0.0.",
+}
 SILENTLY = "A robot that silently stands still costs an afternoon: log which file is the cause."
-FREE = 1.2  # [m] ahead
+FREE = free_from(1.2)  # then every model trained on the course's data drives
 HALF_A_CENTIMETRE = 0.005 + 1e-9  # [m/s] what rounding to two decimals changes at most
 
 
@@ -32,6 +35,7 @@ def predicts(runs: Runs, *tags: str, help: str = "", tolerance: float = TOLERANC
 
     What it commands may be off by `tolerance` [m/s]. Each tag has to occur in each run.
     """
+    help = help or " ".join(HELP[tag] for tag in tags if tag in HELP)
     for recording in runs:
         run = runs.of([recording])
         explain = partial(_explain, recording)
@@ -52,31 +56,32 @@ def loads_once(runs: Runs) -> None:
         times = [load.asked / 1e9 for load in loads(recording)]
         first = float(recording.times("/scan").min(initial=recording.duration_s))
         late = [t for t in times if t >= first]
-        if len(times) == 1 and not late:
-            continue
-        fail(
-            f"the model was loaded at {late[0]:.2f} s, when scans had come"
-            if late
-            else f"the model was loaded {len(times)} times before the first scan",
-            expected="1 load, while the node is constructed",
-            actual=f"{len(times)} loads",
-            at=(late or [first])[0],
-            recording=recording,
-            help="Load in __init__, keep the model in an attribute, and use that one in the "
-            "callback, also after it has raised.",
-        )
+        if len(times) != 1 or late:
+            fail(
+                f"the model was loaded {len(times)} times, {len(late)} of them when scans had come",
+                expected="1 load, while the node is constructed",
+                actual=f"{len(times)} loads",
+                at=(late or [first])[0],
+                recording=recording,
+                help="Load in __init__, keep the model in an attribute, and use that one in the "
+                "callback, also after it has raised.",
+            )
 
 
-def started(recording: Recording) -> str:
-    """Return in words with which parameters the node was started."""
-    given = (f"{k}:={v}" for k, v in recording.scenario.node.parameters.items())
-    return f"Started with {' and '.join(given) or 'the defaults, velocity_model.pkl and 0.5'}"
+def keeps_contract(runs: Runs, help: str, tolerance: float = TOLERANCE) -> None:
+    """Fail unless each scan is answered, by what the model says; and no drive ends in a contact."""
+    answers_once(runs)
+    predicts(runs.benches(), help=help, tolerance=tolerance)
+    keeps_distance(runs.driven(), 0.0)
 
 
-def is_free(scan: Scan) -> bool:
-    """Return whether the way is so free that every model trained on the course's data drives."""
-    distance = front_distance(scan)
-    return distance is not None and distance >= FREE
+def obeys_parameters(runs: Runs, help: str, tolerance: float = TOLERANCE) -> None:
+    """Fail unless the node predicts with the parameters with which it was started."""
+    for recording in runs:
+        parameters = recording.scenario.node.parameters.items()
+        given = " and ".join(f"{name}:={value}" for name, value in parameters) or "the defaults"
+        help_with_given = f"Started with {given}. {help}"
+        predicts(runs.of([recording]), help=help_with_given, tolerance=tolerance)
 
 
 def _explain(recording: Recording, case: Case) -> str:

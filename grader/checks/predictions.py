@@ -1,30 +1,51 @@
-"""What a probe model predicts from a scan, clipped: the oracle of the model exercises.
+"""A node that drives as a model says: what the model predicts, and what the node asked it.
 
-Beams within 1° of a sector's edge may count on either side of it, so a scan has several possible
-feature vectors, and what is right is an interval of speeds.
+A scan, its features, the clipped prediction. Beams within 1° of a sector's edge may count on either
+side of it, so a scan has several possible feature vectors, and what is right is an interval of
+speeds. Exercises with rules of their own (which files hold a model, at which rate) call
+`speed_cases` from their contracts' `cases`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import Any
 
-import msgspec
 import numpy as np
 
-from grader.checks.case import Interval, exactly
-from grader.checks.commands import ZERO
-from grader.models.features import Floats, possible_features
-from grader.models.files import probe
-from grader.recording import Recording, Scan
-from sim.scenario import Model, Scenario
+from grader.checks.case import Case, Interval, answered, exactly
+from grader.checks.commands import answers
+from grader.models.features import Floats, possible_features, scan_features
+from grader.models.files import is_kept, probe
+from grader.recording import Inference, Recording, Scan
+from sim.scenario import Model, NodeSpec, Scenario
 
 MODEL = "velocity_model.pkl"
 MAX_SPEED = 0.5  # [m/s] without the parameter
 TOLERANCE = 5e-5  # [m/s] of a prediction
 BROKEN = ("garbage", "empty", "pickled", "foreign")  # in files that hold no model of their format
+SPEED, PREDICT = "linear.x", "predict"
+CALLED = "called"  # about this scan
+
+# models that brake in good time, for drives
+SCALE, OFFSET = 0.5, -0.35  # of the distance [m]: 0 at 0.7 m, 0.5 m/s at 1.7 m
+MOVING = 0.1  # [m/s] what asks for less may stand
+LINEAR = Model(probe="linear", settings={"weights": (SCALE, 0.0, 0.0, 0.0, 0.0), "offset": OFFSET})
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the model predicts from one scan, clipped."""
+
+    scan: Scan
+    allowed: tuple[Interval, ...]  # [m/s] with 0.0 where there may be no prediction
+
+    def allows(self, speed: float) -> bool:
+        """Return whether a command [m/s] can be this prediction."""
+        return any(low - TOLERANCE <= speed <= high + TOLERANCE for low, high in self.allowed)
 
 
 def model_file(scenario: Scenario) -> str:
@@ -38,44 +59,22 @@ def model_found(scenario: Scenario) -> Model | None:
     return None if model is None or model.probe in BROKEN else model
 
 
-def quick(model: Model) -> Model:
-    """Return the model without its delay: the judge needn't wait."""
-    if "seconds" not in model.settings:
-        return model
-    return msgspec.structs.replace(model, settings={**model.settings, "seconds": 0.0})
-
-
 def max_speed(scenario: Scenario) -> float:
     """Return the parameter max_speed that the node was given [m/s]."""
     return float(scenario.node.parameters.get("max_speed", MAX_SPEED))
 
 
-@dataclass(frozen=True)
-class Prediction:
-    """What the model predicts from one scan, clipped."""
-
-    scan: Scan
-    least: float  # [m/s]
-    most: float  # [m/s]
-    missing: bool  # to have no prediction is right as well
-
-    def allows(self, speed: float) -> bool:
-        """Return whether a command [m/s] can be this prediction, or 0.0 where there is none."""
-        predicted = self.least - TOLERANCE <= speed <= self.most + TOLERANCE
-        return predicted or (self.missing and abs(speed) < ZERO)
-
-    @property
-    def allowed(self) -> tuple[Interval, ...]:
-        """The commands that are right [m/s]."""
-        exists = self.most > -math.inf
-        return exactly(0.0) * self.missing + ((self.least, self.most),) * exists
+def braking(probe: str, **settings: float) -> NodeSpec:
+    """Return what a node finds: a pickled probe that brakes."""
+    settings = {"scale": SCALE, "offset": OFFSET, **settings}
+    return NodeSpec(models={MODEL: Model(probe=probe, settings={**settings})})
 
 
-def predictions(recording: Recording) -> tuple[Prediction, ...]:
-    """Return what the scenario's model, without its delay, predicts from each scan sent."""
-    model = probe(quick(recording.scenario.node.models[MODEL]))
-    limit = max_speed(recording.scenario)
-    return tuple(prediction(model, scan, limit) for scan in recording.scans())
+def model_says_go(scenario: Scenario, scan: Scan) -> bool:
+    """Return whether the scenario's model asks to drive on."""
+    (model,) = scenario.node.models.values()
+    speed = _predict(probe(model), scan_features(scan), math.inf)
+    return speed is not None and speed >= MOVING
 
 
 def prediction(model: Any, scan: Scan, limit: float) -> Prediction:
@@ -83,9 +82,65 @@ def prediction(model: Any, scan: Scan, limit: float) -> Prediction:
     rows = () if model is None else possible_features(scan)
     speeds = [_predict(model, features, limit) for features in rows]
     numbers = [speed for speed in speeds if speed is not None]
-    if not numbers:
-        return Prediction(scan, -math.inf, -math.inf, missing=True)
-    return Prediction(scan, min(numbers), max(numbers), missing=len(numbers) < len(speeds))
+    none = exactly(0.0) if len(numbers) < len(speeds) or not numbers else ()
+    return Prediction(scan, none + (((min(numbers), max(numbers)),) if numbers else ()))
+
+
+def predictions(recording: Recording) -> tuple[Prediction, ...]:
+    """Return what the scenario's model predicts from each scan sent."""
+    model, limit = probe(recording.scenario.node.models[MODEL]), max_speed(recording.scenario)
+    return tuple(prediction(model, scan, limit) for scan in recording.scans())
+
+
+def speed_cases(recording: Recording, model: Model | None) -> list[Case]:
+    """Return an occasion for each scan: the command is what this model (None: none) predicts.
+
+    Of a model that the judge keeps it is known what it was asked and said: the node has to ask it
+    about each scan, and to command what it said. No question is due about a scan that may count as
+    blind, nor with a max_speed of 0.
+    """
+    found, limit = answers(recording), max_speed(recording.scenario)
+    source = None if model is None else probe(model)
+    kept = model is not None and is_kept(model_file(recording.scenario), model) and limit > 0.0
+    ends = [*(answer.scan.t for answer in found[1:]), recording.duration_s]
+    cases = []
+    for answer, end in zip(found, ends, strict=False):
+        right = prediction(source, answer.scan, limit)
+        case = answered(answer, {SPEED: right.allowed})
+        if kept and case.said and not np.isnan(possible_features(answer.scan)).any():
+            case = _of_kept(case, right, questions(recording, PREDICT, answer.scan.t, end), limit)
+        cases.append(case)
+    return cases
+
+
+def questions(recording: Recording, method: str, since: float, until: float) -> list[Inference]:
+    """Return what a model was asked and had answered between two times [s].
+
+    In real time what happened shortly before or after counts, too.
+    """
+    begin, end = since - recording.slack, until + recording.slack
+    return [
+        i
+        for i in recording.inferences
+        if i.method == method and begin <= i.asked / 1e9 and i.answered / 1e9 <= end
+    ]
+
+
+def loads(recording: Recording) -> list[Inference]:
+    """Return each load of a model."""
+    return [inference for inference in recording.inferences if inference.is_load]
+
+
+def _of_kept(case: Case, right: Prediction, asked: Sequence[Inference], limit: float) -> Case:
+    """Return the case with what the model was asked: the right speed may be computed without it."""
+    said = [_clip(s, limit) for question in asked for s in question.said if math.isfinite(s)]
+    fits = {speed for speed in (0.0, *said) if right.allows(speed)} if asked else set()
+    called = CALLED if fits or not said else f"{CALLED} with other features"
+    return replace(
+        case,
+        allowed={SPEED: exactly(*sorted(fits)) or right.allowed, PREDICT: frozenset({CALLED})},
+        said={**case.said, PREDICT: called if asked else f"not {CALLED}"},
+    )
 
 
 def _predict(model: Any, features: Floats, limit: float) -> float | None:
@@ -96,4 +151,8 @@ def _predict(model: Any, features: Floats, limit: float) -> float | None:
         speed = float(model.predict(features[None])[0])
     except Exception:  # a probe that raises does so on purpose
         return None
-    return max(0.0, min(limit, speed)) if math.isfinite(speed) else None
+    return _clip(speed, limit) if math.isfinite(speed) else None
+
+
+def _clip(speed: float, limit: float) -> float:
+    return max(0.0, min(limit, speed))

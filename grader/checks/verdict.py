@@ -1,34 +1,35 @@
-"""How a check ends if it doesn't pass: it fails, or the machine allows no verdict.
+"""How a check ends if it doesn't pass: it fails, or the machine allows no verdict; and evidence.
 
 fail(
     "drove at 0.50 m/s with a wall 0.42 m ahead",
     expected="0.00 m/s", actual="0.50 m/s", at=scan.t, recording=recording,
     help="Compare the distance with 0.5 m before you publish.",
 )
-
-Tested with the plug-in that reads it (tests/grader/grading/test_plugin.py).
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
 from grader.recording import Recording
+
+Trials = Mapping[str, Recording]  # by the scenario's name
 
 
 @dataclass(eq=False)
 class CheckFailed(AssertionError):
     """The student's mistake."""
 
-    message: str
-    expected: str = ""
-    actual: str = ""
-    at: float | None = None  # [s]
-    scenario: str | None = None
-    help: str = ""
-    where: str = ""
-    title: str = ""  # in place of the check's own
+    message: str  # what happened, in a sentence
+    expected: str = ""  # what the contract asks for, with units
+    actual: str = ""  # what came
+    at: float | None = None  # [s] in scenario time; the replay jumps there
+    scenario: str | None = None  # the trial in which it happened
+    help: str = ""  # what to look at next
+    where: str = ""  # the student's lines that were being run, innermost first
+    title: str = ""  # in place of the check's own: the node started, and died of one message
 
     def __str__(self) -> str:
         """Return what happened."""
@@ -44,6 +45,19 @@ class Inconclusive(Exception):
     """The machine's fault: there is no verdict."""
 
 
+@dataclass(frozen=True)
+class Evidence:
+    """What recordings show of a mistake of which the checks only show the effects.
+
+    `seen(trials, failed)` of an exercise's `causes.py` returns it, or None. It says what was seen
+    and when, with every seed.
+    """
+
+    text: str  # a sentence; what may lie behind it is asked
+    hint: str = ""  # where it stands in hints.md: task and number, "2.1"
+    explains: Sequence[str] = ()  # ids of failed checks whose own help would lead elsewhere
+
+
 def fail(
     message: str,
     *,
@@ -55,41 +69,11 @@ def fail(
     where: str = "",
     title: str = "",
 ) -> NoReturn:
-    """Fail the check.
-
-    Parameters
-    ----------
-    message
-        What happened, in a sentence for the student.
-    expected, actual
-        What the contract asks for, and what came, with units.
-    at
-        When, in scenario time [s]; the replay jumps there.
-    recording
-        The trial in which it happened.
-    help
-        What to look at next.
-    where
-        The student's lines that were being run, innermost first.
-    title
-        What is shown as the check's title: a node that dies of a message has started, and the
-        checks that need this one are judged in the trials in which it lived on.
-
-    Raises
-    ------
-    CheckFailed
-        Always.
-    """
+    """Fail the check: raise CheckFailed with what its fields say."""
     when, name = None if at is None else float(at), recording.name if recording else None
     raise CheckFailed(message, expected, actual, when, name, help, where, title)
 
 
 def inconclusive(message: str) -> NoReturn:
-    """Say that the machine did not allow a verdict.
-
-    Raises
-    ------
-    Inconclusive
-        Always.
-    """
+    """Raise Inconclusive: the machine did not allow a verdict."""
     raise Inconclusive(message)

@@ -111,11 +111,9 @@ def _fail_of_exception(recording: Recording, text: str, death: Death | None) -> 
     """Fail with the place of an exception, the message that was handled, and the lines."""
     last = _last_delivery(recording, death.topic if death else "")
     runs = bool(last) if death is None else death.in_callback
-    place = death.place if death else "a callback" if last else "the start-up"
+    place = death.place if death else "a callback" if runs else "the start-up"
     if last and runs:
-        place += f", {'at' if death and death.topic else 'after'} {last}"
-    elif not last and not runs:
-        place += ", before any message came"
+        place += f", after {last}"
     if death and death.advice:  # it is the help
         text = text.removesuffix(f"; {death.advice}")
     fail(
@@ -153,8 +151,8 @@ def _last_delivery(recording: Recording, topic: str) -> str:
 def _require_end(recording: Recording, wanted: Wanted) -> None:
     """Fail unless the node has this end, with the right type and a QoS that matches."""
     kind = KINDS[wanted.direction]
-    every = [end for end in recording.endpoints if not end.node.startswith(OURS)]
-    every = [end for end in every if end.node == f"/{wanted.node}"] or every
+    theirs = [end for end in recording.endpoints if not end.node.startswith(OURS)]
+    every = [end for end in theirs if end.node == f"/{wanted.node}"] or theirs
     here = [end for end in every if (end.kind, end.topic) == (kind, wanted.name)]
     typed = [end for end in here if end.type == wanted.type]
     if not here:
@@ -170,7 +168,7 @@ def _require_end(recording: Recording, wanted: Wanted) -> None:
         )
     if not any(end.matched for end in typed):
         end = typed[0]
-        expected, advice = next(QOS[word] for word in QOS if word in end.mismatch)
+        expected, advice = next(said for word, said in QOS.items() if word in end.mismatch)
         fail(
             f"the {kind} of {wanted.name} and the robot cannot talk: their QoS does not match",
             expected=expected,
@@ -181,21 +179,20 @@ def _require_end(recording: Recording, wanted: Wanted) -> None:
 
 
 def _fail_missing(recording: Recording, wanted: Wanted, every: list[Endpoint]) -> NoReturn:
+    """Fail with the end that may have been meant, if there is one."""
     kind, name = KINDS[wanted.direction], wanted.name
     ends = [end for end in every if end.kind == kind]
-    names = list(dict.fromkeys(end.topic for end in ends))
-    near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
-    near = near or [end.topic for end in ends if end.type == wanted.type][:1]
+    near = difflib.get_close_matches(name, [end.topic for end in ends], n=1, cutoff=0.5)
+    near = near or [end.topic for end in ends if end.type == wanted.type]
     others = [end.kind for end in every if end.topic == name]
     problem = f"there is no {kind}{f' of {wanted.node}' if wanted.node else ''} on {name}"
-    actual = f"{kind}s on {', '.join(names)}" if names else f"no {kind} at all"
+    actual = f"{kind}s on {', '.join(end.topic for end in ends)}" if ends else f"no {kind} at all"
     advice = f"Create it in the constructor: self.create_{kind}(…)."
     if near:
-        problem, actual = f"{problem}, but one on {near[0]}", f"a {kind} on {near[0]}"
+        problem += f", but one on {near[0]}"
         advice = f"Is {near[0]} misspelt? It is {name}."
     elif others:
-        problem = f"there is a {others[0]} on {name} where a {kind} is needed"
-        actual, advice = f"a {others[0]} on {name}", WHO
+        problem, advice = f"there is a {others[0]} on {name} where a {kind} is needed", WHO
     fail(
         problem,
         expected=f"a {kind} of {wanted.type} on {name}",

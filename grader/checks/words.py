@@ -27,11 +27,10 @@ import numpy as np
 from grader.checks.ahead import front_distance
 from grader.checks.case import Case, Runs, Said, spell_allowed
 from grader.checks.commands import FIELDS, ZERO, answers, garbage, spell
-from grader.checks.contract import Limits
-from grader.checks.moments import came_to_rest, first_asked, first_contact
+from grader.checks.contract import Free, Limits
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
-from grader.recording import Floats, Recording, Scan
+from grader.recording import Floats, Recording
 from sim.messages import CMD_VEL_TOPIC
 
 TOLERANCE = 1e-3  # of a number
@@ -39,6 +38,7 @@ UNITS = {"linear.x": "m/s", "angular.z": "rad/s"}
 USUAL = 0.85  # share of answers that are the same, of a node that does not react
 LEAST_WAY = 0.5  # [m] driven in at least one world
 STILL = 0.05  # [m/s]
+PATIENCE = 1.5  # [s] that a robot may stand though its way is free
 PUBLISH_ONCE = "Publish once at the end of the callback, whatever the message was."
 
 
@@ -80,20 +80,11 @@ def follows(
     help: str = "",
     tolerance: float = TOLERANCE,
     topic: str = CMD_VEL_TOPIC,
-    explain: Callable[[Case], str] = lambda case: "",
+    explain: Callable[[Case], str] = lambda case: "",  # what a wrong answer shows, or `help`
 ) -> None:
     """Fail unless the node said what is allowed, on each occasion with one of these tags.
 
-    Parameters
-    ----------
-    tags
-        Each has to occur: of a node that does too little, nothing is known.
-    tolerance
-        Of numbers, in their own unit.
-    topic
-        On which the node says it.
-    explain
-        Returns what a wrong answer shows, in place of `help`.
+    Each tag has to occur: of a node that does too little, nothing is known.
     """
     for recording in runs:
         require_alive(recording)
@@ -125,16 +116,14 @@ def require_allowed(
     actual = f"{wrong} = {_shown(said, unit)}"
     if not case.allowed:
         message, expected, actual = f"a {noun} came", f"nothing on {topic}", f"{case.count} of them"
-    elif not case.said:
-        message, actual = f"there was still no {noun}", f"nothing on {topic}"
-    elif not case.count:
-        message = f"no {noun} came, and the last one still counts"
-        actual = f"none; it is still {actual}"
+    elif not (case.said and case.count):
+        message = f"no {noun} came"
+        actual = f"none; the last one, {actual}, still counts" if case.said else "none"
+        help = PUBLISH_ONCE if topic == CMD_VEL_TOPIC else help
     else:
         message = f"wrong {wrong}" + (f" on {topic}" if topic != CMD_VEL_TOPIC else "")
-        help = _garbage(said, help) or help
-    if case.allowed and not (case.said and case.count) and topic == CMD_VEL_TOPIC:
-        help = PUBLISH_ONCE
+        if isinstance(said, float) and not (help and math.isnan(said)):  # NaN may be computed
+            help = garbage(said) or help
     fail(
         f"{case.what}: {message}",
         expected=expected,
@@ -189,12 +178,10 @@ def every(
     require_alive(recording)
     last = recording.duration_s if end is None else end
     times = recording.times(topic)
-    inside = times[(times >= begin) & (times <= last)]
-    edges = np.concatenate(([begin], inside, [last]))
-    slack = tolerance + recording.slack
-    gaps = np.diff(edges)
+    edges = np.concatenate(([begin], times[(times >= begin) & (times <= last)], [last]))
+    gaps, slack = np.diff(edges), tolerance + recording.slack
     late = np.flatnonzero(gaps > period + slack)
-    early = np.flatnonzero(np.diff(inside) < (-math.inf if sooner else period - slack))
+    early = np.flatnonzero(gaps[1:-1] < (-math.inf if sooner else period - slack))
     if not len(late) and not len(early):
         return
     first = int(late[0]) if len(late) else int(early[0]) + 1
@@ -268,51 +255,49 @@ def keeps_distance(runs: Sequence[Recording], clearance: float = 0.2, help: str 
         nearest = int(np.argmin(truth.clearance))
         if contact is None and truth.clearance[nearest] >= clearance:
             continue
-        came_near = contact is None
+        did = "came too near to" if contact is None else "ran into"
         fail(
-            "the robot came too near to something" if came_near else "the robot ran into something",
-            expected=f"clearance of at least {clearance} m" if clearance else "no contact",
-            actual=f"{truth.clearance[nearest]:.3f} m" if came_near else "contact",
+            f"the robot {did} something",
+            expected=f"no contact, and a clearance of at least {clearance} m",
+            actual=f"{truth.clearance[nearest]:.3f} m",
             at=truth.t[nearest] / 1e9 if contact is None else contact,
             recording=recording,
             help=help or "Watch the replay from a second before: what did the lidar see?",
         )
-    ways = (np.hypot(np.diff(run.truth.x), np.diff(run.truth.y)).sum() for run in runs)
-    if max(ways) < LEAST_WAY:
+    ways = [np.hypot(np.diff(run.truth.x), np.diff(run.truth.y)).sum() for run in runs]
+    if ways and max(ways) < LEAST_WAY:
         fail(
             "the robot hardly moved, so this proves nothing",
             expected="a robot that drives where its way is free",
             actual=f"less than {LEAST_WAY} m driven in each of the worlds",
-            at=came_to_rest(runs[0]),
+            at=first_asked(runs[0]),
             recording=runs[0],
             help="Get the checks of its speed right first.",
         )
 
 
-def drives_on(
-    recording: Recording, free: Callable[[Scan], bool], *, patience: float = 1.5, help: str = ""
-) -> None:
-    """Fail if the robot stands although its way has been free for `patience` [s]."""
-    require_alive(recording)
-    truth, since, count = recording.truth, None, 0
-    for scan in recording.scans():
-        since = (scan.t if since is None else since) if free(scan) else None
-        if since is None or scan.t - since < patience:
-            continue
-        count += 1
-        speed = float(np.interp(scan.t, truth.t / 1e9, truth.v))
-        if speed < STILL:
-            distance = front_distance(scan)
-            fail(
-                f"the robot stands, though its way has been free for {scan.t - since:.1f} s",
-                expected=f"driving on: the nearest thing ahead is {distance:.2f} m away",
-                actual=f"{abs(speed):.2f} m/s",
-                at=scan.t,
-                recording=recording,
-                help=help or "Decide again at each scan, and publish every time.",
-            )
-    if not count:
-        fail("the way was never free for long enough to judge", recording=recording)
+def drives_on(runs: Sequence[Recording], free: Free, help: str = "") -> None:
+    """Fail if the robot stands although its way has been free for a while."""
+    for recording in runs:
+        require_alive(recording)
+        truth, since, count = recording.truth, None, 0
+        for scan in recording.scans():
+            since = (scan.t if since is None else since) if free(recording.scenario, scan) else None
+            if since is None or scan.t - since < PATIENCE:
+                continue
+            count += 1
+            speed = float(np.interp(scan.t, truth.t / 1e9, truth.v))
+            if speed < STILL:
+                fail(
+                    f"the robot stands, though its way has been free for {scan.t - since:.1f} s",
+                    expected=f"driving on: nothing is nearer than {front_distance(scan):.2f} m",
+                    actual=f"{abs(speed):.2f} m/s",
+                    at=scan.t,
+                    recording=recording,
+                    help=help or "Decide again at each scan, and publish every time.",
+                )
+        if not count:
+            fail("the way was never free for long enough to judge", recording=recording)
 
 
 def logs(
@@ -342,11 +327,15 @@ def logs(
     )
 
 
-def _garbage(said: Said | None, help: str) -> str:
-    """Say so if a number can only be garbage; NaN may be computed, too: then `help` is better."""
-    if not isinstance(said, float) or (math.isnan(said) and help):
-        return ""
-    return garbage(said)
+def first_asked(recording: Recording) -> float | None:
+    """Return when the node was sent its first message [s]: where a failure of a whole run opens."""
+    return recording.delivered[0].time / 1e9 if recording.delivered else None
+
+
+def first_contact(recording: Recording) -> float | None:
+    """Return when the robot first touched something [s]; None: never."""
+    truth = recording.truth
+    return float(truth.t[int(np.argmax(truth.contact))]) / 1e9 if truth.contact.any() else None
 
 
 def _rounded(case: Case) -> tuple[tuple[str, Said], ...]:

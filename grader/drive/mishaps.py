@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.checks.contract import Contract, Free, Limits
-from grader.checks.moments import first_contact
+from grader.checks.words import first_contact
 from grader.errors import InputError
 from grader.recording import Recording
 

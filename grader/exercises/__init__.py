@@ -32,9 +32,8 @@ def driving_contract_of(exercise: Exercise) -> Contract:
 
 
 def oracle_of(exercise: Exercise) -> Oracle:
-    """Return the exercise's `cases`; one without says nothing of any occasion."""
+    """Return the exercise's `cases`; one without a contract says nothing of any occasion."""
     if not (exercise.judge / "contract.py").is_file():
         return lambda recording: ()
-    module = importlib.import_module(f"{__name__}.{exercise.slug}.contract")
-    oracle: Oracle = getattr(module, "cases", lambda recording: ())
+    oracle: Oracle = importlib.import_module(f"{__name__}.{exercise.slug}.contract").cases
     return oracle

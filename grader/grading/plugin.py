@@ -47,7 +47,7 @@ class Check:
     scenarios: tuple[str, ...]
     needs: tuple[str, ...]
     requires: tuple[str, ...] = ()  # modules of optional libraries
-    asks: str = ""  # one of grader.checks.check.ASKS
+    asks: str = ""  # one of grader.checks.check.Asks
     task: int = 0  # the README's number; 0: all
     hint: str = ""  # where it stands in hints.md, "3.1": task and number
 
@@ -103,7 +103,6 @@ class CheckPlugin:
         self._trials = trials
         self._exercise, self._oracle = exercise, remembered(oracle)
         self._essential = essential
-        self._returned: dict[str, Any] = {}  # by check id
         self._first_failure = first_failure  # of a check: it ends the run, so no trial runs ahead
         self._suspect = suspect  # the check that is judged first, after those that it needs
         self._field = field
@@ -140,20 +139,9 @@ class CheckPlugin:
         self._prepare(field=False)
 
     @pytest.fixture
-    def runs(self, request: pytest.FixtureRequest, recordings: tuple[Recording, ...]) -> Runs:
+    def runs(self, recordings: tuple[Recording, ...]) -> Runs:
         """The recordings of the check's scenarios, with the exercise's oracle."""
-        check = self._checks[request.node.nodeid]
-        handed = {need: self._returned[need] for need in check.needs if need in self._returned}
-        return Runs(recordings, self._oracle, self._exercise, handed)
-
-    @pytest.hookimpl(tryfirst=True)
-    def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> bool:
-        """Run the check, and keep what it returns for those that need it."""
-        names = pyfuncitem._fixtureinfo.argnames
-        arguments = {name: pyfuncitem.funcargs[name] for name in names}
-        returned = pyfuncitem.obj(**arguments)
-        self._returned[self._checks[pyfuncitem.nodeid].id] = returned
-        return True
+        return Runs(recordings, self._oracle, self._exercise)
 
     @pytest.fixture
     def recordings(self, request: pytest.FixtureRequest) -> tuple[Recording, ...]:

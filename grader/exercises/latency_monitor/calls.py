@@ -6,8 +6,7 @@ import math
 from dataclasses import replace
 
 from grader.checks.case import Runs
-from grader.checks.inferences import questions
-from grader.checks.model_cases import PREDICT
+from grader.checks.predictions import PREDICT, questions
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.checks.words import require_allowed

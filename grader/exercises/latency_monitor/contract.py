@@ -7,11 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from grader.checks.braking import braking, model_says_go
 from grader.checks.case import Case
 from grader.checks.contract import Contract, Survived
-from grader.checks.model_cases import speed_cases
-from grader.checks.predictions import model_found
+from grader.checks.predictions import braking, model_found, model_says_go, speed_cases
 from grader.recording import Recording
 
 KEYS = ("count", "mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "deadline_ms", "missed")

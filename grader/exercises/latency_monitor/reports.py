@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from grader.checks.case import Allowed, Case, Runs, Said, remembered
-from grader.checks.reading import published
+from grader.checks.commands import published
 from grader.checks.words import follows
 from grader.exercises.latency_monitor.contract import KEYS, LEVELS, right_numbers
 from grader.recording import Recording

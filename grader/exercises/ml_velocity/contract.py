@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from grader.checks.braking import braking, model_says_go
 from grader.checks.case import Case
 from grader.checks.contract import Contract, Survived
-from grader.checks.model_cases import speed_cases
-from grader.checks.predictions import model_found
+from grader.checks.predictions import braking, model_found, model_says_go, speed_cases
 from grader.recording import Recording
 
 # what a check requires where the judge runs: to make a trained model, to run a training

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from grader.checks.case import Runs
+from functools import partial
+
 from grader.checks.field import FieldSuite
-from grader.checks.model_commands import predicts
-from grader.checks.words import answers_once, keeps_distance
+from grader.checks.model_commands import keeps_contract
 from grader.exercises.ml_velocity.contract import FOREST, TOLERANCE
 
-
-def _keeps_the_contract(runs: Runs, help: str) -> None:
-    """Fail unless the whole contract holds in these scenarios."""
-    answers_once(runs)
-    predicts(runs.benches(), help=help, tolerance=TOLERANCE)
-    if drives := runs.driven():
-        keeps_distance(drives, 0.0)
-
-
-field = FieldSuite(_keeps_the_contract)
+field = FieldSuite(partial(keeps_contract, tolerance=TOLERANCE))
 
 test_field_lds01 = field.lds01("ml_field_lds01_front", "ml_field_lds01_left")
 test_field_wide_lidar = field.wide_lidar("ml_field_wide_front", "ml_field_wide_left")

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import PurePath
 
-from grader.checks.braking import LINEAR, PICKLE, model_says_go
 from grader.checks.case import Case
+from grader.checks.check import check
 from grader.checks.contract import Contract, Survived
-from grader.checks.model_cases import speed_cases
-from grader.checks.predictions import model_file, model_found
+from grader.checks.predictions import (
+    LINEAR,
+    MODEL,
+    model_file,
+    model_found,
+    model_says_go,
+    speed_cases,
+)
 from grader.recording import Recording
 from sim.scenario import NodeSpec
 
@@ -19,12 +26,13 @@ SKLEARN = ("sklearn",)
 ONNX = ("onnx", "onnxruntime")
 TORCH = ("torch",)
 KERAS = ("torch", "keras")
+deep = partial(check, needs=("torch_export", "keras"), requires=KERAS)
 
 POLICY = "policy.onnx"
 CONTRACT = Contract(
     free=model_says_go,
     nodes=(
-        NodeSpec(models={PICKLE: LINEAR}),
+        NodeSpec(models={MODEL: LINEAR}),
         NodeSpec(parameters={"model_path": POLICY}, models={POLICY: LINEAR}),
     ),
     delayed_in=("format_drive_pickle", "format_drive_onnx"),

@@ -2,22 +2,11 @@
 
 from __future__ import annotations
 
-from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
-from grader.checks.model_commands import predicts
-from grader.checks.words import answers_once, keeps_distance
+from grader.checks.model_commands import keeps_contract
 from grader.exercises.model_formats.contract import ONNX, SKLEARN
 
-
-def _keeps_the_contract(runs: Runs, help: str) -> None:
-    """Fail unless the whole contract holds in these scenarios."""
-    answers_once(runs)
-    predicts(runs.benches(), help=help)
-    if drives := runs.driven():
-        keeps_distance(drives, 0.0)
-
-
-field = FieldSuite(_keeps_the_contract)
+field = FieldSuite(keeps_contract)
 
 test_field_lds01 = field.lds01("format_field_lds01", requires=ONNX)
 test_field_wide_lidar = field.wide_lidar("format_field_wide", requires=ONNX)

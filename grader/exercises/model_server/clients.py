@@ -20,7 +20,7 @@ from itertools import pairwise, zip_longest
 import numpy as np
 
 from grader.checks.case import Case, exactly
-from grader.checks.reading import published
+from grader.checks.commands import published
 from grader.checks.words import every, logs
 from grader.exercises.model_server.notes import (
     NEAR,

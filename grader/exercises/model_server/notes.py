@@ -10,7 +10,7 @@ from typing import NoReturn
 
 import msgspec
 
-from grader.checks.reading import published
+from grader.checks.commands import published
 from grader.checks.verdict import fail
 from grader.recording import Recording
 from sim.messages import STRING

@@ -17,8 +17,8 @@ import msgspec
 import numpy as np
 
 from grader.checks.case import Allowed, Case, Runs, Said, exactly
-from grader.checks.inferences import loads, questions
-from grader.checks.reading import published
+from grader.checks.commands import published
+from grader.checks.predictions import loads, questions
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.exercises.model_server.notes import (

@@ -12,20 +12,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from grader.checks.commands import Answer, answers
-from grader.checks.evidence import Evidence, Trials
+from grader.checks.verdict import Evidence, Trials
 
 BENCH = "avoid_zones"
 SAME = 1e-3  # [m/s], [m]
 LEAST = 12  # scans with an answer
 EDGE = 0.25  # [°] a beam's angle is a float32
-# checks whose scans a wrong sector reads wrongly
-SEEN = (
-    "clear_zone", "slow_zone", "stop_zone", "ignores_behind", "sees_sides", "infinite_readings",
-    "invalid_readings", "minus_infinity", "blind", "no_contact", "drives_on",
-)  # fmt: skip
+UNSEEN = ("wiring", "one_command_per_scan", "only_linear_x", "callback_time")  # of no sector
 
 Sector = tuple[float, float]  # [°] where its middle is, positive to the left, and half its width
 AHEAD: Sector = (0.0, 90.0)
+CONES = (2, *range(10, 85, 5))  # [°] half of one
 MISTAKES: dict[Sector, str] = {
     (180.0, 90.0): "behind the robot, and not ahead. This lidar's first beam looks backwards "
     "(angle_min = -π): is it taken for straight ahead?",
@@ -36,7 +33,6 @@ MISTAKES: dict[Sector, str] = {
     (180.0, EDGE): "in the first beam, which points backwards (angle_min = -π). Look at every beam "
     "within ±90° of ahead.",
 }
-CONES = (2, 10, 15, 20, 22.5, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80)  # [°] half of it
 NARROW = (
     "straight ahead, in hardly more than one beam. Does it look at one beam only, or compare "
     "degrees with radians? Everything within ±90° (π/2) counts."
@@ -46,16 +42,15 @@ NARROW = (
 def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
     """Return which wrong sector explains all the node's answers, if the right one doesn't."""
     bench = trials.get(BENCH)
-    if bench is None or not bench.outcome.completed:
+    explained = [check for check in failed if check not in UNSEEN]
+    if bench is None or not bench.outcome.completed or not explained:
         return None
     answered = [answer for answer in answers(bench) if answer.speed is not None]
-    explained = [check for check in failed if check in SEEN]
-    if len(answered) < LEAST or not explained or follows(answered, AHEAD):
+    if len(answered) < LEAST or follows(answered, AHEAD):
         return None
     texts = [text for sector, text in MISTAKES.items() if follows(answered, sector)]
-    cones = [half for half in CONES if follows(answered, (0.0, half))]
-    if cones:
-        wide = f"within about ±{cones[-1]:.0f}° of ahead; everything within ±90° counts."
+    if cones := [half for half in CONES if follows(answered, (0.0, half))]:
+        wide = f"within about ±{cones[-1]}° of ahead; everything within ±90° counts."
         texts.append(NARROW if cones[0] == CONES[0] else wide)
     if len(texts) != 1:
         return None
@@ -72,16 +67,18 @@ def follows(answered: Sequence[Answer], sector: Sector) -> bool:
 def _rises(answered: Sequence[Answer], middle: float, half: float) -> bool:
     """Return whether the speed never falls with the distance, and is one for each distance."""
     rows = sorted((_nearest(answer, middle, half), answer.speed or 0.0) for answer in answered)
-    distances, speeds = np.array(rows).T
-    same = np.diff(distances) < SAME
-    rises = np.all(speeds >= np.maximum.accumulate(speeds) - SAME)
-    return bool(np.ptp(speeds) >= SAME and rises and np.all(np.abs(np.diff(speeds)[same]) < SAME))
+    steps = np.diff(np.array(rows), axis=0)
+    same = steps[:, 0] < SAME
+    return bool(
+        np.ptp([speed for _, speed in rows]) >= SAME
+        and np.all(steps[:, 1] >= -SAME)
+        and np.all(np.abs(steps[same, 1]) < SAME)
+    )
 
 
 def _nearest(answer: Answer, middle: float, half: float) -> float:
     scan = answer.scan
-    angles = scan.first_angle + scan.angle_increment * np.arange(len(scan.ranges), dtype=float)
-    off = (np.degrees(angles) - middle + 180.0) % 360.0 - 180.0
+    off = (np.degrees(scan.angles) - middle + 180.0) % 360.0 - 180.0
     ranges = scan.ranges[np.abs(off) <= half].astype(float)
     ranges[np.isneginf(ranges)] = 0.0
     ranges = ranges[np.isfinite(ranges)]

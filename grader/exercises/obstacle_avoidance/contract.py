@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
-from grader.checks.ahead import FRONT_HALF_ANGLE, HAIR, front_distance
+from grader.checks.ahead import HAIR, front_distances
 from grader.checks.case import Case, answered, exactly
 from grader.checks.commands import answers
 from grader.checks.contract import Contract, Survived, free_from
@@ -16,10 +15,10 @@ SLOW_DISTANCE = 1.0  # [m] nearer than this: slow
 FULL_SPEED = 0.5  # [m/s]
 SLOW_SPEED = 0.15  # [m/s]
 CLEARANCE = 0.2  # [m] between the robot's edge and anything else
-EDGE = 1.0  # [°] beams this near to the sector's edge may or may not count
 
+FREE = free_from(0.55)
 CONTRACT = Contract(
-    free=free_from(0.55),
+    free=FREE,
     search_for=8.0,
     delayed_in=("avoid_wall", "avoid_cart", "avoid_corridor", "avoid_store"),
     survives=Survived(sensors=300, commands=300),
@@ -34,13 +33,6 @@ def cases(recording: Recording) -> list[Case]:
     ]
 
 
-def speed_for(distance: float | None) -> float:
-    """Return the forward speed [m/s] for a distance ahead [m]."""
-    if distance is None or distance < STOP_DISTANCE:
-        return 0.0
-    return SLOW_SPEED if distance < SLOW_DISTANCE else FULL_SPEED
-
-
 @lru_cache(maxsize=4096)
 def right_speeds(scan: Scan) -> frozenset[float]:
     """Return the speeds [m/s] that are right for a scan.
@@ -48,20 +40,15 @@ def right_speeds(scan: Scan) -> frozenset[float]:
     There are several where the contract leaves room: for beams within 1° of the sector's edge, and
     for distances within 1 mm of a threshold, unless they are exactly on it.
     """
-    speeds: set[float] = set()
-    for half_angle in (FRONT_HALF_ANGLE - EDGE, FRONT_HALF_ANGLE + EDGE):
-        distance = front_distance(scan, half_angle)
-        speeds.add(speed_for(distance))
-        if distance is not None and math.isfinite(distance) and _near_a_threshold(distance):
-            speeds |= {speed_for(distance - HAIR), speed_for(distance + HAIR)}
-    return frozenset(speeds)
+    return frozenset(s for distance in front_distances(scan) for s in _speeds_for(distance))
 
 
-def is_free(scan: Scan) -> bool:
-    """Return whether the robot has to drive, seeing this."""
-    return 0.0 not in right_speeds(scan)
-
-
-def _near_a_threshold(distance: float) -> bool:
-    gaps = (abs(distance - threshold) for threshold in (STOP_DISTANCE, SLOW_DISTANCE))
-    return any(0.0 < gap < HAIR for gap in gaps)
+def _speeds_for(distance: float | None) -> set[float]:
+    """Return the forward speeds [m/s] for a distance ahead [m]."""
+    if distance is None:
+        return {0.0}
+    near = any(0.0 < abs(distance - edge) < HAIR for edge in (STOP_DISTANCE, SLOW_DISTANCE))
+    seen = (distance - HAIR, distance + HAIR) if near else (distance,)
+    return {
+        0.0 if d < STOP_DISTANCE else SLOW_SPEED if d < SLOW_DISTANCE else FULL_SPEED for d in seen
+    }

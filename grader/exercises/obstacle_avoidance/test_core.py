@@ -13,7 +13,7 @@ from grader.checks.words import (
     only_linear_x,
     wired,
 )
-from grader.exercises.obstacle_avoidance.contract import CLEARANCE, is_free
+from grader.exercises.obstacle_avoidance.contract import CLEARANCE, FREE
 
 HUNDRED = "avoid_hundred"
 LONG = "avoid_long"  # and sixteen seconds without a scan
@@ -53,8 +53,7 @@ def test_clear_zone(runs: Runs) -> None:
 @check(points=10, asks=DECISION, task=3, scenarios=("avoid_zones",), hint="3.2")
 def test_slow_zone(runs: Runs) -> None:
     """From 0.5 m to below 1.0 m the robot drives at 0.15 m/s."""
-    help = "0.5 m itself belongs to the slow zone; 30 % of 0.5 m/s is 0.15."
-    follows(runs, "slow", help=help)
+    follows(runs, "slow", help="0.5 m itself belongs to the slow zone.")
 
 
 @check(points=10, asks=SAFETY, task=3, scenarios=("avoid_zones", HUNDRED, LONG), hint="3.2")
@@ -73,10 +72,7 @@ def test_ignores_behind(runs: Runs) -> None:
 @check(points=10, asks=DECISION, task=2, scenarios=("avoid_zones",), hint="2.1")
 def test_sees_sides(runs: Runs) -> None:
     """Whatever is ahead counts, be it small or far to one side (up to ±90°)."""
-    help = (
-        "All beams within ±90° count, to the left and to the right, and a single one is "
-        "enough: compare each beam's angle, angle_min + i · angle_increment, with ±π/2."
-    )
+    help = "A single beam is enough. Compare angle_min + i · angle_increment with ±π/2."
     follows(runs, "side", "ahead", help=help)
 
 
@@ -89,11 +85,7 @@ def test_infinite_readings(runs: Runs) -> None:
 @check(points=5, asks=DECISION, task=2, scenarios=("avoid_invalid",), hint="2.3")
 def test_invalid_readings(runs: Runs) -> None:
     """NaN, and finite readings outside range_min … range_max, are ignored; the others count."""
-    help = (
-        "Drop NaN (every comparison with it is false) and what is outside the limits; "
-        "then decide on the rest."
-    )
-    follows(runs, "invalid", help=help)
+    follows(runs, "invalid", help="Drop NaN: every comparison with it is false.")
 
 
 @check(points=5, asks=SAFETY, task=2, scenarios=("avoid_too_close",), hint="2.4")
@@ -118,18 +110,15 @@ def test_blind(runs: Runs) -> None:
 )
 def test_no_contact(runs: Runs) -> None:
     """In six worlds the robot touches nothing and keeps a clearance of 0.2 m."""
-    help = "It must stop as soon as the nearest reading ahead is below 0.5 m."
-    keeps_distance(runs, CLEARANCE, help)
+    keeps_distance(runs, CLEARANCE, "Stop as soon as the nearest reading ahead is below 0.5 m.")
 
 
 @check(points=5, asks=STATE, scenarios=(HUNDRED, LONG, *DRIVES), hint="3.1")
 def test_drives_on(runs: Runs) -> None:
     """The robot drives whenever the way ahead is free, also after a stop, and a long one."""
-    for recording in runs.only(*DRIVES):
-        drives_on(recording, is_free)
-    help = "Each scan decides for itself: 0.5 m is the limit after a stop, too."
-    follows(runs.only(HUNDRED), "after_stop", help=help)
+    drives_on(runs.only(*DRIVES), FREE)
     help = "Each scan decides for itself, whatever came before and whatever its stamp is."
+    follows(runs.only(HUNDRED), "after_stop", help=help)
     follows(runs.only(LONG), "slow", "free", help=help)
 
 

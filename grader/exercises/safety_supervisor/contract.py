@@ -14,9 +14,8 @@ import numpy as np
 
 from grader.checks.ahead import HALF_ANGLES, front_distance
 from grader.checks.case import Case, Said, exactly
-from grader.checks.commands import ZERO
+from grader.checks.commands import ZERO, published
 from grader.checks.contract import Contract, Limits, Survived, free_from
-from grader.checks.reading import published
 from grader.exercises.safety_supervisor.rules import (
     MAX_RISE,
     MAX_SPEED,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from grader.checks.evidence import Evidence, Trials
+from grader.checks.verdict import Evidence, Trials
 from sim.messages import CMD_VEL_TOPIC
 
 FULL = 12  # answers of the model

@@ -10,10 +10,9 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from grader.checks.braking import braking, model_says_go
 from grader.checks.case import Case, exactly
 from grader.checks.contract import Contract, Survived
-from grader.checks.predictions import max_speed, model_found, predictions
+from grader.checks.predictions import braking, max_speed, model_found, model_says_go, predictions
 from grader.models.features import possible_features
 from grader.recording import Inference, Recording, Scan
 

@@ -8,9 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from grader.checks.case import Case, answered, exactly
-from grader.checks.commands import Answer, answers
+from grader.checks.commands import Answer, answers, published
 from grader.checks.contract import Contract, Limits, Survived, free_from
-from grader.checks.reading import published
 from grader.exercises.trend_memory.memory import SIZE, Step, steps
 from grader.recording import Recording
 from sim.messages import FLOAT64

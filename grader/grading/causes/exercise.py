@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Sequence
 
-from grader.checks.evidence import Evidence
+from grader.checks.verdict import Evidence
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed, hint_at, place_of
 

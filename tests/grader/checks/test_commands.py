@@ -1,6 +1,8 @@
-"""Which command answers which scan, and what the fields of a Twist hold."""
+"""What a node publishes: which command answers which scan, its fields, what can't be read."""
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -8,13 +10,16 @@ import pytest
 from node_runs import RunNode, short
 
 from grader.checks.commands import (
+    answered_in_turn,
     answers,
     garbage,
     is_zero,
+    published,
     spell,
 )
 from grader.checks.verdict import CheckFailed
 from grader.checks.words import answers_once
+from sim.messages import FLOAT64, Message, encode, typestore
 
 NODE = """
 class Agent(Echo):
@@ -99,3 +104,70 @@ def test_numbers_are_spelt_and_what_only_a_wrong_type_makes_is_garbage(
 ) -> None:
     assert bool(garbage(value)) is is_garbage
     assert not text or spell(value) == text
+
+
+# --- answers in turn, in real time
+
+SCANS = np.arange(20) / 10  # [s]
+END = 2.0  # [s]
+
+
+def recording(commands: Any, live: object = "live", queued: float = 0.0) -> Any:
+    return SimpleNamespace(
+        live=live,
+        compute=SimpleNamespace(time=SCANS, queued=np.full(len(SCANS), queued)),  # in each turn
+        duration_s=END,
+        times=lambda topic: SCANS,
+        twists=lambda: SimpleNamespace(t=np.asarray(commands, float)),
+    )
+
+
+@pytest.mark.parametrize(
+    ("commands", "count"),
+    [
+        (SCANS + 0.01, 20),
+        (SCANS + 0.15, 20),  # each when the next scan is there already
+        (SCANS[:18] + 0.15, 18),  # the last two answers come after the end
+        (SCANS[:16] + 0.15, 0),  # four scans were never answered
+        (SCANS - 0.01, 0),  # before its scan
+        (SCANS + 0.7, 0),  # seven scans late is no answer
+        (np.append(SCANS + 0.01, 1.99), 0),  # one too many
+        ([], 0),
+    ],
+)
+def test_answers_count_in_turn_if_they_come_in_time(commands: Any, count: int) -> None:
+    assert answered_in_turn(recording(commands)) == count
+
+
+def test_a_node_that_had_to_wait_for_a_cpu_may_answer_later() -> None:
+    late = SCANS[:13] + 0.7  # seven turns later
+    scans = SCANS[:13]
+    for queued, count in ((0.0, 0), (0.02, 0), (0.04, 13)):
+        short = recording(late, queued=queued)
+        short.times = lambda topic: scans
+        assert answered_in_turn(short) == count
+
+
+def test_in_virtual_time_nothing_is_late() -> None:
+    assert answered_in_turn(recording(SCANS + 0.01, live=None)) == 0
+
+
+# --- bytes that are no message
+
+TOPIC = "/closing_speed"
+
+
+def message(data: bytes) -> Message:
+    return Message(TOPIC, FLOAT64, 1_500_000_000, data)
+
+
+def said(value: float) -> bytes:
+    return encode(typestore().types[FLOAT64](data=value), FLOAT64)
+
+
+@pytest.mark.parametrize("data", [b"", b"\0\1\0\0", said(0.5)[:-1]])
+def test_what_cannot_be_read_fails(data: bytes) -> None:
+    recording = SimpleNamespace(published=(message(data),), name="run")
+    with pytest.raises(CheckFailed, match="a message on /closing_speed can't be read") as caught:
+        published(recording, TOPIC, FLOAT64)
+    assert caught.value.at == 1.5

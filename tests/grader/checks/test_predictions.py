@@ -1,20 +1,26 @@
-"""Which speeds are right when a model predicts them."""
+"""What a node with a model may command: what its model says, and what it was asked."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from grader.checks.case import exactly
+from grader.checks.case import Runs, exactly
+from grader.checks.commands import Answer
+from grader.checks.model_commands import predicts
 from grader.checks.predictions import (
-    Prediction,
     max_speed,
     prediction,
     predictions,
+    speed_cases,
 )
+from grader.checks.verdict import CheckFailed
+from grader.link.log import LogLine
 from grader.models.files import probe
-from grader.recording import Scan
+from grader.recording import Inference, Scan
 from sim.scenario import Model, NodeSpec
 
 
@@ -50,10 +56,14 @@ def test_a_beam_at_a_sectors_edge_may_count_on_either_side() -> None:
     found = prediction(model, AT_THE_EDGE, 0.5)
 
     assert found.allowed == (pytest.approx((0.1, 0.2)),)
-    assert found.allows(0.15)
-    assert found.allows(0.20004)
-    assert not found.allows(0.2001)
-    assert not found.allows(math.nan)
+    right = (0.15, 0.20004, 0.2001, 0.0, math.nan)
+    assert [found.allows(speed) for speed in right] == [True, True, False, False, False]
+
+
+def test_where_a_prediction_may_be_missing_zero_is_right_too() -> None:
+    raises_near = probe(Model("raises_near", {"distance": 1.5, "value": 0.2}))
+    found = prediction(raises_near, AT_THE_EDGE, 0.5)
+    assert [found.allows(speed) for speed in (0.0, 0.2, 0.1)] == [True, True, False]
 
 
 def fake(scans: tuple[Scan, ...], **settings: float) -> SimpleNamespace:
@@ -72,9 +82,77 @@ def test_each_scan_has_its_prediction() -> None:
     assert [between.allows(speed) for speed in (0.05, 0.1)] == [True, True]
 
 
-def test_where_a_prediction_may_be_missing_zero_is_right_too() -> None:
-    either = Prediction(EVERYWHERE, 0.2, 0.2, missing=True)
-    assert either.allows(0.0)
-    assert either.allows(0.2)
-    assert not either.allows(0.1)
-    assert either.allowed == ((0.0, 0.0), (0.2, 0.2))
+# --- a node that asks its model
+
+ECHO = Model("echo", {"feature": 0.0, "scale": 0.1})
+FRONTS = (1.0, 2.0, 3.0)  # [m] of a scan a second
+RIGHT = (0.1, 0.2, 0.3)  # [m/s]
+
+
+def question(at: float, said: float) -> Inference:
+    return Inference("predict", "velocity_model.pkl", int(at * 1e9), int(at * 1e9), 0, (said,))
+
+
+def recorded(
+    monkeypatch: pytest.MonkeyPatch,
+    speeds: tuple[float, ...],
+    asked: tuple[float, ...] = RIGHT,
+    **node: Any,
+) -> Any:
+    """Return the run of a node that commanded these speeds and asked its model."""
+    scans = [replace(scan({}, elsewhere=front), t=float(i)) for i, front in enumerate(FRONTS)]
+    found = [
+        Answer(each, "", (), count=1, twist={"linear.x": speed})
+        for each, speed in zip(scans, speeds, strict=True)
+    ]
+    monkeypatch.setattr("grader.checks.predictions.answers", lambda _: found)
+    node = {"parameters": {}, "models": {"velocity_model.pkl": ECHO}, **node}
+    return SimpleNamespace(
+        name="run",
+        scenario=SimpleNamespace(node=NodeSpec(**node), bench_scans=found),
+        log=[],
+        slack=0.0,
+        duration_s=3.0,
+        inferences=[question(i + 0.01, said) for i, said in enumerate(asked)],
+        outcome=SimpleNamespace(completed=True),
+        times=lambda _: np.arange(3.0),
+    )
+
+
+def judge(run: Any, help: str = "") -> None:
+    predicts(Runs([run], lambda run: speed_cases(run, ECHO)), help=help)
+
+
+def wrong(run: Any) -> list[str]:
+    return [case.wrong(1e-3) for case in speed_cases(run, ECHO)]
+
+
+def test_what_the_model_says_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert wrong(recorded(monkeypatch, RIGHT)) == ["", "", ""]
+    assert wrong(recorded(monkeypatch, (0.1, 0.2, 0.25))) == ["", "", "linear.x"]
+    assert wrong(recorded(monkeypatch, RIGHT, ())) == ["predict"] * 3  # computed without it
+    assert wrong(recorded(monkeypatch, RIGHT, (0.1, 0.3, 0.3))) == ["", "predict", ""]
+    assert wrong(recorded(monkeypatch, (0.0,) * 3, (), parameters={"max_speed": 0.0})) == [""] * 3
+    judge(recorded(monkeypatch, RIGHT))
+
+
+@pytest.mark.parametrize(
+    ("time", "quoted"), [(-0.5, True), (0.9, False), (1.0, True), (1.9, True), (2.1, False)]
+)
+def test_the_log_is_quoted_where_it_is_about_the_scan(
+    monkeypatch: pytest.MonkeyPatch, time: float, quoted: bool
+) -> None:
+    run = recorded(monkeypatch, (0.1, 0.0, 0.3))
+    run.log = [LogLine(int(time * 1e9), "error", "not finite")]
+
+    with pytest.raises(CheckFailed) as caught:
+        judge(run, "Look.")
+
+    assert caught.value.help == ("The node's log says: not finite" if quoted else "Look.")
+
+
+def test_a_rounded_prediction_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(CheckFailed, match="wrong linear") as caught:
+        judge(recorded(monkeypatch, (0.1, 0.204, 0.3)))
+    assert "rounded" in caught.value.help
+    assert caught.value.actual == "linear.x = 0.204 m/s"

@@ -51,7 +51,7 @@ def node(
         (node(PUBLISHER, TRANSIENT), "cannot talk: their QoS does not match"),
         (
             node(callback="raise KeyError('x')"),
-            "the node died of an exception in the callback of /scan, at the message",
+            "the node died of an exception in the callback of /scan, after the message",
         ),
         ("raise KeyError('x')", "the node died of an exception in the start-up"),
         ("rclpy.init()", "the program ran to its end"),
