@@ -31,14 +31,13 @@ def cases(recording: Recording) -> list[Case]:
 
     The others are missing where the contract leaves open whether a closing speed comes.
     """
-    found = answers(recording)
-    said = published(recording, TOPIC, FLOAT64)
+    found, said = answers(recording), published(recording, TOPIC, FLOAT64)
     begins = [*(answer.scan.t for answer in found), math.inf]
     bounds = np.searchsorted([time for time, _ in said], begins)
     occasions = []
     for i, step in enumerate(steps([answer.scan for answer in found])):
         occasions.append(_command(found[i], step))
-        if step.silent or step.full:
+        if step.due is not None:
             values = [float(value.data) for _, value in said[bounds[i] : bounds[i + 1]]]
             what = f"scan {i + 1} ({found[i].what})"
             occasions += _closing_speeds(found[i].scan.t, what, step, values)
@@ -47,8 +46,8 @@ def cases(recording: Recording) -> list[Case]:
 
 def _command(answer: Answer, step: Step) -> Case:
     what, closing = answer.what, step.closings[0]
-    if closing and closing > 0.0 and step.distance is not None:
-        what += f" ({step.distance / closing:.1f} s left at {closing:.2f} m/s)"
+    if closing and closing > 0.0:
+        what += f", which comes closer at {closing:.2f} m/s"
     tags = ("command", "forgotten") if step.forgotten else ("command",)
     return answered(answer, {"linear.x": exactly(*step.speeds)}, *tags, what=what)
 
@@ -57,22 +56,13 @@ def _closing_speeds(at: float, what: str, step: Step, values: Sequence[float]) -
     """Yield how many come, one or none (`pace`), and what the one is."""
     if not step.remembered:
         what += ", which is not remembered"
-    elif not step.full:
-        what += f", reading {step.count} of {SIZE}" + " since the jump" * step.forgotten
-    filling = step.remembered and not step.full and not step.forgotten
-    yield Case(
-        at=at,
-        what=what,
-        tags=frozenset({"pace", "due" if step.full else "filling" if filling else "not_due"}),
-        allowed={"count": frozenset({"1" if step.full else "0"})},
-        said={"count": str(len(values))},
-    )
-    bounds = [closing for closing in step.closings if closing is not None]
-    if step.full:
-        yield Case(
-            at=at,
-            what=what,
-            tags=frozenset({"full", "tenth"} if step.count == SIZE else {"full"}),
-            allowed={"data": ((min(bounds), max(bounds)),)},
-            said={"data": values[-1]} if values else {},
-        )
+    elif not step.due:
+        what += f", reading {step.count} of {SIZE}"
+    due = "due" if step.due else "filling" if step.remembered else "not_due"
+    right, count = {"count": frozenset({"1" if step.due else "0"})}, {"count": str(len(values))}
+    yield Case(at, what, frozenset({"pace", due}), right, count)
+    if step.due:
+        numbers = [closing for closing in step.closings if closing is not None]
+        tags = frozenset({"full", "tenth"} if step.count == SIZE else {"full"})
+        speed = {"data": ((min(numbers), max(numbers)),)}
+        yield Case(at, what, tags, speed, {"data": values[-1]} if values else {})

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from statistics import StatisticsError, linear_regression
 
 from grader.checks.ahead import HAIR, HALF_ANGLES, front_distance
 from grader.recording import Scan
@@ -28,27 +28,20 @@ class Step:
     readings, so there may be several right answers.
     """
 
-    distance: float | None  # [m] ahead; inf: nothing within range, None: blind
+    remembered: bool  # the scan has a reading
     count: int  # readings since the memory was last emptied
     forgotten: bool  # a stamp emptied the memory, and it isn't full again
-    open: bool  # all stamps in the memory are equal: no line has a slope, and nothing is asked
     closings: tuple[float | None, ...]  # [m/s] for each way to remember; None: publish nothing
     speeds: frozenset[float]  # [m/s]
 
     @property
-    def remembered(self) -> bool:
-        """The scan has a reading to remember."""
-        return is_reading(self.distance)
-
-    @property
-    def silent(self) -> bool:
-        """Nothing may be published on /closing_speed."""
-        return not self.open and all(closing is None for closing in self.closings)
-
-    @property
-    def full(self) -> bool:
-        """One closing speed has to be published."""
-        return not self.open and all(closing is not None for closing in self.closings)
+    def due(self) -> bool | None:
+        """Whether one closing speed has to be published, or none may; None: either is right."""
+        numbers = [closing for closing in self.closings if closing is not None]
+        if not numbers:
+            return False
+        agreed = len(numbers) == len(self.closings) and all(map(math.isfinite, numbers))
+        return True if agreed else None
 
 
 @dataclass
@@ -57,67 +50,50 @@ class _Memory:
 
     half_angle: float  # [°] where its front sector ends
     by_scan: bool
-    readings: deque[Reading] = field(default_factory=lambda: deque(maxlen=SIZE))
-    last_stamp: float | None = None  # [s]
-    count: int = 0  # readings since it was emptied
+    readings: list[Reading] = field(default_factory=list)  # since it was emptied
     emptied: bool = False
-    distance: float | None = None  # [m] of the last scan
+    last_stamp: float | None = None  # [s]
 
-    def take(self, scan: Scan) -> float | None:
-        """Take a scan in; return the closing speed [m/s], if there is one."""
-        self.distance = front_distance(scan, self.half_angle)
-        if self.by_scan or is_reading(self.distance):
-            self._compare(scan.stamp)
-        if self.distance is None or not is_reading(self.distance):
-            return None
-        self.count += 1
-        self.readings.append((scan.stamp, self.distance))
-        return closing_speed(self.readings) if len(self.readings) == SIZE else None
-
-    def _compare(self, stamp: float) -> None:
-        if self.last_stamp is not None and not 0.0 <= stamp - self.last_stamp <= LONGEST_GAP:
-            self.readings.clear()
-            self.count, self.emptied = 0, True
-        self.last_stamp = stamp
+    def take(self, scan: Scan) -> tuple[float | None, float | None]:
+        """Take a scan in; return its distance [m], and the closing speed [m/s], if there is one."""
+        distance = front_distance(scan, self.half_angle)
+        if self.by_scan or _is_reading(distance):
+            gap = 0.0 if self.last_stamp is None else scan.stamp - self.last_stamp
+            if not 0.0 <= gap <= LONGEST_GAP:
+                self.readings, self.emptied = [], True
+            self.last_stamp = scan.stamp
+        if distance is None or not _is_reading(distance):
+            return distance, None
+        self.readings.append((scan.stamp, distance))
+        full = len(self.readings) >= SIZE
+        return distance, closing_speed(self.readings[-SIZE:]) if full else None
 
 
 def steps(scans: Iterable[Scan]) -> list[Step]:
     """Return what each scan of a run asks for."""
     memories = [_Memory(angle, by_scan) for by_scan in (True, False) for angle in HALF_ANGLES]
-    here, found = memories[0], []
+    found = []
     for scan in scans:
-        closings = tuple(memory.take(scan) for memory in memories)
-        full = len(here.readings) == SIZE
+        seen = [memory.take(scan) for memory in memories]
+        here, remembered = memories[0], _is_reading(seen[0][0])
         found.append(
             Step(
-                distance=here.distance,
-                count=here.count,
-                forgotten=here.emptied and not full and is_reading(here.distance),
-                open=full and len({stamp for stamp, _ in here.readings}) == 1,
-                closings=closings,
-                speeds=frozenset().union(
-                    *(
-                        right_speeds(memory.distance, closing)
-                        for memory, closing in zip(memories, closings, strict=True)
-                    )
-                ),
+                remembered=remembered,
+                count=len(here.readings),
+                forgotten=here.emptied and remembered and len(here.readings) < SIZE,
+                closings=tuple(closing for _, closing in seen),
+                speeds=frozenset().union(*(right_speeds(*each) for each in seen)),
             )
         )
     return found
 
 
-def is_reading(distance: float | None) -> bool:
-    """Return whether a distance [m] is remembered."""
-    return distance is not None and distance < math.inf
-
-
 def closing_speed(readings: Sequence[Reading]) -> float:
-    """Return minus the least-squares slope of distance over stamp [m/s]; 0.0: there is none."""
-    stamps, distances = zip(*readings, strict=True)
-    mean_stamp, mean_distance = math.fsum(stamps) / len(stamps), math.fsum(distances) / len(stamps)
-    spread = math.fsum((stamp - mean_stamp) ** 2 for stamp in stamps)
-    common = math.fsum((t - mean_stamp) * (d - mean_distance) for t, d in readings)
-    return -common / spread if spread else 0.0
+    """Return minus the least-squares slope of distance over stamp [m/s]; NaN: there is none."""
+    try:
+        return -linear_regression(*zip(*readings, strict=True)).slope
+    except StatisticsError:  # all stamps are equal
+        return math.nan
 
 
 def right_speeds(distance: float | None, closing: float | None) -> set[float]:
@@ -129,9 +105,13 @@ def right_speeds(distance: float | None, closing: float | None) -> set[float]:
     speeds = {0.0 if distance < STOP_DISTANCE else SPEED}
     if 0.0 < abs(distance - STOP_DISTANCE) < HAIR:
         speeds = {0.0, SPEED}
-    if closing is None or closing <= 0.0:
+    if closing is None or not closing > 0.0:
         return speeds
     spare = distance - LEAST_TIME * closing
     if abs(spare) <= NEAR_THE_LIMIT:
         return speeds | {0.0}
     return {0.0} if spare < 0.0 else speeds
+
+
+def _is_reading(distance: float | None) -> bool:
+    return distance is not None and distance < math.inf
