@@ -6,13 +6,7 @@ from grader.checks.case import Runs
 from grader.checks.check import DECISION, STATE, TIMING, WIRING, check
 from grader.checks.verdict import fail
 from grader.checks.words import wired
-from grader.exercises.model_server.clients import (
-    PATIENCE,
-    ROLES,
-    beats,
-    requests,
-    warns,
-)
+from grader.exercises.model_server.clients import PATIENCE, ROLES, beats, requests, warns
 from grader.exercises.model_server.contract import keeps
 from grader.exercises.model_server.notes import NEAR
 
@@ -80,7 +74,7 @@ def test_gives_up(runs: Runs) -> None:
         "Remember the future and when you asked; while it is not done, don't ask again; at each "
         "tick, compare. remove_pending_request() forgets it: what comes late answers another one."
     )
-    keeps(runs.only(SILENT), "patience", "owed", help=help)
+    keeps(runs.only(SILENT), "patience", help=help)
     warns(runs[SILENT], since=PATIENCE - NEAR)
     warns(runs[RESTART], since=0.0)  # a client may see that its server has gone, and say so
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
 from grader.checks.predictions import TOLERANCE
-from grader.exercises.slow_model.contract import AGE_P95, KNOWN, LEAST_RATE
+from grader.checks.words import follows
+from grader.exercises.slow_model.contract import KNOWN
 from grader.exercises.slow_model.words import (
-    asks,
+    AGE_P95,
+    LEAST_RATE,
     heeds,
     keeps_going,
     keeps_period,
@@ -23,9 +25,9 @@ def _keeps_the_contract(runs: Runs, help: str) -> None:
     for recording in runs:
         run = runs.of([recording])
         if recording.scenario.bench_scans:
-            heeds(run, "field", help=help, tolerance=TOLERANCE)
+            follows(run, "field", help=help, tolerance=TOLERANCE)
         else:
-            asks(run, KNOWN, help=help)
+            heeds(run, KNOWN, help=help)
             keeps_going(run, LEAST_RATE)
             stays_young(run, AGE_P95 + LATER * (recording.scenario.faults.scan_loss > 0))
 
