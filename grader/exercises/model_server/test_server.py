@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
-from grader.checks.verdict import fail
 from grader.checks.words import logs, wired
 from grader.exercises.model_server.contract import keeps
-from grader.exercises.model_server.server import asks
 
 PLAIN, EARLY, LATE = "detect_answers", "detect_no_scan", "detect_late_scans"
 BLIND, FAILS, NO_MODEL = "detect_blind", "detect_failing_model", "detect_no_model"
@@ -23,9 +21,6 @@ BOTH = ("server_wiring", "client_wiring")
 def test_server_wiring(runs: Runs) -> None:
     """The server starts, spins, listens to /scan and offers the service /detect."""
     wired(runs, "detection_server")
-    if not any(ask.said for ask in asks(runs[0])):
-        help = "Does main() spin the node? Does the callback return the response?"
-        fail("the service /detect is there, but never answers", recording=runs[0], help=help)
 
 
 @check(points=10, asks=DECISION, task=3, scenarios=ANSWERS, needs=NEEDS, hint="3.1")

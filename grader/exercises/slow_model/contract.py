@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,16 +22,14 @@ MAX_AGE = 0.6  # [s] of the scan behind a command; an older one means 0.0 ...
 EDGE = 0.05  # [s] ages this near to the limit may fall on either side
 LATEST_STOP = MAX_AGE + EDGE  # [s] ... by the next tick
 UNSEEN = PERIOD + 0.005  # [s] for which an answer may not have reached the control loop
-SILENCE = 1.0  # [s] without a scan that is more than a few lost ones
 AT_ONCE = 0.06  # [s] a tick and a little
 ARRIVAL = 0.02  # [s] what happens this shortly before may be seen or not
 SPEED, UNDER_WAY, NEWER = "linear.x", "calls still under way", "newer scans"
 FEATURES, WAIT = "features", "seconds to the next call"
 A_SCANS = "a scan's"
-# Tags: all commands, those before the first answer, those in a silence of the lidar; then those of
-# what predict is asked. BACK is both, after a silence. On a bench both have the tags of its scan.
+# tags of commands: all, those before the first answer, those in a silence of the lidar, after it
 TICK, START, SILENT, BACK = "tick", "start", "silent", "back"
-ALONE, NEWEST, KNOWN, IDLE = "alone", "newest", "known", "idle"
+ALONE, NEWEST, KNOWN, IDLE = "alone", "newest", "known", "idle"  # of what predict is asked
 
 CONTRACT = Contract(
     period=PERIOD,
@@ -117,23 +114,11 @@ def blind(scan: Scan) -> bool:
     return bool(np.isnan(possible_features(scan)).any())
 
 
-@lru_cache(maxsize=8)
 def silence(recording: Recording) -> tuple[float, float]:
-    """Return the stamp of the last scan before a long silence, and when scans come again [s]."""
-    scans = recording.scans()
-    ends = [*(scan.t for scan in scans[1:]), recording.duration_s]
-    for scan, end in zip(scans, ends, strict=False):
-        if end - scan.t >= SILENCE:
-            return scan.stamp, end
-    return recording.duration_s, recording.duration_s
-
-
-def _tags(recording: Recording, t: float) -> frozenset[str]:
-    """Return the tags of the scan that is in place at a time [s]; BACK: after a silence."""
-    bench = recording.scenario.bench_scans
-    place = bisect_right(recording.scans(), t, key=lambda scan: scan.t)
-    tags = bench[place - 1].tags if bench and place else ()
-    return frozenset({*tags, *([BACK] if t >= silence(recording)[1] else [])})
+    """Return when the lidar falls silent, and when it comes back or the run ends [s]."""
+    end = recording.duration_s
+    begin, back = next(iter(recording.scenario.faults.blackout), (end, end))
+    return begin, min(back, end)
 
 
 def _ticks(recording: Recording) -> Iterator[Case]:
@@ -141,12 +126,13 @@ def _ticks(recording: Recording) -> Iterator[Case]:
     first = min((each.answered for each in said), default=math.inf)
     last, back = silence(recording)
     for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
-        tags = {TICK, *([START] if t < first else []), *([SILENT] if last < t < back else [])}
+        tags = {TICK, BACK if t >= back else SILENT if t > last else TICK}
+        tags |= {START} if t < first else set()
         what, rest = f"the command at {t:.2f} s", in_force(said, t, slack)
         if rest:
             what += f", {t - rest[-1].scan.stamp:.2f} s after the scan of the newest prediction"
         right = {SPEED: exactly(*sorted(right_speeds(said, t, slack)))}
-        yield Case(t, what, _tags(recording, t) | tags, right, {SPEED: speed})
+        yield Case(t, what, frozenset(tags), right, {SPEED: speed})
 
 
 def _calls(recording: Recording) -> Iterator[Case]:
@@ -161,20 +147,21 @@ def _calls(recording: Recording) -> Iterator[Case]:
         newer = float(((arrived > each.scan.t) & (arrived <= at - near)).sum())
         yield Case(at, what, frozenset({NEWEST}), {NEWER: exactly(0.0)}, {NEWER: newer})
         right, given = {FEATURES: frozenset({A_SCANS})}, A_SCANS if each.known else "no scan's"
-        yield Case(at, what, _tags(recording, at) | {KNOWN}, right, {FEATURES: given})
+        yield Case(at, what, frozenset({KNOWN}), right, {FEATURES: given})
 
 
 def _idle(recording: Recording) -> Iterator[Case]:
     """Yield how long each scan that finds the model idle waits; others may be kept or dropped."""
     asked = np.array([call.asked for call in calls(recording)]) / 1e9
     ended = np.array([call.answered for call in calls(recording)]) / 1e9
+    back = silence(recording)[1]
     right = {WAIT: ((0.0, AT_ONCE + recording.slack),)}
     for scan in recording.scans():
         before = int(np.searchsorted(asked, scan.t))
         busy = before and ended[:before].max() > scan.t - ARRIVAL - recording.slack
         if not busy and not blind(scan):
             wait = float(asked[before] if before < len(asked) else recording.duration_s) - scan.t
-            tags = _tags(recording, scan.t) | {IDLE}
+            tags = frozenset({IDLE, BACK} if scan.t >= back else {IDLE})
             yield Case(scan.t, f"a scan came at {scan.t:.2f} s", tags, right, {WAIT: wait})
 
 

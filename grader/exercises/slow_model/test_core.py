@@ -11,6 +11,7 @@ from grader.exercises.slow_model.contract import (
     ALONE,
     BACK,
     IDLE,
+    KNOWN,
     LATEST_STOP,
     NEWEST,
     SILENT,
@@ -104,16 +105,15 @@ def test_too_old(runs: Runs) -> None:
 def test_recovery(runs: Runs) -> None:
     """When the lidar comes back, or its clock, or the model is fast again, so do predictions."""
     heeds(runs.only(DROPOUT), BACK, help="Don't remember “too old”: decide again at each tick.")
-    help = "A model that was slow for a while may be fast again: go on."
-    heeds(runs.only(TOO_SLOW), "good", help=help)
-    heeds(runs.only(STAMPS), "stamps", help="The newest scan is the one that came last.")
+    heeds(runs.only(TOO_SLOW), IDLE, help="A model that was slow may be fast again: go on.")
+    heeds(runs.only(STAMPS), TICK, IDLE, help="The newest scan is the one that came last.")
 
 
 @check(points=5, asks=DECISION, task=1, scenarios=("slow_features",))
 def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
-    follows(runs, "features", help=help, tolerance=TOLERANCE)
+    follows(runs, TICK, KNOWN, IDLE, help=help, tolerance=TOLERANCE)
     loads_once(runs)
 
 
@@ -121,29 +121,25 @@ def test_features(runs: Runs) -> None:
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.8 m/s, or not set); the rest is 0."""
     stands(runs.only(HELD), help="max(0.0, min(max_speed, prediction)); in Python 0.0 is false.")
-    heeds(runs.only(*CLIP), "clip", help="max(0.0, min(max_speed, prediction)): no ramp.")
+    heeds(runs.only(*CLIP), TICK, IDLE, help="max(0.0, min(max_speed, prediction)): no ramp.")
     only_linear_x(runs)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=(RAISES,), hint="3.3")
 def test_raising_model(runs: Runs) -> None:
     """A model that raises leaves the control loop running: 0.0, until it works again."""
-    heeds(runs, "raises", help="No prediction means 0.0, after 0.6 s at the latest.")
-    heeds(runs, "good", help="After an exception the next scan is a new start.")
+    heeds(runs, TICK, IDLE, help=f"No prediction means 0.0, after 0.6 s at the latest. {NEXT_SCAN}")
     loads_once(runs)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=(NOT_FINITE, BLIND), hint="3.4")
 def test_nan_model(runs: Runs) -> None:
     """NaN or ±inf from the model, or a blind sector: 0.0, until there is a prediction again."""
-    odd, blind = runs.only(NOT_FINITE), runs.only(BLIND)
-    heeds(odd, "nan", help="NaN is no prediction: 0.0, after 0.6 s at the latest.")
-    heeds(odd, "infinite", help="Infinity is no prediction either: math.isfinite.")
     help = (
-        "A sector without a usable reading: no prediction, or the last one until its scan is old."
+        "NaN, infinity (math.isfinite) and a sector without a usable reading are no prediction: "
+        f"0.0, after 0.6 s at the latest. {NEXT_SCAN}"
     )
-    heeds(blind, "none", help=help)
-    heeds(runs, "good", help="After NaN or blindness the next prediction counts again.")
+    heeds(runs, TICK, IDLE, help=help)
 
 
 @check(points=10, asks=TIMING, task=3, scenarios=(LONELY, RAISES, TOO_SLOW), hint="3.2")
@@ -160,7 +156,7 @@ def test_too_slow_model(runs: Runs) -> None:
     When one takes 2 s for once, what it said before is too old before it has answered.
     """
     help = "Its predictions are too old when they come: how old is the scan behind them by then?"
-    heeds(runs, "slow", "hangs", help=help)
+    heeds(runs, TICK, KNOWN, help=help)
 
 
 @check(points=10, asks=SAFETY, task=1, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")

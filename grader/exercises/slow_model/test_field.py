@@ -6,7 +6,7 @@ from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
 from grader.checks.predictions import TOLERANCE
 from grader.checks.words import follows
-from grader.exercises.slow_model.contract import KNOWN
+from grader.exercises.slow_model.contract import IDLE, KNOWN, TICK
 from grader.exercises.slow_model.words import (
     AGE_P95,
     LEAST_RATE,
@@ -25,7 +25,7 @@ def _keeps_the_contract(runs: Runs, help: str) -> None:
     for recording in runs:
         run = runs.of([recording])
         if recording.scenario.bench_scans:
-            follows(run, "field", help=help, tolerance=TOLERANCE)
+            follows(run, TICK, KNOWN, IDLE, help=help, tolerance=TOLERANCE)
         else:
             heeds(run, KNOWN, help=help)
             keeps_going(run, LEAST_RATE)

@@ -57,7 +57,8 @@ def keeps_period(runs: Sequence[Recording]) -> None:
                 at=float(edges[wrong[0] if len(wrong) else gaps.argmin()]),
                 recording=recording,
                 help="Only the control loop publishes, from a timer of 0.05 s. What keeps it "
-                "waiting? A callback that runs the model blocks its executor and its group.",
+                "waiting? The one thread that runs the model, too? Then give each a callback group "
+                "and a MultiThreadedExecutor to both, or a worker to the model. A lock, a queue?",
             )
 
 

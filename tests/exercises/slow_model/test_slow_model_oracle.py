@@ -71,7 +71,7 @@ def test_a_scan_that_finds_the_model_idle_is_taken_at_once(
     twists = SimpleNamespace(t=np.empty(0), linear_x=np.empty(0))
     run: Any = SimpleNamespace(
         twists=lambda: twists,
-        scenario=SimpleNamespace(bench_scans=()),
+        scenario=None,
         inferences=calls,
         scans=lambda: scans,
         slack=0.0,
