@@ -157,17 +157,14 @@ def _heartbeats(recording: Recording, role: str) -> Iterator[Case]:
 def beats(recording: Recording) -> None:
     """Fail unless each client's heartbeat comes ten times a second."""
     for role in roles(recording):
-        help = (
-            "Give it a timer of 0.1 s. Does the constructor, or a callback, wait for the service?"
-        )
+        help = "Give it a timer of 0.1 s. Does the constructor or a callback wait for the service?"
         every(recording, f"/{role}/heartbeat", BEAT, LONGEST_GAP - BEAT + TICK, help=help)
 
 
-def warns(recording: Recording, since: float) -> None:
-    """Fail unless a warning follows each request that was never answered, `since` [s] after it."""
+def warns(recording: Recording) -> None:
+    """Fail unless a warning follows each request that was never answered."""
     for request in requests(recording):
         end = request.at + NEXT_REQUEST + NEAR + recording.slack
         if math.isinf(request.answered) and end < recording.duration_s:
-            begin = request.at + since - recording.slack
             what = "a request is given up"
-            logs(recording, WARNINGS, what=what, begin=begin, end=end)
+            logs(recording, WARNINGS, what=what, begin=request.at, end=end)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
+from itertools import dropwhile, pairwise
 
 import numpy as np
 
@@ -22,6 +22,10 @@ MAX_AGE = 0.6  # [s] of the scan behind a command; an older one means 0.0 ...
 EDGE = 0.05  # [s] ages this near to the limit may fall on either side
 LATEST_STOP = MAX_AGE + EDGE  # [s] ... by the next tick
 UNSEEN = PERIOD + 0.005  # [s] for which an answer may not have reached the control loop
+ROUNDED = 0.005 + 1e-9  # [m/s] what two digits change at most
+# the least new predictions [Hz], and p95 of the age of the scan behind a command [s]
+USUAL_LIDAR, SLOW_LIDAR, FIVE_HZ = (3.0, 0.58), (2.4, 0.6), 5.0
+WAITS_FOR_ONE_MORE = 0.1  # [s] a worker that waits for a new scan, when that one is lost
 AT_ONCE = 0.06  # [s] a tick and a little
 ARRIVAL = 0.02  # [s] what happens this shortly before may be seen or not
 SPEED, UNDER_WAY, NEWER = "linear.x", "calls still under way", "newer scans"
@@ -29,6 +33,7 @@ FEATURES, WAIT = "features", "seconds to the next call"
 A_SCANS = "a scan's"
 # tags of commands: all, those before the first answer, those in a silence of the lidar, after it
 TICK, START, SILENT, BACK = "tick", "start", "silent", "back"
+RATE, AGE = "new predictions per second", "seconds from scan to command (p95)"
 ALONE, NEWEST, KNOWN, IDLE = "alone", "newest", "known", "idle"  # of what predict is asked
 
 CONTRACT = Contract(
@@ -122,9 +127,11 @@ def silence(recording: Recording) -> tuple[float, float]:
 
 
 def _ticks(recording: Recording) -> Iterator[Case]:
+    """Yield each command; how many new predictions there are; and how old their scans are (p95)."""
     said, twists, slack = answers(recording), recording.twists(), recording.slack
     first = min((each.answered for each in said), default=math.inf)
     last, back = silence(recording)
+    behind = []  # when each command came, and the scan behind it [s]; -inf: it is no prediction
     for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
         tags = {TICK, BACK if t >= back else SILENT if t > last else TICK}
         tags |= {START} if t < first else set()
@@ -133,6 +140,18 @@ def _ticks(recording: Recording) -> Iterator[Case]:
             what += f", {t - rest[-1].scan.stamp:.2f} s after the scan of the newest prediction"
         right = {SPEED: exactly(*sorted(right_speeds(said, t, slack)))}
         yield Case(t, what, frozenset(tags), right, {SPEED: speed})
+        scans = [each.scan.t for each in rest if abs(each.speed - speed) <= ROUNDED]
+        behind.append((t, max(scans, default=-math.inf)))
+    behind = list(dropwhile(lambda pair: pair[1] == -math.inf, behind))
+    begin = behind[0][0] if behind else 0.0
+    new = len({scan for _, scan in behind}) / max(recording.duration_s - begin, LATEST_STOP)
+    ages = sorted(t - scan for t, scan in behind) or [math.inf]
+    p95 = ages[math.ceil(0.95 * len(ages)) - 1]
+    least, oldest = SLOW_LIDAR if recording.scenario.lidar.rate == FIVE_HZ else USUAL_LIDAR
+    oldest += WAITS_FOR_ONE_MORE * (recording.scenario.faults.scan_loss > 0)
+    what = f"the commands from {begin:.2f} s on"
+    yield Case(begin, what, frozenset({RATE}), {RATE: ((least, math.inf),)}, {RATE: new})
+    yield Case(begin, what, frozenset({AGE}), {AGE: ((0.0, oldest),)}, {AGE: p95})
 
 
 def _calls(recording: Recording) -> Iterator[Case]:

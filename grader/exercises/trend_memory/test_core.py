@@ -11,6 +11,8 @@ NEAR, LATE = "trend_near", "trend_late_near"
 APPROACH, AWAY, REST, RUSH = "trend_approach", "trend_recede", "trend_rest", "trend_rush"
 CHANGES, STAMPS, EQUAL = "trend_changes", "trend_stamps", "trend_equal"
 IN_TIME, FAST, UNUSABLE = "trend_in_time", "trend_fast", "trend_unusable"
+PACES = (APPROACH, AWAY, REST, CHANGES, "trend_quick", "trend_seldom")
+FREE = (NEAR, IN_TIME, AWAY, REST, LATE, UNUSABLE)
 DRIVES = ("trend_wall", "trend_cart")
 
 
@@ -39,13 +41,7 @@ def test_silent_until_ten(runs: Runs) -> None:
     follows(runs, "filling", topic=TOPIC, help=help)
 
 
-@check(
-    points=5,
-    asks=STATE,
-    task=3,
-    scenarios=(APPROACH, AWAY, REST, CHANGES, "trend_quick", "trend_seldom"),
-    hint="3.4",
-)
+@check(points=5, asks=STATE, task=3, scenarios=PACES, hint="3.4")
 def test_one_speed_per_reading(runs: Runs) -> None:
     """From the tenth reading on, one closing speed follows each."""
     help = (
@@ -125,13 +121,7 @@ def test_stops_in_time(runs: Runs) -> None:
     follows(runs, "in_time", "after", help=help)
 
 
-@check(
-    points=5,
-    asks=DECISION,
-    task=4,
-    scenarios=(NEAR, IN_TIME, AWAY, REST, LATE, UNUSABLE),
-    hint="4.2",
-)
+@check(points=5, asks=DECISION, task=4, scenarios=FREE, hint="4.2")
 def test_drives_free(runs: Runs) -> None:
     """Otherwise it drives at 0.3 m/s: enough time, moving away, at rest, nothing in range."""
     help = (

@@ -71,7 +71,9 @@ def test_a_scan_that_finds_the_model_idle_is_taken_at_once(
     twists = SimpleNamespace(t=np.empty(0), linear_x=np.empty(0))
     run: Any = SimpleNamespace(
         twists=lambda: twists,
-        scenario=None,
+        scenario=SimpleNamespace(
+            lidar=SimpleNamespace(rate=None), faults=SimpleNamespace(scan_loss=0)
+        ),
         inferences=calls,
         scans=lambda: scans,
         slack=0.0,

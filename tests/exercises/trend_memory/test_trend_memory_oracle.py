@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from grader.exercises.trend_memory.memory import Step, steps
+from grader.exercises.trend_memory.contract import Step, steps
 from grader.recording import Scan
 
 COMING = [(1.7e9 + 0.1 * i, 5.0 - 0.05 * i) for i in range(12)]  # at 0.5 m/s
