@@ -4,17 +4,9 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, STATE, TIMING, WIRING, check
-from grader.checks.verdict import fail
 from grader.checks.words import wired
-from grader.exercises.model_server.clients import (
-    PATIENCE,
-    ROLES,
-    beats,
-    requests,
-    warns,
-)
+from grader.exercises.model_server.clients import ROLES, beats, warns
 from grader.exercises.model_server.contract import keeps
-from grader.exercises.model_server.notes import NEAR
 
 QUICK, SLOW = "detect_quick_server", "detect_slow_server"
 SILENT, RESTART, MALFORMED = "detect_silent_server", "detect_restart", "detect_malformed"
@@ -29,9 +21,6 @@ READS = (*NEEDS, "publishes")
 def test_client_wiring(runs: Runs) -> None:
     """The client starts, spins, asks /detect and publishes on its topics."""
     wired(runs, "navigation_client")
-    if not runs[0].of("/navigation/heartbeat") and not requests(runs[0]):
-        help = "Does main() spin the node? Does the constructor create the timers, and end?"
-        fail("the clients start, and then do nothing at all", recording=runs[0], help=help)
 
 
 @check(points=10, asks=TIMING, task=6, scenarios=(SLOW, SILENT), needs=WIRED, hint="6.1")
@@ -80,9 +69,9 @@ def test_gives_up(runs: Runs) -> None:
         "Remember the future and when you asked; while it is not done, don't ask again; at each "
         "tick, compare. remove_pending_request() forgets it: what comes late answers another one."
     )
-    keeps(runs.only(SILENT), "patience", "owed", help=help)
-    warns(runs[SILENT], since=PATIENCE - NEAR)
-    warns(runs[RESTART], since=0.0)  # a client may see that its server has gone, and say so
+    keeps(runs.only(SILENT), "patience", help=help)
+    for recording in runs:
+        warns(recording)  # a client may see that its server has gone, and say so
 
 
 @check(points=3, asks=STATE, task=8, scenarios=(RESTART,), needs=NEEDS, hint="8.1")

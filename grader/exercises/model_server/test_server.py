@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
-from grader.checks.verdict import fail
 from grader.checks.words import logs, wired
 from grader.exercises.model_server.contract import keeps
-from grader.exercises.model_server.server import asks, loads_once
 
 PLAIN, EARLY, LATE = "detect_answers", "detect_no_scan", "detect_late_scans"
 BLIND, FAILS, NO_MODEL = "detect_blind", "detect_failing_model", "detect_no_model"
@@ -23,9 +21,6 @@ BOTH = ("server_wiring", "client_wiring")
 def test_server_wiring(runs: Runs) -> None:
     """The server starts, spins, listens to /scan and offers the service /detect."""
     wired(runs, "detection_server")
-    if not any(ask.said for ask in asks(runs[0])):
-        help = "Does main() spin the node? Does the callback return the response?"
-        fail("the service /detect is there, but never answers", recording=runs[0], help=help)
 
 
 @check(points=10, asks=DECISION, task=3, scenarios=ANSWERS, needs=NEEDS, hint="3.1")
@@ -81,7 +76,7 @@ def test_failing_model(runs: Runs) -> None:
     """It refuses when the model raises or its confidence is not finite, and lives on."""
     help = (
         "Put predict and predict_proba into try … except Exception, and test the confidence with "
-        "math.isfinite. What a model will say is not known without asking it."
+        "math.isfinite."
     )
     keeps(runs, "success", help=help)
 
@@ -89,5 +84,9 @@ def test_failing_model(runs: Runs) -> None:
 @check(points=10, asks=STATE, task=2, scenarios=LOADS, needs=BOTH, hint="2.1")
 def test_one_load(runs: Runs) -> None:
     """Three clients and one more ask, and the model is loaded once in the whole system."""
-    loads_once(runs)
+    help = (
+        "pickle.load belongs in the constructor of the server and nowhere else: one process has "
+        "the model for all, and a model that failed once is still the same one."
+    )
+    keeps(runs, "loads", help=help)
     keeps(runs.only(TOGETHER), "success", help="One service has to do for any number of clients.")

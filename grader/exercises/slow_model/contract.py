@@ -1,4 +1,4 @@
-"""The oracles of slow_model: what each command may be, and what predict has to be asked."""
+"""The oracle of slow_model: what each command may be, and what predict has to be asked."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import groupby, pairwise
+from itertools import dropwhile, pairwise
 
 import numpy as np
 
@@ -17,26 +17,23 @@ from grader.models.features import possible_features
 from grader.recording import Inference, Recording, Scan
 
 PERIOD = 0.05  # [s] of the control loop
-LONGEST_GAP = 0.075  # [s] between two commands
 MAX_AGE = 0.6  # [s] of the scan behind a command; an older one means 0.0 ...
 EDGE = 0.05  # [s] ages this near to the limit may fall on either side
 LATEST_STOP = MAX_AGE + EDGE  # [s] ... by the next tick
-LEAST_RATE = 3.0  # [Hz] of new predictions
-LEAST_RATE_5_HZ = 2.4  # [Hz] with a lidar of 5 Hz
-AGE_P95 = 0.58  # [s] of the scan behind a command
-AGE_P95_5_HZ = 0.6  # [s] with a lidar of 5 Hz
 UNSEEN = PERIOD + 0.005  # [s] for which an answer may not have reached the control loop
-SILENCE = 1.0  # [s] without a scan that is more than a few lost ones
-SPEED = "linear.x"
+ROUNDED = 0.005 + 1e-9  # [m/s] what two digits change at most
+# the least new predictions [Hz], and p95 of the age of the scan behind a command [s]
+USUAL_LIDAR, SLOW_LIDAR, FIVE_HZ = (3.0, 0.58), (2.4, 0.6), 5.0
+WAITS_FOR_ONE_MORE = 0.1  # [s] a worker that waits for a new scan, when that one is lost
 AT_ONCE = 0.06  # [s] a tick and a little
 ARRIVAL = 0.02  # [s] what happens this shortly before may be seen or not
-# tags: all commands, those before the first answer, those in a silence of the lidar, those after it
+SPEED, UNDER_WAY, NEWER = "linear.x", "calls still under way", "newer scans"
+FEATURES, WAIT = "features", "seconds to the next call"
+A_SCANS = "a scan's"
+# tags of commands: all, those before the first answer, those in a silence of the lidar, after it
 TICK, START, SILENT, BACK = "tick", "start", "silent", "back"
-TOO_LATE = frozenset({"slow", "hangs"})  # tags of scans that the model takes too long for
-ALONE, NEWEST, KNOWN, IDLE = "alone", "newest", "known", "idle"  # tags of `questions`
-UNDER_WAY, NEWER, FEATURES, WAIT = (
-    "calls still under way", "newer scans", "features", "seconds to the next call",
-)  # fmt: skip
+RATE, AGE = "new predictions per second", "seconds from scan to command (p95)"
+ALONE, NEWEST, KNOWN, IDLE = "alone", "newest", "known", "idle"  # of what predict is asked
 
 CONTRACT = Contract(
     period=PERIOD,
@@ -59,12 +56,11 @@ class Answer:
 
 
 def cases(recording: Recording) -> tuple[Case, ...]:
-    """Return an occasion for each command, and one for each that comes while a scan is held.
+    """Return an occasion for each command, each call of predict, and each scan that finds it idle.
 
-    A command is the newest answer of the model, unless that is too old. A scan that a bench repeats
-    for a while has its own prediction in force from LATEST_STOP on.
+    A command is the newest answer of the model, or 0.0 if that is too old.
     """
-    return (*_ticks(recording), *_held(recording))
+    return (*_ticks(recording), *_calls(recording), *_idle(recording))
 
 
 @lru_cache(maxsize=8)
@@ -101,91 +97,79 @@ def in_force(said: Sequence[Answer], t: float, slack: float) -> list[Answer]:
     return numbers[max(seen - 1, 0) :]
 
 
-def blind(scan: Scan) -> bool:
-    """Return whether a sector may have no usable reading."""
-    return bool(np.isnan(possible_features(scan)).any())
-
-
-def silence(recording: Recording) -> tuple[Scan | None, float]:
-    """Return the last scan before a long silence of the lidar, and when it came back [s]."""
-    scans = recording.scans()
-    ends = np.array([*(scan.t for scan in scans), recording.duration_s])
-    gaps = np.diff(ends)
-    if not len(gaps) or gaps.max() < SILENCE:
-        return None, math.inf
-    return scans[int(gaps.argmax())], float(ends[gaps.argmax() + 1])
-
-
-def _ticks(recording: Recording) -> Iterator[Case]:
-    """Yield each command: the newest answer of the model, or 0.0 if that is too old."""
-    said, twists = answers(recording), recording.twists()
-    last, back = silence(recording)
-    first = min((each.answered for each in said), default=math.inf)
-    for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
-        tags = {TICK} | ({BACK} if t >= back else {SILENT} if last and t > last.t else set())
-        tags |= {START} if t < first else set()
-        right = {SPEED: exactly(*sorted(right_speeds(said, t, recording.slack)))}
-        yield Case(t, f"the command at {t:.2f} s", frozenset(tags), right, {SPEED: speed})
-
-
 def right_speeds(said: Sequence[Answer], t: float, slack: float) -> set[float]:
     """Return the speeds [m/s] that are right at a time [s]."""
     rest, edge = in_force(said, t, slack), EDGE + slack
     ages = [t - each.scan.stamp for each in rest]
     speeds = {each.speed for each, age in zip(rest, ages, strict=True) if age <= MAX_AGE + edge}
     unseen = not rest or rest[0].answered > t - UNSEEN - slack
-    old = any(age > MAX_AGE - edge for age in ages)
-    if unseen or old or _refused(said, rest[0].scan.t, t):
+    refused = [each for each in said if math.isnan(each.speed) and each.answered <= t]
+    if (
+        unseen
+        or max(ages) > MAX_AGE - edge
+        or any(each.scan.t > rest[0].scan.t for each in refused)  # a newer one has no prediction
+    ):
         speeds.add(0.0)
     return speeds
 
 
-def _refused(said: Sequence[Answer], since: float, t: float) -> bool:
-    """Return whether a scan that came after `since` [s] turned out to have no prediction by `t`."""
-    return any(
-        math.isnan(each.speed) and each.answered <= t and each.scan.t > since for each in said
-    )
+def blind(scan: Scan) -> bool:
+    """Return whether a sector may have no usable reading."""
+    return bool(np.isnan(possible_features(scan)).any())
 
 
-def _held(recording: Recording) -> Iterator[Case]:
-    """Yield each command that comes when a bench scan has been repeated for a while."""
-    twists, bench = recording.twists(), recording.scenario.bench_scans
-    if not bench:
-        return
-    pairs = zip(bench, predictions(recording), strict=False)
-    holds = [next(same) for _, same in groupby(pairs, lambda pair: pair[0].label)]
-    begins = [first.scan.t for _, first in holds]
-    ends = [*begins[1:], recording.duration_s]
-    for (spec, first), begin, end in zip(holds, begins, ends, strict=True):
-        right = exactly(0.0) if TOO_LATE & set(spec.tags) else first.allowed
-        tags, what = frozenset(spec.tags), f"“{spec.label}”"
-        for i in np.flatnonzero((twists.t >= begin + LATEST_STOP) & (twists.t < end)):
-            said = {SPEED: float(twists.linear_x[i])}
-            yield Case(float(twists.t[i]), what, tags, {SPEED: right}, said)
+def silence(recording: Recording) -> tuple[float, float]:
+    """Return when the lidar falls silent, and when it comes back or the run ends [s]."""
+    end = recording.duration_s
+    begin, back = next(iter(recording.scenario.faults.blackout), (end, end))
+    return begin, min(back, end)
 
 
-def questions(recording: Recording) -> Iterator[Case]:
-    """Yield an occasion for each call of predict, and for each scan that finds the model idle.
+def _ticks(recording: Recording) -> Iterator[Case]:
+    """Yield each command; how many new predictions there are; and how old their scans are (p95)."""
+    said, twists, slack = answers(recording), recording.twists(), recording.slack
+    first = min((each.answered for each in said), default=math.inf)
+    last, back = silence(recording)
+    behind = []  # when each command came, and the scan behind it [s]; -inf: it is no prediction
+    for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
+        tags = {TICK, BACK if t >= back else SILENT if t > last else TICK}
+        tags |= {START} if t < first else set()
+        what, rest = f"the command at {t:.2f} s", in_force(said, t, slack)
+        if rest:
+            what += f", {t - rest[-1].scan.stamp:.2f} s after the scan of the newest prediction"
+        right = {SPEED: exactly(*sorted(right_speeds(said, t, slack)))}
+        yield Case(t, what, frozenset(tags), right, {SPEED: speed})
+        scans = [each.scan.t for each in rest if abs(each.speed - speed) <= ROUNDED]
+        behind.append((t, max(scans, default=-math.inf)))
+    behind = list(dropwhile(lambda pair: pair[1] == -math.inf, behind))
+    begin = behind[0][0] if behind else 0.0
+    new = len({scan for _, scan in behind}) / max(recording.duration_s - begin, LATEST_STOP)
+    ages = sorted(t - scan for t, scan in behind) or [math.inf]
+    p95 = ages[math.ceil(0.95 * len(ages)) - 1]
+    least, oldest = SLOW_LIDAR if recording.scenario.lidar.rate == FIVE_HZ else USUAL_LIDAR
+    oldest += WAITS_FOR_ONE_MORE * (recording.scenario.faults.scan_loss > 0)
+    what = f"the commands from {begin:.2f} s on"
+    yield Case(begin, what, frozenset({RATE}), {RATE: ((least, math.inf),)}, {RATE: new})
+    yield Case(begin, what, frozenset({AGE}), {AGE: ((0.0, oldest),)}, {AGE: p95})
 
-    A scan that comes while the model works may be kept or dropped.
-    """
+
+def _calls(recording: Recording) -> Iterator[Case]:
+    """Yield whether each call of predict comes alone, and about the features of the newest scan."""
     for before, call in pairwise(calls(recording)):
         at, busy = call.asked / 1e9, float(call.asked < before.answered)
         what = f"predict was called at {at:.3f} s"
         yield Case(at, what, frozenset({ALONE}), {UNDER_WAY: exactly(0.0)}, {UNDER_WAY: busy})
-    arrived = recording.times("/scan")
+    arrived, near = recording.times("/scan"), ARRIVAL + recording.slack
     for each in answers(recording):
-        what, near = f"predict was called at {each.asked:.3f} s", ARRIVAL + recording.slack
-        newer = (arrived > each.scan.t) & (arrived <= each.asked - near)
-        newest, known = {NEWER: float(newer.sum())}, "a scan's" if each.known else "no scan's"
-        if not math.isnan(each.speed):
-            yield Case(each.asked, what, frozenset({NEWEST}), {NEWER: exactly(0.0)}, newest)
-            right = {FEATURES: frozenset({"a scan's"})}
-            yield Case(each.asked, what, frozenset({KNOWN}), right, {FEATURES: known})
-    yield from _idle(recording)
+        what, at = f"predict was called at {each.asked:.3f} s", each.asked
+        newer = float(((arrived > each.scan.t) & (arrived <= at - near)).sum())
+        yield Case(at, what, frozenset({NEWEST}), {NEWER: exactly(0.0)}, {NEWER: newer})
+        right, given = {FEATURES: frozenset({A_SCANS})}, A_SCANS if each.known else "no scan's"
+        yield Case(at, what, frozenset({KNOWN}), right, {FEATURES: given})
 
 
 def _idle(recording: Recording) -> Iterator[Case]:
+    """Yield how long each scan that finds the model idle waits; others may be kept or dropped."""
     asked = np.array([call.asked for call in calls(recording)]) / 1e9
     ended = np.array([call.answered for call in calls(recording)]) / 1e9
     back = silence(recording)[1]

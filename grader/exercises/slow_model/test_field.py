@@ -4,30 +4,16 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
-from grader.checks.predictions import TOLERANCE
-from grader.exercises.slow_model.contract import AGE_P95, KNOWN, LEAST_RATE
-from grader.exercises.slow_model.words import (
-    asks,
-    heeds,
-    keeps_going,
-    keeps_period,
-    stays_young,
-)
-
-LATER = 0.1  # [s] a worker that waits for a new scan waits for one more when that one is lost
+from grader.exercises.slow_model.contract import AGE, IDLE, KNOWN, RATE
+from grader.exercises.slow_model.words import heeds, keeps_period
 
 
 def _keeps_the_contract(runs: Runs, help: str) -> None:
-    """Fail unless the whole contract holds, at held scans or behind the leader."""
+    """Fail unless control and inference do their part, at held scans or behind the leader."""
     keeps_period(runs)
     for recording in runs:
-        run = runs.of([recording])
-        if recording.scenario.bench_scans:
-            heeds(run, "field", help=help, tolerance=TOLERANCE)
-        else:
-            asks(run, KNOWN, help=help)
-            keeps_going(run, LEAST_RATE)
-            stays_young(run, AGE_P95 + LATER * (recording.scenario.faults.scan_loss > 0))
+        tags = (KNOWN, IDLE) if recording.scenario.bench_scans else (KNOWN, RATE, AGE)
+        heeds(runs.of([recording]), *tags, help=help)
 
 
 field = FieldSuite(_keeps_the_contract)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.exercises.model_server import server
-from grader.exercises.model_server.notes import Answered
+from grader.exercises.model_server.notes import Note
 from grader.exercises.model_server.server import Ask, Detection, asks, read
 
 EPOCH = 1_700_000_000_000_000_000  # [ns]
@@ -39,7 +39,7 @@ def test_anything_else_is_said_to_be_none(message: str) -> None:
 
 
 def asked(
-    monkeypatch: pytest.MonkeyPatch, live: object, at: float, said: Answered | None, **scenario: Any
+    monkeypatch: pytest.MonkeyPatch, live: object, at: float, said: Note | None, **scenario: Any
 ) -> list[Ask]:
     """Return the one request of a recording, asked at this time [s]."""
     heard = [] if said is None else [(at + 0.01, said)]
@@ -58,9 +58,9 @@ def asked(
     return list(asks(recording))
 
 
-def stamped(stamp: float) -> Answered:
+def stamped(stamp: float) -> Note:
     detection = Detection("free", 0.9, EPOCH / 1e9 + stamp)
-    return Answered(0, success=True, message=msgspec.json.encode(detection).decode())
+    return Note("answered", 0, success=True, message=msgspec.json.encode(detection).decode())
 
 
 @pytest.mark.parametrize(
@@ -72,21 +72,25 @@ def stamped(stamp: float) -> Answered:
         (1.25, stamped(0.5), 2),  # too long ago: that answer is wrong
         (0.75, stamped(1.0), 1),  # from the future: wrong too
         (1.03, stamped(0.0), 2),  # neither of the two
-        (0.03, Answered(0, success=False, message="no scan"), -1),  # rightly: it had none yet
-        (1.03, Answered(0, success=True, message="{}"), 2),  # no stamp at all
+        (
+            0.03,
+            Note("answered", 0, success=False, message="no scan"),
+            -1,
+        ),  # rightly: it had none yet
+        (1.03, Note("answered", 0, success=True, message="{}"), 2),  # no stamp at all
         (1.25, None, 2),  # no answer at all
     ],
 )
 def test_the_scan_that_a_server_had_is_one_that_it_can_have_had(
-    monkeypatch: pytest.MonkeyPatch, at: float, said: Answered | None, newest: int
+    monkeypatch: pytest.MonkeyPatch, at: float, said: Note | None, newest: int
 ) -> None:
     (ask,) = asked(monkeypatch, LIVE, at, said)
-    assert ask.newest == newest
+    assert ask.scan is (SCANS[newest] if newest >= 0 else None)
 
 
 def test_in_virtual_time_the_newest_scan_is_the_newest(monkeypatch: pytest.MonkeyPatch) -> None:
     (ask,) = asked(monkeypatch, None, 1.0, stamped(0.5))
-    assert ask.newest == 2
+    assert ask.scan is SCANS[2]
 
 
 @pytest.mark.parametrize(

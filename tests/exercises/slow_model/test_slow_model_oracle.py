@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.exercises.slow_model import contract
-from grader.exercises.slow_model.contract import IDLE, Answer, questions, right_speeds
+from grader.exercises.slow_model.contract import IDLE, Answer, cases, right_speeds
 from grader.recording import Inference
 
 NAN = math.nan
@@ -61,15 +61,24 @@ def test_a_scan_that_finds_the_model_idle_is_taken_at_once(
     monkeypatch: pytest.MonkeyPatch, asked: Any, took: float, right: bool
 ) -> None:
     monkeypatch.setattr(contract, "blind", lambda scan: False)
-    monkeypatch.setattr(contract, "silence", lambda recording: (None, math.inf))
+    monkeypatch.setattr(contract, "silence", lambda recording: (math.inf, math.inf))
     monkeypatch.setattr(contract, "answers", lambda recording: ())
     calls = [
         Inference("predict", "m.pkl", round(t * 1e9), round((t + took) * 1e9), 0) for t in asked
     ]
     times = np.arange(1, 20) / 10
     scans = [SimpleNamespace(t=float(t)) for t in times]
+    twists = SimpleNamespace(t=np.empty(0), linear_x=np.empty(0))
     run: Any = SimpleNamespace(
-        inferences=calls, scans=lambda: scans, slack=0.0, duration_s=2.0, times=lambda _: times
+        twists=lambda: twists,
+        scenario=SimpleNamespace(
+            lidar=SimpleNamespace(rate=None), faults=SimpleNamespace(scan_loss=0)
+        ),
+        inferences=calls,
+        scans=lambda: scans,
+        slack=0.0,
+        duration_s=2.0,
+        times=lambda _: times,
     )
-    waited = [case.wrong() for case in questions(run) if IDLE in case.tags]
+    waited = [case.wrong() for case in cases(run) if IDLE in case.tags]
     assert any(waited) is not right

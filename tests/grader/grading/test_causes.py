@@ -4,17 +4,14 @@ import re
 from dataclasses import dataclass
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from node_runs import RunNode
 
 from grader.course.exercises import Exercise, all_exercises, find_exercise
-from grader.exercises.slow_model.causes import seen as seen_of_slow_model
 from grader.grading.causes import find_cause
 from grader.grading.causes.cause import hint_for
 from grader.grading.grading import grade
 from grader.recording import Outcome, Recording
-from grader.recording.inferences import Inference
 from grader.trial.trials import SavedTrials
 from sim.scenario_files import load_scenario
 
@@ -182,27 +179,6 @@ def test_a_thread_that_died_is_named_with_its_line(run_node: RunNode) -> None:
     assert "A thread of the node died at 0.00 s" in cause.text
     assert "has no attribute 'wrok'" in cause.text
     assert cause.where.endswith("in work")
-
-
-@pytest.mark.parametrize(
-    ("step", "until", "said"),
-    [(0.05, 0.1, "the control loop stops"), (0.2, 30.0, "lock")],
-)
-def test_how_control_and_inference_get_into_each_others_way(
-    step: float, until: float, said: str
-) -> None:
-    ends = np.arange(1, 140) * 10**9 // 5
-    asked = [Inference("predict", "m.pkl", int(t), int(t) + 10**9 // 5, 10**9 // 5) for t in ends]
-    times = np.arange(0.2, 0.2 + until, step)[: int(until / step)]
-    trial = SimpleNamespace(
-        outcome=Outcome("completed"), inferences=asked, duration_s=30.0, live=None, delivered=(),
-        times=lambda _: times[times < 30], log=(),
-    )  # fmt: skip
-    recordings = {"slow_leader": trial}
-
-    found = seen_of_slow_model(recordings, ["control_period"])  # type: ignore[arg-type]
-
-    assert found is not None and said in found.text
 
 
 @pytest.mark.parametrize("help_", ["It has to end.", "Does the loop of line 5, `while True:` end?"])
