@@ -24,13 +24,16 @@ def doctor() -> int:
 
         render_practice(reason, Console())
         return 1
-    from grader.grading.trying import why_none_runs  # noqa: PLC0415
+    from grader.grading.trying import imports_that_fail, why_none_runs  # noqa: PLC0415
     from grader.link.doctor import diagnose  # noqa: PLC0415
     from grader.report.diagnosis import render_diagnosis  # noqa: PLC0415
 
     found = diagnose()
     if not found.problem:
         found = dataclasses.replace(found, problem=why_none_runs())
+    if not found.problem:
+        trouble = (*found.trouble, *imports_that_fail())
+        found = dataclasses.replace(found, trouble=trouble)
     render_diagnosis(found, Console())
     if found.problem:
         return 2

@@ -1,12 +1,29 @@
-"""Try whether nodes run on this machine at all: a skeleton is graded to see."""
+"""Try whether nodes run on this machine: a skeleton is graded, and libraries are imported."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from grader.course import installed
 from grader.course.exercises import all_exercises
 from grader.errors import GraderError
 from grader.grading.handed_in import grade_files
+from grader.host.frames import Ended, Script
+from grader.link.exchange import HostDied, HostForged, HostHung
+from grader.link.hosts import ForkServer
+from grader.link.link import Link
+from grader.link.scratch import fresh_folder
+from grader.link.workplace import Excess
+from sim.messages import EPOCH_NS
 
 DIED = "the node died"  # a skeleton doesn't, unless ROS can't start here
+IMPORT_LIMIT = 120.0  # [s] from a cold disk
+# What each of them does once it works: threads, and some memory.
+WORK = """
+import threading
+threads = [threading.Thread(target=bytearray, args=(1 << 20,)) for _ in range(16)]
+for thread in threads: thread.start()
+"""
 
 
 def why_none_runs() -> str:
@@ -23,3 +40,38 @@ def why_none_runs() -> str:
         if check["outcome"] == "error" or DIED in (check["message"] or "")
     ]
     return f"{failed[0]['title']} {failed[0]['message']}" if failed else ""
+
+
+def imports_that_fail() -> Iterator[str]:
+    """Import what exercises need, as a node does and under its limits; say what can't be."""
+    with ForkServer(EPOCH_NS) as server:
+        for exercise in all_exercises():
+            names = [name for name in exercise.libraries if _is_installed(name)]
+            if names and (problem := _import(server, names)):
+                yield f"Exercise {exercise.number} needs {', '.join(names)} in one node: {problem}"
+
+
+def _is_installed(name: str) -> bool:
+    return not installed.why_not([name.partition(".")[0]])
+
+
+def _import(server: ForkServer, names: list[str]) -> str:
+    """Return why a host can't import these modules; "" if it can."""
+    with fresh_folder() as folder:
+        file = folder / "imports.py"
+        file.write_text("".join(f"import {name}\n" for name in names) + WORK, "utf-8")
+        with server.workshop.host(folder) as link:
+            return _answer(link, Script(str(file), (), 0))
+
+
+def _answer(link: Link, script: Script) -> str:
+    try:
+        answer, _ = link.ask(script, IMPORT_LIMIT)
+    except HostHung:
+        return f"it was not done after {IMPORT_LIMIT:.0f} s."
+    except (HostDied, HostForged, Excess) as error:
+        said = [line.text for line in link.log()]
+        return f"the process ended ({error}). {' '.join(said[-1:])}"
+    if not isinstance(answer, Ended) or answer.kind != "returned":
+        return getattr(answer, "text", "it did not end as a program does")
+    return ""

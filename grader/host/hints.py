@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import PurePath
 from typing import Any
 
-from .sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES, MAX_PROCESSES
+from .sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES, MAX_MEMORY, MAX_PROCESSES
 
 DISTRO = "jazzy"
 
@@ -40,7 +40,12 @@ PROCESSES = "a node is one process here and may start no other: let a thread do 
 NETWORK = "a node has no network here: what it needs has to lie in a file beside it"
 FILES = "a node may use the files in its own folder only, besides the libraries that it imports"
 SPACE = f"a node's folder holds {MAX_FOLDER >> 20} MiB in {MAX_FOLDER_FILES:,} files, and is full"
-THREADS = f"a node may have {MAX_PROCESSES} threads"
+MEMORY = f"a node may use {MAX_MEMORY >> 30} GiB of memory here, and this would be more"
+THREADS = (
+    f"a node may have {MAX_PROCESSES} threads and {MAX_MEMORY >> 30} GiB of memory here, of which "
+    "each thread takes 8 MiB"
+)
+OUT_OF_MEMORY = re.compile(r"bad_alloc|can't allocate memory|cannot allocate memory", re.IGNORECASE)
 KEYBOARD = (
     "nobody types to a node here: `course drive --stdin FILE` gives it something to read; what is "
     "handed in takes a ROS parameter instead"
@@ -61,6 +66,8 @@ def hint(error: BaseException) -> str:
     for cause in _causes(error):
         if isinstance(cause, RuntimeError) and str(cause) == "can't start new thread":
             return THREADS
+        if isinstance(cause, MemoryError) or OUT_OF_MEMORY.search(str(cause)):
+            return MEMORY
         if isinstance(cause, OSError):
             said = _refusal(cause)
             if said:

@@ -8,6 +8,7 @@ them in `/usr/local/lib/pythonX.Y/site-packages`, which is not on `sys.path`.
 from __future__ import annotations
 
 import os
+import re
 import site
 import sys
 import sysconfig
@@ -21,6 +22,7 @@ from rclpy_portable import unpacking
 from rclpy_portable.wheels import DownloadFailed
 
 DISTRO = "jazzy"
+RCLPY = "7.1"  # Jazzy's, whose names virtual time replaces (grader/host/virtual)
 PORTABLE = "portable"  # a kind of environment
 HOW_TO_INSTALL = (
     "install the wheels with `pip install '.[ros]'`, or source /opt/ros/jazzy/setup.bash"
@@ -88,14 +90,29 @@ def find_ros(
     Raises
     ------
     InputError
-        There is none; the message says how to install it.
+        There is none, or only another one; the message says how to install it.
     """
     variables = dict(os.environ) if environ is None else environ
-    found = _from_apt(variables) or _from_wheels(_site_folders() if folders is None else folders)
-    if found is None:
-        advice = HOW_TO_INSTALL if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
-        raise InputError(f"ROS 2 {DISTRO.capitalize()} was not found: {advice}")
-    return found
+    folders = list(_site_folders() if folders is None else folders)
+    found = [ros for ros in (_from_apt(variables), _from_wheels(folders)) if ros is not None]
+    versions = [_version(ros.python_path) for ros in found]
+    for ros, version in zip(found, versions, strict=True):
+        if version == RCLPY:
+            return ros
+    others = "".join(
+        f" (the one in {ros.prefixes[0]} has rclpy {version}, and this is made for {RCLPY})"
+        for ros, version in zip(found, versions, strict=True)
+    )
+    advice = HOW_TO_INSTALL if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
+    raise InputError(f"ROS 2 {DISTRO.capitalize()} was not found{others}: {advice}")
+
+
+def _version(folders: Iterable[Path]) -> str:
+    """Return the version of the first rclpy in these folders, as in "7.1"; "?" if it says none."""
+    folder = next(folder for folder in folders if _has_rclpy(folder))
+    names = " ".join(path.name for path in folder.glob("rclpy-*-info"))
+    said = re.search(r"rclpy-(\d+\.\d+)", names)
+    return said[1] if said else "?"
 
 
 def _from_apt(environ: dict[str, str]) -> RosEnvironment | None:

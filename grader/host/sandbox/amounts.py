@@ -4,7 +4,7 @@ from __future__ import annotations
 
 MAX_FILE = 64 * 1024 * 1024  # [bytes] of one file
 MAX_OPEN_FILES = 256  # of one process
-MAX_MEMORY = 4 * 1024 * 1024 * 1024  # [bytes] of address space: numeric libraries map a lot
+MAX_MEMORY = 4 * 1024 * 1024 * 1024  # [bytes] that a process may write to and shares with nobody
 MAX_PROCESSES = 512  # threads count too; of the unprivileged user as a whole
 MAX_FOLDER = 256 * 1024 * 1024  # [bytes] of a node's folder
 MAX_FOLDER_FILES = 5_000

@@ -135,6 +135,7 @@ PRETENDED = {  # to work: they reach what is others' past Landlock, and librarie
     "setxattrat": (463, 463), "utime": (132, NONE), "utimensat": (280, 88), "utimes": (235, NONE),
 }  # fmt: skip
 PRLIMIT = (302, 261)
+MMAP = (9, 222)
 PRCTL = (157, 167)
 CLONE, CLONE3, KILL, TGKILL = (56, 220), (435, 435), (62, 129), (234, 131)
 SOCKET, CONNECT, FCNTL, IOCTL = (41, 198), (42, 203), (72, 25), (16, 29)
@@ -148,7 +149,8 @@ SOCK_DGRAM, SOCK_TYPE = 2, 0xF
 LOAD, AND, JUMP_EQUAL, JUMP_AT_LEAST, JUMP_SET, RETURN = 0x20, 0x54, 0x15, 0x35, 0x45, 0x06
 ALLOW, REFUSE, KILL_PROCESS = 0x7FFF0000, 0x00050000, 0x80000000
 # offsets in struct seccomp_data, of arguments the low halves
-NUMBER, ARCHITECTURE, FIRST, SECOND, THIRD = 0, 4, 16, 24, 32
+NUMBER, ARCHITECTURE, FIRST, SECOND, THIRD, FOURTH = 0, 4, 16, 24, 32, 40
+MAP_SHARED, MAP_ANONYMOUS, MAP_GROWSDOWN = 0x01, 0x20, 0x0100
 
 OPENING = ((SECOND, (2, NONE)), (THIRD, (257, 56)))  # open, openat: where the flags are
 
@@ -208,6 +210,7 @@ def _filter(datagrams: bool, reserving: bool) -> list[Instruction]:
     for numbers, commands in OWNERSHIP:
         program += _unless_second(numbers[column], commands)
     program += _only_if(PRLIMIT[column], JUMP_EQUAL, 0)  # its own
+    program += _only_counted_memory(MMAP[column])
     program += _unless_first(PRCTL[column], PR_SET_PDEATHSIG)  # it ends with its judge
     for place, numbers in OPENING:
         if numbers[column] != NONE:
@@ -229,6 +232,19 @@ def _only_if(number: int, test: int, constant: int) -> list[Instruction]:
         (LOAD, 0, 0, FIRST),
         (test, 1, 0, constant),
         _refuse(errno.EPERM),
+        (LOAD, 0, 0, NUMBER),
+    ]
+
+
+def _only_counted_memory(number: int) -> list[Instruction]:
+    """Refuse memory that RLIMIT_DATA doesn't count: shared without a file, or growing downward."""
+    return [
+        (JUMP_EQUAL, 0, 6, number),
+        (LOAD, 0, 0, FOURTH),
+        (JUMP_SET, 2, 0, MAP_GROWSDOWN),
+        (JUMP_SET, 0, 2, MAP_ANONYMOUS),
+        (JUMP_SET, 0, 1, MAP_SHARED),
+        _refuse(errno.ENOMEM),
         (LOAD, 0, 0, NUMBER),
     ]
 

@@ -16,7 +16,7 @@ RESOURCE_LIMITS = {
     resource.RLIMIT_CORE: 0,
     resource.RLIMIT_FSIZE: MAX_FILE,
     resource.RLIMIT_NOFILE: MAX_OPEN_FILES,
-    resource.RLIMIT_AS: MAX_MEMORY,
+    resource.RLIMIT_DATA: MAX_MEMORY,  # not of addresses: CUDA's libraries map gigabytes
 }
 
 

@@ -9,6 +9,7 @@ from node_runs import RunNode
 from grader.host.hints import (
     FILES,
     KEYBOARD,
+    MEMORY,
     NETWORK,
     PROCESSES,
     hint,
@@ -24,6 +25,8 @@ REFUSED = {
         NETWORK,
     ),
     "a file elsewhere": ("open('/tmp/x', 'w')", FILES),
+    "too much memory": ("bytearray(5 << 30)", MEMORY),
+    "too much memory of numpy's": ("import numpy; numpy.zeros((5 << 30,), 'u1')", MEMORY),
     "input": ("input('speed? ')", KEYBOARD),
     "an exception from another": (
         """

@@ -4,6 +4,7 @@ import ctypes
 import errno
 import faulthandler
 import fcntl
+import mmap
 import os
 import platform
 import resource
@@ -17,7 +18,7 @@ import pytest
 from children import error_of, in_child
 
 from grader.host.sandbox import kernel_filters as sandbox
-from grader.host.sandbox.kernel_filters import CALLS, PRETENDED, X32_BIT
+from grader.host.sandbox.kernel_filters import CALLS, MAP_GROWSDOWN, PRETENDED, X32_BIT
 
 X86 = platform.machine() == "x86_64"
 COLUMN = 0 if X86 else 1
@@ -106,6 +107,10 @@ def own_pipe(command: int) -> int:
     return fcntl.fcntl(os.pipe()[0], command, os.getpid())
 
 
+def own_memory(flags: int) -> mmap.mmap:
+    return mmap.mmap(-1, mmap.PAGESIZE, flags=flags | mmap.MAP_ANONYMOUS)
+
+
 WAYS: dict[str, tuple[Callable[[], object], str]] = {
     "fork": (os.fork, "EPERM"),
     "exec": (lambda: os.execv("/bin/true", ["true"]), "EPERM"),
@@ -119,6 +124,11 @@ WAYS: dict[str, tuple[Callable[[], object], str]] = {
     "a pipe that sends signals": (lambda: own_pipe(fcntl.F_SETSIG), "EPERM"),
     "a folder that sends signals": (lambda: own_pipe(fcntl.F_NOTIFY), "EPERM"),
     "a pipe that does not block": (lambda: own_pipe(fcntl.F_SETFL), "fine"),
+    "memory of its own": (lambda: own_memory(mmap.MAP_PRIVATE), "fine"),
+    "memory that no limit counts": (lambda: own_memory(mmap.MAP_SHARED), "ENOMEM"),
+    "memory that grows like a stack": (
+        lambda: own_memory(mmap.MAP_PRIVATE | MAP_GROWSDOWN), "ENOMEM",
+    ),
     "a limit of its own": (lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0)), "fine"),
     "a limit of the parent's": (
         lambda: resource.prlimit(PARENT, resource.RLIMIT_CORE, (0, 0)), "EPERM",

@@ -4,12 +4,14 @@ import functools
 import io
 import re
 
+import msgspec
 import pytest
 from click.testing import CliRunner
 from rich.console import Console
 
 from grader.cli import cli
-from grader.grading.trying import why_none_runs
+from grader.course.exercises import all_exercises
+from grader.grading.trying import imports_that_fail, why_none_runs
 from grader.host.frames import Hello
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
 from grader.link import doctor
@@ -123,7 +125,22 @@ def test_the_exit_code(
 ) -> None:
     monkeypatch.setattr(doctor, "diagnose", lambda: found)
     monkeypatch.setattr("grader.grading.trying.why_none_runs", lambda: tried)
+    monkeypatch.setattr("grader.grading.trying.imports_that_fail", lambda: ["no torch"])
     result = CliRunner().invoke(cli, ["doctor"], standalone_mode=False)
 
     assert result.return_value == code
     assert ("No node can run here: no ROS 2" in result.output) == (code == 2)
+    assert ("no torch" in result.output) == (code != 2)
+
+
+@pytest.mark.parametrize("libraries", [("sklearn.tree",), ("sklearn.tree", "sklearn.no_such")])
+def test_what_an_exercise_imports_is_tried(
+    libraries: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exercise = msgspec.structs.replace(all_exercises()[0], libraries=libraries)
+    monkeypatch.setattr("grader.grading.trying.all_exercises", lambda: [exercise])
+
+    said = list(imports_that_fail())
+
+    assert len(said) == len(libraries) - 1
+    assert all("No module named 'sklearn.no_such'" in sentence for sentence in said)

@@ -211,7 +211,7 @@ def test_limits_are_set(run_node: RunNode) -> None:
     recording = run_node(
         """
         import resource
-        for name in ('CORE', 'FSIZE', 'NOFILE', 'AS'):
+        for name in ('CORE', 'FSIZE', 'NOFILE', 'DATA'):
             print(name, *resource.getrlimit(getattr(resource, f'RLIMIT_{name}')))
         rclpy.init(); rclpy.spin(Echo())
         """,

@@ -12,10 +12,11 @@ from grader.link.ros_environment import find_ros
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
 
 
-def install(folder: Path, version: str = VERSION) -> Path:
+def install(folder: Path, version: str = VERSION, rclpy: str = "7.1.5") -> Path:
     """Make a folder look as if rclpy had been installed there."""
+    (folder / f"rclpy-{rclpy}-py{version}.egg-info").mkdir(parents=True)
     package = folder / "rclpy"
-    package.mkdir(parents=True)
+    package.mkdir()
     (package / "__init__.py").touch()
     tag = version.replace(".", "")
     (package / f"_rclpy_pybind11.cpython-{tag}-x86_64-linux-gnu.so").touch()
@@ -136,3 +137,13 @@ def test_the_real_one() -> None:
 
     assert any((path / "rclpy" / "__init__.py").is_file() for path in ros.python_path)
     assert all(path.is_dir() for path in ros.library_path)
+
+
+def test_another_rclpy_is_not_taken_for_jazzys(tmp_path: Path, venv: Path) -> None:
+    root = tmp_path / "opt" / "ros" / "kilted"
+    packages = install(root / "lib" / f"python{VERSION}" / "site-packages", rclpy="9.1.1")
+    sourced = {"AMENT_PREFIX_PATH": str(root), "PYTHONPATH": str(packages)}
+
+    assert "wheels" in find_ros(sourced, [venv]).kind
+    with pytest.raises(InputError, match=r"kilted has rclpy 9\.1, and this is made for 7\.1"):
+        find_ros(sourced, [])
