@@ -112,6 +112,7 @@ class Kernel:
         self.now = now  # [ns] since the start of the scenario
         self._first = now - AHEAD  # [ns] what a clock shows at least
         self._shown = self._first  # [ns] the latest time that one has shown
+        self._limit = 0  # [ns] see _find_limit; 0: not known
 
     def show(self) -> int:
         """Return what a clock shows [ns]: each reading is later than the one before.
@@ -120,7 +121,7 @@ class Kernel:
         """
         self.charge()
         time = max(self._first, self._shown + READING)
-        if time > self.now and (time >= self._next() or time >= self.now + AHEAD):
+        if time > self.now and time >= (self._limit or self._find_limit()):
             self.park(time)
             time = max(self._first, self._shown + READING)
         self._shown = time
@@ -164,6 +165,7 @@ class Kernel:
         thread = self.me()
         thread.woken = thread.goes_on_waiting = False
         thread.parked = True
+        self._limit = 0
         if waiters is not None:
             waiters.append((thread, thread.ticket))
         if deadline is not None:
@@ -190,6 +192,7 @@ class Kernel:
     def call_at(self, time: int, action: Callable[[], None]) -> None:
         """Let `action` happen at a time [ns]; it must not block."""
         heapq.heappush(self._timed, (time, next(self._sequence), _Call(action), _Call.ticket))
+        self._limit = 0
 
     def wake(self, waiter: Waiter, woken: bool = True) -> bool:
         """Make a parked thread runnable; False if something else was faster."""
@@ -345,15 +348,18 @@ class Kernel:
         if self.meter is not None:
             self.meter.restart()
 
-    def _next(self) -> int:
-        """Return when something is due: somebody's wake-up, or the world's next event [ns]."""
+    def _find_limit(self) -> int:
+        """Find how far clocks may be ahead: until something is due after this moment [ns]."""
+        times = [self.now + AHEAD, self.world.until]
+        times += [time for time, _, thread, ticket in self._timed if thread.ticket == ticket]
+        self._limit = min(time for time in times if time > self.now)
+        return self._limit
+
+    def _go_on(self) -> None:
         while self._timed and self._timed[0][2].ticket != self._timed[0][3]:
             heapq.heappop(self._timed)
         until = self.world.until
-        return min(self._timed[0][0], until) if self._timed else until
-
-    def _go_on(self) -> None:
-        due, until = self._next(), self.world.until
+        due = self._timed[0][0] if self._timed else until
         self.epoch += 1
         if due < until:
             self._move_to(due)
@@ -389,6 +395,7 @@ class Kernel:
     def _move_to(self, time: int) -> None:
         if time > self.now:
             self.now = self._first = time
+            self._limit = 0
             self.world.moved()
 
     def _too_idle(self, thread: VirtualThread, key: object) -> bool:

@@ -65,7 +65,15 @@ PROGRAMS = {
                 for _ in range(3): await asyncio.sleep(0)
                 print((self.get_clock().now() - before).nanoseconds)
         rclpy.init(); rclpy.spin(Polite())
-    """, "completed", ["0"]),
+    """, "completed", ["1000"]),
+    "a cancelled future wakes who waits for it": ("""
+        from rclpy.task import Future
+        async def waits(future): print(await future, future.done(), future.cancelled())
+        rclpy.init(); node = Echo(); future = Future()
+        rclpy.get_global_executor().create_task(waits(future))
+        node.create_timer(0.5, future.cancel)
+        rclpy.spin(node)
+    """, "completed", ["None False True"]),
     "a coroutine that only gives way costs time": ("""
         import asyncio
         class Waiting(Node):

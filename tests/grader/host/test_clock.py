@@ -109,7 +109,8 @@ def test_a_wait_is_never_shorter_by_any_clock() -> None:
             waited.append(time.perf_counter_ns() - before)
     say(*waited)
     """)
-    assert all(10_000_000 <= ns < 10_500_000 for ns in waited), waited  # type: ignore[operator]
+    assert min(waited) >= 10_000_000, waited  # type: ignore[type-var]
+    assert max(waited) < 13_500_000, waited  # type: ignore[operator,type-var]
 
 
 def test_nobody_sets_the_clock_of_the_machine() -> None:
