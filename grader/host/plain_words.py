@@ -150,7 +150,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "ZeroDivisionError",
         r"",
-        "what if there is nothing to divide by: an empty list, equal times?",
+        "what if there is nothing to divide by: an empty list, equal stamps?",
     ),
     (
         "ValueError",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from time import monotonic_ns
+from time import perf_counter_ns  # monotonic_ns goes in steps of 16 ms on Windows
 from typing import Any, NamedTuple
 
 from . import machine
@@ -53,7 +53,7 @@ class Clock(Destroyable):
     def now(self) -> int:
         """Return what it shows [ns]."""
         if self.type == ClockType.STEADY_TIME:
-            return monotonic_ns()
+            return perf_counter_ns()
         return self._override if self._active else machine.wall_ns()
 
     def get_now(self) -> rcl_time_point_t:
@@ -142,8 +142,8 @@ class ClockEvent:
 
     def wait_until_steady(self, clock: Clock, until: rcl_time_point_t) -> None:
         """Wait for it until the clock shows a time."""
-        end = monotonic_ns() + until.nanoseconds - clock.now()
-        machine.wait_until(self.is_set, lambda: (end - monotonic_ns()) / 1e9)
+        end = perf_counter_ns() + until.nanoseconds - clock.now()
+        machine.wait_until(self.is_set, lambda: (end - perf_counter_ns()) / 1e9)
 
     wait_until_system = wait_until_steady
 

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import _thread
 from collections.abc import Callable
-from time import monotonic_ns, time_ns
+from time import perf_counter_ns, time_ns  # monotonic_ns goes in steps of 16 ms on Windows
 
-_OFFSET = time_ns() - monotonic_ns()  # [ns]; `time.time_ns` itself may be replaced in C
+_OFFSET = time_ns() - perf_counter_ns()  # [ns]; `time.time_ns` itself may be replaced in C
 
 
 class _Stamps:
     """Times of messages: each later than the one before, however coarse the clock."""
 
     def __init__(self) -> None:
-        self.clock: Callable[[], int] = lambda: monotonic_ns() + _OFFSET
+        self.clock: Callable[[], int] = lambda: perf_counter_ns() + _OFFSET
         self._last = 0
 
     def next(self) -> int:

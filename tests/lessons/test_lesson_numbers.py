@@ -24,7 +24,7 @@ UNIT = re.compile(
 # What pages may write by hand, and why: numbers of no contract.
 BY_HAND = {
     "110 minutes": "the lesson's own length",
-    "0.000 ms": "real_time: what perf_counter says of computing in virtual time",
+    "0.001 ms": "real_time: what perf_counter says of computing in virtual time",
     "20 ms": "why: what people say of their model, an example",
     "0.4 m": "state: 2 s at the odometer's own speed",
     "170°": "state: an example of an angle",

@@ -8,13 +8,20 @@ import subprocess
 import sys
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from grader.course.submission import Submission
 from grader.errors import InputError
-from grader.link.ros_environment import find_ros, portable_ros
+from grader.link.hosts import ForkServer
+from grader.link.ros_environment import RosEnvironment, find_ros, portable_ros
+from grader.trial.virtual_time import run_trial
+from sim.messages import EPOCH_NS
+from sim.scenario_files import load_scenario
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
 QUICK = ("messages", "services")  # in `make test`
+HOSTED = ("futures",)  # in virtual time, too
 ROOT = Path(__file__).resolve().parents[2]
 ADDRESS = re.compile(r"0x[0-9a-f]+")
 
@@ -37,6 +44,15 @@ def said(script: Path, paths: list[Path], variables: dict[str, str], domain: int
     return ADDRESS.sub("0x", done.stdout)
 
 
+def said_in_a_host(script: Path, ros: RosEnvironment) -> list[str]:
+    """Run a program in virtual time; return the lines that it prints."""
+    scenario = msgspec.structs.replace(load_scenario("demo_wall"), duration=60.0)
+    with ForkServer(EPOCH_NS, ros) as server:
+        recording = run_trial(Submission(script), scenario, server)
+    assert recording.outcome.kind == "returned", recording.outcome
+    return [line.text for line in recording.log if line.level == "stdout"]
+
+
 @pytest.mark.parametrize(
     "script",
     [
@@ -54,3 +70,5 @@ def test_the_same_is_printed(script: Path, worker_id: str = "") -> None:
     found = said(script, [*portable.python_path, ROOT], portable.variables(), domain)
     assert found.splitlines() == expected.splitlines()
     assert len(expected.splitlines()) > 10
+    for ros in (real, portable) if script.stem in HOSTED else ():
+        assert said_in_a_host(script, ros) == expected.splitlines()

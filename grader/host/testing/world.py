@@ -13,7 +13,6 @@
 from __future__ import annotations
 
 import contextlib
-import time
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -91,9 +90,9 @@ class World:
 
     def stamp(self, at: float | None = None) -> Any:
         """Return a time [s] as ROS messages have it in their header; without one, the present."""
-        clock = self._node().get_clock().now()
         shift = 0 if at is None else self._moment(at) - self._kernel.now
-        return (clock + rclpy.duration.Duration(nanoseconds=shift)).to_msg()
+        now = self._alone.clocks.now()
+        return (now + rclpy.duration.Duration(nanoseconds=shift)).to_msg()
 
     def listen(self, topic: str, kind: Any) -> Heard:
         """Hear all messages of a topic from now on, whoever publishes them in whatever QoS."""
@@ -137,13 +136,14 @@ class World:
         if end < self._kernel.now:
             raise ValueError(f"run(until={until}): it is {self.now:g} s already")
         if not nodes and executor is None:
-            time.sleep((end - self._kernel.now) / 1e9)
+            self._kernel.park(end)
             return
         spinner = executor or rclpy.executors.SingleThreadedExecutor()
         for node in nodes:
             spinner.add_node(node)
         try:
-            while rclpy.ok() and (left := end - self._kernel.now) > 0:
+            while rclpy.ok() and end > self._kernel.now:
+                left = max(1, end - self._kernel.present)
                 spinner.spin_once(timeout_sec=left / 1e9)
             self._settle(spinner)
         finally:

@@ -23,9 +23,7 @@ import time_machine
 from .kernel import Kernel, VirtualThread
 
 STEADY_START = 1_000 * 10**9  # [ns] monotonic clocks start here, as on a machine up for a while
-PATIENCE = 1_000  # readings of the clock at one moment, after which a busy wait costs time ...
 COARSE = {5: "wall", 6: "steady", 8: "wall", 9: "steady"}  # ids of Linux that `time` does not name
-PATIENCE_STEP = 0.001  # [s] ... namely this much
 
 real_time_ns: Callable[[], int] = _time_machine.original_time_ns  # when DDS stamps messages
 
@@ -36,27 +34,14 @@ class Clock:
     def __init__(self, kernel: Kernel, epoch: int) -> None:
         self._kernel = kernel
         self._epoch = epoch
-        self._moment = -1
-        self._readings = 0
 
     def wall(self) -> int:
         """Return the time since 1970 [ns]."""
-        return self._epoch + self._read()
+        return self._epoch + self._kernel.show()
 
     def steady(self) -> int:
         """Return the time since some moment in the past [ns]."""
-        return STEADY_START + self._read()
-
-    def _read(self) -> int:
-        kernel = self._kernel
-        kernel.charge()
-        if kernel.now != self._moment:
-            self._moment, self._readings = kernel.now, 0
-        self._readings += 1
-        if self._readings > PATIENCE:  # `while time.monotonic() < end: pass` must end
-            self._readings = 0
-            kernel.sleep(PATIENCE_STEP)
-        return kernel.now
+        return STEADY_START + self._kernel.show()
 
 
 def install(kernel: Kernel, epoch: int) -> None:
@@ -181,7 +166,7 @@ class IntervalTimer:
         """Return the time until SIGALRM comes, and the interval [s]; zeros if it does not."""
         if self._due is None:
             return 0.0, 0.0
-        return (self._due - self._kernel.now) / 1e9, self._interval / 1e9
+        return (self._due - self._kernel.present) / 1e9, self._interval / 1e9
 
     def set(self, seconds: float, interval: float) -> tuple[float, float]:
         """Start or (with 0) stop the timer; return what was left of it."""

@@ -62,8 +62,15 @@ class RosClocks:
         self._moments = [(0, 0)]  # (time of the machine, virtual time) [ns] of each move
 
     def now(self) -> Any:
-        """Return the ROS time."""
-        return Time(nanoseconds=self._epoch + self._kernel.now, clock_type=ClockType.ROS_TIME)
+        """Return the ROS time, without reading a clock."""
+        return self._at(self._kernel.now)
+
+    def present(self) -> Any:
+        """Return the ROS time, not before what a clock has shown."""
+        return self._at(self._kernel.present)
+
+    def _at(self, time: int) -> Any:
+        return Time(nanoseconds=self._epoch + time, clock_type=ClockType.ROS_TIME)
 
     def add(self, clock: Any) -> None:
         """Take charge of a clock."""
@@ -254,8 +261,8 @@ def _install_entities(bridge: Graph) -> None:
 
 def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
     clock_cls: Any = rclpy.clock.Clock
-    make, real_now = clock_cls.__new__, clock_cls.now
-    wall, steady = time.time_ns, time.monotonic_ns  # virtual by now; a busy wait on them ends
+    make = clock_cls.__new__
+    wall, steady = time.time_ns, time.monotonic_ns  # virtual by now
 
     def virtual_new(cls: Any, **kwargs: Any) -> Any:
         clock = make(cls, **kwargs)
@@ -264,10 +271,7 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
         return clock
 
     def virtual_now(self: Any) -> Any:
-        kernel.charge()
         now = steady() if self.clock_type == ClockType.STEADY_TIME else wall()
-        if self.clock_type == ClockType.ROS_TIME:
-            return real_now(self)
         return Time(nanoseconds=now, clock_type=self.clock_type)
 
     def virtual_sleep_until(self: Any, until: Any, context: Any = None) -> bool:
@@ -279,7 +283,7 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
         remaining = until.nanoseconds - self.now().nanoseconds
         waiters: Waiters = collections.deque()
         context.on_shutdown(lambda: wake_all(waiters))
-        return not kernel.park(kernel.now + max(0, remaining), waiters)
+        return not kernel.park(kernel.present + max(0, remaining), waiters)
 
     def wake_all(waiters: Waiters) -> None:
         while waiters:

@@ -22,6 +22,8 @@ Result = TypeVar("Result")
 
 IDLE_POLLS = 3  # looks with a timeout of zero in which nothing happens ...
 IDLE_STEP = 1_000_000  # [ns] ... after which this much time goes by: a busy loop costs time
+READING = 1_000  # [ns] between two readings of a clock: the step of datetime; a float's is 238
+AHEAD = 100 * READING  # that clocks may be ahead of time, after which it catches up
 
 # The kernel replaces these for everybody else.
 real_allocate_lock = _thread.allocate_lock
@@ -83,7 +85,7 @@ class Kernel:
 
     def __init__(self, world: World | None = None) -> None:
         self.world = world or World()
-        self.now = 0  # [ns] since the start
+        self.begin(0)
         self.epoch = 0  # goes up whenever anything may have changed for a poller
         self.pollers: list[Waiter] = []  # executors and selectors: they look for themselves
         self.looks = 0  # how often they looked
@@ -101,10 +103,41 @@ class Kernel:
         """Return the calling thread's record."""
         return self.threads[real_get_ident()]
 
+    def begin(self, now: int) -> None:
+        """Begin at a time [ns].
+
+        What clocks show until the first wait lies just before it, so that a timer made meanwhile
+        shows at its first call that its period is over.
+        """
+        self.now = now  # [ns] since the start of the scenario
+        self._first = now - AHEAD  # [ns] what a clock shows at least
+        self._shown = self._first  # [ns] the latest time that one has shown
+        self._limit = 0  # [ns] see _find_limit; 0: not known
+
+    def show(self) -> int:
+        """Return what a clock shows [ns]: each reading is later than the one before.
+
+        `now` stands still meanwhile, until a reading comes to what is due next: that comes first.
+        """
+        self.charge()
+        time = max(self._first, self._shown + READING)
+        if time > self.now and time >= (self._limit or self._find_limit()):
+            self.park(time)
+            time = max(self._first, self._shown + READING)
+        self._shown = time
+        return time
+
+    @property
+    def present(self) -> int:
+        """The latest time that there has been [ns], by `now` or a clock: waits begin here."""
+        return max(self.now, self._shown)
+
     def after(self, seconds: float) -> int:
         """Return the time [ns] that is `seconds` from now; any wait at all takes 1 ns."""
         self.charge()
-        return self.now + (max(1, round(seconds * 1e9)) if seconds > 0 else 0)
+        if seconds <= 0:
+            return self.now
+        return self.present + max(1, round(seconds * 1e9))
 
     def charge(self) -> None:
         """Let time catch up with what was computed, if that costs time."""
@@ -132,6 +165,7 @@ class Kernel:
         thread = self.me()
         thread.woken = thread.goes_on_waiting = False
         thread.parked = True
+        self._limit = 0
         if waiters is not None:
             waiters.append((thread, thread.ticket))
         if deadline is not None:
@@ -158,6 +192,7 @@ class Kernel:
     def call_at(self, time: int, action: Callable[[], None]) -> None:
         """Let `action` happen at a time [ns]; it must not block."""
         heapq.heappush(self._timed, (time, next(self._sequence), _Call(action), _Call.ticket))
+        self._limit = 0
 
     def wake(self, waiter: Waiter, woken: bool = True) -> bool:
         """Make a parked thread runnable; False if something else was faster."""
@@ -313,6 +348,13 @@ class Kernel:
         if self.meter is not None:
             self.meter.restart()
 
+    def _find_limit(self) -> int:
+        """Find how far clocks may be ahead: until something is due after this moment [ns]."""
+        times = [self.now + AHEAD, self.world.until]
+        times += [time for time, _, thread, ticket in self._timed if thread.ticket == ticket]
+        self._limit = min(time for time in times if time > self.now)
+        return self._limit
+
     def _go_on(self) -> None:
         while self._timed and self._timed[0][2].ticket != self._timed[0][3]:
             heapq.heappop(self._timed)
@@ -352,7 +394,8 @@ class Kernel:
 
     def _move_to(self, time: int) -> None:
         if time > self.now:
-            self.now = time
+            self.now = self._first = time
+            self._limit = 0
             self.world.moved()
 
     def _too_idle(self, thread: VirtualThread, key: object) -> bool:

@@ -68,7 +68,7 @@ class Session(kernel_module.World):
         it first waits for work or speaks must not be the scenario's: the judge is told of it, and
         starts the program anew, so much earlier.
         """
-        self.kernel.now = -lead
+        self.kernel.begin(-lead)
         self._starting = lead == 0 and self.programs is None
         self.until = MAX_LEAD if self._starting else 0
 

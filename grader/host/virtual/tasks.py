@@ -46,13 +46,13 @@ def is_new(kernel: Kernel, task: Any) -> bool:
     """Return whether a task that an executor offers deserves to be handed out.
 
     Not if it was handed out and still queues in the thread pool (rclpy#1452 offers it again and
-    again), nor if it is a coroutine that waits for a future which is not done.
+    again), nor if it is a coroutine that waits for a future which is pending.
     """
     if getattr(task, "_course_queued", False):
         return False
     waits_for = _waits_for(task)
     if waits_for is not None and waits_for is not YIELDED:
-        if not waits_for.done():
+        if waits_for._pending():  # `done` is false for one that was cancelled
             return False
     elif waits_for is None and getattr(task, "_course_tried", None) == kernel.epoch:
         return False

@@ -24,10 +24,10 @@ def say(*words): said.append([kernel.now / 1e9, *words])
 
 
 def run(source: str) -> list[list[object]]:
-    """Run some lines; return what they said, with the time rounded to a microsecond."""
+    """Run some lines; return what they said, with the time rounded to 10 µs (ten readings)."""
     program = PREAMBLE + textwrap.dedent(source) + "\nprint(json.dumps(said))"
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
     )
     assert done.returncode == 0, done.stderr
-    return [[round(now, 6), *words] for now, *words in json.loads(done.stdout)]
+    return [[round(now, 5), *words] for now, *words in json.loads(done.stdout)]

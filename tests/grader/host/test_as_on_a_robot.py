@@ -65,7 +65,15 @@ PROGRAMS = {
                 for _ in range(3): await asyncio.sleep(0)
                 print((self.get_clock().now() - before).nanoseconds)
         rclpy.init(); rclpy.spin(Polite())
-    """, "completed", ["0"]),
+    """, "completed", ["1000"]),
+    "a cancelled future wakes who waits for it": ("""
+        from rclpy.task import Future
+        async def waits(future): print(await future, future.done(), future.cancelled())
+        rclpy.init(); node = Echo(); future = Future()
+        rclpy.get_global_executor().create_task(waits(future))
+        node.create_timer(0.5, future.cancel)
+        rclpy.spin(node)
+    """, "completed", ["None False True"]),
     "a coroutine that only gives way costs time": ("""
         import asyncio
         class Waiting(Node):
@@ -183,12 +191,12 @@ def test_every_clock_of_rclpy_is_virtual(run_node: RunNode, clock: str) -> None:
         rclpy.init(); node = Echo(); clock = {clock}
         start, ticks = clock.now(), []
         def tick():
-            ticks.append((clock.now() - start).nanoseconds / 1e9)
+            ticks.append(round((clock.now() - start).nanoseconds / 1e9, 3))
             if len(ticks) == 3: print(*ticks)
         timer = node.create_timer(0.25, tick, clock=clock)
         def nap():
             before = time.monotonic()
-            print(clock.sleep_for(Duration(seconds=0.1)), round(time.monotonic() - before, 9),
+            print(clock.sleep_for(Duration(seconds=0.1)), round(time.monotonic() - before, 3),
                   timer.clock is clock)
             end, before = clock.now() + Duration(seconds=0.01), time.monotonic()
             while clock.now() < end: pass
@@ -198,6 +206,33 @@ def test_every_clock_of_rclpy_is_virtual(run_node: RunNode, clock: str) -> None:
     """)
     assert recording.outcome.completed, recording.outcome
     assert said(recording) == ["True 0.1 True", "0.01", "0.25 0.5 0.75"]
+
+
+def test_readings_of_all_clocks_rise_in_a_node(run_node: RunNode) -> None:
+    """Of one clock, of several in turn, and between two timers that are due together."""
+    recording = run_node("""
+        import rclpy.clock, datetime
+        from rclpy.clock import ClockType
+        rclpy.init(); node = Echo()
+        clocks = [node.get_clock(), *(rclpy.clock.Clock(clock_type=kind) for kind in
+                  (ClockType.ROS_TIME, ClockType.SYSTEM_TIME, ClockType.STEADY_TIME))]
+        read = [*(lambda c=c: c.now().nanoseconds / 1e9 for c in clocks), time.time,
+                time.perf_counter, datetime.datetime.now,
+                lambda: rclpy.time.Time.from_msg(clocks[0].now().to_msg()).nanoseconds]
+        rows = []
+        def tick():
+            rows.append([clock() for clock in read])
+            rows.append([clock() for clock in read])
+            if len(rows) == 40:
+                print(*(all(a < b for a, b in zip(c, c[1:])) for c in zip(*rows)))
+                now = clocks[0].now(); start = time.perf_counter()
+                for _ in range(3000): latest = clocks[0].now()
+                print((latest - now).nanoseconds / 1e9, 1 / (time.perf_counter() - start) > 0)
+        for _ in range(2): node.create_timer(0.1, tick)
+        rclpy.spin(node)
+    """)
+    assert recording.outcome.completed, recording.outcome
+    assert said(recording) == [" ".join(["True"] * 8), "0.003001 True"]
 
 
 def test_message_info_has_virtual_times(run_node: RunNode) -> None:
