@@ -13,6 +13,7 @@ from grader.host.frames import (
     FromScript,
     LoadModels,
     Predict,
+    ReadPackage,
     Run,
     Script,
     Start,
@@ -99,7 +100,9 @@ class Link:
         """
         return self._exchange(frame, limit, decode_to_judge)
 
-    def ask(self, frame: Script | LoadModels | Predict, limit: float) -> tuple[FromScript, Cost]:
+    def ask(
+        self, frame: Script | LoadModels | Predict | ReadPackage, limit: float
+    ) -> tuple[FromScript, Cost]:
         """Give an order to a host that runs scripts; it raises as `run` does."""
         return self._exchange(frame, limit, decode_from_script)
 
