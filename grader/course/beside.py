@@ -75,7 +75,7 @@ def may_come(name: str) -> bool:
     parts = PurePosixPath(name).parts
     if not name.isprintable() or len(name) > MAX_NAME or any(map(is_hidden, parts)):
         return False
-    return not name.lower().endswith(READ_BY_NOBODY) and parts[-1] != "exercise.toml"
+    return not name.lower().endswith(READ_BY_NOBODY)
 
 
 def is_hidden(name: str) -> bool:

@@ -20,6 +20,7 @@ from grader.errors import InputError
 from grader.link.scratch import fresh_folder
 
 MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
+GIVEN = "exercise.toml"  # the course's own, in each exercise's folder
 MANIFEST = "package.xml"
 SETUPS = ("setup.py", "setup.cfg", "pyproject.toml")
 LAUNCH = "launch.py"  # the end of a launch file's name
@@ -95,7 +96,7 @@ class Submission:
     def account(self) -> list[str]:
         """Say what came along, and what did not, a sentence each."""
         own = [] if self.package else [path.name for path in (self.path, *self.others)]
-        came = sorted(set(self.files) - set(own))
+        came = sorted(name for name in set(self.files) - set(own) if Path(name).name != GIVEN)
         said = [f"With the node came {listed(came)}."] if came else []
         return [*said, *([f"Left behind: {'; '.join(self.left)}."] if self.left else [])]
 

@@ -1,7 +1,7 @@
 """Read a launch file, with a small stand-in of `launch` and `launch_ros`.
 
-PyPI has no wheels of them. A launch file is a program: it runs here, behind the wall. What it starts comes out as command
-lines; what the stand-in does not know is named in one line.
+PyPI has no wheels of them. A launch file is a program: it runs here, behind the wall. What it
+starts comes out as command lines; what the stand-in does not know is named in one line.
 
 Source: ros2/launch and ros2/launch_ros, branch jazzy.
 """
