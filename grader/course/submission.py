@@ -20,6 +20,7 @@ from grader.errors import InputError
 from grader.link.scratch import fresh_folder
 
 MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
+SHARE = "share/"  # what a package installs there lies elsewhere in it, too
 GIVEN = "exercise.toml"  # the course's own, in each exercise's folder
 MANIFEST = "package.xml"
 SETUPS = ("setup.py", "setup.cfg", "pyproject.toml")
@@ -96,7 +97,8 @@ class Submission:
     def account(self) -> list[str]:
         """Say what came along, and what did not, a sentence each."""
         own = [] if self.package else [path.name for path in (self.path, *self.others)]
-        came = sorted(name for name in set(self.files) - set(own) if Path(name).name != GIVEN)
+        more = set(self.files) - set(own)
+        came = sorted(n for n in more if not n.startswith(SHARE) and not n.endswith(GIVEN))
         said = [f"With the node came {listed(came)}."] if came else []
         return [*said, *([f"Left behind: {'; '.join(self.left)}."] if self.left else [])]
 

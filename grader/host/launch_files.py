@@ -279,9 +279,9 @@ def _flat(given: Mapping[Any, Any], context: Context) -> Iterator[tuple[str, str
 
 def _value(value: Any, context: Context) -> str:
     if isinstance(value, Substitution):
-        return value.perform(context)
+        value = [value]
     if isinstance(value, list | tuple) and any(isinstance(part, Substitution) for part in value):
-        return _text(value, context)
+        return _text(value, context) or '""'
     return json.dumps(value)  # YAML reads what JSON writes
 
 

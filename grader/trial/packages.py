@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from grader.course.beside import MAX_FILES, PYTHON, listed, may_come
-from grader.course.submission import LAUNCH, Package, Program, Submission
+from grader.course.submission import LAUNCH, Package, Program, Submission, read_regular_file
 from grader.host.frames import Executable, PackageRead, ReadPackage
 from grader.link.exchange import HostDied, HostForged, HostHung
 from grader.link.launcher import Launcher
@@ -30,7 +30,7 @@ def unpacked(submission: Submission, launcher: Launcher) -> Submission:
         return submission
     launch = package.start if package.start.endswith(LAUNCH) else ""
     if not package.start:
-        launch = _launch_file(submission.beside, package.main)
+        launch = _launch_file(submission.beside, Path(package.main).stem)
     try:
         with submission.folder() as folder, launcher.workshop.host(folder) as link:
             answer, _ = link.ask(ReadPackage(launch), LIMIT)
@@ -44,14 +44,22 @@ def unpacked(submission: Submission, launcher: Launcher) -> Submission:
     return _with_programs(submission, package, launch, answer)
 
 
-def _launch_file(files: Mapping[str, object], main: str) -> str:
-    """Return the launch file that starts a package: the only one, or that of the node's name."""
+def _launch_file(files: Mapping[str, Path], stem: str) -> str:
+    """Return the launch file that starts a package; "" if that isn't clear.
+
+    It is that with the node's name, or the only one that no other names, to include it.
+    """
     found = [name for name in files if name.endswith(LAUNCH)]
-    stem = Path(main).stem
-    named = [
-        n for n in found if stem and PurePosixPath(n).name.startswith((f"{stem}.", f"{stem}_"))
-    ]
-    every = named or found
+    short = {name: PurePosixPath(name).name for name in found}
+    mine = [n for n in found if stem and short[n].startswith((f"{stem}.", f"{stem}_"))]
+    if len(found) > 1 and not mine:
+        texts = {name: read_regular_file(files[name]) for name in found}
+        mine = [
+            name
+            for name in found
+            if not any(short[name].encode() in texts[each] for each in found if each != name)
+        ]
+    every = mine or found
     return every[0] if len(every) == 1 else ""
 
 
@@ -124,7 +132,10 @@ def _no_program(error: LookupError, answer: PackageRead, launch: str) -> str:
     if launch:
         return f"{launch} starts {wanted}, but the package's entry points are: {names}"
     if not wanted:
-        return f"which program is to be started? The package's entry points are: {names}"
+        return (
+            f"which program is to be started? The package's entry points are: {names}; give "
+            "`course` the file of one, or a launch file"
+        )
     return f"no entry point of the package leads to {wanted}; there are: {names}"
 
 
