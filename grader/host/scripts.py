@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from . import packages, program, randomness
+from . import program, randomness
 from .frames import (
     Ended,
     FromScript,
@@ -23,7 +23,6 @@ from .frames import (
     Predict,
     Predicted,
     ProgramStart,
-    ReadPackage,
     Script,
     Tensor,
 )
@@ -45,8 +44,6 @@ def serve(read_fd: int, write_fd: int) -> None:
                 answer = _load(order, models)
             case Predict() as order:
                 answer = _predict(order, models)
-            case ReadPackage() as order:
-                answer = packages.read(order.launch)
             case other:
                 raise ValueError(f"{type(other).__name__} is for nodes")
         wire.send(answer)

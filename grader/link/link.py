@@ -103,7 +103,7 @@ class Link:
     def ask(
         self, frame: Script | LoadModels | Predict | ReadPackage, limit: float
     ) -> tuple[FromScript, Cost]:
-        """Give an order to a host that runs scripts; it raises as `run` does."""
+        """Give an order to a host that runs scripts, or reads; it raises as `run` does."""
         return self._exchange(frame, limit, decode_from_script)
 
     def _exchange(

@@ -32,7 +32,7 @@ def unpacked(submission: Submission, launcher: Launcher) -> Submission:
     if not package.start:
         launch = _launch_file(submission.beside, Path(package.main).stem)
     try:
-        with submission.folder() as folder, launcher.workshop.host(folder) as link:
+        with submission.folder() as folder, launcher.host(folder) as link:
             answer, _ = link.ask(ReadPackage(launch), LIMIT)
         if not isinstance(answer, PackageRead):
             raise HostForged("no package")
