@@ -148,7 +148,7 @@ def _exception_text(error: BaseException, program: ProgramStart) -> str:
     own = [f for f in frames if Path(f.filename).is_relative_to(folder)]
     where = f" (line {own[-1].lineno}, in {own[-1].name})" if own else ""
     if own and own[-1].filename != program.file:
-        where = f" ({Path(own[-1].filename).relative_to(folder).as_posix()},{where[2:]}"
+        where = f" ({Path(own[-1].filename).relative_to(folder).as_posix()}, {where[2:]}"
     message = _first_line(error)
     said = f"{type(error).__name__}{': ' if message else ''}{message}{where}"
     return f"{said}; {advice}" if (advice := _advice(error)) else said

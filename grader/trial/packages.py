@@ -74,18 +74,17 @@ def _with_programs(
     }
     data = {name: path for name, path in there.items() if not name.endswith(PYTHON)}
     files = {**data, **installed}
-    known = {each.name: each for each in answer.executables if each.file in installed}
-    every = tuple(Program(each.file, each.entry) for each in known.values())
+    known = {each.name: each for each in answer.executables}
+    every = tuple(Program(e.file, e.entry) for e in known.values() if e.file in installed)
     try:
         if launch:
-            programs = tuple(
-                Program(known[each.executable].file, known[each.executable].entry, each.arguments)
-                for each in answer.launched
-            )
+            chosen = [(known[each.executable], each.arguments) for each in answer.launched]
         else:
-            start = there.get(package.start)
-            each = _executable(known, package, start, installed)
-            programs = (Program(each.file, each.entry),)
+            named = there.get(package.start)
+            chosen = [(_executable(known, package, named, installed), ())]
+        if broken := [each for each, _ in chosen if each.file not in installed]:
+            raise LookupError(broken[0].entry)
+        programs = tuple(Program(each.file, each.entry, words) for each, words in chosen)
     except LookupError as error:
         return replace(submission, problem=_no_program(error, answer, launch))
     main = next((p for p in programs if p.file.endswith(f"/{package.main}")), programs[0])
@@ -110,7 +109,7 @@ def _executable(
     """
     every = list(known.values())
     if start is not None:
-        every = [each for each in every if installed[each.file] == start]
+        every = [each for each in every if installed.get(each.file) == start]
         wanted = package.start
     else:
         wanted = package.main
@@ -125,9 +124,8 @@ def _executable(
 def _no_program(error: LookupError, answer: PackageRead, launch: str) -> str:
     """Say that what is to be started is not there, and what is."""
     wanted = str(error.args[0])
-    broken = [each.entry for each in answer.executables if not each.file]
-    if broken:
-        return f"the entry point {broken[0]} leads to no module that the package installs"
+    if wanted in (each.entry for each in answer.executables):
+        return f"the entry point {wanted} leads to no module that the package installs"
     names = listed([each.name for each in answer.executables]) or "none"
     if launch:
         return f"{launch} starts {wanted}, but the package's entry points are: {names}"
