@@ -45,7 +45,8 @@ class Lying:
 def beside(folder: Path) -> Beside:
     """Return what lies in a folder and comes along with a node there."""
     links: list[str] = []
-    return chosen(_listed(folder, links), links)
+    there = list(_listed(folder, links))
+    return chosen(there, links)
 
 
 def chosen(there: Iterable[Lying], links: Iterable[str] = ()) -> Beside:
