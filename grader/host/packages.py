@@ -210,11 +210,8 @@ def _setup_cfg(here: Path) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key in ("packages", "py_modules", "scripts"):
         found[key] = _lines(options.get(key, ""))
-    found["package_dir"] = dict(
-        (part.strip() for part in line.split("=", 1))
-        for line in _lines(options.get("package_dir", ""))
-        if "=" in line
-    )
+    folders = [line.partition("=") for line in _lines(options.get("package_dir", ""))]
+    found["package_dir"] = {package.strip(): folder.strip() for package, _, folder in folders}
     if found["packages"] in (["find:"], ["find_namespace:"]):
         section = "options.packages.find"
         where = parser.get(section, "where", fallback=".")

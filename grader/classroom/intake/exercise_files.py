@@ -99,7 +99,7 @@ def _beside(
             name = PurePosixPath(file.name)
             if name.is_relative_to(each) and (in_package or id(file) not in used):
                 place = name.relative_to(each)
-                if any(above.suffix == ".ipynb" for above in place.parents):
+                if name == each or any(above.suffix == ".ipynb" for above in place.parents):
                     continue  # of a notebook's cells, which are not this node's
                 if place.suffix == ".py" and file.path == file.entry.path:
                     place = place.with_name(uncopied(place.name))
