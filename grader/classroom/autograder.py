@@ -26,9 +26,10 @@ from grader.classroom.results.files import write_text
 from grader.classroom.results.scores import mark_of
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.work import Unit, UnitResult, grade_unit, unjudged
+from grader.course.beside import MAX_BYTES
 from grader.course.exercises import Exercise, find_exercise
 from grader.course.students import read_secret, student_key
-from grader.course.submission import read_regular_file
+from grader.course.submission import MAX_SIZE, read_regular_file
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import layers_here
 from grader.grading.trying import why_none_runs
@@ -105,7 +106,10 @@ def judged(root: Path) -> dict[str, Any] | str:
             if found.problem:
                 missing.append((exercise, found.problem))
                 continue
-            files = {each: read_regular_file(path) for each, path in found.files.items()}
+            files = {
+                name: read_regular_file(path, MAX_SIZE if name in found.files else MAX_BYTES)
+                for name, path in found.every.items()
+            }
             seed = student_key(key, name, exercise.slug) if key else None
             unit = Unit(
                 name, exercise.slug, files, seed=seed, field=settings.field, bags=False, trust=True

@@ -143,7 +143,7 @@ class _Writer:
         self._store.keep(OPTIONS, kept_text(wanted))
         if over:
             every = self._taken_in.candidates.items()
-            sources = {key: each.read()[0] for key, each in every if not each.absent}
+            sources = {key: each.texts() for key, each in every if not each.absent}
             self._store.keep(ALIKE, msgspec.json.encode(compared(sources)).decode())
         return write_class(self._store, self._out, wanted)
 

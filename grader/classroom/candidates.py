@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.classroom.account import (
     CONTRARY,
+    EXTRA,
     GRADED,
     OLDER,
     OTHER,
@@ -26,6 +28,7 @@ from grader.classroom.intake.students import Intake, take_in
 from grader.classroom.options import Options
 from grader.classroom.row import ABSENT
 from grader.classroom.store import Key, Store
+from grader.course.beside import MAX_BYTES
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
@@ -57,10 +60,20 @@ class Candidate:
         """
         try:
             files = {name: read_regular_file(path) for name, path in self.found.files.items()}
+            more = self.found.every.items()
+            files |= {n: read_regular_file(path, MAX_BYTES) for n, path in more if n not in files}
         except OSError as error:
             name = Path(str(error.filename)).name if error.filename else "a file"
             return {}, f"{name} can't be read ({error.strerror})"
         return files, "" if self.absent else self.found.problem
+
+    def texts(self) -> dict[str, bytes]:
+        """Return the student's Python, by its place; what can't be read is left out."""
+        found = {}
+        for name, path in self.found.python.items():
+            with contextlib.suppress(OSError):
+                found[name] = read_regular_file(path)
+        return found
 
     def input_hash(self, files: Mapping[str, bytes], options: Options) -> str:
         """Return a hash of all that the grading of these files depends on."""
@@ -225,9 +238,13 @@ def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) 
     for slug, each in sorted(found.items(), key=lambda pair: pair[0] in wanted):
         state = GRADED if slug in wanted else OTHER
         fates |= {id(file): Line(state, exercise=slug) for file in each.used}
+        for file in each.beside.values():
+            fates.setdefault(
+                id(file), Line(EXTRA, exercise=slug, reason=f"comes along with {slug}")
+            )
     held = not student.problem and not any(each.used for each in found.values())
     if not held and any(not found[slug].files for slug in wanted):  # else the unit itself says it
-        known = [file for file in student.files if id(file) in fates]
+        known = [f for f in student.files if id(f) in fates and fates[id(f)].state != EXTRA]
         line = Line(UNKNOWN, reason=SUSPECT, fault=True)
         fates |= {id(file): line for file in left_over(student, known)}
     return fates

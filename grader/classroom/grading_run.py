@@ -115,7 +115,7 @@ class GradingRun:
         if self._options.bags and not self._options.dask:
             bag_folder = str(self._new_bag_folder().resolve())
         self._running.add(key)
-        self._store.claim(key, candidate.input_hash(files, self._options), files)
+        self._store.claim(key, candidate.input_hash(files, self._options), candidate.found.files)
         return Unit(
             *key, files, seed=candidate.seed, field=self._options.field,
             tier=self._options.tier, bags=self._options.bags, bag_folder=bag_folder,

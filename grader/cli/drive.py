@@ -20,7 +20,7 @@ Examples:
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", metavar="FILE|FOLDER", type=click.Path(path_type=Path))
 @click.option("--scenario", metavar="NAME|PATH", help="A scenario or its TOML file.")
 @click.option("--lidar", metavar="PROFILE", help="default, lds01, lds02 or wide.")
 @click.option("--duration", type=click.FloatRange(0.1, 3600), metavar="S", help="Simulated time.")
@@ -60,7 +60,11 @@ def drive(
     bag: Path | None,
     portable: bool,
 ) -> int:
-    """Run any rclpy node in the mock robot, without grading."""
+    """Run any rclpy node in the mock robot, without grading.
+
+    FILE is a Python file, which runs as with python3, a launch file, or a colcon package's folder.
+    What lies beside it comes along; links do not.
+    """
     from grader import drive as driving  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
 
@@ -78,6 +82,7 @@ def drive(
     text = driving.read_stdin(stdin)
     check_writable(report)
     with start_forkserver(portable=portable) as forkserver:
+        submission = driving.unpacked(submission, forkserver)
         recording = driving.drive_node(
             submission,
             chosen,
@@ -93,6 +98,8 @@ def drive(
 
         save(recording, bag)
     driving.print_summary(recording, file=str(file), practice=forkserver.practice)
+    for said in submission.account():
+        click.echo(f"  {said}")
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
     return FULL if recording.outcome.completed else LESS

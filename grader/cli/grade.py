@@ -48,9 +48,10 @@ def grade(
     bags: Path | None,
     portable: bool,
 ) -> int:
-    """Grade a node: EXERCISE by name or number, FILE or a FOLDER that holds it.
+    """Grade a node: EXERCISE by name or number, FILE or a FOLDER that holds it, or a package.
 
-    FILE may be a link; links in the FOLDER, or beside the FILE, are refused.
+    What lies beside it comes along. A FOLDER with package.xml runs as with ros2 run, or as its
+    launch file says. FILE may be a link; links in the FOLDER, or beside the FILE, are refused.
 
     Exit code 0: full core score. 1: less. 2: wrong usage, or the grader's own fault.
     """

@@ -10,48 +10,115 @@ from __future__ import annotations
 import contextlib
 import os
 import stat
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
+from grader.course.beside import MAX_BYTES, beside, listed
 from grader.errors import InputError
 from grader.link.scratch import fresh_folder
 
 MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
+SHARE = "share/"  # what a package installs there lies elsewhere in it, too
+GIVEN = "exercise.toml"  # the course's own, in each exercise's folder
+MANIFEST = "package.xml"
+SETUPS = ("setup.py", "setup.cfg", "pyproject.toml")
+LAUNCH = "launch.py"  # the end of a launch file's name
+MODULES = 6  # folders of modules in one another, up to the package
+MOST_LOOKED_AT = 200  # entries of a folder, for a package
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program of a package, as `ros2 run` starts it."""
+
+    file: str  # of its module, below the working folder
+    entry: str = ""  # "module:function"; "": the file itself is run
+    arguments: tuple[str, ...] = ()  # of its command line, as a launch file has them
+
+
+@dataclass(frozen=True)
+class Package:
+    """What a colcon package is asked for, and the programs that were read out of it."""
+
+    start: str = ""  # the launch file, or the module's file, to start; "": whichever there is
+    main: str = ""  # the file that the exercise wants; "" if it is for none
+    others: tuple[str, ...] = ()  # the exercise's other files
+    programs: tuple[Program, ...] = ()  # to start together; () before it is read
+    every: tuple[Program, ...] = ()  # that could be started
 
 
 @dataclass(frozen=True)
 class Submission:
-    """A node's file, and the reason why it can't be run, if there is one."""
+    """A node's file with what lies beside it, and why it can't be run, if there is a reason."""
 
     path: Path
     problem: str = ""  # the student's mistake, found before the run; "" if none
     others: tuple[Path, ...] = ()  # the exercise's other files, beside it
+    beside: Mapping[str, Path] = field(default_factory=dict)  # what else comes along, by its place
+    left: tuple[str, ...] = ()  # what does not, and why
+    package: Package | None = None  # the files are a colcon package
+
+    @property
+    def files(self) -> dict[str, Path]:
+        """All that the node finds in its working folder, by its place there."""
+        own = () if self.package else (self.path, *self.others)
+        return {**self.beside, **{path.name: path for path in own}}
+
+    def contents(self) -> dict[str, bytes]:
+        """Return the content of each file."""
+        own = (self.path, *self.others)
+        return {
+            name: read_regular_file(path, MAX_SIZE if path in own else MAX_BYTES)
+            for name, path in self.files.items()
+        }
+
+    def started(self, name: str = "") -> tuple[Program, ...]:
+        """Return what to start for a file of the exercise; without a name for the main one."""
+        if self.package is None:
+            return (Program(name or self.path.name),)
+        if name and name != self.package.main:
+            every = (*self.package.programs, *self.package.every)
+            return next(((each,) for each in every if each.file.endswith(f"/{name}")), ())
+        rest = tuple(f"/{other}" for other in self.package.others)
+        mine = tuple(each for each in self.package.programs if not each.file.endswith(rest))
+        return mine or self.package.programs
 
     @contextlib.contextmanager
     def folder(self) -> Iterator[Path]:
         """Copy the files into a fresh folder, whose owner may be changed."""
         with fresh_folder() as folder:
-            for path in (self.path, *self.others):
-                (folder / path.name).write_bytes(read_regular_file(path))
+            for name, content in self.contents().items():
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                (folder / name).write_bytes(content)
             yield folder
+
+    def account(self) -> list[str]:
+        """Say what came along, and what did not, a sentence each."""
+        own = [] if self.package else [path.name for path in (self.path, *self.others)]
+        more = set(self.files) - set(own)
+        came = sorted(n for n in more if not n.startswith(SHARE) and not n.endswith(GIVEN))
+        said = [f"With the node came {listed(came)}."] if came else []
+        return [*said, *([f"Left behind: {'; '.join(self.left)}."] if self.left else [])]
 
 
 def find_submission(
-    path: Path, expected: str | None = None, others: Sequence[str] = ()
+    path: Path, expected: str | None = None, others: Sequence[str] = (), *, alone: bool = False
 ) -> Submission:
-    """Return the submission at `path`: a file, or a folder that holds the file `expected`.
+    """Return the submission at `path`: a file, a folder that holds `expected`, a colcon package.
 
-    The exercise's other files beside it belong to the submission. If an exercise has several files
-    (`expected` and `others`), `path` may be any of them. `path` itself may be a link; what is
-    found in a folder or beside it may not.
+    What lies in the file's folder comes along, unless it is `alone`; the exercise's other files
+    belong to the submission. If an exercise has several files (`expected` and `others`), `path` may
+    be any of them. `path` itself may be a link; what is found in a folder or beside it may not.
 
     Raises
     ------
     InputError
         There is no such file, or one is a link.
     """
+    if (root := None if alone else _package_of(path, expected)) is not None:
+        return _in_package(root, path, expected, others)
     if path.is_dir():
         path = _in_folder(path, expected)
     elif not path.exists():
@@ -64,7 +131,13 @@ def find_submission(
     found = tuple(file for name in names if (file := file_beside(path, name)) is not None)
     path = path.resolve()
     problems = [_problem(file) for file in (path, *found)]
-    return Submission(path, next(filter(None, problems), ""), found)
+    problem = next(filter(None, problems), "")
+    if alone:
+        return Submission(path, problem, found)
+    there = beside(path.parent)  # as Python has it, where a link leads
+    mine = {path.name, *(file.name for file in found)}
+    more = {name: file for name, file in there.files.items() if name not in mine}
+    return Submission(path, problem, found, more, there.left)
 
 
 def file_beside(path: Path, name: str) -> Path | None:
@@ -109,6 +182,69 @@ def open_regular_file(path: Path) -> BinaryIO:
         os.close(fd)
         raise OSError(0, "not an ordinary file", str(path))
     return open(fd, "rb")
+
+
+def _package_of(path: Path, expected: str | None) -> Path | None:
+    """Return the folder of the colcon package that is meant; None if it is no package.
+
+    A file is run as `python3 FILE` runs it, unless it is a module of the package's or a launch
+    file. A folder may be a workspace with one package.
+    """
+    path = path.absolute()
+    if not path.is_dir():
+        if path.name.endswith(LAUNCH):
+            near = [path.parent, *path.parents[1:MODULES]]
+        elif (path.parent / "__init__.py").is_file():
+            near = list(path.parents[1:MODULES])
+        else:
+            return None
+        return next((folder for folder in near if is_package(folder)), None)
+    if is_package(path):
+        return path
+    if expected is not None and (path / expected).exists():
+        return None
+    inside = [each for depth in ("*", "*/*") for each in sorted(path.glob(depth))[:MOST_LOOKED_AT]]
+    found = [each for each in inside if not each.is_symlink() and is_package(each)]
+    found = [each for each in found if each.parent.name not in ("build", "install", "log")]
+    if len(found) > 1:
+        names = ", ".join(str(each.relative_to(path)) for each in found[:5])
+        raise InputError(f"{path}: expected one package, but there are {names}; name one of them")
+    return found[0] if found else None
+
+
+def is_package(folder: Path) -> bool:
+    """Return whether a folder is a package that colcon builds with setuptools."""
+    there = [name for name in (MANIFEST, *SETUPS) if (folder / name).is_file()]
+    return there[:1] == [MANIFEST] and len(there) > 1
+
+
+def _in_package(root: Path, path: Path, expected: str | None, others: Sequence[str]) -> Submission:
+    root, path = root.resolve(), path.absolute()
+    start = ""
+    if not path.is_dir():
+        if not path.is_file():
+            raise InputError(f"{path}: no such file")
+        start = (path.parent.resolve() / path.name).relative_to(root).as_posix()
+    there = beside(root)
+    if MANIFEST not in there.files or (start and start not in there.files):
+        raise InputError(
+            f"{start or root / MANIFEST}: a link, too large, or one file too many; expected a "
+            "package of ordinary files"
+        )
+    wanted = (expected, *others) if expected else ()
+    if (named := Path(start).name) in wanted:
+        wanted = (named, *(name for name in wanted if name != named))
+    mine = [
+        next((file for name, file in there.files.items() if Path(name).name == want), None)
+        for want in wanted
+    ]
+    first, *rest = mine or [None]
+    package = Package(start, wanted[0] if wanted else "", wanted[1:])
+    found = tuple(file for file in rest if file is not None)
+    problem = next(filter(None, (_problem(file) for file in mine if file)), "")
+    return Submission(
+        first or there.files[start or MANIFEST], problem, found, there.files, there.left, package
+    )
 
 
 def _in_folder(folder: Path, expected: str | None) -> Path:

@@ -9,6 +9,7 @@ from grader.drive.node import (
     scenario_for,
 )
 from grader.drive.summary import event_lines, print_summary
+from grader.trial.packages import unpacked
 
 __all__ = [
     "arguments_of",
@@ -19,4 +20,5 @@ __all__ = [
     "read_params_files",
     "read_stdin",
     "scenario_for",
+    "unpacked",
 ]

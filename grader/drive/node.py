@@ -16,6 +16,7 @@ from grader.host.frames import MAX_STDIN
 from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Recording
+from grader.trial.packages import unpacked
 from grader.trial.seeds import mixed_seed
 from grader.trial.training import MAX_FILE
 from grader.trial.virtual_time import Limits, run_trial
@@ -164,6 +165,7 @@ def drive_node(
 
     If a scenario uses the student's own model, it is taken from the node's folder.
     """
+    submission = unpacked(submission, forkserver)
     own = [name for name, model in scenario.node.models.items() if model.probe == OWN]
     beside = [file for name in own if (file := file_beside(submission.path, name)) is not None]
     return run_trial(

@@ -35,6 +35,7 @@ from grader.grading.plugin import (
 from grader.link.launcher import Launcher
 from grader.recording import Recording
 from grader.trial.kept import KeptRecordings
+from grader.trial.packages import unpacked
 from grader.trial.progress import OnProgress, ignore
 from grader.trial.trials import NodeTrials, TrialFault, Trials
 
@@ -264,6 +265,7 @@ def grade_submission(
         The grader or the machine failed; it says nothing about the submission.
     """
     only = tuple(only)
+    submission = unpacked(submission, forkserver)
     for _ in range(ATTEMPTS):
         with NodeTrials(
             submission,

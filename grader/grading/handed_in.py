@@ -69,7 +69,8 @@ def grade_files(
     Parameters
     ----------
     files
-        Contents by file name; at least one file of the exercise.
+        Contents by their place in the node's folder: at least one file of the exercise, or a
+        package, and what comes along.
     bags
         Where every trial is saved.
     trust
@@ -87,14 +88,16 @@ def grade_files(
                 raise GraderError(problem)
             with fresh_folder() as folder:
                 for name, data in files.items():
+                    (folder / name).parent.mkdir(parents=True, exist_ok=True)
                     (folder / name).write_bytes(data)
                 first, *others = exercise.files
-                main = next(name for name in exercise.files if name in files)
+                main = next((name for name in exercise.files if name in files), "")
+                place = folder / main  # of a package, the folder
                 grading = grade_submission(
                     exercise,
-                    find_submission(folder / main, first, others),
+                    find_submission(place, first, others),
                     forkserver,
-                    file=main,
+                    file=main or first,
                     field=field,
                     seed=seed,
                     bags=bags,

@@ -180,7 +180,7 @@ def _frames(trace: TracebackType | None) -> Iterator[Line]:
 
 
 def _is_in(frame: FrameType, folder: Path) -> bool:
-    return Path(frame.f_code.co_filename).parent == folder
+    return Path(frame.f_code.co_filename).is_relative_to(folder)
 
 
 def _is_executors(frame: FrameType) -> bool:

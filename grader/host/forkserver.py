@@ -34,6 +34,7 @@ from .kinds import LIVE, NODES, TESTS
 from .virtual import kernel as kernel_module
 from .virtual import threads
 
+HOME = ".home"  # below the node's folder: what lies beside a node does not lie in ~
 REQUEST_DESCRIPTORS = 5  # link in, link out, stdout, stderr, status
 TYPE_SUPPORT = (  # the types of every node and of the exercises, loaded with their C libraries
     ("rcl_interfaces.msg", ("ParameterEvent", "Log")),
@@ -196,6 +197,7 @@ def _become_host(
     try:
         _prepare_host(request, (out, err), live=body is _run_live)
         sandbox_layers.enter(request, means, parent=parent, datagrams=body is _run_live)
+        Path.home().mkdir(exist_ok=True)
         os.write(status, ENTERED)
     except BaseException as error:  # nothing of the student's has run: the fault is ours
         reason = " ".join(f"{type(error).__name__}: {error}".split()).encode()[:MAX_REASON]
@@ -218,7 +220,8 @@ def _prepare_host(request: Request, output: tuple[int, int], *, live: bool) -> N
     atexit._clear()  # what is registered from now on is the student's
     faulthandler.register(signal.SIGUSR1, file=2, all_threads=True)
     os.chdir(request.folder)
-    os.environ["HOME"] = os.environ["TMPDIR"] = request.folder
+    os.environ["HOME"] = str(Path(request.folder, HOME))
+    os.environ["TMPDIR"] = request.folder
     os.environ["ROS_LOG_DIR"] = request.folder
     if live or request.priority:
         from .sandbox import users  # noqa: PLC0415

@@ -53,6 +53,7 @@ class ProgramStart(msgspec.Struct, frozen=True):
     """A program to run; on a robot it would be a process of its own."""
 
     file: str
+    entry: str = ""  # "module:function" of a package, which `ros2 run` calls; "": the file is run
     arguments: tuple[str, ...] = ()  # what follows the file name in sys.argv
     start: Nanoseconds = 0  # [ns] since the start
     stop: Nanoseconds | None = None  # [ns]; it is killed then
@@ -131,6 +132,12 @@ class Predict(msgspec.Struct, frozen=True, tag="predict"):
 
     file: str
     features: bytes  # (n, 5) float64
+
+
+class ReadPackage(msgspec.Struct, frozen=True, tag="read_package"):
+    """Read the colcon package in the working folder, and the launch file that is named."""
+
+    launch: str = ""
 
 
 class Published(msgspec.Struct, array_like=True, frozen=True):
@@ -260,6 +267,31 @@ class Predicted(msgspec.Struct, frozen=True, tag="predicted"):
     values: bytes = b""  # float64
 
 
+class Executable(msgspec.Struct, array_like=True, frozen=True):
+    """What `ros2 run` can start of a package."""
+
+    name: Name
+    file: Name  # below the folder in which the package is installed
+    entry: Annotated[str, msgspec.Meta(pattern=r"^([\w.]{1,120}:[\w.]{1,120})?$")]
+
+
+class Launched(msgspec.Struct, array_like=True, frozen=True):
+    """A node of a launch file."""
+
+    executable: Name
+    arguments: Annotated[tuple[Text, ...], msgspec.Meta(max_length=200)]
+
+
+class PackageRead(msgspec.Struct, frozen=True, tag="package_read"):
+    """What a package installs and can start."""
+
+    problem: Text = ""  # why it can't be built or launched
+    files: Annotated[dict[Name, Name], msgspec.Meta(max_length=2_000)] = {}  # place: source
+    executables: Annotated[tuple[Executable, ...], msgspec.Meta(max_length=100)] = ()
+    launched: Annotated[tuple[Launched, ...], msgspec.Meta(max_length=8)] = ()
+    notes: Annotated[tuple[Text, ...], msgspec.Meta(max_length=20)] = ()  # what is not started
+
+
 class RunTest(msgspec.Struct, frozen=True, tag="run_test"):
     """Run one test of pytest's in virtual time; it is the user's own."""
 
@@ -334,11 +366,14 @@ class Slept(msgspec.Struct, frozen=True, tag="slept"):
     lead: Annotated[int, msgspec.Meta(gt=0, le=MAX_LEAD)]  # [ns]
 
 
-ToHost = Start | Run | Answers | Script | LoadModels | Predict | TuneIn | Meet | Transmit | RunTest
+ToHost = (
+    Start | Run | Answers | Script | LoadModels | Predict | ReadPackage | TuneIn | Meet | Transmit
+    | RunTest
+)  # fmt: skip
 ToJudge = Settled | Ended | Slept  # from a host that runs nodes
 FromLive = Pulse | Asking | Ended  # from a host that runs a node in real time
 FromRadio = Tuned | HeardNow
-FromScript = Ended | Loaded | Predicted  # from a host that runs scripts
+FromScript = Ended | Loaded | Predicted | PackageRead  # from a host that runs scripts
 FromTest = Reported | Ended  # from a host that runs a test
 
 _encoder = msgspec.msgpack.Encoder()

@@ -50,6 +50,11 @@ KEYBOARD = (
     "nobody types to a node here: `course drive --stdin FILE` gives it something to read; what is "
     "handed in takes a ROS parameter instead"
 )
+NO_PACKAGE = "PackageNotFoundError"  # of ament_index_python; a KeyError
+RELATIVE = (
+    "a file that is run itself is in no package, here and with python3: give `course` the folder "
+    "with package.xml, or leave the dot out for a file beside it"
+)
 STARTERS = ("subprocess.py", "popen_fork.py", "popen_spawn_posix.py", "popen_forkserver.py",
             "forkserver.py", "resource_tracker.py", "pty.py")  # fmt: skip
 NOT_RUN = 127 << 8  # what os.system returns where no shell could be started
@@ -61,6 +66,10 @@ def hint(error: BaseException) -> str:
     if isinstance(error, ModuleNotFoundError):
         name = (error.name or "").partition(".")[0]
         return missing_package(name)
+    if type(error).__name__ == NO_PACKAGE:
+        return no_package(str(error))
+    if isinstance(error, ImportError) and "no known parent package" in str(error):
+        return RELATIVE
     if isinstance(error, EOFError):
         return KEYBOARD if "reading a line" in str(error) else ""
     for cause in _causes(error):
@@ -91,6 +100,15 @@ def missing_package(name: str) -> str:
             "setup.bash before `course`"
         )
     return ""
+
+
+def no_package(said: str) -> str:
+    """Return what to do about a `PackageNotFoundError`, of which this is the text."""
+    name = re.search(r"'(\w+)'", said)
+    return (
+        f"there is no package {name[1] if name else 'of that name'} here: only ROS's, and your own "
+        "if `course` gets the folder with its package.xml"
+    )
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:

@@ -54,5 +54,8 @@ def _take_pipes(stdout: str, stderr: str) -> tuple[int, int]:
 
 def _enter(folder: str) -> None:
     os.chdir(folder)
-    for name in ("HOME", "USERPROFILE", "TMPDIR", "TEMP", "TMP", "ROS_LOG_DIR"):
+    home = Path(folder, ".home")  # what lies beside a node does not lie in ~
+    home.mkdir(exist_ok=True)
+    for name in ("TMPDIR", "TEMP", "TMP", "ROS_LOG_DIR"):
         os.environ[name] = str(Path(folder))
+    os.environ["HOME"] = os.environ["USERPROFILE"] = str(home)

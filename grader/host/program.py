@@ -10,7 +10,7 @@ import sys
 import threading
 import traceback
 import types
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from . import deaths, hints, libraries, randomness
@@ -26,7 +26,7 @@ MAX_ACCOUNT, MAX_TRACE = 4_000, 12_000  # [characters]
 def run(session: Session, start: Start) -> None:
     """Run the programs to their end and report it; a node that spins for ever never returns."""
     randomness.seed(start.seed)
-    sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
+    enter_folders(start.programs)
     hints.tell_of_shell_commands()
     if len(start.programs) == 1 and start.programs[0].start == 0:
         signals.install_alone(session.kernel)
@@ -39,6 +39,23 @@ def run(session: Session, start: Start) -> None:
         session.kernel, start.programs, lambda program: _run_one_of_many(session, program)
     )
     session.programs.supervise()
+
+
+def enter_folders(programs: Iterable[ProgramStart]) -> None:
+    """Let modules be imported from where each program's lie, as Python and `ros2 run` do."""
+    folders = dict.fromkeys(str(folder_of(program)) for program in programs)
+    sys.path[:0] = [folder for folder in folders if folder not in sys.path]
+    if Path("share", "ament_index").is_dir():  # of a package: `get_package_share_directory` looks
+        paths = (str(Path.cwd()), os.environ.get("AMENT_PREFIX_PATH", ""))
+        os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join(filter(None, paths))
+
+
+def folder_of(program: ProgramStart) -> Path:
+    """Return the folder of a program's modules: of a package, the one in which it is installed."""
+    file = Path(program.file).resolve()
+    module = program.entry.partition(":")[0]
+    depth = module.count(".") + (file.name == "__init__.py") if module else 0
+    return file.parents[depth]
 
 
 def _run_one_of_many(session: Session, program: ProgramStart) -> None:
@@ -54,8 +71,10 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
     sys.argv = [program.file, *program.arguments]
     try:
         code = compiled(program.file)
+        if program.entry:
+            code = compile(_starter(program.entry), "<ros2 run>", "exec", dont_inherit=True)
     except (SyntaxError, ValueError) as error:  # ValueError: null bytes
-        return "syntax_error", _syntax_error_text(error), _detail(error, program.file)
+        return "syntax_error", _syntax_error_text(error), _detail(error, program)
     linecache.checkcache(program.file)
     main = types.ModuleType("__main__")
     main.__file__ = program.file
@@ -68,8 +87,20 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
     except BaseException as error:  # students may raise anything
         atexit._run_exitfuncs()
         first = _first(error)
-        return "exception", _exception_text(first, program.file), _detail(first, program.file)
+        return "exception", _exception_text(first, program), _detail(first, program)
     return "returned", "the program ran to its end", ""
+
+
+def _starter(entry: str) -> str:
+    """Return what pip writes for an entry point; a `main` that returns nothing ends well."""
+    module, _, function = entry.partition(":")
+    first, dot, rest = function.partition(".")
+    return (
+        f"from {module} import {first} as main\n"
+        f"status = main{dot}{rest}()\n"
+        "if status is not None:\n"
+        "    raise SystemExit(status)\n"
+    )
 
 
 @contextlib.contextmanager
@@ -110,10 +141,14 @@ def _syntax_error_text(error: SyntaxError | ValueError) -> str:
     return f"{type(error).__name__}: {error}"
 
 
-def _exception_text(error: BaseException, file: str) -> str:
+def _exception_text(error: BaseException, program: ProgramStart) -> str:
     """Say what was raised and in which of the student's functions."""
-    own = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == file]
+    folder = folder_of(program)
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [f for f in frames if Path(f.filename).is_relative_to(folder)]
     where = f" (line {own[-1].lineno}, in {own[-1].name})" if own else ""
+    if own and own[-1].filename != program.file:
+        where = f" ({Path(own[-1].filename).relative_to(folder).as_posix()}, {where[2:]}"
     message = _first_line(error)
     said = f"{type(error).__name__}{': ' if message else ''}{message}{where}"
     return f"{said}; {advice}" if (advice := _advice(error)) else said
@@ -140,17 +175,21 @@ def _first_line(error: BaseException) -> str:
         return "(its text could not be read)"
 
 
-def _detail(error: BaseException, file: str) -> str:
+def _detail(error: BaseException, program: ProgramStart) -> str:
     """Print the student's own lines first; then comes Python's traceback."""
     trace = _own_traceback(error)
     try:
-        if isinstance(error, SyntaxError) and error.filename == file:
+        if isinstance(error, SyntaxError) and _is_own(error, program):
             told = deaths.account_of_syntax(error)
         else:
-            told = deaths.account(error, Path(file).parent)
+            told = deaths.account(error, folder_of(program))
     except Exception:  # the exception is the student's, and may be anything
         return trace
     return f"{told[:MAX_ACCOUNT]}\n\n{trace[-MAX_TRACE:]}"
+
+
+def _is_own(error: SyntaxError, program: ProgramStart) -> bool:
+    return Path(error.filename or "").is_relative_to(folder_of(program))
 
 
 def _own_traceback(error: BaseException) -> str:

@@ -13,6 +13,7 @@ from grader.host.frames import (
     FromScript,
     LoadModels,
     Predict,
+    ReadPackage,
     Run,
     Script,
     Start,
@@ -99,8 +100,10 @@ class Link:
         """
         return self._exchange(frame, limit, decode_to_judge)
 
-    def ask(self, frame: Script | LoadModels | Predict, limit: float) -> tuple[FromScript, Cost]:
-        """Give an order to a host that runs scripts; it raises as `run` does."""
+    def ask(
+        self, frame: Script | LoadModels | Predict | ReadPackage, limit: float
+    ) -> tuple[FromScript, Cost]:
+        """Give an order to a host that runs scripts, or reads; it raises as `run` does."""
         return self._exchange(frame, limit, decode_from_script)
 
     def _exchange(

@@ -7,11 +7,12 @@ import re
 import unicodedata
 from collections.abc import Container
 
+from grader.course.beside import is_hidden
+
 RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)  # by Windows
 MAX_NAME = 80  # [characters] of a student's id
 MARK = 6  # [characters] that tell two of one name apart
 MARKED = re.compile(rf"~[0-9a-f]{{{MARK},}}$", re.IGNORECASE)
-NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
 # "agent (1).py", "agent-2.py", "agent - Copy.py"
 COPIED = re.compile(r"(?:\s*\((\d+)\)|-(\d+)|\s+-?\s*copy)$", re.IGNORECASE)
 
@@ -41,12 +42,20 @@ def unique(name: str, original: str, taken: Container[str]) -> str:
 
 def may_enter(name: str) -> bool:
     """Return whether a file or folder of that name can be a student's work."""
-    return not name.startswith(".") and name not in NOT_THEIRS
+    return not is_hidden(name)
 
 
 def plain(name: str) -> str:
     """Return a file's name without what browsers and platforms add to a second copy."""
     return _split(name)[0]
+
+
+def uncopied(name: str) -> str:
+    """Return a file's name as it was before a browser or platform marked it as a second copy."""
+    stem, dot, suffix = name.rpartition(".")
+    while found := COPIED.search(stem):
+        stem = stem[: found.start()]
+    return stem + dot + suffix if stem else name
 
 
 def copy_number(name: str) -> int:

@@ -22,7 +22,7 @@ from grader.course.exercises import find_exercise
 from grader.course.students import read_secret, student_key
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
-from grader.nbgrader.cells import Wanted, last_definitions, made_files, wanted
+from grader.nbgrader.cells import Wanted, last_definitions, made_files, modules, wanted
 from grader.nbgrader.gradebook import Place, trusted_cells, write_comment, write_mark
 from grader.nbgrader.intake import Unreadable, read_cells
 from grader.nbgrader.judge import Verdict, judge
@@ -100,7 +100,8 @@ class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
         with Gradebook(place.db_url) as gradebook:
             trusted = trusted_cells(gradebook, place)
             asked = {cell.name: wanted(cell.source) for cell in trusted if cell.is_test}
-            verdicts = self._verdicts(nb, place, [want for want in asked.values() if want])
+            wants = [want for want in asked.values() if want]
+            verdicts = self._verdicts(nb, place, wants, Path(resources[FILE]).parent)
             shown: set[str] = set()
             for known in trusted:
                 cell = _cell(nb, known.name)
@@ -120,7 +121,7 @@ class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
         return nb, resources
 
     def _verdicts(
-        self, nb: NotebookNode, place: Place, asked: Sequence[Wanted]
+        self, nb: NotebookNode, place: Place, asked: Sequence[Wanted], folder: Path
     ) -> dict[str, Verdict]:
         """Have each exercise judged once."""
         slugs = dict.fromkeys(want.exercise for want in asked)
@@ -128,16 +129,19 @@ class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
             return {slug: Verdict(None, problem=problem) for slug in slugs}
         cells = [(cell.metadata.get(ABOUT, {}).get("was", cell.cell_type), cell.source)
                  for cell in nb.cells]  # fmt: skip
-        return {slug: self._verdict(slug, cells, place) for slug in slugs}
+        return {slug: self._verdict(slug, cells, place, folder) for slug in slugs}
 
-    def _verdict(self, slug: str, cells: Sequence[tuple[str, str]], place: Place) -> Verdict:
+    def _verdict(
+        self, slug: str, cells: Sequence[tuple[str, str]], place: Place, folder: Path
+    ) -> Verdict:
         exercise = find_exercise(slug)
-        files, remarks = last_definitions(cells, exercise.files)
+        names = dict.fromkeys((*exercise.files, *modules(cells)))
+        files, remarks = last_definitions(cells, list(names))
         seed = None
         if self.secret:
             seed = student_key(read_secret(Path(self.secret)), place.student, slug)
         self.log.info("Judging %s of %s", slug, place.student)
-        verdict = judge(exercise, files, seed=seed)
+        verdict = judge(exercise, files, seed=seed, folder=folder)
         if verdict.missing:
             there = ", ".join(made_files(cells))
             found = f"its cells write {there}" if there else "none of its cells writes a file"

@@ -11,6 +11,7 @@ from grader.course.exercises import find_exercise
 from grader.errors import InputError
 
 MAGIC = re.compile(r"%%node[ \t]+(\S.*)")
+MODULE = re.compile(r"[A-Za-z_]\w{0,99}\.py", re.ASCII)
 BOM = "\ufeff"
 QUOTES = "'\""
 
@@ -114,6 +115,12 @@ def made_files(cells: Iterable[tuple[str, str]]) -> list[str]:
     """Return the names of the files that the cells write, for a message: at most five."""
     made = [definition(source) for _, source in cells]
     return list(dict.fromkeys(one.file[:60] for one in made if one is not None))[:5]
+
+
+def modules(cells: Iterable[tuple[str, str]]) -> list[str]:
+    """Return the names of the files that the cells write and that can lie beside a node."""
+    made = [definition(source) for _, source in cells]
+    return list(dict.fromkeys(one.file for one in made if one and MODULE.fullmatch(one.file)))
 
 
 def unknown_checks(asked: Wanted, known: Iterable[str]) -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from grader.course.beside import MAX_BYTES, beside
 from grader.course.exercises import Exercise
 from grader.course.students import Seed
+from grader.course.submission import read_regular_file
 from grader.errors import GraderError
 from grader.grading.handed_in import grade_files
 
@@ -22,16 +26,25 @@ class Verdict:
     remarks: tuple[str, ...] = ()
 
 
-def judge(exercise: Exercise, files: Mapping[str, str], *, seed: Seed | None = None) -> Verdict:
+def judge(
+    exercise: Exercise,
+    files: Mapping[str, str],
+    *,
+    seed: Seed | None = None,
+    folder: Path | None = None,
+) -> Verdict:
     """Drive the nodes of `files` (texts by name) and judge them, as `course grade` does.
 
+    What lies in `folder`, the notebook's, comes along as beside any node.
     `CourseExporter` has made sure that other people's code may run on this machine.
     """
-    contents = {
-        name: files[name].encode("utf-8", "replace") for name in exercise.files if name in files
-    }
-    if not contents:
+    contents = {name: text.encode("utf-8", "replace") for name, text in files.items()}
+    if not any(name in files for name in exercise.files):
         return Verdict(None, missing=f"expected a cell that begins with %%node {exercise.files[0]}")
+    for name, path in beside(folder).files.items() if folder else ():
+        if name not in (*contents, *exercise.files):  # those are what the cells write
+            with contextlib.suppress(OSError):
+                contents[name] = read_regular_file(path, MAX_BYTES)
     try:
         return Verdict(grade_files(exercise, contents, seed=seed, trust=True))
     except GraderError as error:

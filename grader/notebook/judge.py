@@ -25,7 +25,7 @@ from rich.console import Console
 
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
-from grader.drive import arguments_of, drive_node, print_summary, scenario_for
+from grader.drive import arguments_of, drive_node, print_summary, scenario_for, unpacked
 from grader.errors import GraderError, InputError
 from grader.grading.attempts import since_last
 from grader.grading.grading import Grading, grade_submission
@@ -96,10 +96,12 @@ def _drive(order: Drive, forkserver: Launcher) -> Driven:
     )
     others = [program.file for program in scenario.program if program.file]
     submission = find_submission(Path(order.file), others=others)
+    submission = unpacked(submission, forkserver)
     arguments = arguments_of(order.params)
     recording = drive_node(submission, scenario, forkserver, seed=order.seed, arguments=arguments)
     with contextlib.redirect_stdout(io.StringIO()) as said:
         print_summary(recording, file=order.shown, practice=forkserver.practice)
+        print(*(f"  {sentence}" for sentence in submission.account()), sep="\n")
     payload = page_payload(None, [recording], recording.scenario.title or recording.name)
     return Driven(said.getvalue(), page_html({**payload, "embedded": True}))
 

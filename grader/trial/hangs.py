@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from grader.course.beside import PYTHON
 from grader.course.submission import Submission, read_regular_file
 from grader.recording import Recording
 
@@ -38,7 +39,7 @@ class _Entry(NamedTuple):
     @property
     def own(self) -> bool:
         """The file is the student's: their folder is not shown."""
-        return "/" not in self.file and not self.file.startswith("<")
+        return not self.file.startswith(("/", "<"))
 
 
 def located(recording: Recording, submission: Submission) -> Recording:
@@ -139,9 +140,11 @@ def _quoted(sources: Sources, file: str, line: int) -> list[str]:
 def _sources(submission: Submission) -> Sources:
     """Return the lines of the files that were handed in."""
     found = {}
-    for path in (submission.path, *submission.others):
+    for name, path in submission.files.items():
+        if not name.endswith(PYTHON):
+            continue
         try:
-            found[path.name] = read_regular_file(path).decode("utf-8", "replace").splitlines()
+            found[name] = read_regular_file(path).decode("utf-8", "replace").splitlines()
         except OSError:
             continue
     return found

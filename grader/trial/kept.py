@@ -20,7 +20,7 @@ from pathlib import Path
 
 import msgspec
 
-from grader.course.submission import Submission, read_regular_file
+from grader.course.submission import Submission
 from grader.recording import Recording
 from sim.scenario import Scenario
 
@@ -98,8 +98,8 @@ class KeptRecordings:
     def _place(self, submission: Submission, scenario: Scenario, seed: int, files: Files) -> Path:
         result = hashlib.sha256(f"{FORMAT} {seed} {submission.problem}\n".encode())
         result.update(msgspec.msgpack.encode(msgspec.structs.replace(scenario, **_SAID_OF_IT)))
-        own = {path.name: read_regular_file(path) for path in (submission.path, *submission.others)}
-        for folder in (own, files):
+        result.update(repr(submission.package and submission.package.programs).encode())
+        for folder in (submission.contents(), files):
             for name, data in sorted(folder.items()):
                 result.update(f"{name} {len(data)}\n".encode() + data)
         name = result.hexdigest()[:32]

@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course.submission import Submission
+from grader.course.submission import Program, Submission
 from grader.host.frames import Offer, ProgramStart
 from grader.models.files import write_models
 from sim.messages import LATCHED, OFFERED, SENSORS
-from sim.scenario import Scenario
+from sim.scenario import ProgramSpec, Scenario
 
 # programs of ours that run beside students'
 SUPPLIED = Path(__file__).parents[1] / "host" / "supplied"
@@ -36,6 +36,7 @@ def stage(
 ) -> Iterator[Stage]:
     """Lay out a submission for a scenario, in a fresh folder that goes when the block ends."""
     with submission.folder() as folder:
+        _clear_models(scenario, submission, folder)
         write_models(scenario.node.models, folder)
         for name, content in (files or {}).items():
             (folder / name).write_bytes(content)
@@ -47,8 +48,11 @@ def missing_file(scenario: Scenario, submission: Submission) -> str:
     """Say which of the scenario's programs the submission lacks; empty if none."""
     there = [path.name for path in (submission.path, *submission.others)]
     for spec in scenario.program:
-        if not spec.supplied and spec.file not in ("", *there):
-            return f"there is no {spec.file} in the submission, only {', '.join(there)}"
+        if spec.supplied or (spec.file in ("", *there) and submission.started(spec.file)):
+            continue
+        if spec.file in there:
+            return f"no entry point of the package leads to {spec.file}"
+        return f"there is no {spec.file} in the submission, only {', '.join(there)}"
     return ""
 
 
@@ -69,22 +73,28 @@ def _programs(
 ) -> tuple[ProgramStart, ...]:
     """Return what to run: the submission's own file, or what the scenario asks for."""
     common = (*arguments, *parameter_arguments(scenario.node.parameters))
-    if not scenario.program:
-        file = str(folder / submission.path.name)
-        return (ProgramStart(file, common, hides=scenario.node.hides),)
     for spec in scenario.program:
         if spec.supplied:
             shutil.copyfile(SUPPLIED / spec.file, folder / spec.file)
     return tuple(
         ProgramStart(
-            file=str(folder / (spec.file or submission.path.name)),
-            arguments=(*common, *spec.arguments),
+            file=str(folder / program.file),
+            entry=program.entry,
+            arguments=(*program.arguments, *common, *spec.arguments),
             start=round(spec.start * 1e9),
             stop=None if spec.stop is None else round(spec.stop * 1e9),
             hides=scenario.node.hides,
         )
-        for spec in scenario.program
+        for spec in scenario.program or (ProgramSpec(),)
+        for program in ([Program(spec.file)] if spec.supplied else submission.started(spec.file))
     )
+
+
+def _clear_models(scenario: Scenario, submission: Submission, folder: Path) -> None:
+    """Leave no model of the student's where the scenario says which is there, or that none is."""
+    named = {value for value in scenario.node.parameters.values() if isinstance(value, str)}
+    for name in (named | set(scenario.node.models)) & set(submission.beside):
+        (folder / name).unlink(missing_ok=True)
 
 
 def _offers(scenario: Scenario) -> tuple[Offer, ...]:

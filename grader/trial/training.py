@@ -140,7 +140,8 @@ def _run_script(
         data.save(folder / DATA)
         arguments = ("--data", DATA, "--out", names[0], "--onnx", names[1])
         seed = zlib.crc32(repr((names, spec)).encode())  # another in each run, as in real life
-        order = Script(str(folder / spec.script), arguments, seed)
+        script = next((p.file for p in submission.started(spec.script)), spec.script)
+        order = Script(str(folder / script), arguments, seed)
         with workshop.workplace(folder) as place:
             with workshop.host(place) as link:
                 began = real_clock.perf_counter()

@@ -168,8 +168,13 @@ class NodeTrials(Trials):
         return [error for error in found if isinstance(error, TrialFault)]
 
     def notes(self) -> list[str]:
-        """Say what was not saved, and that a node took more time than anybody's does."""
-        return [*self._unsaved, *self._left_out(), *([SLOW] if self._slow else [])]
+        """Say what came along, what was not saved, and that a node took too much time."""
+        return [
+            *self.submission.account(),
+            *self._unsaved,
+            *self._left_out(),
+            *([SLOW] if self._slow else []),
+        ]
 
     def _left_out(self) -> list[str]:
         ends = [recording for recording in self.recordings() if is_halt(recording)]

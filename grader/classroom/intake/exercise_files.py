@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from grader.classroom.intake.handed_in import HandedIn, Student
-from grader.course.submission import read_regular_file
-from grader.lms.names import copy_number, plain
+from grader.course.beside import MAX_BYTES, PYTHON, Lying
+from grader.course.beside import chosen as chosen_of
+from grader.course.submission import MANIFEST, read_regular_file
+from grader.lms.names import copy_number, plain, uncopied
 from grader.lms.platform import Entry
 from grader.lms.unpack import is_archive, is_unread_archive
 
@@ -25,6 +27,18 @@ class Found:
     older: tuple[HandedIn, ...] = ()  # versions that do not count
     used: tuple[HandedIn, ...] = field(default=(), repr=False)
     contrary: tuple[HandedIn, ...] = ()  # of `older`: another work, from another download
+    beside: dict[str, HandedIn] = field(default_factory=dict, repr=False)  # comes along, by place
+
+    @property
+    def python(self) -> dict[str, Path]:
+        """The student's Python by its place: the exercise's files, and what comes along."""
+        more = {name: file.path for name, file in self.beside.items() if name.endswith(PYTHON)}
+        return {**more, **self.files}
+
+    @property
+    def every(self) -> dict[str, Path]:
+        """All that is graded together, by its place."""
+        return {**{name: file.path for name, file in self.beside.items()}, **self.files}
 
     @property
     def entry(self) -> Entry | None:
@@ -59,7 +73,64 @@ def find_files(student: Student, names: Sequence[str]) -> Found:
     contrary = [
         file for file in candidates if file.source != chosen.source and _content(file.path) != mine
     ]
-    return Found(found, older=tuple(older), used=tuple(used), contrary=tuple(contrary))
+    along, in_package = _beside(student, chosen, {id(file) for file in (*used, *older)})
+    if in_package:  # its files lie where it has them
+        placed = {file.path: name for name, file in along.items()}
+        found = {placed.get(path, name): path for name, path in found.items()}
+    return Found(found, "", tuple(older), tuple(used), tuple(contrary), along)
+
+
+def _beside(
+    student: Student, node: HandedIn, used: Collection[int]
+) -> tuple[dict[str, HandedIn], bool]:
+    """Return what comes along with a node, by its place in its folder; and if that is a package's.
+
+    Of several files with one place the newest counts; a module's is its name without what a
+    platform adds to a second copy.
+    """
+    together = [file for file in student.files if _came_with(file, node)]
+    folder, in_package = _root(PurePosixPath(node.name), {file.name for file in together})
+    folders = [folder]
+    if folder.suffix == ".ipynb":  # a cell wrote it: what lies beside the notebook comes, too
+        folders.append(folder.parent)
+    found: dict[str, HandedIn] = {}
+    for each in folders:
+        for file in sorted(together, key=_age):
+            name = PurePosixPath(file.name)
+            if name.is_relative_to(each) and (in_package or id(file) not in used):
+                place = name.relative_to(each)
+                if name == each or any(above.suffix == ".ipynb" for above in place.parents):
+                    continue  # of a notebook's cells, which are not this node's
+                if place.suffix == ".py" and file.path == file.entry.path:
+                    place = place.with_name(uncopied(place.name))
+                found.setdefault(place.as_posix(), file)
+    sizes = (Lying(name, file.path, _size(file.path)) for name, file in found.items())
+    return {name: found[name] for name in chosen_of(sizes).files}, in_package
+
+
+def _came_with(file: HandedIn, node: HandedIn) -> bool:
+    """Return whether two files were handed in together: in one folder or archive, or one by one."""
+    alone = file.path == file.entry.path and node.path == node.entry.path
+    return file.source == node.source and (file.entry is node.entry or alone)
+
+
+def _root(node: PurePosixPath, names: Collection[str]) -> tuple[PurePosixPath, bool]:
+    """Return the folder of a node, or of the package of which it is a module; and whether it is."""
+    folder = node.parent
+    while str(folder) != "." and f"{folder}/__init__.py" in names:
+        folder = folder.parent
+    if folder != node.parent:
+        for each in (folder, folder.parent):
+            if (each / MANIFEST).as_posix() in names:
+                return each, True
+    return node.parent, False
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.lstat().st_size
+    except OSError:
+        return MAX_BYTES + 1
 
 
 def left_over(student: Student, used: Collection[HandedIn]) -> list[HandedIn]:

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from grader.course.exercises import all_exercises
-from grader.nbgrader.cells import last_definitions
+from grader.nbgrader.cells import last_definitions, modules
 from grader.nbgrader.intake import read_cells
 
 SUFFIX = ".ipynb"
@@ -15,6 +15,7 @@ SUFFIX = ".ipynb"
 def node_files(notebook: Path, room: Path) -> list[Path]:
     """Write the exercises' files that a notebook's cells define into `room`; return them.
 
+    Modules that other cells write come along with them.
     Of several cells for one file the last counts, as for nbgrader. What is still the skeleton was
     not worked on, and is no file.
 
@@ -22,13 +23,13 @@ def node_files(notebook: Path, room: Path) -> list[Path]:
     """
     skeletons = _skeletons()
     cells = [(cell.kind, cell.source) for cell in read_cells(notebook)]
-    texts, _ = last_definitions(cells, list(skeletons))
+    texts, _ = last_definitions(cells, list(dict.fromkeys((*skeletons, *modules(cells)))))
+    worked = [name for name, text in texts.items() if _bare(text) != skeletons.get(name)]
     made = []
-    for name, text in texts.items():
-        if _bare(text) != skeletons[name]:
-            room.mkdir(parents=True, exist_ok=True)
-            made.append(room / name)
-            made[-1].write_text(text, "utf-8")
+    for name in worked if any(name in skeletons for name in worked) else ():
+        room.mkdir(parents=True, exist_ok=True)
+        made.append(room / name)
+        made[-1].write_text(texts[name], "utf-8")
     return made
 
 

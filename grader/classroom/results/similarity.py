@@ -11,16 +11,24 @@ from __future__ import annotations
 
 import io
 import keyword
+import re
 import tokenize
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations, islice
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TypeAlias
 
 import msgspec
 
-from grader.course.exercises import EXERCISES, JUDGE, ROOT, SOLUTIONS
+from grader.course.exercises import (
+    EXERCISES,
+    JUDGE,
+    ROOT,
+    SOLUTIONS,
+    all_exercises,
+    find_exercise,
+)
 
 RUN = 20  # tokens: shorter matches are chance
 MOST = 50_000  # tokens of a file that are compared; the longest program of the course has 1,323
@@ -32,6 +40,8 @@ COMMON = 10  # submissions at least; a run that more than half of them have is c
 CHECKS = ROOT / "grader" / "checks"
 SHARED = (ROOT / "grader" / "models" / "features.py", ROOT / "grader" / "recording" / "views.py")
 
+# what `ros2 pkg create` writes, and what starts a package: everybody's are alike
+MADE = re.compile(r"setup\.py|__init__\.py|test_\w+\.py|.*launch\.py")
 _LAYOUT = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.ENCODING, tokenize.ENDMARKER)
 _WORDS = frozenset(keyword.kwlist)
 
@@ -68,11 +78,31 @@ def compared(sources: Mapping[tuple[str, str], Mapping[str, bytes]]) -> dict[str
     """Compare the submissions to each exercise: the files of (student, slug)."""
     found = {}
     for slug in sorted({slug for _, slug in sources}):
-        texts = {student: files for (student, each), files in sources.items() if each == slug}
+        texts = {
+            student: parts_of(files, find_exercise(slug).files)
+            for (student, each), files in sources.items()
+            if each == slug
+        }
         given = {file.name: file.read_bytes() for file in sorted((EXERCISES / slug).glob("*.py"))}
         groups, own = similar_groups(texts, given), own_code(texts, given, slug)
         found[slug] = Alike(len(texts), tuple(groups), tuple(own))
     return found
+
+
+def parts_of(files: Mapping[str, bytes], names: Sequence[str]) -> dict[str, bytes]:
+    """Return what is compared of a submission: the exercise's files (`names`), its own modules.
+
+    The first file counts with all modules that came along: where a node's parts lie, in which
+    package, makes no difference. Other exercises' files are compared with theirs.
+    """
+    exercises = {name for exercise in all_exercises() for name in exercise.files}
+    named = {PurePosixPath(place).name: files[place] for place in sorted(files)}
+    parts = {name: named[name] for name in names if name in named}
+    own = {n: text for n, text in named.items() if n not in exercises and not MADE.fullmatch(n)}
+    if parts and own:
+        first = next(iter(parts))
+        parts[first] = b"\n".join([parts[first], *own.values()])
+    return {**own, **parts}
 
 
 def similar_groups(texts: Texts, given: Mapping[str, bytes]) -> list[Group]:

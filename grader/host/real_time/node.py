@@ -7,10 +7,8 @@ what rclpy 7.1 does wrong; the process only says, several times a second, how th
 from __future__ import annotations
 
 import os
-import sys
 import threading
 import time
-from pathlib import Path
 from typing import Any
 
 import rclpy.executors
@@ -142,7 +140,7 @@ def _run_program(wire: Wire, start: Start) -> None:
     desk.ask = Desk(wire, lock).ask
     threading.Thread(target=_beat, args=(wire, vitals, lock), daemon=True).start()
     randomness.seed(start.seed)
-    sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
+    program.enter_folders(start.programs)
     end = program.run_file(start.programs[0])
     with lock:
         wire.send(vitals.pulse())

@@ -3,8 +3,8 @@
 On a robot a server and its clients are processes. Here they are threads of one process that share
 one DDS participant, because only within a participant are matching and delivery synchronous. What
 Python and rclpy keep once per process (the default context, the global executor, `__main__`,
-`sys.argv`) changes hands whenever the kernel's baton passes from one program to another; a program
-that is killed never runs again, and its nodes disappear.
+`sys.argv`, the students' own modules) changes hands whenever the kernel's baton passes from one
+program to another; a program that is killed never runs again, and its nodes disappear.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import contextlib
 import sys
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import rclpy
@@ -41,6 +42,7 @@ class Program:
         self.argv = [self.start.file, *self.start.arguments]
         self.main: Any = sys.modules["__main__"]
         self.executor: Any = None
+        self.modules: dict[str, Any] = {}  # that it has imported from the students' files
 
 
 class Programs:
@@ -53,6 +55,7 @@ class Programs:
         self._programs = [Program(kernel, start) for start in starts]
         self._run = run
         self._host = Program(kernel)
+        self._own = _modules_here()
 
     def supervise(self) -> None:
         """Do what is to be done, each at its time; never returns."""
@@ -73,7 +76,10 @@ class Programs:
         if before is not None:
             before.argv, before.main = sys.argv, sys.modules["__main__"]
             before.executor = rclpy.__dict__[GLOBAL_EXECUTOR]
+            there = {name: sys.modules.pop(name, None) for name in self._own}
+            before.modules = {name: module for name, module in there.items() if module is not None}
         if after is not None:
+            sys.modules.update(after.modules)
             sys.argv, sys.modules["__main__"] = after.argv, after.main
             rclpy.__dict__[GLOBAL_EXECUTOR] = after.executor
 
@@ -140,3 +146,11 @@ class Programs:
                 program.nodes.append(self)
 
         cls.__init__ = created
+
+
+def _modules_here() -> list[str]:
+    """Return the names of the modules that lie in the working folder, and of their packages."""
+    files = [path.relative_to(Path.cwd()).with_suffix("") for path in Path.cwd().rglob("*.py")]
+    paths = {each for file in files for each in (file, *file.parents)}
+    names = {".".join(path.parts).removesuffix(".__init__") for path in paths}
+    return sorted(name for name in names if name and name not in sys.modules)

@@ -20,6 +20,7 @@ from ..frames import (
     MAX_PUBLISHED,
     MAX_QUESTIONS,
     Question,
+    ReadPackage,
     Run,
     Settled,
     Slept,
@@ -55,8 +56,13 @@ class Session(kernel_module.World):
         desk.ask = self.ask
 
     def start(self) -> Start:
-        """Return the judge's first frame."""
+        """Return the judge's first frame; a package may be read instead of a run."""
         frame = self._wire.receive()
+        if isinstance(frame, ReadPackage):
+            from .. import packages  # noqa: PLC0415  (few hosts need it)
+
+            self._wire.send(packages.read(frame.launch))
+            frame = self._wire.receive()
         if not isinstance(frame, Start):
             raise ValueError("the first frame must say what to run")
         return frame

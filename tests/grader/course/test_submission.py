@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from grader.course import beside
 from grader.course.submission import MAX_SIZE, Submission, find_submission, read_regular_file
 from grader.errors import InputError
 
@@ -36,7 +37,7 @@ def test_a_file_a_folder_or_a_link_of_ones_own(
     agent: Path, given: str, expected: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     agent.with_name("link.py").symlink_to(agent)
-    assert find_submission(agent.parent / given, expected) == Submission(agent)
+    assert find_submission(agent.parent / given, expected, alone=True) == Submission(agent)
     monkeypatch.chdir(agent.parent)
     assert find_submission(Path(given), expected).path == agent
 
@@ -201,3 +202,45 @@ def test_what_is_no_file_is_not_opened(kind: str, tmp_path: Path) -> None:
         path.mkdir()
     with pytest.raises(OSError):
         read_regular_file(path)
+
+
+# --- what lies beside it ------------------------------------------------------------------------
+
+
+def test_what_comes_along_has_limits(agent: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = agent.parent
+    for name in (
+        "helper.py", "kit/__init__.py", "kit/a.yaml", "model.onnx", "notes.md", ".git/config",
+        "venv/lib/x.py", "made/COLCON_IGNORE", "made/x.py", "env/pyvenv.cfg", "env/x.py",
+    ):  # fmt: skip
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text("x")
+    (folder / "link.py").symlink_to("/etc/passwd")
+    (folder / "other").symlink_to("/etc", target_is_directory=True)
+    os.truncate(folder / "model.onnx", beside.MAX_BYTES)
+    (folder / "long.py").touch()
+    os.truncate(folder / "long.py", beside.MAX_PYTHON + 1)
+
+    submission = find_submission(agent)
+    assert set(submission.files) == {"agent.py", "helper.py", "kit/__init__.py", "kit/a.yaml"}
+    left = "; ".join(submission.left)
+    for name in (
+        "link.py (a link",
+        "other (a link",
+        "long.py (over",
+        "model.onnx (over the limits",
+    ):
+        assert name in left
+    assert submission.account()[0] == "With the node came helper.py, kit/__init__.py, kit/a.yaml."
+    monkeypatch.setattr(beside, "MAX_FILES", 2)
+    assert set(find_submission(agent).beside) == {"helper.py"}  # Python first, the node among it
+    assert find_submission(agent, alone=True).files == {"agent.py": agent}
+
+
+def test_of_several_packages_one_has_to_be_named(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        (tmp_path / "src" / name).mkdir(parents=True)
+        (tmp_path / "src" / name / "package.xml").write_text("<package/>")
+        (tmp_path / "src" / name / "setup.py").write_text("")
+    assert "there are src/one, src/two" in refused(tmp_path, "agent.py")
+    assert find_submission(tmp_path / "src" / "one").package is not None

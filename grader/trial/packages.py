@@ -1,0 +1,142 @@
+"""Have a colcon package read behind the wall: what it installs, and which programs are started.
+
+The answer is a student's word. It decides which of the student's own files lie where in the node's
+folder, and which of them are run; every path in it is checked against what was handed in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+
+from grader.course.beside import MAX_FILES, PYTHON, listed, may_come
+from grader.course.submission import LAUNCH, Package, Program, Submission, read_regular_file
+from grader.host.frames import Executable, PackageRead, ReadPackage
+from grader.link.exchange import HostDied, HostForged, HostHung
+from grader.link.launcher import Launcher
+from grader.link.workplace import Excess
+
+LIMIT = 20.0  # [s] for setup.py and a launch file
+
+
+def unpacked(submission: Submission, launcher: Launcher) -> Submission:
+    """Return the submission with a package's files as they are installed, and its programs.
+
+    What is no package, or was read before, is returned as it is.
+    """
+    package = submission.package
+    if package is None or package.programs or submission.problem:
+        return submission
+    launch = package.start if package.start.endswith(LAUNCH) else ""
+    if not package.start:
+        launch = _launch_file(submission.beside, Path(package.main).stem)
+    try:
+        with submission.folder() as folder, launcher.host(folder) as link:
+            answer, _ = link.ask(ReadPackage(launch), LIMIT)
+        if not isinstance(answer, PackageRead):
+            raise HostForged("no package")
+    except (HostHung, HostDied, HostForged, Excess) as error:
+        said = str(error) or "no answer"
+        return replace(submission, problem=f"the package could not be read ({said})")
+    if answer.problem:
+        return replace(submission, problem=answer.problem)
+    return _with_programs(submission, package, launch, answer)
+
+
+def _launch_file(files: Mapping[str, Path], stem: str) -> str:
+    """Return the launch file that starts a package; "" if that isn't clear.
+
+    It is that with the node's name, or the only one that no other names, to include it.
+    """
+    found = [name for name in files if name.endswith(LAUNCH)]
+    short = {name: PurePosixPath(name).name for name in found}
+    mine = [n for n in found if stem and short[n].startswith((f"{stem}.", f"{stem}_"))]
+    if len(found) > 1 and not mine:
+        texts = {name: read_regular_file(files[name]) for name in found}
+        mine = [
+            name
+            for name in found
+            if not any(short[name].encode() in texts[each] for each in found if each != name)
+        ]
+    every = mine or found
+    return every[0] if len(every) == 1 else ""
+
+
+def _with_programs(
+    submission: Submission, package: Package, launch: str, answer: PackageRead
+) -> Submission:
+    there = submission.beside
+    installed = {
+        place: there[source]
+        for place, source in list(answer.files.items())[:MAX_FILES]
+        if source in there and may_come(place) and _is_inside(place)
+    }
+    data = {name: path for name, path in there.items() if not name.endswith(PYTHON)}
+    files = {**data, **installed}
+    known = {each.name: each for each in answer.executables}
+    every = tuple(Program(e.file, e.entry) for e in known.values() if e.file in installed)
+    try:
+        if launch:
+            chosen = [(known[each.executable], each.arguments) for each in answer.launched]
+        else:
+            named = there.get(package.start)
+            chosen = [(_executable(known, package, named, installed), ())]
+        if broken := [each for each, _ in chosen if each.file not in installed]:
+            raise LookupError(broken[0].entry)
+        programs = tuple(Program(each.file, each.entry, words) for each, words in chosen)
+    except LookupError as error:
+        return replace(submission, problem=_no_program(error, answer, launch))
+    main = next((p for p in programs if p.file.endswith(f"/{package.main}")), programs[0])
+    return replace(
+        submission,
+        path=files[main.file],
+        beside=files,
+        left=(*submission.left, *answer.notes),
+        package=replace(package, programs=programs, every=every),
+    )
+
+
+def _executable(
+    known: Mapping[str, Executable],
+    package: Package,
+    start: Path | None,
+    installed: Mapping[str, Path],
+) -> Executable:
+    """Return the program that is meant: the one named, the exercise's, or the only one.
+
+    Raises LookupError: there is none.
+    """
+    every = list(known.values())
+    if start is not None:
+        every = [each for each in every if installed.get(each.file) == start]
+        wanted = package.start
+    else:
+        wanted = package.main
+        stem = Path(wanted).stem
+        mine = [e for e in every if PurePosixPath(e.file).name == wanted or e.name == stem]
+        every = mine or every
+    if (start is None and len(every) != 1) or not every:
+        raise LookupError(wanted)
+    return every[0]
+
+
+def _no_program(error: LookupError, answer: PackageRead, launch: str) -> str:
+    """Say that what is to be started is not there, and what is."""
+    wanted = str(error.args[0])
+    if wanted in (each.entry for each in answer.executables):
+        return f"the entry point {wanted} leads to no module that the package installs"
+    names = listed([each.name for each in answer.executables]) or "none"
+    if launch:
+        return f"{launch} starts {wanted}, but the package's entry points are: {names}"
+    if not wanted:
+        return (
+            f"which program is to be started? The package's entry points are: {names}; give "
+            "`course` the file of one, or a launch file"
+        )
+    return f"no entry point of the package leads to {wanted}; there are: {names}"
+
+
+def _is_inside(place: str) -> bool:
+    path = PurePosixPath(place)
+    return not path.is_absolute() and ".." not in path.parts and ":" not in place

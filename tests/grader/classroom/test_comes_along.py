@@ -1,0 +1,101 @@
+"""Modules, data and packages reach the judge through every platform's format."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from grader.classroom.intake import find_files, take_in
+from grader.classroom.results.similarity import own_code, parts_of, similar_groups
+from grader.course.exercises import find_exercise
+
+SLUG = "obstacle_avoidance"
+FILE = "obstacle_avoidance_agent.py"
+NODE = {FILE: b"import kit.eyes", "kit/eyes.py": b"1", "kit/a.yaml": b"2"}
+PACKAGE = {
+    "package.xml": b"<package/>",
+    "setup.py": b"",
+    "mine/__init__.py": b"",
+    f"mine/{FILE}": b"node",
+    "mine/eyes.py": b"eyes",
+    "launch/a.launch.py": b"",
+}
+
+
+def lay(folder: Path, files: dict[str, bytes]) -> None:
+    for name, data in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+
+
+def zipped(path: Path, files: dict[str, bytes]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in files.items():
+            archive.writestr(name, data)
+
+
+PLACES = {  # where a platform's download has what Ann handed in: a folder, or an archive of it
+    "folders": "ann",
+    "archives": "ann.zip",
+    "canvas": "leeann_12_345_work.zip",
+    "moodle": "Ann Lee_4321_assignsubmission_file_",
+    "moodle, zipped": "Ann Lee_4321_assignsubmission_file_/work.zip",
+    "nbgrader": "submitted/ann/week1",
+    "github": "week-1-ann",
+}
+
+
+@pytest.mark.parametrize("files", [NODE, PACKAGE], ids=["beside", "package"])
+@pytest.mark.parametrize("place", PLACES)
+def test_through_each_platforms_format(place: str, files: dict[str, bytes], tmp_path: Path) -> None:
+    target = tmp_path / "in" / PLACES[place]
+    if place == "nbgrader":
+        (tmp_path / "in" / "source").mkdir(parents=True)
+    (zipped if target.suffix == ".zip" else lay)(target, files)
+    (student,) = take_in([tmp_path / "in"], tmp_path / "scratch").students
+    found = find_files(student, [FILE])
+
+    assert {name: path.read_bytes() for name, path in found.every.items()} == files
+    assert [path.name for path in found.files.values()] == [FILE]
+
+
+def test_single_files_of_canvas_newest_first(tmp_path: Path) -> None:
+    for name, data in (
+        (f"leeann_12_345_{FILE}", b"old"), (f"leeann_12_346_{FILE[:-3]}-1.py", b"new"),
+        ("leeann_12_347_eyes-1.py", b"eyes"), ("leeann_12_348_model-2.onnx", b"m"),
+        ("benbob_13_349_eyes.py", b"ben's"),
+    ):  # fmt: skip
+        lay(tmp_path / "in", {name: data})
+    student = take_in([tmp_path / "in"], tmp_path / "scratch").students[-1]
+    every = {name: path.read_bytes() for name, path in find_files(student, [FILE]).every.items()}
+    assert every == {FILE: b"new", "eyes.py": b"eyes", "model-2.onnx": b"m"}
+
+
+def test_a_notebooks_cells_and_what_lies_beside_it(tmp_path: Path) -> None:
+    cells = [
+        {"cell_type": "code", "source": f"%%node {name}\n{text}", "metadata": {}}
+        for name, text in ((FILE, "import eyes"), ("eyes.py", "SEEN = 1"), ("../out.py", "no"))
+    ]
+    book = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells})
+    lay(tmp_path / "in" / "ann", {"a.ipynb": book.encode(), "model.onnx": b"m"})
+    (student,) = take_in([tmp_path / "in"], tmp_path / "scratch").students
+    assert set(find_files(student, [FILE]).every) == {FILE, "eyes.py", "model.onnx"}
+
+
+def test_what_lies_in_modules_is_compared(tmp_path: Path) -> None:
+    """A solution that is cut into modules of a package is the same solution."""
+    exercise = find_exercise(SLUG)
+    whole = (exercise.solutions / FILE).read_bytes()
+    lines = whole.splitlines(keepends=True)
+    half = len(lines) // 2
+    first, second = b"".join(lines[:half]), b"".join(lines[half:])
+    cut = {"setup.py": b"x", f"ann/{FILE}": first, "ann/rest.py": second, "c.yaml": b"x"}
+    texts = {"ann": parts_of(cut, [FILE]), "ben": parts_of({FILE: whole}, [FILE])}
+
+    assert [group.students for group in similar_groups(texts, {})] == [("ann", "ben")]
+    given = {FILE: (exercise.folder / FILE).read_bytes()}
+    assert "ann" in {match.student for match in own_code(texts, given, SLUG)}

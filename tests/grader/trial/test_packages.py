@@ -1,0 +1,271 @@
+"""What lies beside a node comes along, and a colcon package runs as on a robot."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from pathlib import Path
+
+import msgspec
+import pytest
+from node_runs import short
+
+from grader.course.submission import Package, Submission, find_submission
+from grader.host.frames import Executable, Launched, PackageRead
+from grader.link.hosts import ForkServer
+from grader.recording import Recording
+from grader.trial.kept import KeptRecordings
+from grader.trial.packages import _with_programs, unpacked
+from grader.trial.virtual_time import run_trial
+from sim.scenario import NodeSpec
+
+XML = "<package><name>mine</name></package>"
+SETUP = """
+    import os
+    from glob import glob
+    from setuptools import find_packages, setup
+    setup(name="mine", packages=find_packages(exclude=["test"]),
+          data_files=[(os.path.join("share", "mine", "config"), glob("config/*.yaml")),
+                      (os.path.join("share", "mine"), glob("launch/*.py"))],
+          entry_points={"console_scripts": ["one = mine.one:main", "two = mine.two:main"]})
+    """
+NODE = """
+    import rclpy
+    from rclpy.node import Node
+    from mine.common import counted
+
+    def main(args=None):
+        rclpy.init(args=args)
+        node = Node("node")
+        node.declare_parameter("word", "none")
+        print(__name__, node.get_name(), node.get_parameter("word").value, counted())
+        rclpy.spin(node)
+    """
+COMMON = "SEEN = []\ndef counted():\n    SEEN.append(1)\n    return len(SEEN)\n"
+LAUNCH = """
+    from ament_index_python.packages import get_package_share_directory
+    from launch import LaunchDescription
+    from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+    from launch.launch_description_sources import PythonLaunchDescriptionSource
+    from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+    from launch_ros.actions import Node
+    from launch_ros.substitutions import FindPackageShare
+
+    def generate_launch_description():
+        share = get_package_share_directory("mine")
+        return LaunchDescription([
+            DeclareLaunchArgument("name", default_value="first"),
+            Node(package="mine", executable="one", name=LaunchConfiguration("name"),
+                 parameters=[PathJoinSubstitution([FindPackageShare("mine"), "config", "p.yaml"])]),
+            Node(package="rviz2", executable="rviz2"),
+            IncludeLaunchDescription(
+                PythonLaunchDescriptionSource(share + "/inner.launch.py"),
+                launch_arguments={"word": "7"}.items()),
+        ])
+    """
+INNER = """
+    from launch import LaunchDescription
+    from launch.actions import DeclareLaunchArgument
+    from launch.substitutions import LaunchConfiguration
+    from launch_ros.actions import Node
+
+    def generate_launch_description():
+        return LaunchDescription([
+            DeclareLaunchArgument("word"),
+            Node(executable="two", package="mine",
+                 parameters=[{"word": ["n", LaunchConfiguration("word")]}])])
+    """
+MINE = {
+    "package.xml": XML,
+    "setup.py": SETUP,
+    "mine/__init__.py": "",
+    "mine/common.py": COMMON,
+    "mine/one.py": NODE,
+    "mine/two.py": NODE.replace("mine.common", ".common"),
+    "config/p.yaml": "first:\n  ros__parameters:\n    word: shared\n",
+}
+
+
+def lay(folder: Path, files: Mapping[str, str]) -> Path:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(textwrap.dedent(text))
+    return folder
+
+
+def drive(submission: Submission, forkserver: ForkServer, **options: object) -> Recording:
+    return run_trial(unpacked(submission, forkserver), short(0.3), forkserver, **options)
+
+
+def said(recording: Recording) -> list[str]:
+    return [line.text for line in recording.log] or [recording.outcome.text]
+
+
+@pytest.mark.parametrize(
+    ("files", "arguments", "expected"),
+    [
+        ({"node.py": "from helper import A\nprint(A)", "helper.py": "A = 7"}, (), "7"),
+        ({"node.py": "import kit.a\nprint(kit.a.B)", "kit/a.py": "B = 8"}, (), "8"),
+        ({"node.py": "print(open('m/x.txt').read())", "m/x.txt": "9"}, (), "9"),
+        (
+            {"node.py": "import os\nprint(os.path.exists(os.path.expanduser('~/x.txt')))",
+             "x.txt": "9"},
+            (),
+            "False",
+        ),
+        (
+            {"node.py": "import sys\nprint(open(sys.argv[1]).read())", "own.onnx": "weights"},
+            ("own.onnx",),
+            "weights",
+        ),
+        ({"node.py": "from .helper import A", "helper.py": "A = 7"}, (), "leave the dot out"),
+        ({"node.py": "import helper", "helper.py": "1 / 0"}, (), "(helper.py, line 1, in"),
+    ],
+)  # fmt: skip
+def test_a_file_finds_what_lies_beside_it(
+    files: dict[str, str],
+    arguments: tuple[str, ...],
+    expected: str,
+    forkserver: ForkServer,
+    tmp_path: Path,
+) -> None:
+    recording = drive(
+        find_submission(lay(tmp_path, files) / "node.py"), forkserver, arguments=arguments
+    )
+    assert expected in [*said(recording), recording.outcome.text][0] + recording.outcome.text
+
+
+def test_two_nodes_of_a_package_as_its_launch_file_says(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    inside = {"src/mine/" + name: text for name, text in MINE.items()}
+    inside |= {"src/mine/launch/all.launch.py": LAUNCH, "src/mine/launch/inner.launch.py": INNER}
+    submission = unpacked(find_submission(lay(tmp_path, inside)), forkserver)
+
+    assert not submission.problem
+    assert "rviz2 of the package rviz2 is not started here" in submission.left
+    # a module of both: on a robot each process has its own
+    assert said(drive(submission, forkserver)) == ["mine.one first shared 1", "mine.two node n7 1"]
+
+
+@pytest.mark.parametrize("given", ["", "mine/two.py"])
+def test_without_a_launch_file_the_program_that_is_meant(
+    given: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    submission = find_submission(lay(tmp_path, MINE) / given, "two.py")
+    assert said(drive(submission, forkserver)) == ["mine.two node none 1"]
+    assert submission.path == tmp_path / "mine" / "two.py"
+
+
+CONFIGURED = {
+    "setup.cfg": """
+        [options]
+        packages = find:
+        [options.entry_points]
+        console_scripts =
+            one = mine.one:main
+        """,
+    "pyproject.toml": '[project.scripts]\none = "mine.one:main"\n',
+}
+
+
+@pytest.mark.parametrize("name", CONFIGURED)
+def test_entry_points_of_other_files(name: str, forkserver: ForkServer, tmp_path: Path) -> None:
+    files = {**MINE, name: CONFIGURED[name]}
+    del files["setup.py"]
+    assert said(drive(find_submission(lay(tmp_path, files)), forkserver)) == [
+        "mine.one node none 1"
+    ]
+
+
+BROKEN = {
+    "not installed": ({"mine/one.py": "import mine.sub.x", "mine/sub/x.py": ""}, "mine.sub"),
+    "no such data": ({"setup.py": SETUP.replace('glob("config/*.yaml")', '["c.yaml"]')}, "c.yaml"),
+    "raises": ({"setup.py": "import os\n1 / 0"}, "setup.py, line 2: ZeroDivisionError"),
+    "no setup": ({"setup.py": "pass"}, "does not call setup"),
+    "no module": (
+        {"setup.py": "import setuptools\nsetuptools.setup(packages=['mine'], entry_points="
+                     "'[console_scripts]\\none=mine.gone:main')"},
+        "mine.gone:main leads to no module",
+    ),
+    "which": ({}, "entry points are: one, two"),
+    "unknown": (
+        {"a.launch.py": "from launch.actions import ExecuteProcess"},
+        "launch.actions.ExecuteProcess is not known here",
+    ),
+    "condition": (
+        {"a.launch.py": INNER.replace('package="mine"', 'package="mine", condition=1')},
+        "Node(condition=…) is not known here",
+    ),
+    "no default": ({"a.launch.py": INNER}, "word needs a default"),
+    "other package": (
+        {"a.launch.py": LAUNCH.replace('directory("mine")', 'directory("nav2_bringup")')},
+        "there is no package nav2_bringup here",
+    ),
+    "no program": (
+        {"a.launch.py": INNER.replace('"two"', '"three"').replace(
+            't("word")', 't("word", default_value="")')},
+        "a.launch.py starts three, but",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_what_is_wrong_with_a_package_is_one_line(
+    name: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    files, expected = BROKEN[name]
+    submission = find_submission(lay(tmp_path, {**MINE, **files}))
+    if name == "not installed":
+        submission = find_submission(tmp_path / "mine" / "one.py")
+    outcome = drive(submission, forkserver).outcome
+    assert not outcome.completed
+    assert expected in outcome.text
+    assert "\n" not in outcome.text
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        {"files": {"../out.py": "setup.py"}},
+        {"files": {"/tmp/out.py": "setup.py"}},
+        {"files": {"mine/one.py": "../../secret"}},
+        {"files": {"mine/one.py": "/etc/passwd"}},
+        {"files": {".git/hooks/x": "setup.py"}},
+    ],
+)
+def test_a_forged_answer_places_nothing_outside(answer: dict[str, object], tmp_path: Path) -> None:
+    submission = find_submission(lay(tmp_path, MINE))
+    read = PackageRead(
+        executables=(Executable("one", "mine/one.py", "mine.one:main"),),
+        launched=(Launched("one", ()),),
+        **answer,  # type: ignore[arg-type]
+    )
+    made = _with_programs(submission, Package(), "", read)
+    assert made.problem
+    assert set(made.beside) <= set(submission.beside)
+
+
+def test_a_models_name_in_a_scenario_is_the_scenarios(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    """Where a scenario says that there is no model, the student's own does not take its place."""
+    files = {"node.py": "import os\nprint(*map(os.path.exists, ['m.pkl', 'n.pkl']))"}
+    submission = find_submission(
+        lay(tmp_path, {**files, "m.pkl": "mine", "n.pkl": "mine"}) / "node.py"
+    )
+    node = NodeSpec(parameters={"model_path": "m.pkl"})
+    scenario = msgspec.structs.replace(short(0.3), node=node)
+    assert said(run_trial(submission, scenario, forkserver)) == ["False True"]
+
+
+def test_a_module_is_a_part_of_what_is_recorded(forkserver: ForkServer, tmp_path: Path) -> None:
+    lay(tmp_path / "a", {"node.py": "import helper", "helper.py": "A = 7"})
+    kept = KeptRecordings(tmp_path / "kept", "engine")
+    node, scenario = tmp_path / "a" / "node.py", short(0.3)
+    kept.put(find_submission(node), run_trial(find_submission(node), scenario, forkserver), {})
+
+    seed = 1 if scenario.seed is None else scenario.seed
+    assert kept.get(find_submission(node), scenario, seed, {})
+    (tmp_path / "a" / "helper.py").write_text("A = 8")
+    assert not kept.get(find_submission(node), scenario, seed, {})
