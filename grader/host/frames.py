@@ -53,11 +53,11 @@ class ProgramStart(msgspec.Struct, frozen=True):
     """A program to run; on a robot it would be a process of its own."""
 
     file: str
-    entry: str = ""  # "module:function" of a package, which `ros2 run` calls; "": the file is run
     arguments: tuple[str, ...] = ()  # what follows the file name in sys.argv
     start: Nanoseconds = 0  # [ns] since the start
     stop: Nanoseconds | None = None  # [ns]; it is killed then
     hides: tuple[Name, ...] = ()  # libraries that seem not installed to it
+    entry: str = ""  # "module:function" of a package, which `ros2 run` calls; "": the file is run
 
 
 class Start(msgspec.Struct, frozen=True, tag="start"):

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.intake import find_files, take_in
+from grader.classroom.intake.exercise_files import find_files
+from grader.classroom.intake.students import take_in
 from grader.classroom.results.similarity import own_code, parts_of, similar_groups
 from grader.course.exercises import find_exercise
 
