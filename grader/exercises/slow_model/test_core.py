@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
-from grader.checks.model_commands import loads_once
+from grader.checks.model_commands import ERRORS, SILENTLY, loads_once
 from grader.checks.predictions import TOLERANCE
 from grader.checks.words import follows, logs, only_linear_x, reacts, wired
 from grader.exercises.slow_model.contract import (
@@ -121,10 +121,7 @@ def test_raising_model(runs: Runs) -> None:
 @check(points=5, asks=SAFETY, task=3, scenarios=(NOT_FINITE, BLIND), hint="3.4")
 def test_nan_model(runs: Runs) -> None:
     """NaN or ±inf from the model, or a blind sector: 0.0, until there is a prediction again."""
-    help = (
-        "NaN, infinity (math.isfinite) and a sector without a usable reading are no prediction: "
-        f"0.0, after 0.6 s at the latest. {NEXT_SCAN}"
-    )
+    help = f"NaN, ±inf and a blind sector are no prediction: 0.0 within 0.6 s. {NEXT_SCAN}"
     heeds(runs, TICK, IDLE, help=help)
 
 
@@ -153,5 +150,4 @@ def test_no_model(runs: Runs) -> None:
     bare = runs.only(*WITHOUT_MODEL)
     stands(bare, help="Without a model there is no prediction: an error in the log, and 0.0.")
     for recording in bare:
-        help = "A robot that silently stands still costs an afternoon: log which file is the cause."
-        logs(recording, ("error", "fatal"), what="the node has no model", help=help)
+        logs(recording, ERRORS, what="the node has no model", help=SILENTLY)
