@@ -19,6 +19,7 @@ from grader.exercises.slow_model.contract import (
     SILENT,
     START,
     TICK,
+    ZERO,
     silence,
 )
 from grader.exercises.slow_model.words import heeds, keeps_period, stands
@@ -139,7 +140,7 @@ def test_too_slow_model(runs: Runs) -> None:
     When one takes 2 s for once, what it said before is too old before it has answered.
     """
     help = "Its predictions are too old when they come: how old is the scan behind them by then?"
-    heeds(runs, TICK, KNOWN, help=help)
+    heeds(runs, ZERO, KNOWN, help=help)
 
 
 @check(points=10, asks=SAFETY, task=1, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
