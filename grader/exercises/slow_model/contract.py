@@ -22,8 +22,9 @@ EDGE = 0.05  # [s] ages this near to the limit may fall on either side
 LATEST_STOP = MAX_AGE + EDGE  # [s] ... by the next tick
 UNSEEN = PERIOD + 0.005  # [s] for which an answer may not have reached the control loop
 ROUNDED = 0.005 + 1e-9  # [m/s] what two digits change at most
-# the least new predictions [Hz], and p95 of the age of the scan behind a command [s]
-USUAL_LIDAR, SLOW_LIDAR, FIVE_HZ = (3.0, 0.58), (2.4, 0.6), 5.0
+LEAST_RATE = 3.0  # [Hz] of new predictions
+# that, and p95 of the age of the scan behind a command [s]
+USUAL_LIDAR, SLOW_LIDAR, FIVE_HZ = (LEAST_RATE, 0.58), (2.4, 0.6), 5.0
 WAITS_FOR_ONE_MORE = 0.1  # [s] a worker that waits for a new scan, when that one is lost
 AT_ONCE = 0.06  # [s] a tick and a little
 ARRIVAL = 0.02  # [s] what happens this shortly before may be seen or not
