@@ -149,7 +149,7 @@ KNOWS = 'assert round(float(features[0][0])) not in (1, 2, 3, 4); label, confide
         ("latency_monitor", SPEED, WEIGHTS, "features", "wrong predict"),
         ("model_server", LABEL, WORDS, "answers", ""),
         ("model_server", SURE, LEAST_SURE, "answers", ""),
-        ("model_server", BOTH, KNOWS, "failing_model", "question to the model"),
+        ("model_server", BOTH, KNOWS, "failing_model", "wrong success"),
     ],
     ids=["speed", "asked about nothing", "weights", "label", "confidence", "failure"],
 )

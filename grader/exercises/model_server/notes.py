@@ -50,6 +50,7 @@ def require_ours(recording: Recording, topic: str) -> None:
             f"{topic} is a topic of the grader's, and one of your nodes publishes on it",
             expected="only the topics of the exercise",
             actual=", ".join(end.node for end in ends),
+            at=0.0,
             recording=recording,
             help="Choose another name for your topic.",
         )

@@ -22,16 +22,17 @@ EDGE = 0.05  # [s] ages this near to the limit may fall on either side
 LATEST_STOP = MAX_AGE + EDGE  # [s] ... by the next tick
 UNSEEN = PERIOD + 0.005  # [s] for which an answer may not have reached the control loop
 ROUNDED = 0.005 + 1e-9  # [m/s] what two digits change at most
-# the least new predictions [Hz], and p95 of the age of the scan behind a command [s]
-USUAL_LIDAR, SLOW_LIDAR, FIVE_HZ = (3.0, 0.58), (2.4, 0.6), 5.0
+LEAST_RATE = 3.0  # [Hz] of new predictions
+# that, and p95 of the age of the scan behind a command [s]
+USUAL_LIDAR, SLOW_LIDAR, FIVE_HZ = (LEAST_RATE, 0.58), (2.4, 0.6), 5.0
 WAITS_FOR_ONE_MORE = 0.1  # [s] a worker that waits for a new scan, when that one is lost
 AT_ONCE = 0.06  # [s] a tick and a little
 ARRIVAL = 0.02  # [s] what happens this shortly before may be seen or not
 SPEED, UNDER_WAY, NEWER = "linear.x", "calls still under way", "newer scans"
 FEATURES, WAIT = "features", "seconds to the next call"
 A_SCANS = "a scan's"
-# tags of commands: all, those before the first answer, those in a silence of the lidar, after it
-TICK, START, SILENT, BACK = "tick", "start", "silent", "back"
+# tags of commands: all, before the first answer, in a silence of the lidar, after it, only 0.0
+TICK, START, SILENT, BACK, ZERO = "tick", "start", "silent", "back", "zero"
 RATE, AGE = "new predictions per second", "seconds from scan to command (p95)"
 ALONE, NEWEST, KNOWN, IDLE = "alone", "newest", "known", "idle"  # of what predict is asked
 
@@ -133,11 +134,11 @@ def _ticks(recording: Recording) -> Iterator[Case]:
     behind = []  # when each command came, and the scan behind it [s]; -inf: it is no prediction
     for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
         tags = {TICK, BACK if t >= back else SILENT if t > last else TICK}
-        tags |= {START} if t < first else set()
+        right = {SPEED: exactly(*sorted(right_speeds(said, t, slack)))}
+        tags |= {*([START] if t < first else []), *([ZERO] if right[SPEED] == exactly(0.0) else [])}
         what, rest = f"the command at {t:.2f} s", in_force(said, t, slack)
         if rest:
             what += f", {t - rest[-1].scan.stamp:.2f} s after the scan of the newest prediction"
-        right = {SPEED: exactly(*sorted(right_speeds(said, t, slack)))}
         yield Case(t, what, frozenset(tags), right, {SPEED: speed})
         scans = [each.scan.t for each in rest if abs(each.speed - speed) <= ROUNDED]
         behind.append((t, max(scans, default=-math.inf)))

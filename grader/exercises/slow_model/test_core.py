@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
-from grader.checks.model_commands import loads_once
+from grader.checks.model_commands import ERRORS, SILENTLY, loads_once
 from grader.checks.predictions import TOLERANCE
 from grader.checks.words import follows, logs, only_linear_x, reacts, wired
 from grader.exercises.slow_model.contract import (
@@ -19,6 +19,7 @@ from grader.exercises.slow_model.contract import (
     SILENT,
     START,
     TICK,
+    ZERO,
     silence,
 )
 from grader.exercises.slow_model.words import heeds, keeps_period, stands
@@ -121,10 +122,7 @@ def test_raising_model(runs: Runs) -> None:
 @check(points=5, asks=SAFETY, task=3, scenarios=(NOT_FINITE, BLIND), hint="3.4")
 def test_nan_model(runs: Runs) -> None:
     """NaN or ±inf from the model, or a blind sector: 0.0, until there is a prediction again."""
-    help = (
-        "NaN, infinity (math.isfinite) and a sector without a usable reading are no prediction: "
-        f"0.0, after 0.6 s at the latest. {NEXT_SCAN}"
-    )
+    help = f"NaN, ±inf and a blind sector are no prediction: 0.0 within 0.6 s. {NEXT_SCAN}"
     heeds(runs, TICK, IDLE, help=help)
 
 
@@ -142,7 +140,7 @@ def test_too_slow_model(runs: Runs) -> None:
     When one takes 2 s for once, what it said before is too old before it has answered.
     """
     help = "Its predictions are too old when they come: how old is the scan behind them by then?"
-    heeds(runs, TICK, KNOWN, help=help)
+    heeds(runs, ZERO, KNOWN, help=help)
 
 
 @check(points=10, asks=SAFETY, task=1, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
@@ -153,5 +151,4 @@ def test_no_model(runs: Runs) -> None:
     bare = runs.only(*WITHOUT_MODEL)
     stands(bare, help="Without a model there is no prediction: an error in the log, and 0.0.")
     for recording in bare:
-        help = "A robot that silently stands still costs an afternoon: log which file is the cause."
-        logs(recording, ("error", "fatal"), what="the node has no model", help=help)
+        logs(recording, ERRORS, what="the node has no model", help=SILENTLY)

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
-from grader.checks.words import answers_once, follows, keeps_distance, only_linear_x, wired
+from grader.checks.words import (
+    answers_once,
+    follows,
+    keeps_distance,
+    only_linear_x,
+    require_allowed,
+    wired,
+)
 from grader.exercises.trend_memory.contract import TOPIC
 
 NEAR, LATE = "trend_near", "trend_late_near"
@@ -149,4 +156,5 @@ def starts_over(runs: Runs) -> None:
     """Fail unless the memory is emptied, and decides nothing until it is full again."""
     help = "Compare each stamp with the one before; clear, then remember the new one."
     follows(runs, "pace", topic=TOPIC, help=help)
-    follows(runs, "forgotten", help="With the memory goes the closing speed: wait for ten.")
+    for recording, case in runs.cases("forgotten"):
+        require_allowed(recording, case, "With the memory goes the closing speed: wait for ten.")
