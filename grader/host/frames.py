@@ -49,6 +49,18 @@ class Offer(msgspec.Struct, array_like=True, frozen=True):
     latched: bool = False  # sent once; who subscribes later, transient local, hears it too
 
 
+Span = tuple[Nanoseconds, Nanoseconds]  # [ns] at least, at most
+
+
+class Discovery(msgspec.Struct, frozen=True):
+    """How long DDS takes until the ends of topics and services have found each other."""
+
+    program: Span = (0, 0)  # from a program's first node until others know the program
+    late: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0  # share of later ends found late ...
+    end: Span = (0, 0)  # ... and by how much
+    latched: Span = (0, 0)  # until a later subscription has what was sent before it
+
+
 class ProgramStart(msgspec.Struct, frozen=True):
     """A program to run; on a robot it would be a process of its own."""
 
@@ -70,6 +82,7 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     lead: Annotated[int, msgspec.Meta(ge=0, le=MAX_LEAD)] = 0  # [ns] to begin before the scenario
     charge_compute: bool = False  # CPU time costs virtual time; never so in a grading
     stdin: Annotated[bytes, msgspec.Meta(max_length=MAX_STDIN)] = b""  # what the programs may read
+    discovery: Discovery = Discovery()  # by default all is found at once
 
 
 class Question(msgspec.Struct, array_like=True, frozen=True):
