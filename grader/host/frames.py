@@ -15,8 +15,6 @@ import msgspec
 MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
 MAX_PUBLISHED = 4_000  # messages a node may publish between two events of the world
 MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
-MAX_UNHEARD = 10  # in a pulse: messages of a start-up, before DDS has found it a listener
-MAX_UNHEARD_BYTES = 100_000  # of one of them; a larger one is not told of
 MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_STDIN = 1024 * 1024  # [bytes]
@@ -220,7 +218,6 @@ class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)]  # new ones
     # "kind topic": how many ends of others it has found
     connected: Annotated[dict[Name, int], msgspec.Meta(max_length=MAX_CONNECTED)]
-    unheard: Annotated[list[Published], msgspec.Meta(max_length=MAX_UNHEARD)] = []
 
     @property
     def spinning(self) -> bool:

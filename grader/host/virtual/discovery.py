@@ -239,7 +239,8 @@ def take(kernel: Kernel, subscription: Any, *, raw: bool) -> Any:
 
 
 def _arrive(subscription: Any, taken: Any) -> None:
-    subscription.__dict__.setdefault("_course_arrived", deque()).append(taken)
+    depth = subscription.qos_profile.depth or None  # 0: it keeps all
+    subscription.__dict__.setdefault("_course_arrived", deque(maxlen=depth)).append(taken)
     arrivals.append(Arrival(subscription._course_node, subscription))
 
 

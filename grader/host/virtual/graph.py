@@ -208,4 +208,4 @@ def _install_names(view: _View) -> None:
     node.get_node_names_and_namespaces_with_enclaves = found_nodes(enclaves)
     node.get_node_names = lambda self: [n for n, _ in self.get_node_names_and_namespaces()]
     node.get_topic_names_and_types = found_names(topics, "publisher", "subscription")
-    node.get_service_names_and_types = found_names(services, "service")
+    node.get_service_names_and_types = found_names(services, "service", "client")
