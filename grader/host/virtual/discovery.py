@@ -228,20 +228,24 @@ def take(kernel: Kernel, subscription: Any, *, raw: bool) -> Any:
     if arrived := subscription.__dict__.get("_course_arrived"):
         return arrived.popleft()
     marks = subscription.__dict__.get("_course_missed", ())
+    depth = subscription.qos_profile.depth or None  # 0: it keeps all
     while (taken := subscription.handle.take_message(subscription.msg_type, raw)) is not None:
         stamp = taken[1]["source_timestamp"]
         mark = next((mark for mark in marks if mark.begin <= stamp <= mark.end), None)
         if mark is None or (mark.arrives and mark.arrives() <= kernel.now):
             return taken
         if mark.arrives:
-            kernel.call_at(mark.arrives(), functools.partial(_arrive, subscription, taken))
+            held = subscription.__dict__.setdefault("_course_held", deque(maxlen=depth))
+            if not held:
+                kernel.call_at(mark.arrives(), functools.partial(_arrive, subscription, held))
+            held.append(taken)
     return None
 
 
-def _arrive(subscription: Any, taken: Any) -> None:
-    depth = subscription.qos_profile.depth or None  # 0: it keeps all
-    subscription.__dict__.setdefault("_course_arrived", deque(maxlen=depth)).append(taken)
-    arrivals.append(Arrival(subscription._course_node, subscription))
+def _arrive(subscription: Any, held: deque[Any]) -> None:
+    subscription.__dict__.setdefault("_course_arrived", deque()).extend(held)
+    arrivals.extend(Arrival(subscription._course_node, subscription) for _ in held)
+    held.clear()
 
 
 def install(discovery: Discovery, unheard: Callable[[Any], deque[Missed]]) -> None:
