@@ -160,7 +160,7 @@ class Discovery:
 
     # --- what is sent ----------------------------------------------------------------------------
 
-    def publish(self, publisher: Any, send: Callable[[], None], unheard: deque[Missed]) -> None:
+    def publish(self, publisher: Any, send: Callable[[], None], unheard: list[Missed]) -> None:
         """Send a message of a program to those who have found its publisher.
 
         `unheard` gets a mark of it if the robot is not among them. The judge reads what is latched
@@ -223,14 +223,22 @@ class Discovery:
         return other is party or met <= self._kernel.now
 
 
+def is_plain(subscription: Any) -> bool:
+    """Return whether all that a subscription has got has reached it."""
+    own = subscription.__dict__
+    return not (own.get("_course_missed") or own.get("_course_arrived"))
+
+
 def take(kernel: Kernel, subscription: Any, *, raw: bool) -> Any:
     """Return the next message that has reached a subscription, and its info; None: no more."""
     if arrived := subscription.__dict__.get("_course_arrived"):
         return arrived.popleft()
-    marks = subscription.__dict__.get("_course_missed", ())
+    marks: deque[Missed] = subscription.__dict__.get("_course_missed") or deque()
     depth = subscription.qos_profile.depth or None  # 0: it keeps all
     while (taken := subscription.handle.take_message(subscription.msg_type, raw)) is not None:
         stamp = taken[1]["source_timestamp"]
+        if marks and stamp > marks[-1].end:
+            marks.clear()  # what they mark has been taken
         mark = next((mark for mark in marks if mark.begin <= stamp <= mark.end), None)
         if mark is None or (mark.arrives and mark.arrives() <= kernel.now):
             return taken
@@ -248,7 +256,7 @@ def _arrive(subscription: Any, held: deque[Any]) -> None:
     held.clear()
 
 
-def install(discovery: Discovery, unheard: Callable[[Any], deque[Missed]]) -> None:
+def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> None:
     """Put it under publishers and clients; `unheard` holds what the robot misses, by context."""
     publisher: Any = rclpy.publisher.Publisher
     client: Any = rclpy.client.Client

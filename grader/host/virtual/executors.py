@@ -216,7 +216,7 @@ def _install_takes(kernel: Kernel, clocks: RosClocks) -> None:
 
     def virtual_take(self: Any, subscription: Any) -> Any:
         alone = subscription._callback_type is subscription.CallbackType.MessageOnly
-        if alone and "_course_missed" not in subscription.__dict__:
+        if alone and discovery.is_plain(subscription):
             return take(self, subscription)
         try:
             with subscription.handle:
