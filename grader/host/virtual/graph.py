@@ -16,9 +16,8 @@ import rclpy.subscription
 from rclpy.event_handler import QoSPublisherEventType, QoSSubscriptionEventType
 
 from ..robot_ends import ROBOT_NODE, RobotEnds
-from .discovery import ROBOT_LISTENS, Arrival, Discovery
+from .discovery import OURS, ROBOT_LISTENS, Arrival, Discovery
 
-OURS = "/probe/"  # topics between programs of ours and the judge
 MATE = {"publisher": "subscription", "subscription": "publisher"}
 MATCHED = (
     QoSPublisherEventType.RCL_PUBLISHER_MATCHED,
@@ -70,8 +69,8 @@ class _View:
         ends = self._ends_in(context)
         if ends is None or kind not in MATE:
             return 0
-        is_robots = kind == "publisher" or topic in ROBOT_LISTENS or topic.startswith(OURS)
-        if is_robots and self.discovery.knows_robot(context):
+        is_robots = kind == "publisher" or topic in ROBOT_LISTENS
+        if topic.startswith(OURS) or (is_robots and self.discovery.knows_robot(context)):
             return 0
         return int(ends.speaks(topic) if kind == "publisher" else ends.hears(topic))
 
