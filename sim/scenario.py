@@ -23,6 +23,7 @@ MAX_BENCH_SCANS = 20_000
 
 Probability = Annotated[float, Meta(ge=0, le=1)]
 Delay = Annotated[float, Meta(ge=0, le=10)]  # [s]
+Span = tuple[Delay, Delay]  # at least, at most [s]
 Noise = Annotated[float, Meta(ge=0, le=10)]  # standard deviation
 Limit = Annotated[float, Meta(gt=0, le=100)]  # of a lidar's readings [m]
 Mount = Annotated[float, Meta(ge=-0.5, le=0.5)]  # from the robot's middle [m]
@@ -103,8 +104,23 @@ class Transforms(_Table, frozen=True):
     enabled: bool = False  # odom → base_link on /tf with each /odom, the lidar's on /tf_static
 
 
+class Discovery(_Table, frozen=True):
+    """[faults.discovery] How long DDS takes to bring the ends of topics and services together.
+
+    The defaults were measured between two processes on plain rclpy, on one machine: 100 of each.
+    """
+
+    program: Span = (0.09, 0.13)  # from a program's first node until others know the program [s]
+    late: Probability = 0.08  # share of later publishers and servers that others find late …
+    end: Span = (0.0005, 0.018)  # … by this much [s]
+    latched: Span = (0.0095, 0.02)  # until a later subscription has what was sent before it [s]
+
+
 class Faults(_Table, frozen=True):
-    """[faults] What goes wrong: noise of the lidar, late and lost messages; nothing by default."""
+    """[faults] What goes wrong: noise of the lidar, late and lost messages.
+
+    By default nothing does, but for what is so on every robot: discovery.
+    """
 
     range_noise: Noise = 0.0  # of the lidar: standard deviation of every reading [m]
     beam_dropout: Probability = 0.0  # that a beam sees nothing
@@ -117,6 +133,7 @@ class Faults(_Table, frozen=True):
     raw_waver: Probability = 0.0  # share by which every second raw command is smaller
     command_latency: Delay = 0.0  # from the node's command to the wheels [s]
     blackout: Annotated[tuple[Interval, ...], Meta(max_length=1000)] = ()  # no scans [s]
+    discovery: Discovery = Discovery()
 
     def __post_init__(self) -> None:
         """Refuse intervals that end before they begin."""

@@ -60,7 +60,7 @@ def answers_once(runs: Sequence[Recording]) -> None:
                 actual=f"a Twist at {commands[0]:.3f} s, the first scan at {first:.3f} s",
                 at=commands[0],
                 recording=recording,
-                help="Publish from the scan callback only, not from the constructor or a timer.",
+                help="Publish from the scan callback only, not from a timer.",
             )
         for answer in answers(recording):
             if answer.count != 1:
@@ -70,7 +70,8 @@ def answers_once(runs: Sequence[Recording]) -> None:
                     actual=f"{answer.count} between this scan and the next",
                     at=answer.scan.t,
                     recording=recording,
-                    help="Look for a timer, a second publish(), or a return before the publish().",
+                    help="Look for a timer, a second publish(), or a return before the publish(). "
+                    "A publisher made for each message loses some: others find it too late.",
                 )
 
 

@@ -234,7 +234,7 @@ def _prepare_host(request: Request, output: tuple[int, int], *, live: bool) -> N
 
 def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_out: int) -> None:
     from . import program  # noqa: PLC0415  (rclpy is imported by now)
-    from .virtual import bridge, executors, session  # noqa: PLC0415
+    from .virtual import bridge, discovery, executors, session  # noqa: PLC0415
 
     trial = session.Session(link_in, link_out)
     trial.kernel, kernel.world = kernel, trial
@@ -242,7 +242,8 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
     trial.charge_compute = start.charge_compute
     if start.stdin:
         _give_input(start.stdin)
-    trial.bridge = bridge.Bridge(start.offers)
+    found = discovery.Discovery(kernel, start.discovery, start.seed)
+    trial.bridge = bridge.Bridge(start.offers, found)
     trial.bridge.install()
     trial.clocks = executors.install(kernel, epoch, trial.bridge)
     trial.bridge.tell_rosout(trial.clocks.present)

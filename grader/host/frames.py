@@ -15,8 +15,6 @@ import msgspec
 MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
 MAX_PUBLISHED = 4_000  # messages a node may publish between two events of the world
 MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
-MAX_UNHEARD = 10  # in a pulse: messages of a start-up, before DDS has found it a listener
-MAX_UNHEARD_BYTES = 100_000  # of one of them; a larger one is not told of
 MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_STDIN = 1024 * 1024  # [bytes]
@@ -49,6 +47,18 @@ class Offer(msgspec.Struct, array_like=True, frozen=True):
     latched: bool = False  # sent once; who subscribes later, transient local, hears it too
 
 
+Span = tuple[Nanoseconds, Nanoseconds]  # [ns] at least, at most
+
+
+class Discovery(msgspec.Struct, frozen=True):
+    """How long DDS takes until the ends of topics and services have found each other."""
+
+    program: Span = (0, 0)  # from a program's first node until others know the program
+    late: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0  # share of later ends found late ...
+    end: Span = (0, 0)  # ... and by how much
+    latched: Span = (0, 0)  # until a later subscription has what was sent before it
+
+
 class ProgramStart(msgspec.Struct, frozen=True):
     """A program to run; on a robot it would be a process of its own."""
 
@@ -71,6 +81,7 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     lead: Annotated[int, msgspec.Meta(ge=0, le=MAX_LEAD)] = 0  # [ns] to begin before the scenario
     charge_compute: bool = False  # CPU time costs virtual time; never so in a grading
     stdin: Annotated[bytes, msgspec.Meta(max_length=MAX_STDIN)] = b""  # what the programs may read
+    discovery: Discovery = Discovery()  # by default all is found at once
 
 
 class Question(msgspec.Struct, array_like=True, frozen=True):
@@ -214,7 +225,6 @@ class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)]  # new ones
     # "kind topic": how many ends of others it has found
     connected: Annotated[dict[Name, int], msgspec.Meta(max_length=MAX_CONNECTED)]
-    unheard: Annotated[list[Published], msgspec.Meta(max_length=MAX_UNHEARD)] = []
 
     @property
     def spinning(self) -> bool:

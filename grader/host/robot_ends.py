@@ -7,6 +7,7 @@ the student's constructor.
 
 from __future__ import annotations
 
+import bisect
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -58,6 +59,7 @@ class RobotEnds:
         self._latched = {} if latched is None else latched  # what was sent once, by topic
         self._listeners: dict[str, tuple[str, Any, Any]] = {}
         self._speakers: dict[str, Any] = {}
+        self.unheard: list[Any] = []  # marks of what is not for it, in their order
         self.node = _RobotNode(
             ROBOT_NODE,
             context=context,
@@ -104,6 +106,10 @@ class RobotEnds:
             return ""
         return str(reason).removeprefix("ERROR: ").rstrip("; ").lower()
 
+    def speaks(self, topic: str) -> bool:
+        """Return whether it has a publisher of a topic."""
+        return topic in self._speakers
+
     def speaker(self, topic: str) -> Any:
         """Return the robot's publisher of a topic; None where it has none."""
         return self._speakers.get(topic)
@@ -121,8 +127,15 @@ class RobotEnds:
             ):
                 data, info = message
                 sent, received = info["source_timestamp"], info["received_timestamp"]
+                if self._is_unheard(sent):
+                    continue
                 taken.append(Heard(sent, received, topic, name, data))
+        self.unheard.clear()
         return sorted(taken, key=lambda heard: heard.sent)
+
+    def _is_unheard(self, sent: int) -> bool:
+        index = bisect.bisect_right(self.unheard, sent, key=lambda mark: mark.begin) - 1
+        return index >= 0 and bool(sent <= self.unheard[index].end)
 
     def deliver(self, topic: str, data: bytes) -> None:
         """Publish a message of the robot; nobody hears it where the student has no end."""

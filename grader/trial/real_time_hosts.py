@@ -65,7 +65,7 @@ MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
 TURN = 0.02  # [s] between looks at the hosts, at most ...
 REST = 0.001  # ... and at least, however much they say
 MAX_CHUNKS = 64  # read at once from one host
-MAX_PULSE = 2 * 1024 * 1024  # [bytes] with all its endpoints and messages of its start-up
+MAX_PULSE = 2 * 1024 * 1024  # [bytes] with all its endpoints
 MAX_PULSES = 100  # of a program at a time: it sends ten a second
 NO_RADIO = "the robot's radio has died: nothing can be said of the node"
 HUNG_AT_START = "the node did not come back from its start-up"
@@ -354,7 +354,6 @@ class LiveHosts:
                 case Pulse():
                     program.pulse = frame
                     program.topics |= {e.topic for e in frame.endpoints if e.kind == "publisher"}
-                    self._hear_start_up(frame.unheard)
                     if frame.endpoints:
                         self._asked += len(frame.endpoints)
                         if self._asked > MAX_ENDPOINTS:  # the radio would choke on them
@@ -380,10 +379,6 @@ class LiveHosts:
         """Return whether a program said this before it began to spin, as far as is known."""
         who = [p.pulse for p in self.programs if published.topic in p.topics]
         return not who or any(not pulse.spun or published.time < pulse.spun for pulse in who)
-
-    def _hear_start_up(self, unheard: Sequence[Published]) -> None:
-        if not self.epoch:
-            self._heard += unheard
 
     def _limit_start_up(self) -> None:
         """Flood if more was heard before time began than a node says at a time."""

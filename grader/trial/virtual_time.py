@@ -12,7 +12,7 @@ from pathlib import Path
 
 from grader.course.students import host_seed
 from grader.course.submission import Submission
-from grader.host.frames import Delivery, Ended, Run, Settled, Slept, Start, ToJudge
+from grader.host.frames import Delivery, Discovery, Ended, Run, Settled, Slept, Start, ToJudge
 from grader.link import real_clock
 from grader.link.exchange import Cost, HostDied, HostForged, HostHung
 from grader.link.launcher import Launcher
@@ -108,6 +108,7 @@ def run_trial(
                 lead=lead,
                 charge_compute=charge_compute,
                 stdin=stdin,
+                discovery=_discovery(scenario),
             )
             try:
                 outcome = link.converse(trial.conversation(start, limits or Limits()))
@@ -234,6 +235,16 @@ class _Trial:
 
     def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:
         return Outcome(kind, text, self._at, detail)
+
+
+def _discovery(scenario: Scenario) -> Discovery:
+    """Return the scenario's times of discovery in nanoseconds."""
+    fault = scenario.faults.discovery
+    program, end, latched = (
+        (round(least * 1e9), round(max(least, most) * 1e9))
+        for least, most in (fault.program, fault.end, fault.latched)
+    )
+    return Discovery(program, fault.late, end, latched)
 
 
 def _too_slow(limits: Limits, simulation: Simulation) -> str:

@@ -13,13 +13,11 @@ from typing import Any
 
 import rclpy.executors
 from rclpy.impl.implementation_singleton import rclpy_implementation
-from rclpy.publisher import Publisher
-from rclpy.serialization import serialize_message
 from rclpy.task import Task
 
 from .. import program, randomness
-from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report, type_name
-from ..frames import MAX_UNHEARD, MAX_UNHEARD_BYTES, EndpointReport, Published, Pulse, Start, TuneIn
+from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
+from ..frames import EndpointReport, Pulse, Start, TuneIn
 from ..supplied.kept import desk
 from ..wire import Wire, ended
 from .questions import Desk
@@ -51,7 +49,6 @@ class Vitals:
         self._waiting = 0  # executors that wait for work now
         self._last_wait = 0.0
         self._spun = 0  # [ns] since 1970, when an executor first waited
-        self._unheard: list[Published] = []
         self._lock = threading.Lock()  # pulses are made beside the node's threads
 
     def on_endpoint(self, kind: str, node: Any, endpoint: Any) -> None:
@@ -68,24 +65,6 @@ class Vitals:
         new = report(kind, node, endpoint)
         with self._lock:
             self._new.append(new)
-
-    def on_publish(self, publisher: Any, message: Any) -> None:
-        """Note what a program says in its start-up, when DDS has found it no listener yet.
-
-        The judge would not hear of a command that a constructor sends. It is lost here and now, but
-        with a robot that was there before the node it may arrive.
-        """
-        if self._spun:
-            return
-        if publisher.topic_name in HIDDEN_TOPICS or publisher.get_subscription_count():
-            return
-        data = message if isinstance(message, bytes) else serialize_message(message)
-        name = type_name(publisher.msg_type)
-        if len(data) > MAX_UNHEARD_BYTES:
-            return
-        unheard = Published(time.time_ns(), publisher.topic_name, name, data)
-        with self._lock:
-            self._unheard = [*self._unheard, unheard][-MAX_UNHEARD:]  # the last is in force
 
     def waits_unseen(self) -> None:
         """An executor looks for work or does it: which of the two, it doesn't tell."""
@@ -109,10 +88,9 @@ class Vitals:
         spun = self._spun  # before the rest: who spins has told of all that its constructor made
         with self._lock:
             new, self._new = self._new, []
-            unheard, self._unheard = self._unheard, []
         idle = self._waiting > 0 or not spun
         busy = 0.0 if idle else time.monotonic() - self._last_wait
-        return Pulse(spun, busy, new, self._connected(), unheard)
+        return Pulse(spun, busy, new, self._connected())
 
     def _connected(self) -> dict[str, int]:
         found: dict[str, int] = {}
@@ -135,7 +113,6 @@ def _run_program(wire: Wire, start: Start) -> None:
     EndpointWatch(vitals.on_endpoint).install()
     _mend_executors()
     _watch_executors(vitals)
-    _watch_publishers(vitals)
     lock = threading.Lock()
     desk.ask = Desk(wire, lock).ask
     threading.Thread(target=_beat, args=(wire, vitals, lock), daemon=True).start()
@@ -153,17 +130,6 @@ def _beat(wire: Wire, vitals: Vitals, lock: threading.Lock) -> None:
         with lock:
             wire.send(vitals.pulse())
         time.sleep(PERIOD)
-
-
-def _watch_publishers(vitals: Vitals) -> None:
-    cls: Any = Publisher
-    publish = cls.publish
-
-    def watched_publish(self: Any, message: Any) -> None:
-        publish(self, message)
-        vitals.on_publish(self, message)
-
-    cls.publish = watched_publish
 
 
 def _watch_executors(vitals: Vitals) -> None:

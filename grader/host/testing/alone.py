@@ -16,6 +16,9 @@ class StandIn:
     def __init__(self) -> None:
         self._asked = 0
 
+    def waits(self) -> None:
+        """Nothing waits for a node."""
+
     @property
     def changes(self) -> int:
         """Another number each time: endpoints may always have changed."""

@@ -20,6 +20,7 @@ from rclpy.qos import DurabilityPolicy
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
 from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, Published
 from ..robot_ends import Heard, RobotEnds
+from . import discovery as found
 from . import graph
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
@@ -31,7 +32,9 @@ LATCHED = DurabilityPolicy.TRANSIENT_LOCAL
 class Bridge:
     """Hears all that the student's nodes publish and speaks for the robot."""
 
-    def __init__(self, offers: tuple[Offer, ...]) -> None:
+    def __init__(self, offers: tuple[Offer, ...], discovery: found.Discovery) -> None:
+        self.discovery = discovery
+        self.waits = discovery.waits
         self._offers = {offer.topic: offer for offer in offers}
         self._ends: dict[Any, RobotEnds] = {}  # by context
         self._latched: dict[str, bytes] = {}  # what the robot sent once, by topic
@@ -48,7 +51,8 @@ class Bridge:
     def install(self) -> None:
         """Watch the student's nodes create their endpoints."""
         EndpointWatch(self._on_endpoint).install()
-        graph.install(self._hears)
+        graph.install(self.discovery, self._ends.get)
+        found.install(self.discovery, lambda context: self._ends_in(context).unheard)
         node_cls: Any = rclpy.node.Node
         for name in ("destroy_publisher", "destroy_subscription", "destroy_node"):
             setattr(node_cls, name, self._counting(getattr(node_cls, name)))
@@ -87,6 +91,13 @@ class Bridge:
         """Publish a message of the robot; nobody hears it where the student has no end."""
         if topic in self._offers and self._offers[topic].latched:
             self._latched[topic] = data
+        if self.discovery.calm:
+            self._send(topic, data)
+            return
+        latched = topic in self._latched
+        self.discovery.deliver(topic, lambda: self._send(topic, data), latched=latched)
+
+    def _send(self, topic: str, data: bytes) -> None:
         for ends in self._ends.values():
             ends.deliver(topic, data)
 
@@ -97,6 +108,7 @@ class Bridge:
 
     def _on_endpoint(self, kind: str, node: Any, endpoint: Any) -> None:
         self.changes += 1
+        self.discovery.note(kind, node, endpoint)
         mismatch = ""
         match kind:
             case "subscription" if endpoint.topic_name == ROSOUT and self.rosout:
@@ -107,15 +119,17 @@ class Bridge:
                 return
             case "publisher":
                 self._ends_in(node.context).listen(endpoint.topic_name, endpoint.msg_type)
-                graph.hide_match(endpoint)
+                graph.watch_matches(kind, node, endpoint, self.discovery)
                 if endpoint.qos_profile.durability == LATCHED:
                     self._latching.add(endpoint)
             case "subscription":
                 mismatch = self._ends_in(node.context).speak(
                     endpoint.topic_name, endpoint.msg_type, endpoint.qos_profile
                 )
+                graph.watch_matches(kind, node, endpoint, self.discovery)
                 if endpoint.qos_profile.durability == LATCHED:
                     self._await_history(endpoint.topic_name)
+                    self.discovery.hold_history(endpoint)
             case "service":
                 endpoint._course_parameters = is_parameter_service(endpoint.service_name)
                 if endpoint._course_parameters:
@@ -141,12 +155,11 @@ class Bridge:
             self._ends[context] = RobotEnds(context, self._offers, self._latched)
         return self._ends[context]
 
-    def _hears(self, context: Any, topic: str) -> bool:
-        return context in self._ends and self._ends[context].hears(topic)
-
     def _counting(self, destroy: Any) -> Any:
         def destroy_and_count(node: Any, *endpoint: Any) -> Any:
             self.changes += 1
+            if not endpoint:
+                self.discovery.leave(node=node)
             return destroy(node, *endpoint)
 
         return destroy_and_count
@@ -157,6 +170,7 @@ class Bridge:
         def leave_and_shutdown(context: Any) -> None:
             if self.rosout:
                 self.rosout.leave(context)
+            self.discovery.leave(context=context)
             ends = self._ends.pop(context, None)
             if ends is not None:
                 self._last_words += ends.take()

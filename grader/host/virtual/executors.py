@@ -29,7 +29,7 @@ from rclpy.exceptions import InvalidHandle, NotInitializedException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.time import Time
 
-from . import tasks
+from . import discovery, tasks
 from .clock import real_time_ns
 from .kernel import Kernel, Waiters
 
@@ -46,6 +46,9 @@ class Graph(Protocol):
     @property
     def parameters_in_use(self) -> bool:
         """Some node asks for another's parameters."""
+
+    def waits(self) -> None:
+        """A program waits for work."""
 
 
 class RosClocks:
@@ -106,8 +109,8 @@ def install(kernel: Kernel, epoch: int, bridge: Graph) -> RosClocks:
     _install_entities(bridge)
     clocks = RosClocks(kernel, epoch)
     _install_wait(kernel, bridge)
-    _install_wait_for_message(kernel)
-    _install_message_info(clocks)
+    _install_wait_for_message(kernel, bridge)
+    _install_takes(kernel, clocks)
     tasks.install(kernel)
     _install_clocks(kernel, clocks)
     _quicken_log()
@@ -131,6 +134,8 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
         while True:
             if not self.context.ok() and not self._is_shutdown:
                 raise rclpy.executors.ExternalShutdownException  # a wait set can't be made any more
+            if discovery.arrivals and (found := _arrived(self, nodes or self.get_nodes())):
+                return found
             try:
                 found = wait(self, 0, nodes, condition)
             except rclpy.executors.TimeoutException:
@@ -150,6 +155,7 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
     ) -> Any:
         seconds = getattr(timeout_sec, "timeout", timeout_sec)
         deadline = None if seconds is None or seconds < 0 else kernel.after(seconds)
+        bridge.waits()
         found = kernel.poll(
             self,
             lambda: look(self, nodes, condition),
@@ -178,7 +184,18 @@ def _name_of(node: Any) -> str:
     return str(node._course_name)
 
 
-def _install_wait_for_message(kernel: Kernel) -> None:
+def _arrived(executor: Any, nodes: Any) -> Any:
+    """Return work that DDS knows nothing of, as a look does; None if there is none to do now."""
+    for work in discovery.arrivals:
+        free = work.entity.callback_group.can_execute(work.entity)
+        if work.node in nodes and free and not work.entity._executor_event:
+            discovery.arrivals.remove(work)
+            take = work.take or executor._take_subscription
+            return executor._make_handler(work.entity, work.node, take), work.entity, work.node
+    return None
+
+
+def _install_wait_for_message(kernel: Kernel, bridge: Graph) -> None:
     """`rclpy.wait_for_message` waits without an executor, for one message of one topic."""
     module: Any = rclpy.wait_for_message
 
@@ -187,9 +204,10 @@ def _install_wait_for_message(kernel: Kernel) -> None:
     ) -> tuple[bool, Any]:
         subscription = node.create_subscription(msg_type, topic, lambda _: None, qos_profile)
         deadline = None if time_to_wait < 0 else kernel.after(time_to_wait)
+        bridge.waits()
         try:
             taken = kernel.poll(
-                subscription, lambda: subscription.handle.take_message(msg_type, False), deadline
+                subscription, lambda: discovery.take(kernel, subscription, raw=False), deadline
             )
         finally:
             node.destroy_subscription(subscription)
@@ -198,17 +216,18 @@ def _install_wait_for_message(kernel: Kernel) -> None:
     module.wait_for_message = virtual_wait_for_message
 
 
-def _install_message_info(clocks: RosClocks) -> None:
-    """Callbacks that take a MessageInfo read virtual times in it, not those of the machine."""
+def _install_takes(kernel: Kernel, clocks: RosClocks) -> None:
+    """Executors take what has reached a subscription, with virtual times in its MessageInfo."""
     cls: Any = rclpy.executors.Executor
     take = cls._take_subscription
 
     def virtual_take(self: Any, subscription: Any) -> Any:
-        if subscription._callback_type is subscription.CallbackType.MessageOnly:
+        alone = subscription._callback_type is subscription.CallbackType.MessageOnly
+        if alone and discovery.is_plain(subscription):
             return take(self, subscription)
         try:
             with subscription.handle:
-                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+                taken = discovery.take(kernel, subscription, raw=subscription.raw)
         except InvalidHandle:  # the subscription has been destroyed
             return None
         if taken is None:
@@ -217,8 +236,10 @@ def _install_message_info(clocks: RosClocks) -> None:
         for name in ("source_timestamp", "received_timestamp"):
             info[name] = clocks.moment_of(info[name])
 
+        arguments = (message,) if alone else (message, info)
+
         async def execute() -> None:
-            await rclpy.executors.await_or_execute(subscription.callback, message, info)
+            await rclpy.executors.await_or_execute(subscription.callback, *arguments)
 
         return execute
 

@@ -1,4 +1,4 @@
-"""What a node sees when it looks at the graph: a robot, and not what listens for the judge.
+"""What a node sees of the graph: a robot and the programs that it has found, and no judge.
 
 The judge hears every topic. On a robot nobody subscribes to a topic of a student's own, so these
 subscriptions are left out of all that rclpy tells of the graph.
@@ -12,35 +12,98 @@ from typing import Any
 
 import rclpy.node
 import rclpy.publisher
-from rclpy.event_handler import QoSPublisherEventType
-from rclpy.topic_endpoint_info import TopicEndpointInfo
+import rclpy.subscription
+from rclpy.event_handler import QoSPublisherEventType, QoSSubscriptionEventType
 
-from ..robot_ends import ROBOT_NODE
+from ..robot_ends import ROBOT_NODE, RobotEnds
+from .discovery import OURS, ROBOT_LISTENS, Arrival, Discovery
 
-ROBOT_LISTENS = frozenset({"/cmd_vel"})
-OURS = "/probe/"  # topics between programs of ours and the judge
+MATE = {"publisher": "subscription", "subscription": "publisher"}
+MATCHED = (
+    QoSPublisherEventType.RCL_PUBLISHER_MATCHED,
+    QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED,
+)
+COUNTS = {
+    "count_publishers": "publisher",
+    "count_subscribers": "subscription",
+    "count_clients": "client",
+    "count_services": "service",
+}
+INFOS = {
+    "get_publishers_info_by_topic": "publisher",
+    "get_subscriptions_info_by_topic": "subscription",
+}
+OF_NODE = {
+    "get_publisher_names_and_types_by_node": "publisher",
+    "get_subscriber_names_and_types_by_node": "subscription",
+    "get_service_names_and_types_by_node": "service",
+    "get_client_names_and_types_by_node": "client",
+}
 
-Hears = Callable[[Any, str], bool]  # context, topic: the judge has a subscription of its own
+Ends = Callable[[Any], RobotEnds | None]  # the robot's in a context
 
 
-def install(hears: Hears) -> None:
-    """Take the judge's subscriptions out of the answers of rclpy."""
+def install(discovery: Discovery, ends_in: Ends) -> None:
+    """Take the judge's subscriptions, and what is not found yet, out of the answers of rclpy."""
+    view = _View(discovery, ends_in)
+    for name, kind in COUNTS.items():
+        _install_count(view, name, kind)
+    _install_peers(view, rclpy.publisher.Publisher, "get_subscription_count", "subscription")
+    _install_peers(view, rclpy.subscription.Subscription, "get_publisher_count", "publisher")
+    for name, kind in INFOS.items():
+        _install_infos(view, name, kind)
+    for name, kind in OF_NODE.items():
+        _install_names_of_node(view, name, kind)
+    _install_names(view)
 
-    def ears(context: Any, topic: str) -> int:
-        shown = topic in ROBOT_LISTENS or topic.startswith(OURS)
-        return 0 if shown else int(hears(context, topic))
 
-    _install_counts(ears)
-    _install_lists(ears)
+class _View:
+    """What there really is, and is not to be seen."""
+
+    def __init__(self, discovery: Discovery, ends_in: Ends) -> None:
+        self.discovery = discovery
+        self._ends_in = ends_in
+
+    def judge(self, kind: str, context: Any, topic: str) -> int:
+        """Return how many ends of a topic the judge has of which a program knows nothing."""
+        ends = self._ends_in(context)
+        if ends is None or kind not in MATE:
+            return 0
+        is_robots = kind == "publisher" or topic in ROBOT_LISTENS
+        if topic.startswith(OURS) or (is_robots and self.discovery.knows_robot(context)):
+            return 0
+        return int(ends.speaks(topic) if kind == "publisher" else ends.hears(topic))
+
+    def strangers(self, context: Any) -> set[tuple[str, str]]:
+        """Return name and namespace of each node that is not found yet."""
+        found = self.discovery.strangers(context)
+        if not self.discovery.knows_robot(context):
+            found.add((ROBOT_NODE, "/"))
+        return found
 
 
-def hide_match(publisher: Any) -> None:
-    """Let a publisher's matched events leave out the judge's subscription, made just now."""
-    if publisher.topic_name in ROBOT_LISTENS:
-        return
-    for handler in publisher.event_handlers:
-        if handler.event_type == QoSPublisherEventType.RCL_PUBLISHER_MATCHED:
-            handler.callback = _less_one(handler.callback)
+def watch_matches(kind: str, node: Any, end: Any, discovery: Discovery) -> None:
+    """Let matched events tell of ends when they are found, and not of the judge's."""
+
+    def when_found(callback: Callable[[Any], Any], handler: Any) -> Callable[[Any], Any]:
+        def tell(info: Any) -> Any:
+            unseen = discovery.unseen(MATE[kind], end.topic_name, node.context, end)
+            if discovery.knows_robot(node.context) and not unseen:
+                return callback(info)
+
+            async def tell_now() -> None:
+                tell(info)
+
+            discovery.when_calm(Arrival(node, handler, lambda _: tell_now))
+            return None
+
+        return tell
+
+    for handler in end.event_handlers:
+        if handler.event_type in MATCHED:
+            hidden = kind == "publisher" and end.topic_name not in ROBOT_LISTENS
+            callback = _less_one(handler.callback) if hidden else handler.callback
+            handler.callback = when_found(callback, handler)
 
 
 def _less_one(callback: Callable[[Any], Any]) -> Callable[[Any], Any]:
@@ -64,50 +127,84 @@ def _less_one(callback: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return without_the_judge
 
 
-def _install_counts(ears: Callable[[Any, str], int]) -> None:
-    node: Any = rclpy.node.Node
-    publisher: Any = rclpy.publisher.Publisher
-    count_in_graph, count_of_publisher = node.count_subscribers, publisher.get_subscription_count
-    create_publisher = node.create_publisher
+def _install_count(view: _View, name: str, kind: str) -> None:
+    real = getattr(rclpy.node.Node, name)
 
-    def count_subscribers(self: Any, topic_name: str) -> int:
+    def count(self: Any, topic_name: str) -> int:
         topic = rclpy.expand_topic_name.expand_topic_name(
             topic_name, self.get_name(), self.get_namespace()
         )
-        return int(count_in_graph(self, topic_name)) - ears(self.context, topic)
+        unseen = view.discovery.unseen(kind, topic, self.context)
+        return int(real(self, topic_name)) - unseen - view.judge(kind, self.context, topic)
 
-    def get_subscription_count(self: Any) -> int:
-        context = getattr(self, "_course_context", None)
-        return int(count_of_publisher(self)) - ears(context, self.topic_name)
-
-    def create(self: Any, *args: Any, **kwargs: Any) -> Any:
-        made = create_publisher(self, *args, **kwargs)
-        made._course_context = self.context
-        return made
-
-    node.count_subscribers, node.create_publisher = count_subscribers, create
-    publisher.get_subscription_count = get_subscription_count
+    setattr(rclpy.node.Node, name, count)
 
 
-def _install_lists(ears: Callable[[Any, str], int]) -> None:
-    node: Any = rclpy.node.Node
-    infos, names = node.get_subscriptions_info_by_topic, node.get_subscriber_names_and_types_by_node
+def _install_peers(view: _View, cls: Any, name: str, kind: str) -> None:
+    real = getattr(cls, name)
 
-    def get_subscriptions_info_by_topic(
-        self: Any, topic_name: str, no_mangle: bool = False
-    ) -> list[TopicEndpointInfo]:
-        found: list[TopicEndpointInfo] = infos(self, topic_name, no_mangle)
-        if not ears(self.context, self.resolve_topic_name(topic_name)):
+    def count(self: Any) -> int:
+        found = int(real(self))
+        party = self.__dict__.get("_course_party")
+        if party is None or not found:
             return found
-        return [info for info in found if info.node_name != ROBOT_NODE]
+        unseen = view.discovery.unseen(kind, self.topic_name, party.context, self)
+        return max(0, found - unseen - view.judge(kind, party.context, self.topic_name))
 
-    def get_subscriber_names_and_types_by_node(
-        self: Any, node_name: str, node_namespace: str, no_demangle: bool = False
-    ) -> list[tuple[str, list[str]]]:
-        found: list[tuple[str, list[str]]] = names(self, node_name, node_namespace, no_demangle)
+    setattr(cls, name, count)
+
+
+def _install_infos(view: _View, name: str, kind: str) -> None:
+    real = getattr(rclpy.node.Node, name)
+
+    def infos(self: Any, topic_name: str, no_mangle: bool = False) -> list[Any]:
+        found: list[Any] = real(self, topic_name, no_mangle)
+        strangers = view.strangers(self.context)
+        if view.judge(kind, self.context, self.resolve_topic_name(topic_name)):
+            strangers.add((ROBOT_NODE, "/"))
+        return [i for i in found if (i.node_name, i.node_namespace) not in strangers]
+
+    setattr(rclpy.node.Node, name, infos)
+
+
+def _install_names_of_node(view: _View, name: str, kind: str) -> None:
+    real = getattr(rclpy.node.Node, name)
+
+    def names(self: Any, node_name: str, node_namespace: str, *args: Any, **kwargs: Any) -> Any:
+        if (node_name, node_namespace) in view.strangers(self.context):
+            node_name = f"{node_name}_is_not_found"  # rclpy says that there is none
+        found = real(self, node_name, node_namespace, *args, **kwargs)
         if node_name != ROBOT_NODE:
             return found
-        return [entry for entry in found if not ears(self.context, entry[0])]
+        return [entry for entry in found if not view.judge(kind, self.context, entry[0])]
 
-    node.get_subscriptions_info_by_topic = get_subscriptions_info_by_topic
-    node.get_subscriber_names_and_types_by_node = get_subscriber_names_and_types_by_node
+    setattr(rclpy.node.Node, name, names)
+
+
+def _install_names(view: _View) -> None:
+    node: Any = rclpy.node.Node
+    nodes, enclaves = (
+        node.get_node_names_and_namespaces,
+        node.get_node_names_and_namespaces_with_enclaves,
+    )
+    topics, services = node.get_topic_names_and_types, node.get_service_names_and_types
+
+    def found_nodes(real: Any) -> Any:
+        def names(self: Any) -> Any:
+            strangers = view.strangers(self.context)
+            return [entry for entry in real(self) if (entry[0], entry[1]) not in strangers]
+
+        return names
+
+    def found_names(real: Any, *kinds: str) -> Any:
+        def names(self: Any, *args: Any, **kwargs: Any) -> Any:
+            hidden = view.discovery.of_strangers(kinds, self.context)
+            return [e for e in real(self, *args, **kwargs) if e[0] not in hidden]
+
+        return names
+
+    node.get_node_names_and_namespaces = found_nodes(nodes)
+    node.get_node_names_and_namespaces_with_enclaves = found_nodes(enclaves)
+    node.get_node_names = lambda self: [n for n, _ in self.get_node_names_and_namespaces()]
+    node.get_topic_names_and_types = found_names(topics, "publisher", "subscription")
+    node.get_service_names_and_types = found_names(services, "service", "client")

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from grader.host.frames import MAX_UNHEARD, MAX_UNHEARD_BYTES, EndpointReport
+from grader.host.frames import EndpointReport
 from grader.host.real_time import node as live
 from grader.host.real_time.node import Vitals
 
@@ -76,20 +76,3 @@ def test_a_node_that_spins_has_reported_all_of_its_constructor(vitals: Vitals) -
     assert (pulse.spinning, topics(pulse)) == (False, ["/cmd_vel"])
     pulse = vitals.pulse()
     assert (pulse.spinning, topics(pulse)) == (True, ["/scan"])
-
-
-def test_of_a_start_up_the_last_messages_are_reported(
-    vitals: Vitals, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(live, "type_name", lambda _: "a/msg/B")
-    lonely = SimpleNamespace(topic_name="/cmd_vel", msg_type=None, get_subscription_count=lambda: 0)
-    for number in range(MAX_UNHEARD + 3):
-        vitals.on_publish(lonely, b"%d" % number)
-    vitals.on_publish(lonely, bytes(MAX_UNHEARD_BYTES + 1))
-    vitals.on_publish(PUBLISHER, b"somebody listens")
-    first = vitals.pulse()
-    vitals.wait_begins()
-    vitals.on_publish(lonely, b"it spins")
-
-    assert [int(said.data) for said in first.unheard] == list(range(3, MAX_UNHEARD + 3))
-    assert vitals.pulse().unheard == []

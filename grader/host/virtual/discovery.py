@@ -1,0 +1,320 @@
+"""When the ends of topics and services find each other: on DDS not at once.
+
+All real ends here share one DDS participant, where they meet at once. For those of one program that
+is so on a robot, too. What is sent before two ends of different programs have met is known by the
+time at which DDS stamped it, and dropped when it is taken.
+
+- A program is known to others some time after its first node. Only where the robot waits for it,
+  before the scenario begins, it is known as soon as it waits for work.
+- An end that is made later finds at once what others have; some are found late by the others.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import random
+import sys
+from collections import deque
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import rclpy.client
+import rclpy.publisher
+from rclpy.qos import DurabilityPolicy, QoSCompatibility, qos_check_compatible
+from rclpy.task import Future
+
+from .. import frames
+from .clock import real_time_ns
+from .kernel import Kernel
+
+KINDS = {  # the list of a node that holds the ends of a kind
+    "publisher": "_publishers",
+    "subscription": "_subscriptions",
+    "client": "_clients",
+    "service": "_services",
+}
+MOST = 1000  # marks that an end keeps of what it has missed
+ROBOT_LISTENS = frozenset({"/cmd_vel"})
+OURS = "/probe/"  # topics between programs of ours and the judge, who know each other
+
+
+class Party:
+    """A program as DDS sees it, a participant: it lasts as long as it has nodes."""
+
+    def __init__(self, program: object, context: Any, known: int) -> None:
+        self.program, self.context = program, context
+        self.known = known  # [ns] when others have found it
+        self.nodes: dict[Any, None] = {}  # in the order in which they were made
+
+
+class Missed(NamedTuple):
+    """What a subscription has got, though it had not met those who sent it."""
+
+    begin: int  # [ns] by the clock of the stamps
+    end: int
+    arrives: Callable[[], int] | None = None  # [ns] of virtual time; None: it is lost
+
+
+class Arrival(NamedTuple):
+    """Work for an executor that DDS knows nothing of."""
+
+    node: Any
+    entity: Any  # it has a callback group
+    take: Callable[[Any], Any] | None = None  # as executors have it; None: the one for messages
+
+
+arrivals: list[Arrival] = []
+
+
+class Discovery:
+    """Who has found whom."""
+
+    def __init__(self, kernel: Kernel, times: frames.Discovery, seed: int) -> None:
+        self._kernel = kernel
+        self._times = times
+        self._random = random.Random(f"discovery {seed}")
+        self._parties: list[Party] = []
+        self._settled = 0  # [ns] when all will have met
+
+    @property
+    def calm(self) -> bool:
+        """All have met."""
+        return self._kernel.now >= self._settled
+
+    def note(self, kind: str, node: Any, end: Any) -> None:
+        """Note an end that a program has made."""
+        now = self._kernel.now
+        party = self.party(node.context) or self._join(node.context)
+        party.nodes[node] = None
+        end._course_node, end._course_party, end._course_found = node, party, now
+        of_topic = kind in ("publisher", "subscription")
+        end._course_name = end.topic_name if of_topic else end.service_name
+        if now <= 0 or now < party.known:
+            return  # it is found together with its program
+        if kind == "subscription" and _latched(end):
+            end._course_found += self._draw(self._times.latched)
+        elif kind in ("publisher", "service") and self._random.random() < self._times.late:
+            end._course_found += self._draw(self._times.end)
+        self._settled = max(self._settled, end._course_found)
+
+    def waits(self) -> None:
+        """A program waits for work; before the scenario begins, the robot waits for it."""
+        if self._kernel.now > 0 or self.calm:
+            return
+        for party in self._parties:
+            if party.program is self._kernel.program:
+                party.known = min(party.known, self._kernel.now)
+        self._settled = max(party.known for party in self._parties)
+
+    def leave(self, node: Any = None, context: Any = None) -> None:
+        """Note that a node is gone, or a context with all of its own."""
+        for party in self._parties:
+            party.nodes.pop(node, None)
+        self._parties = [p for p in self._parties if p.nodes and p.context is not context]
+
+    def party(self, context: Any) -> Party | None:
+        """Return the running program's part in a context, if it has any."""
+        for party in self._parties:
+            if party.program is self._kernel.program and party.context is context:
+                return party
+        return None
+
+    # --- who knows whom --------------------------------------------------------------------------
+
+    def knows_robot(self, context: Any) -> bool:
+        """Return whether the running program has found the robot."""
+        party = None if self.calm else self.party(context)
+        return party is None or party.known <= self._kernel.now
+
+    def unseen(self, kind: str, name: str, context: Any, mate: Any = None) -> int:
+        """Return how many ends the running program has yet to find; `mate` can talk to them."""
+        party = None if self.calm else self.party(context)
+        if party is None:
+            return 0
+        ends = [e for e in self._ends(kind, name) if not self._sees(party, e)]
+        return sum(mate is None or _compatible(mate, kind, end) for end in ends)
+
+    def finds_server(self, client: Any) -> bool:
+        """Return whether a client's program has found a server of its service."""
+        return self.calm or any(
+            self._sees(client._course_party, end) for end in self._ends("service", _name(client))
+        )
+
+    def strangers(self, context: Any) -> set[tuple[str, str]]:
+        """Return name and namespace of each node that the running program has yet to find."""
+        party = None if self.calm else self.party(context)
+        if party is None:
+            return set()
+        now = self._kernel.now
+        hidden = (p for p in self._parties if p is not party and now < max(p.known, party.known))
+        return {(node.get_name(), node.get_namespace()) for p in hidden for node in p.nodes}
+
+    def of_strangers(self, kinds: tuple[str, ...], context: Any) -> set[str]:
+        """Return the names of topics or services that only such nodes have."""
+        hidden = self.strangers(context)
+        names: tuple[set[str], set[str]] = (set(), set())
+        for node in (node for party in self._parties for node in party.nodes if hidden):
+            found = names[(node.get_name(), node.get_namespace()) in hidden]
+            found.update(_name(e) for kind in kinds for e in getattr(node, KINDS[kind]))
+        return names[True] - names[False]
+
+    # --- what is sent ----------------------------------------------------------------------------
+
+    def publish(self, publisher: Any, send: Callable[[], None], unheard: list[Missed]) -> None:
+        """Send a message of a program to those who have found its publisher.
+
+        `unheard` gets a mark of it if the robot is not among them. The judge reads what is latched
+        as a program would that comes later; the robot listens for nothing latched.
+        """
+        party: Party = publisher._course_party
+        latched, found = _latched(publisher), publisher._course_found
+        mark = self._send(_name(publisher), send, party, found, latched=latched)
+        read = latched and _name(publisher) not in ROBOT_LISTENS
+        read = read or _name(publisher).startswith(OURS)
+        if self._kernel.now < max(party.known, found) and not read:
+            unheard.append(mark)
+
+    def deliver(self, topic: str, send: Callable[[], None], *, latched: bool) -> None:
+        """Send a message of the robot to those whom it has found."""
+        self._send(topic, send, Party(None, None, 0), 0, latched=latched)
+
+    def _send(
+        self, topic: str, send: Callable[[], None], party: Party, found: int, *, latched: bool
+    ) -> Missed:
+        begin = _stamp()
+        send()
+        mark = Missed(begin, _stamp())
+        for subscription in self._ends("subscription", topic):
+            met = _meeting(party, subscription, found)
+            if subscription._course_party is not party and self._kernel.now < met():
+                late = met if latched and _latched(subscription) else None
+                _missed_by(subscription).append(mark._replace(arrives=late))
+        return mark
+
+    def hold_history(self, subscription: Any) -> None:
+        """Keep back what was sent before a latched subscription, until it has met the senders."""
+        party: Party = subscription._course_party
+        ends = self._ends("publisher", _name(subscription))
+        if not self.calm and not any(end._course_party is party for end in ends):
+            met = _meeting(party, subscription, 0)
+            _missed_by(subscription).append(Missed(0, _stamp(), met))
+
+    def when_calm(self, work: Arrival) -> None:
+        """Have an executor do something when all have met."""
+        self._kernel.call_at(self._settled, lambda: arrivals.append(work))
+
+    def _join(self, context: Any) -> Party:
+        known = self._kernel.now + self._draw(self._times.program)
+        party = Party(self._kernel.program, context, known)
+        self._settled = max(self._settled, known)
+        self._parties.append(party)
+        return party
+
+    def _draw(self, span: frames.Span) -> int:
+        return self._random.randint(*span)
+
+    def _ends(self, kind: str, name: str) -> Iterator[Any]:
+        for party in self._parties:
+            for node in party.nodes:
+                yield from (end for end in getattr(node, KINDS[kind]) if _name(end) == name)
+
+    def _sees(self, party: Party, end: Any) -> bool:
+        other: Party = end._course_party
+        met = max(party.known, other.known, end._course_found)
+        return other is party or met <= self._kernel.now
+
+
+def is_plain(subscription: Any) -> bool:
+    """Return whether all that a subscription has got has reached it."""
+    own = subscription.__dict__
+    return not (own.get("_course_missed") or own.get("_course_arrived"))
+
+
+def take(kernel: Kernel, subscription: Any, *, raw: bool) -> Any:
+    """Return the next message that has reached a subscription, and its info; None: no more."""
+    if arrived := subscription.__dict__.get("_course_arrived"):
+        return arrived.popleft()
+    marks: deque[Missed] = subscription.__dict__.get("_course_missed") or deque()
+    depth = subscription.qos_profile.depth or None  # 0: it keeps all
+    while (taken := subscription.handle.take_message(subscription.msg_type, raw)) is not None:
+        stamp = taken[1]["source_timestamp"]
+        if marks and stamp > marks[-1].end:
+            marks.clear()  # what they mark has been taken
+        mark = next((mark for mark in marks if mark.begin <= stamp <= mark.end), None)
+        if mark is None or (mark.arrives and mark.arrives() <= kernel.now):
+            return taken
+        if mark.arrives:
+            held = subscription.__dict__.setdefault("_course_held", deque(maxlen=depth))
+            if not held:
+                kernel.call_at(mark.arrives(), functools.partial(_arrive, subscription, held))
+            held.append(taken)
+    return None
+
+
+def _arrive(subscription: Any, held: deque[Any]) -> None:
+    subscription.__dict__.setdefault("_course_arrived", deque()).extend(held)
+    arrivals.extend(Arrival(subscription._course_node, subscription) for _ in held)
+    held.clear()
+
+
+def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> None:
+    """Put it under publishers and clients; `unheard` holds what the robot misses, by context."""
+    publisher: Any = rclpy.publisher.Publisher
+    client: Any = rclpy.client.Client
+    publish, is_ready, call_async = publisher.publish, client.service_is_ready, client.call_async
+    lost = itertools.count(1)
+
+    def virtual_publish(self: Any, msg: Any) -> None:
+        if discovery.calm or "_course_party" not in self.__dict__:
+            publish(self, msg)
+        else:
+            context = self._course_party.context
+            discovery.publish(self, lambda: publish(self, msg), unheard(context))
+
+    def virtual_is_ready(self: Any) -> bool:
+        return bool(is_ready(self)) and discovery.finds_server(self)
+
+    def virtual_call_async(self: Any, request: Any) -> Any:
+        if discovery.finds_server(self) or not isinstance(request, self.srv_type.Request):
+            return call_async(self, request)
+        future = Future()
+        with self._lock:
+            self._pending_requests[-next(lost)] = future
+        future.add_done_callback(self.remove_pending_request)
+        return future
+
+    publisher.publish = virtual_publish
+    client.service_is_ready, client.call_async = virtual_is_ready, virtual_call_async
+
+
+def _meeting(party: Party, subscription: Any, found: int) -> Callable[[], int]:
+    """Return what says when a program's publisher and a subscription have met [ns]."""
+    other: Party = subscription._course_party
+    return lambda: max(party.known, other.known, found, subscription._course_found)
+
+
+def _missed_by(subscription: Any) -> deque[Missed]:
+    missed: deque[Missed] = subscription.__dict__.setdefault("_course_missed", deque(maxlen=MOST))
+    return missed
+
+
+def _name(end: Any) -> str:
+    return str(end.__dict__.get("_course_name", ""))
+
+
+def _latched(end: Any) -> bool:
+    return bool(end.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def _compatible(mate: Any, kind: str, end: Any) -> bool:
+    """Return whether a publisher and a subscription can talk; the latter has found the other."""
+    offered, asked = (mate, end) if kind == "subscription" else (end, mate)
+    verdict, _ = qos_check_compatible(offered.qos_profile, asked.qos_profile)
+    return mate.msg_type is end.msg_type and verdict != QoSCompatibility.ERROR
+
+
+def _stamp() -> int:
+    """Return a stamp between those of messages that were published before and after [ns]."""
+    portable = sys.modules.get("rclpy_portable.native.machine")
+    return int(portable.stamps.next() if portable else real_time_ns())
