@@ -286,7 +286,8 @@ def test_computing_costs_no_time(
     said = summary(recording, capsys)
 
     assert len(recording.twists().t) == 10
-    assert {line.text for line in recording.log} == {"0.0"}
+    measured = {float(line.text) for line in recording.log}
+    assert max(measured) < 2e-6  # what reading the clock takes
     assert costs is not None
     assert 0.29 < costs.p50 <= costs.p99 <= costs.worst
     assert (costs.late, costs.period, costs.keeps_up) == (10, 0.1, False)

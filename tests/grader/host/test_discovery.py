@@ -109,7 +109,7 @@ def test_a_constructor_speaks_to_nobody_but_its_own_program(run_node: RunNode) -
     )
 
     assert said(recording) == [
-        "0 0 0 0 ['node'] 0 0.0", "matched 1 0.0", "own  0.0",
+        "0 0 0 0 ['node'] 0 -0.0001", "matched 1 -0.0001", "own  -0.0001",
         "1 1 1 1 ['node', 'mock_robot'] 1 0.05",
     ]  # fmt: skip
     assert [m.topic for m in recording.published] == ["/latched"]

@@ -129,10 +129,10 @@ def test_sleep_blocks_one_thread_and_callback_groups_keep_the_control_rate(
 ) -> None:
     recording = run_node(SLEEPY + f"    {spin}", short(4.0))
 
-    np.testing.assert_allclose(np.diff(recording.times("/cmd_vel")), period, atol=1e-9)
+    np.testing.assert_allclose(np.diff(recording.times("/cmd_vel")), period, atol=2e-6)
     measured = [float(line.text) for line in recording.log if line.level == "stdout"]
     assert len(measured) > 10
-    np.testing.assert_allclose(measured, 0.2, atol=1e-9)  # as a profiler in the node sees it
+    np.testing.assert_allclose(measured, 0.2, atol=2e-6)  # as a profiler in the node sees it
 
 
 def test_parameters_and_remapping_come_from_the_command_line(run_node: RunNode) -> None:

@@ -90,9 +90,8 @@ def test_calls_of_32_bits_end_the_process() -> None:
     code = bytes.fromhex("b814000000cd80c3")  # mov eax, 20 (getpid); int 0x80; ret
 
     def run() -> int:
-        import mmap  # noqa: PLC0415
-
-        page = mmap.mmap(-1, 4096, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)
+        rights = mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC
+        page = mmap.mmap(-1, 4096, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, prot=rights)
         page.write(code)
         address = ctypes.addressof(ctypes.c_char.from_buffer(page))
         return int(ctypes.CFUNCTYPE(ctypes.c_int)(address)())

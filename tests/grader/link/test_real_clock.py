@@ -23,7 +23,8 @@ from grader.host.virtual.kernel import Kernel
 
 began = time.monotonic()
 threads.install(Kernel(), 0)
-assert (time.time(), time.monotonic(), time.perf_counter()) == (0.0, 1e3, 1e3)
+assert abs(time.time()) < 1e-3
+assert 1e3 - 1e-3 < time.monotonic() < time.perf_counter() < 1e3 + 1e-3
 for clock in (real_clock.monotonic, real_clock.perf_counter):
     assert 0.0 <= clock() - began < 60.0
 assert real_clock.monotonic_ns() >= began * 1e9

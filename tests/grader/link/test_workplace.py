@@ -151,6 +151,7 @@ def test_files_survive_for_the_next_host_of_a_place(forkserver: ForkServer) -> N
                 (place.seen / "written").write_text("here")
             with forkserver.host(place):
                 seen = {path.name: path.is_symlink() for path in place.seen.rglob("*")}
+                seen.pop(".home", None)  # of a host that has begun by now
                 status = (place.seen / "handed_in.bin").stat()
         after = {path.name for path in folder.iterdir()}
 

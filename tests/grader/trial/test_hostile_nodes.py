@@ -106,7 +106,8 @@ def test_a_node_can_not_write_into_the_bags_own_topics(run_node: RunNode) -> Non
     recording = run_node("""
         rclpy.init(); node = Echo()
         for topic in ('/course/trial', '/ground_truth/odom', '/odom', '/goal_pose'):
-            node.create_publisher(String, topic, 10).publish(String(data='mine'))
+            publisher = node.create_publisher(String, topic, 10)
+            node.create_timer(0.1, lambda p=publisher: p.publish(String(data='mine')))
         rclpy.spin(node)
     """)
 
