@@ -73,11 +73,10 @@ class Runs(Sequence[Recording]):
     exercise: str = ""  # its slug
 
     def __getitem__(self, key: Any) -> Any:
-        """Return a recording, by its place or its scenario's name; of a slice, some of them."""
+        """Return a recording, by its place or its scenario's name."""
         if isinstance(key, str):
             return next(run for run in self.recordings if run.name == key)
-        found = self.recordings[key]
-        return self.of(found) if isinstance(key, slice) else found
+        return self.recordings[key]
 
     def __len__(self) -> int:
         """Return how many there are."""

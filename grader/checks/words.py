@@ -30,7 +30,7 @@ from grader.checks.commands import FIELDS, ZERO, answers, garbage, spell
 from grader.checks.contract import Free, Limits
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
-from grader.recording import Floats, Recording
+from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
 
 TOLERANCE = 1e-3  # of a number
@@ -224,22 +224,19 @@ def within(recording: Recording, limits: Limits, help: str = "") -> None:
     between(recording, "angular.z", -limits.turning, limits.turning, help)
 
 
-def between(
-    recording: Recording, field: str, least: float, most: float | Floats, help: str
-) -> None:
-    """Fail unless a field is from `least` to `most`, of all commands or of each, in every one."""
+def between(recording: Recording, field: str, least: float, most: float, help: str) -> None:
+    """Fail unless a field is from `least` to `most` in every command."""
     require_alive(recording)
     twists = recording.twists()
     numbers = twists.values[:, FIELDS.index(field)]
-    limits = np.broadcast_to(most, numbers.shape)
-    wrong = np.flatnonzero(~((numbers >= least - ZERO) & (numbers <= limits + ZERO)))
+    wrong = np.flatnonzero(~((numbers >= least - ZERO) & (numbers <= most + ZERO)))
     if not len(wrong):
         return
     first, unit = wrong[0], UNITS.get(field, "")
     value = float(numbers[first])
     fail(
-        f"{field} is beyond its limits" if np.any(limits != least) else f"{field} is not zero",
-        expected=f"{field} = {spell_allowed(((least, float(limits[first])),), unit)}",
+        f"{field} is beyond its limits" if least < most else f"{field} is not zero",
+        expected=f"{field} = {spell_allowed(((least, most),), unit)}",
         actual=f"{field} = {_shown(value, unit)}",
         at=twists.t[first],
         recording=recording,

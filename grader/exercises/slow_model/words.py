@@ -1,9 +1,4 @@
-"""The words of exercise 5's checks: what its two loops, control and inference, have to do.
-
-keeps_period   a command every 50 ms
-heeds          the node says, and asks, what is allowed
-stands         0.0, and no silence
-"""
+"""The words of exercise 5's checks: what its two loops, control and inference, have to do."""
 
 from __future__ import annotations
 
