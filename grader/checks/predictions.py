@@ -2,8 +2,7 @@
 
 A scan, its features, the clipped prediction. Beams within 1° of a sector's edge may count on either
 side of it, so a scan has several possible feature vectors, and what is right is an interval of
-speeds. Exercises with rules of their own (which files hold a model, at which rate) call
-`speed_cases` from their contracts' `cases`.
+speeds.
 """
 
 from __future__ import annotations

@@ -1,16 +1,5 @@
 """The words of the checks: each is one question to recordings, with one wording of its failure.
 
-    wired            the node runs, with the topics and services of its exercise
-    answers_once     one command for each scan, and none before the first
-    follows          what the node says is what its contract allows
-    reacts           it doesn't say the same whatever it sees
-    every            a period
-    only_linear_x    every other field of a command is zero
-    zero, within     these fields are; every command is within the limits
-    keeps_distance   no contact, and clear of everything
-    drives_on        the robot drives when its way is free
-    logs             a line in the log, of a level
-
 An exercise's own oracle (`cases` in its `contract.py`) says what is right; the words only compare.
 """
 

@@ -309,7 +309,7 @@ def _read_check(item: pytest.Item) -> Check:
 
 def _died_of_one(check: Check, error: BaseException) -> bool:
     """Return whether a first check fails since the node, which ran, died of one message."""
-    return isinstance(error, CheckFailed) and error.of_one_message and not check.needs
+    return isinstance(error, CheckFailed) and bool(error.title) and not check.needs
 
 
 def _judge(check: Check, error: BaseException) -> CheckResult:
