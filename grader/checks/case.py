@@ -32,7 +32,7 @@ class Case:
     def wrong(self, tolerance: float = 0.0) -> str:
         """Return the first field in which it said something else; empty if it is right."""
         for name, allowed in self.allowed.items():
-            if not _among(self.said.get(name), allowed, tolerance):
+            if not among(self.said.get(name), allowed, tolerance):
                 return name
         return ""
 
@@ -52,18 +52,6 @@ def answered(answer: Answer, allowed: Mapping[str, Allowed], *tags: str, what: s
 Oracle = Callable[[Recording], Sequence[Case]]
 
 
-def remembered(oracle: Oracle) -> Oracle:
-    """Return the oracle with a memory: many checks of a grading ask it about one recording."""
-    made: dict[int, tuple[Recording, Sequence[Case]]] = {}
-
-    def cases(recording: Recording) -> Sequence[Case]:
-        if id(recording) not in made:
-            made[id(recording)] = recording, oracle(recording)  # kept, so that its id is its own
-        return made[id(recording)][1]
-
-    return cases
-
-
 @dataclass(frozen=True, eq=False)
 class Runs(Sequence[Recording]):
     """The recordings of a check's scenarios, in the order of its mark."""
@@ -73,11 +61,10 @@ class Runs(Sequence[Recording]):
     exercise: str = ""  # its slug
 
     def __getitem__(self, key: Any) -> Any:
-        """Return a recording, by its place or its scenario's name; of a slice, some of them."""
+        """Return a recording, by its place or its scenario's name."""
         if isinstance(key, str):
             return next(run for run in self.recordings if run.name == key)
-        found = self.recordings[key]
-        return self.of(found) if isinstance(key, slice) else found
+        return self.recordings[key]
 
     def __len__(self) -> int:
         """Return how many there are."""
@@ -122,7 +109,8 @@ def spell_allowed(allowed: Allowed, unit: str = "") -> str:
     return " or ".join(f"{span}{unit}" for span in spans)
 
 
-def _among(said: Said | None, allowed: Allowed, tolerance: float) -> bool:
+def among(said: Said | None, allowed: Allowed, tolerance: float) -> bool:
+    """Return whether what was said is allowed; NaN never is."""
     if isinstance(allowed, frozenset):
         return said in allowed
     if not isinstance(said, float | int) or math.isnan(said):

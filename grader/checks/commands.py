@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grader.checks.ahead import front_distance
 from grader.checks.verdict import fail
@@ -63,7 +62,7 @@ def answers(recording: Recording) -> list[Answer]:
     first = np.searchsorted(twists.t, [*(scan.t for scan in scans), math.inf])
     if count := answered_in_turn(recording):
         scans, first = scans[:count], np.arange(count + 1)
-    zero = np.all(is_zero(twists.values), axis=1)
+    zero = np.all(np.abs(twists.values) < ZERO, axis=1)
     found = []
     for i, scan in enumerate(scans):
         begin, end = int(first[i]), int(first[i + 1])
@@ -115,12 +114,6 @@ def published(recording: Recording, topic: str, type: str) -> list[tuple[float, 
                 help="Publish message objects, with the Python types that their fields want.",
             )
     return found
-
-
-def is_zero(numbers: Floats) -> NDArray[np.bool_]:
-    """Return which numbers of commands are zero; NaN is not."""
-    zero: NDArray[np.bool_] = np.abs(numbers) < ZERO
-    return zero
 
 
 def spell(value: float) -> str:

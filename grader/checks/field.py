@@ -1,12 +1,6 @@
 """The field suite: the whole contract of an exercise on other robots and in other worlds.
 
-The `test_field.py` of an exercise declares its field checks, and in which scenarios each runs:
-
-    field = FieldSuite(_keeps_the_contract)
-    test_field_lds01 = field.lds01("avoid_field_lds01_bench", "avoid_field_lds01")
-    test_field_best_effort = field.best_effort("avoid_field_best_effort")
-
-Each is a test like any other: it carries the mark of a check, and its docstring is its title.
+Each check is a test like any other: it carries the mark of a check, and its docstring is its title.
 """
 
 from __future__ import annotations

@@ -1,10 +1,4 @@
-"""The words of the checks about a node that drives as a model says (`predictions`).
-
-predicts, obeys_parameters    the command is what the model says, clipped
-stands                        0.0 for every scan, and an error in the log
-loads_once                    one load, before the first scan
-keeps_contract                all of it, for the field suite
-"""
+"""The words of the checks about a node that drives as a model says (`predictions`)."""
 
 from __future__ import annotations
 

@@ -2,21 +2,20 @@
 
 A scan, its features, the clipped prediction. Beams within 1° of a sector's edge may count on either
 side of it, so a scan has several possible feature vectors, and what is right is an interval of
-speeds. Exercises with rules of their own (which files hold a model, at which rate) call
-`speed_cases` from their contracts' `cases`.
+speeds.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import PurePath
 from typing import Any
 
 import numpy as np
 
-from grader.checks.case import Case, Interval, answered, exactly
+from grader.checks.case import Case, Interval, among, answered, exactly
 from grader.checks.commands import answers
 from grader.models.features import Floats, possible_features, scan_features
 from grader.models.files import is_kept, probe
@@ -34,18 +33,6 @@ CALLED = "called"  # about this scan
 SCALE, OFFSET = 0.5, -0.35  # of the distance [m]: 0 at 0.7 m, 0.5 m/s at 1.7 m
 MOVING = 0.1  # [m/s] what asks for less may stand
 LINEAR = Model(probe="linear", settings={"weights": (SCALE, 0.0, 0.0, 0.0, 0.0), "offset": OFFSET})
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """What the model predicts from one scan, clipped."""
-
-    scan: Scan
-    allowed: tuple[Interval, ...]  # [m/s] with 0.0 where there may be no prediction
-
-    def allows(self, speed: float) -> bool:
-        """Return whether a command [m/s] can be this prediction."""
-        return any(low - TOLERANCE <= speed <= high + TOLERANCE for low, high in self.allowed)
 
 
 def model_file(scenario: Scenario) -> str:
@@ -77,16 +64,19 @@ def model_says_go(scenario: Scenario, scan: Scan) -> bool:
     return speed is not None and speed >= MOVING
 
 
-def prediction(model: Any, scan: Scan, limit: float) -> Prediction:
-    """Return what a probe (None: no model) predicts from a scan; limit is max_speed [m/s]."""
+def prediction(model: Any, scan: Scan, limit: float) -> tuple[Interval, ...]:
+    """Return what a probe (None: no model) may predict from a scan, clipped to the limit [m/s].
+
+    With 0.0 where there may be no prediction.
+    """
     rows = () if model is None else possible_features(scan)
     speeds = [_predict(model, features, limit) for features in rows]
     numbers = [speed for speed in speeds if speed is not None]
     none = exactly(0.0) if len(numbers) < len(speeds) or not numbers else ()
-    return Prediction(scan, none + (((min(numbers), max(numbers)),) if numbers else ()))
+    return none + (((min(numbers), max(numbers)),) if numbers else ())
 
 
-def predictions(recording: Recording) -> tuple[Prediction, ...]:
+def predictions(recording: Recording) -> tuple[tuple[Interval, ...], ...]:
     """Return what the scenario's model predicts from each scan sent."""
     model, limit = probe(recording.scenario.node.models[MODEL]), max_speed(recording.scenario)
     return tuple(prediction(model, scan, limit) for scan in recording.scans())
@@ -106,7 +96,7 @@ def speed_cases(recording: Recording, model: Model | None) -> list[Case]:
     cases = []
     for answer, end in zip(found, ends, strict=False):
         right = prediction(source, answer.scan, limit)
-        case = answered(answer, {SPEED: right.allowed})
+        case = answered(answer, {SPEED: right})
         if kept and case.said and not np.isnan(possible_features(answer.scan)).any():
             case = _of_kept(case, right, questions(recording, PREDICT, answer.scan.t, end), limit)
         cases.append(case)
@@ -131,14 +121,16 @@ def loads(recording: Recording) -> list[Inference]:
     return [inference for inference in recording.inferences if inference.is_load]
 
 
-def _of_kept(case: Case, right: Prediction, asked: Sequence[Inference], limit: float) -> Case:
+def _of_kept(
+    case: Case, right: tuple[Interval, ...], asked: Sequence[Inference], limit: float
+) -> Case:
     """Return the case with what the model was asked: the right speed may be computed without it."""
     said = [_clip(s, limit) for question in asked for s in question.said if math.isfinite(s)]
-    fits = {speed for speed in (0.0, *said) if right.allows(speed)} if asked else set()
+    fits = {speed for speed in (0.0, *said) if among(speed, right, TOLERANCE)} if asked else set()
     called = CALLED if fits or not said else f"{CALLED} with other features"
     return replace(
         case,
-        allowed={SPEED: exactly(*sorted(fits)) or right.allowed, PREDICT: frozenset({CALLED})},
+        allowed={SPEED: exactly(*sorted(fits)) or right, PREDICT: frozenset({CALLED})},
         said={**case.said, PREDICT: called if asked else f"not {CALLED}"},
     )
 

@@ -1,11 +1,4 @@
-"""How a check ends if it doesn't pass: it fails, or the machine allows no verdict; and evidence.
-
-fail(
-    "drove at 0.50 m/s with a wall 0.42 m ahead",
-    expected="0.00 m/s", actual="0.50 m/s", at=scan.t, recording=recording,
-    help="Compare the distance with 0.5 m before you publish.",
-)
-"""
+"""How a check ends if it doesn't pass: it fails, or the machine allows no verdict; and evidence."""
 
 from __future__ import annotations
 
@@ -34,11 +27,6 @@ class CheckFailed(AssertionError):
     def __str__(self) -> str:
         """Return what happened."""
         return self.message
-
-    @property
-    def of_one_message(self) -> bool:
-        """The node ran, and died of a message: where it lived on, other checks can judge it."""
-        return bool(self.title)
 
 
 class Inconclusive(Exception):

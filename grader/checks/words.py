@@ -1,16 +1,5 @@
 """The words of the checks: each is one question to recordings, with one wording of its failure.
 
-    wired            the node runs, with the topics and services of its exercise
-    answers_once     one command for each scan, and none before the first
-    follows          what the node says is what its contract allows
-    reacts           it doesn't say the same whatever it sees
-    every            a period
-    only_linear_x    every other field of a command is zero
-    zero, within     these fields are; every command is within the limits
-    keeps_distance   no contact, and clear of everything
-    drives_on        the robot drives when its way is free
-    logs             a line in the log, of a level
-
 An exercise's own oracle (`cases` in its `contract.py`) says what is right; the words only compare.
 """
 
@@ -30,7 +19,7 @@ from grader.checks.commands import FIELDS, ZERO, answers, garbage, spell
 from grader.checks.contract import Free, Limits
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_wiring
-from grader.recording import Floats, Recording
+from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
 
 TOLERANCE = 1e-3  # of a number
@@ -225,22 +214,19 @@ def within(recording: Recording, limits: Limits, help: str = "") -> None:
     between(recording, "angular.z", -limits.turning, limits.turning, help)
 
 
-def between(
-    recording: Recording, field: str, least: float, most: float | Floats, help: str
-) -> None:
-    """Fail unless a field is from `least` to `most`, of all commands or of each, in every one."""
+def between(recording: Recording, field: str, least: float, most: float, help: str) -> None:
+    """Fail unless a field is from `least` to `most` in every command."""
     require_alive(recording)
     twists = recording.twists()
     numbers = twists.values[:, FIELDS.index(field)]
-    limits = np.broadcast_to(most, numbers.shape)
-    wrong = np.flatnonzero(~((numbers >= least - ZERO) & (numbers <= limits + ZERO)))
+    wrong = np.flatnonzero(~((numbers >= least - ZERO) & (numbers <= most + ZERO)))
     if not len(wrong):
         return
     first, unit = wrong[0], UNITS.get(field, "")
     value = float(numbers[first])
     fail(
-        f"{field} is beyond its limits" if np.any(limits != least) else f"{field} is not zero",
-        expected=f"{field} = {spell_allowed(((least, float(limits[first])),), unit)}",
+        f"{field} is beyond its limits" if least < most else f"{field} is not zero",
+        expected=f"{field} = {spell_allowed(((least, most),), unit)}",
         actual=f"{field} = {_shown(value, unit)}",
         at=twists.t[first],
         recording=recording,

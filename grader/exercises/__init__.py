@@ -18,13 +18,7 @@ def contract_of(exercise: Exercise) -> Contract:
 
 
 def driving_contract_of(exercise: Exercise) -> Contract:
-    """Return what an exercise promises of any drive.
-
-    Raises
-    ------
-    InputError
-        Its nodes do not drive by themselves.
-    """
+    """Return what an exercise promises of any drive, unless its nodes don't drive by themselves."""
     contract = contract_of(exercise)
     if not contract.drives:
         raise InputError(f"exercise {exercise.number}: its nodes do not drive by themselves")

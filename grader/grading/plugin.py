@@ -15,11 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from typing import Any
 
 import pytest
 
-from grader.checks.case import Oracle, Runs, remembered
+from grader.checks.case import Oracle, Runs
 from grader.checks.verdict import CheckFailed, Inconclusive, inconclusive
 from grader.errors import GraderError, InputError
 from grader.grading.limits import cpu_limit
@@ -101,7 +102,7 @@ class CheckPlugin:
         oracle: Oracle = lambda recording: (),
     ) -> None:
         self._trials = trials
-        self._exercise, self._oracle = exercise, remembered(oracle)
+        self._exercise, self._oracle = exercise, cache(oracle)  # many checks ask about one
         self._essential = essential
         self._first_failure = first_failure  # of a check: it ends the run, so no trial runs ahead
         self._suspect = suspect  # the check that is judged first, after those that it needs
@@ -308,7 +309,7 @@ def _read_check(item: pytest.Item) -> Check:
 
 def _died_of_one(check: Check, error: BaseException) -> bool:
     """Return whether a first check fails since the node, which ran, died of one message."""
-    return isinstance(error, CheckFailed) and error.of_one_message and not check.needs
+    return isinstance(error, CheckFailed) and bool(error.title) and not check.needs
 
 
 def _judge(check: Check, error: BaseException) -> CheckResult:

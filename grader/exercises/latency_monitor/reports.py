@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Any
 
-from grader.checks.case import Allowed, Case, Runs, Said, remembered
+from grader.checks.case import Allowed, Case, Runs, Said
 from grader.checks.commands import published
 from grader.checks.words import follows
 from grader.exercises.latency_monitor.contract import KEYS, LEVELS, right_numbers
@@ -15,7 +16,6 @@ from grader.recording import Recording
 TOPIC = "/diagnostics"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 NAME = "profiled_controller: inference"
-FORM, EMPTY = "form", "empty"  # tags: a message, and a value before the first call
 NUMBER = "a decimal number"
 MOST = 1_000  # reports in one trial, of which the longest takes 65 s
 TOLERANCE = 0.1  # [ms]; "12.3" is a fine way to write 12.345
@@ -29,11 +29,11 @@ def reports(runs: Runs, *tags: str, help: str) -> None:
         follows(run, *tags, help=help, tolerance=TOLERANCE, topic=TOPIC)
 
 
-@remembered
+@lru_cache(maxsize=8)
 def cases(recording: Recording) -> Sequence[Case]:
     """Return the occasions: the form of each message, and each value of a status of the name.
 
-    A value has its key as a tag, or else `level`, once a call has returned.
+    A message has the tag `form`; a value its key, or `level`, and before the first call `empty`.
     """
     found = []
     for t, array in published(recording, TOPIC, DIAGNOSTICS)[:MOST]:
@@ -51,7 +51,7 @@ def form(t: float, statuses: Sequence[Any]) -> Case:
     return Case(
         at=t,
         what=f"the report at {t:.2f} s",
-        tags=frozenset({FORM}),
+        tags=frozenset({"form"}),
         allowed={"status": frozenset({NAME}), **right},
         said={key: text if isinstance(text, str) else NUMBER for key, text in said.items()}
         | {"status": ", ".join(each.name for each in statuses) or "none"},
@@ -70,7 +70,7 @@ def _values(recording: Recording, t: float, status: Any) -> Iterator[Case]:
     what = f"the report at {t:.2f} s, on {choices[-1][0]['count']:.0f} calls"
     counted = {least["count"] > 0 for least, _ in choices}
     for key, allowed in right.items():
-        tags = {key} if counted == {True} else {EMPTY} if counted == {False} else set[str]()
+        tags = {key} if counted == {True} else {"empty"} if counted == {False} else set[str]()
         yield Case(t, what, frozenset(tags), {key: allowed}, said)
 
 

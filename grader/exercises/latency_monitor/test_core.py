@@ -7,14 +7,7 @@ from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.model_commands import loads_once, predicts, stands
 from grader.checks.words import answers_once, every, only_linear_x, wired
 from grader.exercises.latency_monitor.calls import answers_all, asks_once_each
-from grader.exercises.latency_monitor.reports import (
-    EMPTY,
-    FORM,
-    PERIOD,
-    PERIOD_TOLERANCE,
-    TOPIC,
-    reports,
-)
+from grader.exercises.latency_monitor.reports import PERIOD, PERIOD_TOLERANCE, TOPIC, reports
 
 TIMES = "latency_times"
 FULL = "latency_window"  # more than a hundred calls
@@ -86,14 +79,14 @@ def test_status_form(runs: Runs) -> None:
         "status is a list of one element, and its values are "
         "KeyValue(key=…, value=f'{number:.3f}'), 0.0 without any call."
     )
-    reports(runs, FORM, help=help)
+    reports(runs, "form", help=help)
 
 
 @check(points=5, asks=STATE, task=4, scenarios=(LATE_LIDAR, RAISES, NO_MODEL[0]), hint="3.2")
 def test_stale_at_first(runs: Runs) -> None:
     """Before the first prediction: level STALE, count 0, the other numbers 0.0."""
     help = "An empty window is STALE, has a count of 0, and 0.0 elsewhere."
-    reports(runs, EMPTY, help=help)
+    reports(runs, "empty", help=help)
     reports(runs.only(LATE_LIDAR), "level", help="STALE is for an empty window.")
 
 

@@ -20,7 +20,6 @@ LEAST_CALLS = 200
 AGREE, AGREE_PART = 1e-4, 0.98  # [m/s], on this part of the scans
 AGREE_ALL = 0.02  # [m/s] on all of them
 REPEATABLE = 1e-9  # [m/s]; sums in another order differ in the last bits
-FLOAT32 = "tensor(float)"
 PICKLE, ONNX = "velocity_model.pkl", "velocity_model.onnx"
 AGAIN_PICKLE, AGAIN_ONNX = "again.pkl", "again.onnx"
 COMMAND = f"python3 {{}} --data train.npz --out {PICKLE} --onnx {ONNX} to end without an error"
@@ -202,5 +201,5 @@ def _need_file(runs: Runs, run: ScriptRun, option: str, name: str) -> None:
 
 
 def _spell(type: str, shape: tuple[str, ...]) -> str:
-    kind = "float32" if type == FLOAT32 else type
+    kind = "float32" if type == "tensor(float)" else type
     return f"{kind} ({', '.join(size or 'n' for size in shape)})"

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from grader.checks.ahead import HALF_ANGLES, front_distance
+from grader.checks.ahead import front_distances
 from grader.checks.case import Case, Said, exactly
 from grader.checks.commands import ZERO, published
 from grader.checks.contract import Contract, Limits, Survived, free_from
@@ -183,10 +183,7 @@ class _Sent:
         stops = (m for m in recording.delivered if m.topic == E_STOP_TOPIC)
         self._raw = [(m.time / 1e9, twist_from_cdr(m.data)) for m in raw]
         self._stops = [(m.time / 1e9, decode(m.data, BOOL).data) for m in stops]
-        self._scans = [
-            (scan.t, tuple(front_distance(scan, half_angle) for half_angle in HALF_ANGLES))
-            for scan in recording.scans()
-        ]
+        self._scans = [(scan.t, front_distances(scan)) for scan in recording.scans()]
 
     def by(self, arrived: float, now: float) -> Situation:
         """Return what had arrived by a time [s], with ages as they are now [s]."""

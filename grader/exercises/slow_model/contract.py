@@ -10,9 +10,16 @@ from itertools import dropwhile, pairwise
 
 import numpy as np
 
-from grader.checks.case import Case, exactly
+from grader.checks.case import Case, among, exactly
 from grader.checks.contract import Contract, Survived
-from grader.checks.predictions import braking, max_speed, model_found, model_says_go, predictions
+from grader.checks.predictions import (
+    TOLERANCE,
+    braking,
+    max_speed,
+    model_found,
+    model_says_go,
+    predictions,
+)
 from grader.models.features import possible_features
 from grader.recording import Inference, Recording, Scan
 
@@ -31,10 +38,7 @@ ARRIVAL = 0.02  # [s] what happens this shortly before may be seen or not
 SPEED, UNDER_WAY, NEWER = "linear.x", "calls still under way", "newer scans"
 FEATURES, WAIT = "features", "seconds to the next call"
 A_SCANS = "a scan's"
-# tags of commands: all, before the first answer, in a silence of the lidar, after it, only 0.0
-TICK, START, SILENT, BACK, ZERO = "tick", "start", "silent", "back", "zero"
 RATE, AGE = "new predictions per second", "seconds from scan to command (p95)"
-ALONE, NEWEST, KNOWN, IDLE = "alone", "newest", "known", "idle"  # of what predict is asked
 
 CONTRACT = Contract(
     period=PERIOD,
@@ -59,7 +63,8 @@ class Answer:
 def cases(recording: Recording) -> tuple[Case, ...]:
     """Return an occasion for each command, each call of predict, and each scan that finds it idle.
 
-    A command is the newest answer of the model, or 0.0 if that is too old.
+    A command is the newest answer of the model, or 0.0 if that is too old. Its tags are `tick`, and
+    `start` before the first answer, `silent` in a silence of the lidar, `back` after it.
     """
     return (*_ticks(recording), *_calls(recording), *_idle(recording))
 
@@ -69,16 +74,15 @@ def answers(recording: Recording) -> tuple[Answer, ...]:
     """Return what the model said of which scan: the newest that fits, of those that had come."""
     if model_found(recording.scenario) is None:
         return ()
-    said, limit = predictions(recording), max_speed(recording.scenario)
-    found = [
-        Answer(each.scan, each.scan.t, each.scan.t, math.nan) for each in said if blind(each.scan)
-    ]
+    scans, limit = recording.scans(), max_speed(recording.scenario)
+    said = list(zip(scans, predictions(recording), strict=True))
+    found = [Answer(scan, scan.t, scan.t, math.nan) for scan in scans if blind(scan)]
     for call in calls(recording):
         asked, speed = call.asked / 1e9, _number(call, limit)
-        there = [each for each in said if each.scan.t <= asked]
+        there = [(scan, right) for scan, right in said if scan.t <= asked]
         if there:
-            fits = [each.scan for each in there if each.allows(speed)]
-            about, known = (fits or [there[-1].scan])[-1], bool(fits) or math.isnan(speed)
+            fits = [scan for scan, right in there if among(speed, right, TOLERANCE)]
+            about, known = (fits or [there[-1][0]])[-1], bool(fits) or math.isnan(speed)
             found.append(Answer(about, asked, call.answered / 1e9, speed, known))
     return tuple(sorted(found, key=lambda answer: answer.asked))
 
@@ -133,9 +137,10 @@ def _ticks(recording: Recording) -> Iterator[Case]:
     last, back = silence(recording)
     behind = []  # when each command came, and the scan behind it [s]; -inf: it is no prediction
     for t, speed in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
-        tags = {TICK, BACK if t >= back else SILENT if t > last else TICK}
         right = {SPEED: exactly(*sorted(right_speeds(said, t, slack)))}
-        tags |= {*([START] if t < first else []), *([ZERO] if right[SPEED] == exactly(0.0) else [])}
+        tags = {"tick", "back" if t >= back else "silent" if t > last else "tick"}
+        tags |= {"start"} if t < first else set()
+        tags |= {"zero"} if right[SPEED] == exactly(0.0) else set()
         what, rest = f"the command at {t:.2f} s", in_force(said, t, slack)
         if rest:
             what += f", {t - rest[-1].scan.stamp:.2f} s after the scan of the newest prediction"
@@ -150,8 +155,8 @@ def _ticks(recording: Recording) -> Iterator[Case]:
     least, oldest = SLOW_LIDAR if recording.scenario.lidar.rate == FIVE_HZ else USUAL_LIDAR
     oldest += WAITS_FOR_ONE_MORE * (recording.scenario.faults.scan_loss > 0)
     what = f"the commands from {begin:.2f} s on"
-    yield Case(begin, what, frozenset({RATE}), {RATE: ((least, math.inf),)}, {RATE: new})
-    yield Case(begin, what, frozenset({AGE}), {AGE: ((0.0, oldest),)}, {AGE: p95})
+    yield Case(begin, what, frozenset({"rate"}), {RATE: ((least, math.inf),)}, {RATE: new})
+    yield Case(begin, what, frozenset({"age"}), {AGE: ((0.0, oldest),)}, {AGE: p95})
 
 
 def _calls(recording: Recording) -> Iterator[Case]:
@@ -159,14 +164,14 @@ def _calls(recording: Recording) -> Iterator[Case]:
     for before, call in pairwise(calls(recording)):
         at, busy = call.asked / 1e9, float(call.asked < before.answered)
         what = f"predict was called at {at:.3f} s"
-        yield Case(at, what, frozenset({ALONE}), {UNDER_WAY: exactly(0.0)}, {UNDER_WAY: busy})
+        yield Case(at, what, frozenset({"alone"}), {UNDER_WAY: exactly(0.0)}, {UNDER_WAY: busy})
     arrived, near = recording.times("/scan"), ARRIVAL + recording.slack
     for each in answers(recording):
         what, at = f"predict was called at {each.asked:.3f} s", each.asked
         newer = float(((arrived > each.scan.t) & (arrived <= at - near)).sum())
-        yield Case(at, what, frozenset({NEWEST}), {NEWER: exactly(0.0)}, {NEWER: newer})
+        yield Case(at, what, frozenset({"newest"}), {NEWER: exactly(0.0)}, {NEWER: newer})
         right, given = {FEATURES: frozenset({A_SCANS})}, A_SCANS if each.known else "no scan's"
-        yield Case(at, what, frozenset({KNOWN}), right, {FEATURES: given})
+        yield Case(at, what, frozenset({"known"}), right, {FEATURES: given})
 
 
 def _idle(recording: Recording) -> Iterator[Case]:
@@ -180,7 +185,7 @@ def _idle(recording: Recording) -> Iterator[Case]:
         busy = before and ended[:before].max() > scan.t - ARRIVAL - recording.slack
         if not busy and not blind(scan):
             wait = float(asked[before] if before < len(asked) else recording.duration_s) - scan.t
-            tags = frozenset({IDLE, BACK} if scan.t >= back else {IDLE})
+            tags = frozenset({"idle", "back"} if scan.t >= back else {"idle"})
             yield Case(scan.t, f"a scan came at {scan.t:.2f} s", tags, right, {WAIT: wait})
 
 

@@ -7,21 +7,7 @@ from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.model_commands import ERRORS, SILENTLY, loads_once
 from grader.checks.predictions import TOLERANCE
 from grader.checks.words import follows, logs, only_linear_x, reacts, wired
-from grader.exercises.slow_model.contract import (
-    AGE,
-    ALONE,
-    BACK,
-    IDLE,
-    KNOWN,
-    LATEST_STOP,
-    NEWEST,
-    RATE,
-    SILENT,
-    START,
-    TICK,
-    ZERO,
-    silence,
-)
+from grader.exercises.slow_model.contract import LATEST_STOP, silence
 from grader.exercises.slow_model.words import heeds, keeps_period, stands
 
 LEADER, FAST, SLOW_LIDAR = "slow_leader", "slow_fast_model", "slow_lidar_5_hz"
@@ -49,30 +35,30 @@ def test_control_period(runs: Runs) -> None:
 @check(points=5, asks=SAFETY, task=4, scenarios=("slow_late_lidar",), hint="4.3")
 def test_starts_at_zero(runs: Runs) -> None:
     """From the first tick on there are commands; they are 0.0 until there is a prediction."""
-    stands(runs, START, help="No prediction yet is like no prediction: 0.0.")
-    heeds(runs, IDLE, help="Does inference still wait when no scan has come for 38 s?")
+    stands(runs, "start", help="No prediction yet is like no prediction: 0.0.")
+    heeds(runs, "idle", help="Does inference still wait when no scan has come for 38 s?")
 
 
 @check(points=10, asks=TIMING, task=3, scenarios=(LEADER, FAST), hint="3.1")
 def test_inference_rate(runs: Runs) -> None:
     """Inference keeps going: at least 3 new predictions per second reach /cmd_vel."""
     help = "Where does a scan wait before the model sees it, and a result before control does?"
-    heeds(runs, RATE, help=help)
+    heeds(runs, "rate", help=help)
 
 
 @check(points=5, asks=TIMING, task=3, scenarios=(LEADER, FAST, LONELY), hint="3.1")
 def test_scan_age(runs: Runs) -> None:
     """The scan behind a command is at most 0.58 s old (p95): scans never queue up or get lost."""
     help = "A full queue keeps what is old: let it drop that, and keep the newest."
-    heeds(runs.only(LEADER, FAST), AGE, help=help)
-    heeds(runs, NEWEST, help=help)
-    heeds(runs, IDLE, help=NEXT_SCAN)
+    heeds(runs.only(LEADER, FAST), "age", help=help)
+    heeds(runs, "newest", help=help)
+    heeds(runs, "idle", help=NEXT_SCAN)
 
 
 @check(points=5, asks=TIMING, task=3, scenarios=(SLOW_LIDAR,), hint="3.1")
 def test_slow_lidar(runs: Runs) -> None:
     """With a lidar of 5 Hz: at least 2.4 new predictions per second, scans at most 0.6 s old."""
-    heeds(runs, RATE, AGE, help=f"{NEXT_SCAN} Does a prediction count until its scan is old?")
+    heeds(runs, "rate", "age", help=f"{NEXT_SCAN} Does a prediction count until its scan is old?")
 
 
 @check(points=10, asks=SAFETY, task=4, scenarios=(DROPOUT, LATE_SCANS), hint="4.1")
@@ -82,25 +68,25 @@ def test_too_old(runs: Runs) -> None:
         "The prediction counts as it is until its scan is 0.6 s old, and then it is 0.0, at each "
         "tick: keep the stamp from the scan's header with it, also if the scan comes late."
     )
-    heeds(runs, IDLE, help=NEXT_SCAN)  # a node that never asks may stand, and shows nothing
+    heeds(runs, "idle", help=NEXT_SCAN)  # a node that never asks may stand, and shows nothing
     for recording in runs:
         last, back = silence(recording)
-        stands(runs.of([recording]), SILENT, last + LATEST_STOP, back, help=help)
+        stands(runs.of([recording]), "silent", last + LATEST_STOP, back, help=help)
 
 
 @check(points=5, asks=STATE, task=4, scenarios=(DROPOUT, TOO_SLOW, STAMPS), hint="4.1")
 def test_recovery(runs: Runs) -> None:
     """When the lidar comes back, or its clock, or the model is fast again, so do predictions."""
-    heeds(runs.only(DROPOUT), BACK, help="Don't remember “too old”: decide again at each tick.")
-    heeds(runs.only(TOO_SLOW), IDLE, help="A model that was slow may be fast again: go on.")
-    heeds(runs.only(STAMPS), TICK, IDLE, help="The newest scan is the one that came last.")
+    heeds(runs.only(DROPOUT), "back", help="Don't remember “too old”: decide again at each tick.")
+    heeds(runs.only(TOO_SLOW), "idle", help="A model that was slow may be fast again: go on.")
+    heeds(runs.only(STAMPS), "tick", "idle", help="The newest scan is the one that came last.")
 
 
 @check(points=5, asks=DECISION, task=1, scenarios=("slow_features",))
 def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
-    follows(runs, TICK, KNOWN, IDLE, help=help, tolerance=TOLERANCE)
+    follows(runs, "tick", "known", "idle", help=help, tolerance=TOLERANCE)
     loads_once(runs)
 
 
@@ -108,14 +94,19 @@ def test_features(runs: Runs) -> None:
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.8 m/s, or not set); the rest is 0."""
     stands(runs.only(HELD), help="max(0.0, min(max_speed, prediction)); in Python 0.0 is false.")
-    heeds(runs.only(*CLIP), TICK, IDLE, help="max(0.0, min(max_speed, prediction)): no ramp.")
+    heeds(runs.only(*CLIP), "tick", "idle", help="max(0.0, min(max_speed, prediction)): no ramp.")
     only_linear_x(runs)
 
 
 @check(points=5, asks=SAFETY, task=3, scenarios=(RAISES,), hint="3.3")
 def test_raising_model(runs: Runs) -> None:
     """A model that raises leaves the control loop running: 0.0, until it works again."""
-    heeds(runs, TICK, IDLE, help=f"No prediction means 0.0, after 0.6 s at the latest. {NEXT_SCAN}")
+    heeds(
+        runs,
+        "tick",
+        "idle",
+        help=f"No prediction means 0.0, after 0.6 s at the latest. {NEXT_SCAN}",
+    )
     loads_once(runs)
 
 
@@ -123,14 +114,14 @@ def test_raising_model(runs: Runs) -> None:
 def test_nan_model(runs: Runs) -> None:
     """NaN or ±inf from the model, or a blind sector: 0.0, until there is a prediction again."""
     help = f"NaN, ±inf and a blind sector are no prediction: 0.0 within 0.6 s. {NEXT_SCAN}"
-    heeds(runs, TICK, IDLE, help=help)
+    heeds(runs, "tick", "idle", help=help)
 
 
 @check(points=10, asks=TIMING, task=3, scenarios=(LONELY, RAISES, TOO_SLOW), hint="3.2")
 def test_one_at_a_time(runs: Runs) -> None:
     """One inference at a time: predict is never called while another call of it still runs."""
     help = "A MutuallyExclusiveCallbackGroup, or a single worker thread, ensures that."
-    heeds(runs, ALONE, help=help)
+    heeds(runs, "alone", help=help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=(TOO_SLOW,), hint="4.1")
@@ -140,14 +131,14 @@ def test_too_slow_model(runs: Runs) -> None:
     When one takes 2 s for once, what it said before is too old before it has answered.
     """
     help = "Its predictions are too old when they come: how old is the scan behind them by then?"
-    heeds(runs, ZERO, KNOWN, help=help)
+    heeds(runs, "zero", "known", help=help)
 
 
 @check(points=10, asks=SAFETY, task=1, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
 def test_no_model(runs: Runs) -> None:
     """Without a model that can be loaded: an error in the log, and 0.0 at each tick."""
-    heeds(runs.only(LEADER), IDLE, help=NEXT_SCAN)
-    reacts(list(runs.only(LEADER).cases(TICK)))
+    heeds(runs.only(LEADER), "idle", help=NEXT_SCAN)
+    reacts(list(runs.only(LEADER).cases("tick")))
     bare = runs.only(*WITHOUT_MODEL)
     stands(bare, help="Without a model there is no prediction: an error in the log, and 0.0.")
     for recording in bare:

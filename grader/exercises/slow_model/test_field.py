@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
-from grader.exercises.slow_model.contract import AGE, IDLE, KNOWN, RATE
 from grader.exercises.slow_model.words import heeds, keeps_period
 
 
@@ -12,7 +11,7 @@ def _keeps_the_contract(runs: Runs, help: str) -> None:
     """Fail unless control and inference do their part, at held scans or behind the leader."""
     keeps_period(runs)
     for recording in runs:
-        tags = (KNOWN, IDLE) if recording.scenario.bench_scans else (KNOWN, RATE, AGE)
+        tags = ("known", "idle") if recording.scenario.bench_scans else ("known", "rate", "age")
         heeds(runs.of([recording]), *tags, help=help)
 
 

@@ -1,9 +1,4 @@
-"""The words of exercise 5's checks: what its two loops, control and inference, have to do.
-
-keeps_period   a command every 50 ms
-heeds          the node says, and asks, what is allowed
-stands         0.0, and no silence
-"""
+"""The words of exercise 5's checks: what its two loops, control and inference, have to do."""
 
 from __future__ import annotations
 
@@ -19,7 +14,7 @@ from grader.checks.commands import ZERO
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.checks.words import every, follows
-from grader.exercises.slow_model.contract import PERIOD, ROUNDED, TICK
+from grader.exercises.slow_model.contract import PERIOD, ROUNDED
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
 
@@ -64,7 +59,7 @@ def rare_delay(recording: Recording, gaps: np.ndarray, wrong: int) -> bool:
 
 
 def stands(
-    runs: Runs, tag: str = TICK, begin: float = 0.0, end: float | None = None, *, help: str
+    runs: Runs, tag: str = "tick", begin: float = 0.0, end: float | None = None, *, help: str
 ) -> None:
     """Fail unless commands come from `begin` to `end` [s], and those with the tag are allowed.
 

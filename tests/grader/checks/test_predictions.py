@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.checks.case import Runs, exactly
+from grader.checks.case import Runs, among, exactly
 from grader.checks.commands import Answer
 from grader.checks.model_commands import predicts
 from grader.checks.predictions import (
+    TOLERANCE,
     max_speed,
     prediction,
     predictions,
@@ -40,30 +41,30 @@ AT_THE_EDGE = scan({60: 1.0})  # ahead or left, who knows
 )
 def test_what_a_model_predicts_is_clipped(value: float, right: float) -> None:
     model = probe(Model("constant", {"value": value}))
-    assert prediction(model, EVERYWHERE, 0.5).allowed == exactly(right)
+    assert prediction(model, EVERYWHERE, 0.5) == exactly(right)
 
 
 def test_without_model_or_reading_only_zero_is_right() -> None:
-    assert prediction(None, EVERYWHERE, 0.5).allowed == exactly(0.0)
+    assert prediction(None, EVERYWHERE, 0.5) == exactly(0.0)
     model = probe(Model("constant", {"value": 0.3}))
-    assert prediction(model, BLIND, 0.5).allowed == exactly(0.0)
+    assert prediction(model, BLIND, 0.5) == exactly(0.0)
     raising = probe(Model("raises_near", {"distance": 99.0}))
-    assert prediction(raising, EVERYWHERE, 0.5).allowed == exactly(0.0)
+    assert prediction(raising, EVERYWHERE, 0.5) == exactly(0.0)
 
 
 def test_a_beam_at_a_sectors_edge_may_count_on_either_side() -> None:
     model = probe(Model("echo", {"feature": 0.0, "scale": 0.1}))
     found = prediction(model, AT_THE_EDGE, 0.5)
 
-    assert found.allowed == (pytest.approx((0.1, 0.2)),)
+    assert found == (pytest.approx((0.1, 0.2)),)
     right = (0.15, 0.20004, 0.2001, 0.0, math.nan)
-    assert [found.allows(speed) for speed in right] == [True, True, False, False, False]
+    assert [among(speed, found, TOLERANCE) for speed in right] == [True, True, False, False, False]
 
 
 def test_where_a_prediction_may_be_missing_zero_is_right_too() -> None:
     raises_near = probe(Model("raises_near", {"distance": 1.5, "value": 0.2}))
     found = prediction(raises_near, AT_THE_EDGE, 0.5)
-    assert [found.allows(speed) for speed in (0.0, 0.2, 0.1)] == [True, True, False]
+    assert [among(speed, found, TOLERANCE) for speed in (0.0, 0.2, 0.1)] == [True, True, False]
 
 
 def fake(scans: tuple[Scan, ...], **settings: float) -> SimpleNamespace:
@@ -77,9 +78,9 @@ def test_each_scan_has_its_prediction() -> None:
     assert max_speed(recording.scenario) == 0.15
     whole, none, between = predictions(recording)
 
-    assert [whole.allows(speed) for speed in (0.1, 0.1001, 0.0)] == [True, False, False]
-    assert [none.allows(speed) for speed in (0.0, 0.1)] == [True, False]
-    assert [between.allows(speed) for speed in (0.05, 0.1)] == [True, True]
+    assert [among(speed, whole, TOLERANCE) for speed in (0.1, 0.1001, 0.0)] == [True, False, False]
+    assert [among(speed, none, TOLERANCE) for speed in (0.0, 0.1)] == [True, False]
+    assert [among(speed, between, TOLERANCE) for speed in (0.05, 0.1)] == [True, True]
 
 
 # --- a node that asks its model
