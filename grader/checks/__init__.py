@@ -14,6 +14,5 @@ model_commands      the words about such a node
 callbacks           how long a callback takes
 ==================  ============================================================================
 
-A check is a mark, a docstring and a few words; what is right stands in the exercise's one oracle,
-`cases` in its `contract.py`. No exercise imports from another's folder (`make lint` asks).
+A check is a mark, a docstring and a few words; what is right, the oracle `cases` says.
 """

@@ -1,7 +1,4 @@
-"""The field suite: the whole contract of an exercise on other robots and in other worlds.
-
-Each check is a test like any other: it carries the mark of a check, and its docstring is its title.
-"""
+"""The field suite: an exercise's whole contract on other robots and in other worlds."""
 
 from __future__ import annotations
 
