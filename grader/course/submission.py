@@ -10,9 +10,9 @@ from __future__ import annotations
 import contextlib
 import os
 import stat
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from grader.course.beside import MAX_BYTES, beside, listed
@@ -86,10 +86,18 @@ class Submission:
         return mine or self.package.programs
 
     @contextlib.contextmanager
-    def folder(self) -> Iterator[Path]:
-        """Copy the files into a fresh folder, whose owner may be changed."""
+    def folder(self, without: Collection[str] = ()) -> Iterator[Path]:
+        """Copy the files into a fresh folder, whose owner may be changed.
+
+        Of what came along nothing lies at the places `without`, nor below them: they are the
+        judge's, and of a submission's own files none has such a name.
+        """
+        kept = {PurePosixPath(name) for name in without if name}
         with fresh_folder() as folder:
             for name, content in self.contents().items():
+                place = PurePosixPath(name)
+                if name in self.beside and not kept.isdisjoint((place, *place.parents[:-1])):
+                    continue
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
                 (folder / name).write_bytes(content)
             yield folder

@@ -92,7 +92,7 @@ def _with_programs(
         submission,
         path=files[main.file],
         beside=files,
-        left=(*submission.left, *answer.notes),
+        left=(*submission.left, *filter(str.isprintable, answer.notes)),
         package=replace(package, programs=programs, every=every),
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,8 +35,7 @@ def stage(
     files: Mapping[str, bytes] | None = None,
 ) -> Iterator[Stage]:
     """Lay out a submission for a scenario, in a fresh folder that goes when the block ends."""
-    with submission.folder() as folder:
-        _clear_models(scenario, submission, folder)
+    with submission.folder(without=_ours(scenario, files or {})) as folder:
         write_models(scenario.node.models, folder)
         for name, content in (files or {}).items():
             (folder / name).write_bytes(content)
@@ -90,11 +89,11 @@ def _programs(
     )
 
 
-def _clear_models(scenario: Scenario, submission: Submission, folder: Path) -> None:
-    """Leave no model of the student's where the scenario says which is there, or that none is."""
+def _ours(scenario: Scenario, files: Collection[str]) -> set[str]:
+    """Return the names of what the scenario lays into the folder, or says is not there."""
     named = {value for value in scenario.node.parameters.values() if isinstance(value, str)}
-    for name in (named | set(scenario.node.models)) & set(submission.beside):
-        (folder / name).unlink(missing_ok=True)
+    supplied = {spec.file for spec in scenario.program if spec.supplied}
+    return {*named, *scenario.node.models, *supplied, *files}
 
 
 def _offers(scenario: Scenario) -> tuple[Offer, ...]:

@@ -136,7 +136,7 @@ def _run_script(
     names: tuple[str, str],
 ) -> tuple[ScriptRun, dict[str, bytes], tuple[LogLine, ...]]:
     """Run the script once; return how that went, what it wrote, and what it said."""
-    with submission.folder() as folder:
+    with submission.folder(without=(DATA, *names)) as folder:  # what it writes is new
         data.save(folder / DATA)
         arguments = ("--data", DATA, "--out", names[0], "--onnx", names[1])
         seed = zlib.crc32(repr((names, spec)).encode())  # another in each run, as in real life

@@ -246,13 +246,25 @@ def test_a_forged_answer_places_nothing_outside(answer: dict[str, object], tmp_p
     assert set(made.beside) <= set(submission.beside)
 
 
+def test_a_forged_note_draws_nothing_on_a_terminal(tmp_path: Path) -> None:
+    submission = find_submission(lay(tmp_path, MINE))
+    read = PackageRead(
+        files={"mine/one.py": "mine/one.py"},
+        executables=(Executable("one", "mine/one.py", "mine.one:main"),),
+        notes=("\x1b[2J", "rviz2 is not started here"),
+    )
+    made = _with_programs(submission, Package(main="one.py"), "", read)
+    assert (made.problem, made.left) == ("", ("rviz2 is not started here",))
+
+
+@pytest.mark.parametrize("name", ["m.pkl", "m.pkl/below"])
 def test_a_models_name_in_a_scenario_is_the_scenarios(
-    forkserver: ForkServer, tmp_path: Path
+    name: str, forkserver: ForkServer, tmp_path: Path
 ) -> None:
     """Where a scenario says that there is no model, the student's own does not take its place."""
     files = {"node.py": "import os\nprint(*map(os.path.exists, ['m.pkl', 'n.pkl']))"}
     submission = find_submission(
-        lay(tmp_path, {**files, "m.pkl": "mine", "n.pkl": "mine"}) / "node.py"
+        lay(tmp_path, {**files, name: "mine", "n.pkl": "mine"}) / "node.py"
     )
     node = NodeSpec(parameters={"model_path": "m.pkl"})
     scenario = msgspec.structs.replace(short(0.3), node=node)

@@ -72,6 +72,18 @@ def test_only_ordinary_files_are_taken(make: str, forkserver: ForkServer, tmp_pa
     assert training.runs[0].files == {}
 
 
+@pytest.mark.parametrize("name", ["velocity_model.pkl", "velocity_model.onnx", "train.npz/x"])
+def test_what_lay_there_before_was_not_written(
+    name: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    """Neither a model beside the script nor a folder with the name of the data counts."""
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text("mine")
+    training = train(forkserver, tmp_path, "open(data).close()").recording.training
+    assert training is not None
+    assert (training.made.kind, training.made.files) == ("returned", {})
+
+
 def test_unpickling_happens_far_from_the_judge(forkserver: ForkServer, tmp_path: Path) -> None:
     script = (
         "class Evil:\n    def __reduce__(self):\n        import os\n        return os._exit, (7,)\n"
