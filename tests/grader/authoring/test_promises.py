@@ -1,5 +1,6 @@
 """Behind the sentences of a README stand the checks that hold a node to them."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,18 @@ def test_every_check_of_the_core_is_promised(exercise: Exercise) -> None:
     readme = exercise.folder / "README.md"
     wanted = f"write <!-- checks: … --> behind the sentence of {readme} that asks for it"
     assert core - promised(readme, known) == set(), wanted
+
+
+@pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
+def test_a_readme_is_short_and_links_words_that_the_glossary_has(exercise: Exercise) -> None:
+    text = without_promises((exercise.folder / "README.md").read_text("utf-8"))
+    linked = re.findall(r"\[([^\]]+)\]\(\.\./glossary\.md\)", text)
+    glossary = (exercise.folder.parent / "glossary.md").read_text("utf-8").lower().splitlines()
+    assert [word for word in linked if word.lower() not in glossary] == []
+    assert len(linked) == len(set(linked)), "at first use"
+    read = re.sub(r"<!--.*?-->|(?<=\])\([^)]*\)", "", text)
+    words = [word for word in read.split() if re.search(r"\w", word)]
+    assert len(words) <= (500 if exercise.number == 1 else 700)
 
 
 def test_comments_are_read_and_taken_out(tmp_path: Path) -> None:
