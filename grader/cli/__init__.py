@@ -10,6 +10,7 @@ import click
 
 from grader.cli import (
     autograde,
+    begin,
     check_bag,
     dataset,
     delay,
@@ -37,7 +38,9 @@ def cli() -> None:
 
 for _command in (
     exercises.list_,
+    begin.start,
     grade.grade,
+    begin.next_,
     drive.drive,
     search.search,
     delay.delay,

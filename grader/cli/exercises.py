@@ -12,25 +12,15 @@ EXAMPLES = """\b
 Examples:
   course list
   course list --scenarios
-  course list --copy 1
 """
-GIVEN = ("README.md", "hints.md")  # to students, beside the files to write
 
 
 @click.command("list", epilog=EXAMPLES)
 @click.option(
     "--scenarios", is_flag=True, help="The scenarios, for `course drive --scenario NAME`."
 )
-@click.option(
-    "--copy",
-    metavar="EXERCISE",
-    help="Copy an exercise's task, hints and skeletons into a folder of its name here.",
-)
-def list_(*, scenarios: bool, copy: str | None) -> None:
+def list_(*, scenarios: bool) -> None:
     """List the exercises, or the scenarios that come with the course."""
-    if copy is not None:
-        click.echo(f"{_copied(copy)}: README.md says what to do")
-        return
     from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
 
@@ -48,25 +38,6 @@ def list_(*, scenarios: bool, copy: str | None) -> None:
         for row in _exercises():
             table.add_row(*row)
     Console().print(table)
-
-
-def _copied(name: str) -> Path:
-    """Copy what a student needs to begin; return the folder."""
-    from grader.course.exercises import find_exercise  # noqa: PLC0415
-    from grader.errors import InputError  # noqa: PLC0415
-
-    exercise = find_exercise(name)
-    target = Path(exercise.slug)
-    try:
-        target.mkdir()
-        for file in (*GIVEN, *exercise.files):
-            (target / file).write_bytes((exercise.folder / file).read_bytes())
-    except FileExistsError:
-        text = f"{target} is there already, and may hold work of yours; copy in another folder"
-        raise InputError(text) from None
-    except OSError as error:
-        raise InputError(f"{error.filename}: {error.strerror}") from None
-    return target
 
 
 def _exercises() -> list[tuple[str, ...]]:

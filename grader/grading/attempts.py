@@ -1,4 +1,4 @@
-"""What changed since the last attempt: a small file beside the student's knows what passed.
+"""What changed since the last attempt: a small file in the user's state folder knows what passed.
 
 It is for the student's eyes only: no grading depends on it, and no result file quotes it. Nothing
 about it is ever an error: where it can't be read or written, nothing is said.
@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sys
 import tempfile
 from pathlib import Path
 
+import click
 import msgspec
 
 from grader.course.exercises import SOLUTIONS
@@ -18,17 +20,42 @@ from grader.course.submission import read_regular_file
 from grader.grading.grading import Grading
 from grader.grading.plugin import PASS, UNJUDGED
 
-FILE = ".course-attempts.json"
-MAX_BYTES = 64 * 1024
-MAX_FILES = 20  # of one folder; the oldest go
+FOLDER, FILE = "rclpy-agents-course", "attempts.json"
+MAX_BYTES = 128 * 1024
+MAX_FILES = 60  # the oldest go
 MAX_NAMES = 8  # of checks in a line
-
 
 Passed = dict[str, bool]  # by check
 
 
 class _History(msgspec.Struct):
     attempts: dict[str, Passed]  # by exercise and file, the newest last
+
+
+def history() -> Path:
+    """Return where attempts are remembered: the XDG state folder, or the system's own place.
+
+    Raises
+    ------
+    OSError
+        This user has no home.
+    """
+    try:
+        if sys.platform != "linux":
+            return Path(click.get_app_dir(FOLDER), FILE)
+        return (
+            Path(os.environ.get("XDG_STATE_HOME") or "~/.local/state").expanduser() / FOLDER / FILE
+        )
+    except RuntimeError as error:
+        raise OSError(str(error)) from None
+
+
+def attempts() -> dict[tuple[str, Path], Passed]:
+    """Return what passed last, by exercise (its slug) and file, the newest last."""
+    with contextlib.suppress(OSError):
+        parts = ((key.partition(":"), passed) for key, passed in _read(history()).items())
+        return {(slug, Path(file)): passed for (slug, _, file), passed in parts}
+    return {}
 
 
 def since_last(grading: Grading, file: Path) -> str:
@@ -39,14 +66,17 @@ def since_last(grading: Grading, file: Path) -> str:
     """
     if file.resolve().is_relative_to(SOLUTIONS):  # nobody's attempt
         return ""
-    folder, name = (file, grading.exercise.files[0]) if file.is_dir() else (file.parent, file.name)
-    path, key = folder / FILE, f"{grading.exercise.slug}/{name}"
+    file = file / grading.exercise.files[0] if file.is_dir() else file
+    key = f"{grading.exercise.slug}:{file.resolve()}"
     judged = [check for check in grading.checks if check.outcome not in UNJUDGED]
     now = {check.id: check.outcome == PASS for check in judged}
-    attempts = _read(path)
-    before = attempts.pop(key, {})
-    attempts[key] = {**before, **now}  # with --only some checks are not run
-    _write(path, dict(list(attempts.items())[-MAX_FILES:]))
+    before: Passed = {}
+    with contextlib.suppress(OSError):
+        path = history()
+        known = _read(path)
+        before = known.pop(key, {})
+        known[key] = {**before, **now}  # with --only some checks are not run
+        _write(path, dict(list(known.items())[-MAX_FILES:]))
     points = {check.id: check.max_points for check in judged}
     gained = [name for name in now if now[name] and before.get(name) is False]
     lost = [name for name in now if not now[name] and before.get(name)]
@@ -71,15 +101,22 @@ def _read(path: Path) -> dict[str, Passed]:
 
 
 def _write(path: Path, attempts: dict[str, Passed]) -> None:
-    """Replace the file, whatever it is; another grading at the same time costs one of the two."""
+    """Replace the file, whatever it is; another grading at the same time costs one of the two.
+
+    Raises
+    ------
+    OSError
+        It can't be written.
+    """
     content = msgspec.json.encode(_History(attempts))
     if len(content) > MAX_BYTES:
         return
-    with contextlib.suppress(OSError):
-        fd, name = tempfile.mkstemp(prefix=FILE, dir=path.parent)
-        try:
-            with os.fdopen(fd, "wb") as file:
-                file.write(content)
-            Path(name).replace(path)
-        except OSError:
-            Path(name).unlink(missing_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    fd, name = tempfile.mkstemp(prefix=FILE, dir=path.parent)
+    try:
+        with os.fdopen(fd, "wb") as file:
+            file.write(content)
+        Path(name).replace(path)
+    except OSError:
+        Path(name).unlink(missing_ok=True)
+        raise

@@ -110,8 +110,8 @@ def test_a_notebook_gets_ready_without_the_wheels_of_ros() -> None:
     assert PRACTICE[1:] in said and "has never been run on" in said
 
 
-def test_an_exercise_is_copied_once(tmp_path: Path) -> None:
-    command = [sys.executable, str(ELSEWHERE), "list", "--copy", "2"]
+def test_an_exercise_is_started_once(tmp_path: Path) -> None:
+    command = [sys.executable, str(ELSEWHERE), "start", "2"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     first, second = (
         subprocess.run(
@@ -122,6 +122,7 @@ def test_an_exercise_is_copied_once(tmp_path: Path) -> None:
     assert (first.returncode, second.returncode) == (0, 2), first.stderr
     assert len(course("list", "--scenarios").stdout.splitlines()) > 9
     assert {path.name for path in (tmp_path / "ml_velocity").iterdir()} == {
-        "README.md", "hints.md", "ml_velocity_controller.py", "train_velocity_model.py",
+        "README.md", "hints.md", "glossary.md", "test_ml_velocity.py", "ml_velocity_controller.py",
+        "train_velocity_model.py",
     }  # fmt: skip
     assert "ml_velocity is there already" in second.stderr

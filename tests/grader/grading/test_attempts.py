@@ -1,13 +1,12 @@
 """What changed since the last attempt, whatever became of the file that remembers it."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from grader.course.exercises import SOLUTIONS, find_exercise
-from grader.grading.attempts import FILE, MAX_BYTES, MAX_FILES, since_last
+from grader.grading.attempts import MAX_BYTES, MAX_FILES, attempts, history, since_last
 from grader.grading.grading import Grading
 from grader.grading.plugin import CheckResult
 
@@ -27,9 +26,18 @@ def grading(**outcomes: str) -> Grading:
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    path = tmp_path / NAME
+    path = tmp_path / "work" / NAME
+    path.parent.mkdir()
     path.write_text("pass")
     return path
+
+
+@pytest.fixture(autouse=True)
+def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where they are kept, for this test."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    history().parent.mkdir(parents=True)
+    return history()
 
 
 def test_what_changed_is_told_by_the_points(file: Path) -> None:
@@ -52,7 +60,7 @@ def test_a_check_that_was_not_judged_or_not_run_changes_nothing(file: Path) -> N
 
 def test_another_exercise_and_another_file_have_their_own(file: Path, tmp_path: Path) -> None:
     since_last(grading(wiring="fail"), file)
-    assert since_last(grading(wiring="pass"), tmp_path / "other.py") == ""
+    assert since_last(grading(wiring="pass"), tmp_path / NAME) == ""
     other = replace(grading(wiring="pass"), exercise=find_exercise("goal_seeking"))
     assert since_last(other, file) == ""
 
@@ -61,41 +69,47 @@ def test_another_exercise_and_another_file_have_their_own(file: Path, tmp_path: 
     "content",
     [
         b"", b"{", b"[]", b"\xff", b'{"attempts": {"x": {"y": [1]}}}', b"[" * 40_000,
-        b'{"attempts": {"obstacle_avoidance/%s": {"wiring": ["a", 2]}}}' % NAME.encode(),
+        b'{"attempts": {"obstacle_avoidance:%s": {"wiring": ["a", 2]}}}' % NAME.encode(),
         b" " * (MAX_BYTES + 10),
     ],
     ids=range(8),
 )  # fmt: skip
-def test_a_damaged_file_is_no_error(file: Path, content: bytes) -> None:
-    file.with_name(FILE).write_bytes(content)
+def test_a_damaged_file_is_no_error(file: Path, kept: Path, content: bytes) -> None:
+    kept.write_bytes(content)
     assert since_last(grading(wiring="fail"), file) == ""
     assert since_last(grading(wiring="pass"), file) == "+10: wiring"
 
 
-def test_a_link_is_not_followed(file: Path, tmp_path: Path) -> None:
+def test_a_link_is_not_followed(file: Path, kept: Path, tmp_path: Path) -> None:
     target = tmp_path / "target"
     target.write_text("precious")
-    file.with_name(FILE).symlink_to(target)
+    kept.symlink_to(target)
     since_last(grading(wiring="fail"), file)
     assert target.read_text() == "precious"
     assert since_last(grading(wiring="pass"), file) == "+10: wiring"
 
 
-def test_a_folder_of_that_name_is_no_error(file: Path) -> None:
-    file.with_name(FILE).mkdir()
-    assert since_last(grading(wiring="pass"), file) == ""
-    assert [path.name for path in file.parent.iterdir()].count(FILE) == 1
-    assert len(list(file.parent.iterdir())) == 2  # nothing is left lying about
+def test_where_nothing_can_be_kept_nothing_is_said(
+    file: Path, kept: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept.mkdir()
+    for home in (str(tmp_path / "state"), str(file)):  # a folder of that name, a file as a folder
+        monkeypatch.setenv("XDG_STATE_HOME", home)
+        since_last(grading(wiring="fail"), file)
+        assert since_last(grading(wiring="pass"), file) == ""
+    assert list(kept.parent.iterdir()) == [kept]  # nothing is left lying about
+    assert attempts() == {}
 
 
-def test_it_stays_small(file: Path) -> None:
+def test_it_stays_small_and_away_from_the_students_folder(file: Path) -> None:
     for i in range(MAX_FILES + 5):
         since_last(grading(wiring="pass"), file.with_name(f"agent_{i}.py"))
-    kept = json.loads(file.with_name(FILE).read_text())["attempts"]
-    assert len(kept) == MAX_FILES
-    assert f"obstacle_avoidance/agent_{MAX_FILES + 4}.py" in kept
+    assert len(attempts()) == MAX_FILES
+    newest = file.with_name(f"agent_{MAX_FILES + 4}.py")
+    assert list(attempts().items())[-1] == ((EXERCISE.slug, newest), {"wiring": True})
+    assert list(file.parent.iterdir()) == [file]
 
 
 def test_the_courses_own_solutions_are_nobodys_attempt() -> None:
     since_last(grading(wiring="fail"), SOLUTIONS / "obstacle_avoidance" / NAME)
-    assert not (SOLUTIONS / "obstacle_avoidance" / FILE).exists()
+    assert attempts() == {}
