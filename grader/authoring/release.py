@@ -46,8 +46,11 @@ PRIVATE = re.compile(
 QUIZ = "lessons/quiz.md"  # its tables are the rubric
 
 BACKEND = 'build-backend = "course_setup"\nbackend-path = ["."]'
-SETUP = """\
-\"\"\"setuptools, with words of its own for a Python that is too old: pip would say much more.\"\"\"
+SETUP = '''\
+"""Make the command `course`: `python3 course_setup.py`, on Windows `py course_setup.py`.
+
+For pip it is setuptools, with words of its own for a Python that is too old.
+"""
 
 import sys
 
@@ -55,24 +58,66 @@ if sys.version_info < (3, 11):
     said = "expected Python 3.11 to 3.14, but this is %d.%d; take a newer one"
     sys.exit(said % sys.version_info[:2])
 
-from setuptools.build_meta import *  # noqa: E402, F403
-"""
+
+def make():
+    """Make .venv beside this file, with the course in it."""
+    import os
+    import subprocess
+    from pathlib import Path
+
+    here = Path(__file__).resolve().parent
+    programs = here / ".venv" / ("Scripts" if os.name == "nt" else "bin")
+    print("Installing the course into .venv: two or three minutes.", flush=True)
+    pip = [programs / "python", "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+    course = ["--constraint", here / "constraints.txt", "--editable", f"{here}[ros]"]
+    for command in ([sys.executable, "-m", "venv", here / ".venv"], [*pip, *course]):
+        if subprocess.run(command).returncode:
+            sys.exit("That failed; the lines above say why. Mend it, and run this once more.")
+    try:
+        shown = (programs / "course").relative_to(Path.cwd())
+    except ValueError:
+        shown = programs / "course"
+    print(f"Next: {shown} start")
+
+
+if __name__ == "__main__":
+    make()
+else:
+    from setuptools.build_meta import *  # noqa: F403
+'''
 STAMP = (2020, 1, 1, 0, 0, 0)  # time of every file in the archive: same release, same bytes
 
 README = """\
 # Bridging Python agents with rclpy: for students
 
-Write ROS 2 nodes in Python and let them drive a mock robot. You need Linux on x86_64 and Python
-3.11 to 3.13; no robot and no ROS installation.
+Write ROS 2 nodes in Python and let them drive a mock robot. You need Python 3.11 to 3.14; no robot,
+and no ROS installation. Three commands, in this folder: the first makes the command `course`, in
+a few minutes; the second a folder for you; the third grades it.
 
-    python3 -m venv .venv
-    . .venv/bin/activate
-    pip install --constraint constraints.txt --editable '.[ros,ml]'
-    course list
+**macOS**, in a terminal (and Linux):
 
-[docs/students.md](docs/students.md) takes you from here: copy a skeleton, ask the grader as often
-as you like, read what it says. Where ROS 2 is installed, `exercises/` and `sim/` are also packages
-for `colcon build`.
+    python3 course_setup.py
+    .venv/bin/course start {number}
+    .venv/bin/course grade {number} {slug}
+
+**Windows**, in PowerShell:
+
+    py course_setup.py
+    .venv\\Scripts\\course start {number}
+    .venv\\Scripts\\course grade {number} {slug}
+
+**Linux** on x86_64, with Python up to 3.13, gets the real rclpy of ROS 2. If `venv` is missing:
+`sudo apt install python3-venv`. macOS, Windows and ARM get [a portable one](docs/portable.md), for
+practice. It has never been tried there yet: please tell your instructor what you see.
+
+**A cloud notebook** (Colab, Kaggle, …): {cloud}
+
+Now open `README.md` in the new folder: it says what your node has to do. The skeleton beside it has
+no points yet, and the grader says what to do first. Grade after each change; `course next` says how
+to go on. So that `course` alone is enough, type `source .venv/bin/activate` in each new terminal,
+on Windows `.venv\\Scripts\\activate`. Later exercises want more libraries: the grader says which.
+[docs/students.md](docs/students.md) has the rest. Where ROS 2 is installed, `exercises/` and `sim/`
+are packages for `colcon build`, too.
 
 {lesson}
 
@@ -85,13 +130,13 @@ Code: Apache-2.0 (`LICENSE`). Lesson text: CC BY 4.0 (`LICENSE-lessons.md`).
 
 
 WITH_SITE = """\
-The lesson is a site that needs no network: open `lesson/index.html`. To work in notebooks:
-
-    pip install --constraint constraints.txt jupyterlab matplotlib
-    jupyter lab notebooks
-
-Elsewhere, on a cloud machine, upload the notebook and the wheel that lies beside it."""
+The lesson is a site that needs no network: open `lesson/index.html`. To work in notebooks here, in
+the activated environment: `pip install jupyterlab matplotlib`, then `jupyter lab notebooks`."""
 PLAIN = "The lesson begins with `lessons/index.md`."
+CLOUD = """\
+upload a notebook of `notebooks/` and the wheel that lies
+beside it, and run the first cell."""
+NO_CLOUD = "the three commands work in its terminal, as on Linux."
 
 Make = Callable[[Collection[str]], Mapping[str, bytes]]
 
@@ -174,7 +219,7 @@ def contents(
         found.update(make(left_out))
     found["pyproject.toml"] = _pyproject((root / "pyproject.toml").read_text("utf-8")).encode()
     found["course_setup.py"] = SETUP.encode()
-    found["README.md"] = _readme(left_out, PLAIN if make is None else WITH_SITE).encode()
+    found["README.md"] = _readme(left_out, plain=make is None).encode()
     return dict(sorted(found.items()))
 
 
@@ -231,14 +276,17 @@ def _pyproject(text: str) -> str:
     return re.sub(r"(?m)^build-backend = .*\nbackend-path = .*$", BACKEND, text)
 
 
-def _readme(left_out: Collection[str], lesson: str) -> str:
+def _readme(left_out: Collection[str], *, plain: bool) -> str:
+    released = [exercise for exercise in all_exercises() if exercise.slug not in left_out]
     rows = [
         f"| {exercise.number} | [{exercise.slug}](exercises/{exercise.slug}/README.md) "
         f"| {exercise.summary} |"
-        for exercise in all_exercises()
-        if exercise.slug not in left_out
+        for exercise in released
     ]
-    return README.format(rows="\n".join(rows), lesson=lesson)
+    return README.format(
+        number=released[0].number, slug=released[0].slug, rows="\n".join(rows),
+        lesson=PLAIN if plain else WITH_SITE, cloud=NO_CLOUD if plain else CLOUD,
+    )  # fmt: skip
 
 
 # --- files ---------------------------------------------------------------------------------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
 from pathlib import Path
 
 import click
@@ -34,7 +36,7 @@ def start(exercise: str | None) -> None:
     click.echo(
         f"Exercise {chosen.number}, {chosen.title.lower()}: {folder / 'README.md'} says what to "
         f"do, and you write {' and '.join(chosen.files)}.\n"
-        f"Next, now and after each change:\n  course grade {chosen.number} {folder}"
+        f"Next, now and after each change:\n  {_course()} grade {chosen.number} {folder}"
     )
 
 
@@ -46,4 +48,9 @@ def next_(exercise: str | None) -> None:
     from grader.grading.onward import onward  # noqa: PLC0415
 
     for line in onward(None if exercise is None else find_exercise(exercise)):
-        click.echo(line)
+        click.echo(line.replace("  course", f"  {_course()}", 1) if line[0] == " " else line)
+
+
+def _course() -> str:
+    """Return the command as this person has to type it: not everybody's PATH has it."""
+    return "course" if shutil.which("course") else sys.argv[0]

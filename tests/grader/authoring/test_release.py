@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -65,6 +66,25 @@ def test_what_students_get_can_be_installed_and_runs(released: Path, tmp_path: P
         assert done.returncode == 0, done.stderr[-2000:]
     assert "obstacle_avoidance" in done.stdout
     assert (tmp_path / "rclpy_portable" / "unpacking.py").is_file()
+
+
+def test_the_first_command_makes_an_environment_with_the_course_in_it(
+    released: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ran, codes = [], [0, 0, 0, 1]
+
+    def run(command: list[str | Path]) -> subprocess.CompletedProcess[bytes]:
+        ran.append(" ".join(map(str, command)))
+        return subprocess.CompletedProcess(command, codes.pop(0))
+
+    monkeypatch.setattr(subprocess, "run", run)
+    monkeypatch.chdir(released)
+    runpy.run_path("course_setup.py", run_name="__main__")
+    assert ran[0].endswith(f"-m venv {released / '.venv'}")
+    assert re.search(r"-m pip .* install .*--constraint \S+ --editable \S+\[ros\]$", ran[1])
+    assert capsys.readouterr().out.endswith("Next: .venv/bin/course start\n")
+    with pytest.raises(SystemExit, match="the lines above say why"):
+        runpy.run_path("course_setup.py", run_name="__main__")
 
 
 def test_students_get_the_fixtures_of_pytest(released: Path) -> None:
@@ -138,6 +158,10 @@ def test_what_is_made_goes_out_in_place_of_the_plain_pages(tmp_path: Path) -> No
     readme = (tmp_path / "week" / "README.md").read_text("utf-8")
     assert "`lesson/index.html`" in readme
     assert "jupyter lab notebooks" in readme
+    assert "course grade 1 obstacle_avoidance\n" in readme
+    assert len(readme.splitlines()) <= 60
+    order = [readme.index(f"**{name}") for name in ("macOS", "Windows", "Linux", "A cloud")]
+    assert order == sorted(order)
 
 
 def test_without_sphinx_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
