@@ -18,9 +18,7 @@ from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.errors import GraderError, InputError
 
 # The grader's packages and modules for instructors and contributors; not in the students' copy.
-INSTRUCTORS = (
-    "authoring", "classroom", "lms", "nbgrader", "build.py", "generated.py", "skeletons.py",
-)  # fmt: skip
+INSTRUCTORS = ("authoring", "classroom", "build.py", "generated.py", "skeletons.py")
 PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # suffixes of the files of a ROS package
 MARKER = "resource"  # folder with a ROS package's marker file, which has no suffix
 LESSONS = "lessons"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from grader.cli.given import as_files, wanted_in
 from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
 from grader.errors import InputError
@@ -62,8 +63,9 @@ def drive(
 ) -> int:
     """Run any rclpy node in the mock robot, without grading.
 
-    FILE is a Python file, which runs as with python3, a launch file, or a colcon package's folder.
-    What lies beside it comes along; links do not.
+    FILE is a Python file, which runs as with python3, a launch file, a colcon package's folder, a
+    notebook with %%node cells, or a zip of one of these. What lies beside it comes along; links do
+    not.
     """
     from grader import drive as driving  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
@@ -76,7 +78,9 @@ def drive(
     arguments = driving.arguments_of(params, remappings, params_files)
     chosen = driving.scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
     own = [program.file for program in chosen.program if not program.supplied]
-    submission = find_submission(file, others=[name for name in own if name])
+    names = wanted_in(chosen.name)
+    given = click.get_current_context().with_resource(as_files(file, names))
+    submission = find_submission(given, others=[name for name in own if name])
     taken = [path.name for path in (submission.path, *submission.others)]
     files = driving.read_params_files(params_files, taken)
     text = driving.read_stdin(stdin)

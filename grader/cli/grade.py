@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from grader.cli.given import as_files
 from grader.cli.results import JSON_STDOUT, check_writable, show
 from grader.cli.start import portable_option, start_forkserver
 from grader.course.students import Seed
@@ -51,7 +52,8 @@ def grade(
     """Grade a node: EXERCISE by name or number, FILE or a FOLDER that holds it, or a package.
 
     What lies beside it comes along. A FOLDER with package.xml runs as with ros2 run, or as its
-    launch file says. FILE may be a link; links in the FOLDER, or beside the FILE, are refused.
+    launch file says. A notebook is its %%node cells, and a zip what is in it. FILE may be a link;
+    links in the FOLDER, or beside the FILE, are refused.
 
     Exit code 0: full core score. 1: less. 2: wrong usage, or the grader's own fault.
     """
@@ -61,7 +63,8 @@ def grade(
     chosen = find_exercise(exercise)
     if file.name in chosen.files[1:] and file_beside(file, chosen.files[0]) is not None:
         file = file.with_name(chosen.files[0])  # whichever is given, the first one is the node
-    submission = find_submission(file, chosen.files[0], chosen.files[1:])
+    given = click.get_current_context().with_resource(as_files(file, chosen.files))
+    submission = find_submission(given, chosen.files[0], chosen.files[1:])
     vary: Seed | None = seed
     if student is not None or secret is not None:
         vary = _student_key(student, secret, chosen.slug, seed)

@@ -16,6 +16,7 @@ from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from grader.course.beside import MAX_BYTES, beside, listed
+from grader.course.untouched import untouched
 from grader.errors import InputError
 from grader.link.scratch import fresh_folder
 
@@ -102,12 +103,21 @@ class Submission:
                 (folder / name).write_bytes(content)
             yield folder
 
+    def _untouched(self) -> str:
+        if self.package or self.problem:
+            return ""
+        own = (self.path, *self.others)
+        with contextlib.suppress(OSError):
+            return untouched({path.name: read_regular_file(path) for path in own})
+        return ""
+
     def account(self) -> list[str]:
         """Say what came along, and what did not, a sentence each."""
         own = [] if self.package else [path.name for path in (self.path, *self.others)]
         more = set(self.files) - set(own)
         came = sorted(n for n in more if not n.startswith(SHARE) and not n.endswith(GIVEN))
-        said = [f"With the node came {listed(came)}."] if came else []
+        said = [skeleton] if (skeleton := self._untouched()) else []
+        said += [f"With the node came {listed(came)}."] if came else []
         return [*said, *([f"Left behind: {'; '.join(self.left)}."] if self.left else [])]
 
 
@@ -276,6 +286,21 @@ def _problem(path: Path) -> str:
             return f"the file has {size:,} bytes; at most {MAX_SIZE:,} are read"
         if not content.strip():
             return "the file is empty"
+        return _unencoded(content)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+
+
+def _unencoded(content: bytes) -> str:
+    """Say where Python could not read a file's letters; "" where it can, or the file declares how.
+
+    Nothing is looked up by a name that the file has: it may be any.
+    """
+    if b"coding" in b"".join(content.splitlines()[:2]):
+        return ""
+    try:
+        content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        return f"line {line} has a letter that is not UTF-8; save the file as UTF-8 in your editor"
     return ""

@@ -1,0 +1,142 @@
+"""What a person gives, as it comes: a notebook, an archive, a second copy's name."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from grader.course.beside import beside
+from grader.course.submission import is_package
+from grader.errors import InputError
+from grader.link.scratch import fresh_folder
+
+NOTEBOOK = ".ipynb"
+FOLDED = 3  # folders in one another, each alone in the one above it, down to the files
+
+T = TypeVar("T")
+
+
+@contextlib.contextmanager
+def as_files(path: Path, names: Sequence[str]) -> Iterator[Path]:
+    """Yield what `find_submission` takes: `path`, or a file or folder that was made of it.
+
+    Of a notebook it is what its `%%node` cells write, with what lies beside it; of an archive the
+    folder in it; of "agent (1).py", where agent.py is wanted, a file of that name.
+
+    Parameters
+    ----------
+    path
+        What was given.
+    names
+        The files that are wanted, the node's first. Of those that are there the first is yielded.
+
+    Raises
+    ------
+    InputError
+        It can't be read, or there is no node in it.
+    """
+    from grader.lms.unpack import is_archive, unpack  # noqa: PLC0415
+
+    with contextlib.ExitStack() as stack:
+        given = path
+        if path.is_file() and is_archive(path.name):
+            room = stack.enter_context(fresh_folder())
+            _read(path, lambda: unpack(path, room))
+            given = _folder_in(room)
+        staged = stack.enter_context(fresh_folder())
+        if given.suffix.lower() == NOTEBOOK and given.is_file():
+            yield _of_notebook(given, names, staged, path)
+        elif given.is_dir():
+            yield _of_folder(given, names, staged, path)
+        else:
+            yield _of_copies(given, names, staged) or given
+
+
+def wanted_in(scenario: str) -> list[str]:
+    """Return the files of all exercises, those of the scenario's own exercise first."""
+    from grader.course.exercises import all_exercises  # noqa: PLC0415
+    from sim.scenario_files import scenario_names  # noqa: PLC0415
+
+    place = scenario_names().get(scenario)
+    every = all_exercises()
+    own = [each for each in every if place is not None and each.slug in place.parts]
+    return list(dict.fromkeys(name for each in (*own, *every) for name in each.files))
+
+
+def _of_folder(folder: Path, names: Sequence[str], staged: Path, path: Path) -> Path:
+    """Return the node's file in a folder, or the folder, if that is for `find_submission`."""
+    if found := next((folder / name for name in names if (folder / name).exists()), None):
+        return folder if folder == path else found
+    if is_package(folder):
+        return folder
+    python = sorted(folder.glob("*.py"))
+    if found := next(filter(None, (_of_copies(file, names, staged) for file in python)), None):
+        return found
+    notebooks = [each for each in sorted(folder.glob(f"*{NOTEBOOK}")) if not each.is_symlink()]
+    return (
+        folder if python or len(notebooks) != 1 else _of_notebook(*notebooks, names, staged, path)
+    )
+
+
+def _of_notebook(notebook: Path, names: Sequence[str], staged: Path, path: Path) -> Path:
+    """Write what a notebook's cells define, and what lies beside it; return the node's file."""
+    from grader.nbgrader.cells import last_definitions, modules  # noqa: PLC0415
+    from grader.nbgrader.intake import read_cells  # noqa: PLC0415
+
+    cells = [(cell.kind, cell.source) for cell in _read(path, lambda: read_cells(notebook))]
+    made = modules(cells)
+    texts, _ = last_definitions(cells, made)
+    own = [name for name in made if name not in wanted_in("")]  # a name of the student's choice
+    node = next((name for name in names if name in texts), own[0] if len(own) == 1 else None)
+    if node is None:
+        there = f"its cells write {', '.join(made[:5])}" if made else "it has no such cell"
+        raise InputError(f"{path}: expected a cell that begins with `%%node {names[0]}`; {there}")
+    _copy(notebook.parent, staged)
+    for name, text in texts.items():
+        (staged / name).write_text(text, "utf-8")
+    return staged / node
+
+
+def _of_copies(file: Path, names: Sequence[str], staged: Path) -> Path | None:
+    """Return a file of the name that is wanted, if this one is called like a second copy of it."""
+    from grader.lms.names import copy_number, plain  # noqa: PLC0415
+
+    wanted = {plain(name): name for name in names}
+    if file.name in names or plain(file.name) not in wanted or file.is_symlink():
+        return None
+    _copy(file.parent, staged)
+    others = sorted(file.parent.glob("*.py"), key=lambda each: copy_number(each.name))
+    for each in (*others, file):  # of several copies the last one counts, and this one
+        name = wanted.get(plain(each.name))
+        if name not in (None, each.name) and not each.is_symlink() and each.is_file():
+            (staged / each.name).unlink(missing_ok=True)
+            if each == file or not (file.parent / name).exists():
+                shutil.copyfile(each, staged / name)
+    return next(staged / name for name in names if (staged / name).exists())
+
+
+def _copy(folder: Path, target: Path) -> None:
+    """Copy what comes along with a node of a folder."""
+    for name, file in beside(folder.resolve()).files.items():
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, target / name)
+
+
+def _folder_in(room: Path) -> Path:
+    """Return the folder, or the notebook or file, that is all of an unpacked archive."""
+    for _ in range(FOLDED):
+        inside = [each for each in room.iterdir() if not each.name.startswith((".", "__MACOSX"))]
+        if len(inside) != 1 or not inside[0].is_dir() or is_package(room):
+            break
+        room = inside[0]
+    return room
+
+
+def _read(path: Path, read: Callable[[], T]) -> T:
+    try:
+        return read()
+    except Exception as error:  # whatever a broken file makes its reader raise
+        raise InputError(f"{path}: cannot be read ({error or type(error).__name__})") from None
