@@ -77,7 +77,7 @@ def _of_folder(folder: Path, names: Sequence[str], staged: Path, path: Path) -> 
         return found
     notebooks = [each for each in sorted(folder.glob(f"*{NOTEBOOK}")) if not each.is_symlink()]
     return (
-        folder if python or len(notebooks) != 1 else _of_notebook(*notebooks, names, staged, path)
+        folder if python or len(notebooks) != 1 else _of_notebook(notebooks[0], names, staged, path)
     )
 
 
