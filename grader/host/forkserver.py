@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from . import scripts, stand_ins
+from . import imports, scripts, stand_ins
 from .frames import ENTERED, REFUSED, Birth, Clear, Done, Fault, Furnish, Hello, Request
 from .kinds import LIVE, NODES, TESTS
 from .virtual import kernel as kernel_module
@@ -121,6 +121,7 @@ def prepared(kind: str, epoch: int, libraries: Sequence[str]) -> Body:
         body = _run_live
     _import(libraries)
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
+    imports.host.settle()
     return body
 
 
@@ -299,7 +300,7 @@ def _warm_up(*, virtual: bool = True) -> None:
     _import(("numpy", "rclpy.node", "rclpy.executors", "rclpy.action"))
     if virtual:
         from . import program  # noqa: F401, PLC0415
-        from .virtual import bridge, executors, session  # noqa: F401, PLC0415
+        from .virtual import bridge, executors, programs, session  # noqa: F401, PLC0415
     else:
         from .real_time import node  # noqa: F401, PLC0415
 

@@ -13,7 +13,7 @@ import types
 from collections.abc import Iterator
 from pathlib import Path
 
-from . import deaths, hints, libraries, randomness
+from . import deaths, hints, imports, randomness
 from .frames import ProgramStart, Start
 from .source import compiled
 from .virtual import signals
@@ -25,16 +25,16 @@ MAX_ACCOUNT, MAX_TRACE = 4_000, 12_000  # [characters]
 
 def run(session: Session, start: Start) -> None:
     """Run the programs to their end and report it; a node that spins for ever never returns."""
+    from .virtual.programs import Programs  # noqa: PLC0415  (needs rclpy)
+
     randomness.seed(start.seed)
-    sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
     hints.tell_of_shell_commands()
+    imports.host.enter(str(Path(start.programs[0].file).resolve().parent))
     if len(start.programs) == 1 and start.programs[0].start == 0:
         signals.install_alone(session.kernel)
         session.begin(start.lead)
         session.end(*run_file(start.programs[0]))
         return
-    from .virtual.programs import Programs  # noqa: PLC0415  (needs rclpy)
-
     session.programs = Programs(
         session.kernel, start.programs, lambda program: _run_one_of_many(session, program)
     )
@@ -50,7 +50,7 @@ def _run_one_of_many(session: Session, program: ProgramStart) -> None:
 
 def run_file(program: ProgramStart) -> tuple[str, str, str]:
     """Run a file as `__main__`; return how it ended: kind, text and detail."""
-    libraries.hide(program.hides)
+    imports.host.hide(program.hides)
     sys.argv = [program.file, *program.arguments]
     try:
         code = compiled(program.file)
@@ -67,6 +67,7 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
         return "exited", f"sys.exit({'' if error.code is None else repr(error.code)})", ""
     except BaseException as error:  # students may raise anything
         atexit._run_exitfuncs()
+        imports.host.leave()
         first = _first(error)
         return "exception", _exception_text(first, program.file), _detail(first, program.file)
     return "returned", "the program ran to its end", ""

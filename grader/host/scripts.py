@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from . import program, randomness
+from . import imports, program, randomness
 from .frames import (
     Ended,
     FromScript,
@@ -51,7 +51,7 @@ def serve(read_fd: int, write_fd: int) -> None:
 
 def _run(order: Script) -> Ended:
     randomness.seed(order.seed)  # a fork inherits the fork server's generators
-    sys.path.insert(0, str(Path(order.file).parent))
+    imports.host.enter(str(Path(order.file).parent))
     kind, text, detail = program.run_file(ProgramStart(order.file, order.arguments))
     return ended(kind, text, detail)
 

@@ -19,7 +19,7 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 from rclpy.task import Task
 
-from .. import program, randomness
+from .. import imports, program, randomness
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report, type_name
 from ..frames import MAX_UNHEARD, MAX_UNHEARD_BYTES, EndpointReport, Published, Pulse, Start, TuneIn
 from ..supplied.kept import desk
@@ -142,7 +142,7 @@ def _run_program(wire: Wire, start: Start) -> None:
     desk.ask = Desk(wire, lock).ask
     threading.Thread(target=_beat, args=(wire, vitals, lock), daemon=True).start()
     randomness.seed(start.seed)
-    sys.path.insert(0, str(Path(start.programs[0].file).resolve().parent))
+    imports.host.enter(str(Path(start.programs[0].file).resolve().parent))
     end = program.run_file(start.programs[0])
     with lock:
         wire.send(vitals.pulse())
