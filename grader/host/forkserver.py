@@ -297,7 +297,7 @@ def _warm_up(*, virtual: bool = True) -> None:
         module = importlib.import_module(package)
         for name in names:
             check_for_type_support(getattr(module, name))
-    _import(("numpy", "rclpy.node", "rclpy.executors", "rclpy.action"))
+    _import(("numpy.random", "rclpy.node", "rclpy.executors", "rclpy.action"))
     if virtual:
         from . import program  # noqa: F401, PLC0415
         from .virtual import bridge, executors, programs, session  # noqa: F401, PLC0415

@@ -32,7 +32,7 @@ MISSING = object()
 MODULE = type(sys)
 OURS = os.path.dirname(os.path.abspath(__file__))  # noqa: PTH100, PTH120  (pathlib: see above)
 ROOT = os.path.dirname(os.path.dirname(OURS))  # noqa: PTH120
-TESTS = "a session of pytest"  # imports, too, though it is no module
+NEEDED = frozenset({"collections.abc"})  # Python's traceback reaches it through `collections`
 
 
 class Imports:
@@ -56,8 +56,7 @@ class Imports:
 
     def watch(self) -> None:
         """Note from now on what modules import; nothing but Python itself is imported yet."""
-        bare = (name for name in sys.modules if name.partition(".")[0] != "grader")
-        self._bare = frozenset(bare) - {"__future__"}
+        self._bare = frozenset(n for n in sys.modules if n.partition(".")[0] != "grader")
         for name in self._bare:
             self._note_left(name)
         python: Any = _frozen_importlib
@@ -162,7 +161,7 @@ class Imports:
         if self in sys.meta_path or self._end_watch is None:
             return
         self._folder = folder
-        kept = self._bare.union(self._reached(keep) if keep else ())
+        kept = self._bare.union(NEEDED, self._reached(keep) if keep else ())
         self._aside = {n: sys.modules.pop(n) for n in list(sys.modules) if n not in kept}
         for names, key, before, name in self._late:
             if name not in self._aside or names.get(key) is not self._aside[name]:
@@ -178,9 +177,8 @@ class Imports:
 
     def leave(self) -> None:
         """The program is over: nothing is hidden from the host any more."""
-        for name, module in self._aside.items():
-            sys.modules.setdefault(name, module)
-        self._aside = {}
+        for name in list(self._aside):
+            self.give(name)
 
     def hide(self, names: Collection[str]) -> None:
         """Let imports of these top-level modules fail, as if they were not installed."""
@@ -236,7 +234,7 @@ class Imports:
         """
         top = _module_of(error).partition(".")[0]
         if top:
-            file = getattr(sys.modules.get(top), "__file__", None) or ""
+            file = str(getattr(self._find_elsewhere(top), "origin", ""))
             if self._is_beside(file) and self._find_elsewhere(top, self._other_folders()):
                 return file
         before = ""
@@ -291,7 +289,7 @@ class Imports:
         return spec is not None and spec.origin != _origin(self._aside[name])
 
     def _is_beside(self, file: str) -> bool:
-        return bool(self._folder) and file.startswith(os.path.join(self._folder, ""))  # noqa: PTH118
+        return bool(self._folder) and file.startswith(os.path.join(self._folder, ""))
 
     def _other_folders(self) -> list[str]:
         return [entry for entry in sys.path if entry != self._folder]
@@ -321,7 +319,7 @@ class _HandOut:
 
     def exec_module(self, module: ModuleType) -> None:
         """Run nothing: it has run."""
-        try:
+        try:  # noqa: SIM105  (contextlib: see above)
             module.__spec__ = self._spec
         except AttributeError:  # an object in a module's place
             pass

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib
 import pickle
-import sys
 from pathlib import Path
 from typing import Any
 

@@ -7,7 +7,6 @@ what rclpy 7.1 does wrong; the process only says, several times a second, how th
 from __future__ import annotations
 
 import os
-import sys
 import threading
 import time
 from pathlib import Path
