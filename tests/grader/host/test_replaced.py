@@ -49,7 +49,9 @@ def test_the_table_of_what_is_replaced_in_rclpy_is_true() -> None:
     said = ""
     for virtual in (True, False):
         source = LISTING.format(virtual=virtual)
-        done = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True)
+        done = subprocess.run(
+            [sys.executable, "-c", source], capture_output=True, text=True, check=False
+        )
         assert done.returncode == 0, done.stderr
         said += done.stdout
     table = DOCUMENT.read_text("utf-8").partition("## What is replaced in rclpy")[2]
