@@ -172,7 +172,7 @@ class Imports:
                 names[key] = before
         if ROOT in sys.path and not keep:
             sys.path.remove(ROOT)
-        sys.meta_path.insert(0, self)  # type: ignore[arg-type]
+        sys.meta_path.insert(0, self)
         self._beside = {name for name in self._names_beside() if self._is_another(name)}
 
     def leave(self) -> None:
@@ -188,7 +188,7 @@ class Imports:
         for name in [n for n in sys.modules if n.partition(".")[0] in hidden]:
             del sys.modules[name]
         others = [_Blind(finder, hidden) for finder in self._others()]
-        sys.meta_path[:] = [*([self] if self in sys.meta_path else []), *others]  # type: ignore[list-item]
+        sys.meta_path[:] = [*([self] if self in sys.meta_path else []), *others]
 
     def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
         """Return how a module that lies aside is loaded; None if it doesn't."""
@@ -244,7 +244,7 @@ class Imports:
                 continue
             runs = frame.f_code.co_name == "<module>" and self._is_beside(file)
             if runs and before and not self._is_beside(before):
-                return file
+                return str(file)
             before = file
         return ""
 
