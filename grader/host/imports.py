@@ -41,6 +41,7 @@ class Imports:
     def __init__(self) -> None:
         self._bare: frozenset[str] = frozenset()  # that every program begins with
         self._imported: dict[str, set[str]] = {}  # by each module's top level
+        self._wanted: dict[str, dict[str, list[str]]] = {}  # by compiled modules, of others
         self._left: dict[str, dict[str, Any]] = {}  # what the top level of a package has left
         self._late: list[tuple[dict[str, Any], str, Any, str]] = []  # put on packages after that
         self._late_of: dict[str, tuple[dict[str, Any], str]] = {}
@@ -48,7 +49,7 @@ class Imports:
         self._aside: dict[str, Any] = {}  # modules that the program has not imported
         self._hidden: frozenset[str] = frozenset()
         self._folders: list[str] = []  # the programs'
-        self._beside: set[str] = set()  # modules aside of whose name there is one in a folder
+        self._beside: set[str] = set()  # modules of whose name there is another in a folder
         self._trying = False
         self._end_watch: Any = None
 
@@ -60,6 +61,8 @@ class Imports:
         for name in self._bare:
             self._note_left(name)
         python: Any = _frozen_importlib
+        suffixes, noting = tuple(_imp.extension_suffixes()), self._noting()
+        noted: list[Any] = []  # modules of the class `noting`
         real_import, real_load = builtins.__import__, python._load_unlocked
         real_absolute = python._gcd_import
 
@@ -67,10 +70,14 @@ class Imports:
             self._note(spec.name)
             self._imported.setdefault(spec.name, set())
             self._running.append(spec.name)
+            if str(spec.origin).endswith(suffixes):
+                self._wanted[spec.name] = {}
             try:
                 module = real_load(spec)
             finally:
                 self._running.pop()
+                while spec.name in self._wanted and noted:
+                    noted.pop().__class__ = MODULE
             self._note_left(spec.name)
             return module
 
@@ -83,6 +90,9 @@ class Imports:
                     package = python._calc___package__(globals)
                     name = python._resolve_name(name, package, level)
                 self._note(name)
+                if self._running[-1] in self._wanted and type(module) is MODULE:
+                    module.__class__ = noting
+                    noted.append(module)
                 for part in _named(module, fromlist):
                     if _is_module(module, f"{name}.{part}", part):
                         self._note(f"{name}.{part}")
@@ -121,6 +131,19 @@ class Imports:
     def _note(self, name: str) -> None:
         if self._running and self._running[-1] != name:
             self._imported.setdefault(self._running[-1], set()).add(name)
+
+    def _noting(self) -> type[ModuleType]:
+        """Return a class of modules that notes what compiled code takes from one while it loads."""
+
+        class Noting(MODULE):
+            def __getattribute__(module, key: str) -> Any:  # noqa: N805
+                wanted = self._wanted.get(self._running[-1]) if self._running else None
+                if wanted is not None and not key.startswith("__"):
+                    name = MODULE.__getattribute__(module, "__name__")
+                    wanted.setdefault(name, []).append(key)
+                return MODULE.__getattribute__(module, key)
+
+        return Noting
 
     def _note_left(self, name: str) -> None:
         names = getattr(sys.modules.get(name), "__dict__", {})
@@ -165,6 +188,8 @@ class Imports:
             sys.path.remove(ROOT)
         sys.meta_path.insert(0, self)
         self._beside = {name for name in self._names_beside() if self._is_another(name)}
+        for name in [n for n in self._aside if n.partition(".")[0] in self._beside]:
+            del self._aside[name]
 
     def leave(self) -> None:
         """The program is over: nothing is hidden from the host any more."""
@@ -199,6 +224,7 @@ class Imports:
                 return spec
             else:
                 alone = True
+                self._take_wanted(name)
         if spec is None:  # the host's own, or made without a file
             spec = _frozen_importlib.ModuleSpec(name, None, origin=_origin(module))
         spec.loader = _HandOut(None if alone else self, name, module, spec.loader)
@@ -256,6 +282,13 @@ class Imports:
             for other in set(sys.modules) - before:
                 if other in self._aside:
                     del sys.modules[other]
+
+    def _take_wanted(self, name: str) -> None:
+        """Take from files of the program what a compiled module took from others of that name."""
+        for other, keys in self._wanted.get(name, {}).items():
+            if other in self._beside:
+                for key in keys:
+                    getattr(__import__(other), key)
 
     def _reached(self, name: str) -> set[str]:
         """Return a module and all that came with it."""
