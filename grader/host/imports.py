@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 MISSING = object()
 MODULE = type(sys)
+MADE = (type, type(lambda: 0))  # classes and functions
 OURS = os.path.dirname(os.path.abspath(__file__))  # noqa: PTH100, PTH120  (pathlib: see above)
 ROOT = os.path.dirname(os.path.dirname(OURS))  # noqa: PTH120
 NEEDED = frozenset({"collections.abc"})  # Python's traceback reaches it through `collections`
@@ -281,7 +282,15 @@ class Imports:
             self._trying = False
             for other in set(sys.modules) - before:
                 if other in self._aside:
-                    del sys.modules[other]
+                    self._bind_files(sys.modules.pop(other), self._aside[other])
+
+    def _bind_files(self, tried: Any, ours: Any) -> None:
+        """Let a module use what it has got from files beside the program when it was tried."""
+        files = [sys.modules.get(name, MISSING) for name in self._beside]
+        for key, value in list(getattr(tried, "__dict__", {}).items()):
+            made = isinstance(value, MADE) and value.__module__ in self._beside
+            if made or any(value is file for file in files):
+                vars(ours)[key] = value
 
     def _take_wanted(self, name: str) -> None:
         """Take from files of the program what a compiled module took from others of that name."""

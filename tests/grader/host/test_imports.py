@@ -130,7 +130,10 @@ BESIDE = {  # a file beside the node: how the node ends
     "rclpy/__init__.py": "ModuleNotFoundError: No module named 'rclpy.node'",
     "string.py": "ImportError: cannot import name 'Template' from 'string'",  # rclpy has logging
     "logging.py": "AttributeError: module 'logging' has no attribute 'getLogger'",
+    "math.py": "AttributeError: module 'math' has no attribute 'floor'",  # in numpy's C
+    "array.py": "AttributeError: module 'array' has no attribute 'array'",  # when a node is made
     "numpy.py": "ran 1",
+    "platform.py": "ran 1",  # numpy has it, too
     "copy.py": "ran 1",  # nothing misses what it lacks
     "time.py": "ran None",  # Python's own is built in
 }
@@ -150,6 +153,8 @@ def test_a_file_beside_the_node_goes_first(
 ) -> None:
     (folder / name).parent.mkdir(exist_ok=True)
     (folder / name).write_text("LEVEL = 1\n")
+    if name == "math.py" and isinstance(learned, PracticeServer):
+        pytest.skip("the portable rclpy dies of it, too, but says more")
     module = name.removesuffix(".py").removesuffix("/__init__")
     file = folder / "node.py"
     file.write_text(NODE.format(module, module))
