@@ -136,7 +136,7 @@ class Imports:
     def _noting(self) -> type[ModuleType]:
         """Return a class of modules that notes what compiled code takes from one while it loads."""
 
-        class Noting(MODULE):
+        class Noting(MODULE):  # type: ignore[misc,valid-type]
             def __getattribute__(module, key: str) -> Any:  # noqa: N805
                 wanted = self._wanted.get(self._running[-1]) if self._running else None
                 if wanted is not None and not key.startswith("__"):
