@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import PurePath
 from typing import Any
 
+from . import imports
 from .sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES, MAX_MEMORY, MAX_PROCESSES
 
 DISTRO = "jazzy"
@@ -63,6 +64,8 @@ STARTS = re.compile(r"\b(fork|forkpty|posix_spawnp?|spawn[lv]p?e?|exec[lv]p?e?)\
 
 def hint(error: BaseException) -> str:
     """Return what to do about an exception, in a sentence; "" if it is the program's own."""
+    if file := imports.host.hiding_file(error):
+        return _hiding(PurePath(file))
     if isinstance(error, ModuleNotFoundError):
         name = (error.name or "").partition(".")[0]
         return missing_package(name)
@@ -82,6 +85,17 @@ def hint(error: BaseException) -> str:
             if said:
                 return said
     return ""
+
+
+def _hiding(file: PurePath) -> str:
+    """Say that a file of the program's has the name of a module that something else needs."""
+    package = file.stem == "__init__"
+    name = file.parent.name if package else file.stem
+    what = f"the folder {name}/" if package else file.name
+    return (
+        f"`import {name}` finds {what} beside the node, not the module of that name that is "
+        "installed: give yours another name"
+    )
 
 
 def missing_package(name: str) -> str:
