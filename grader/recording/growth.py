@@ -16,7 +16,7 @@ from grader.recording.views import Floats
 
 PARTS, LEAST = 5, 40  # of a trial, and messages in each part
 TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the machine
-STEADY = 0.1  # of the rise, at least, from each part to the next
+STEADY = -0.1, 0.6  # of the rise, at least and at most, from each part to the next
 ENDS = 10  # of one kind on one topic; more than anybody needs
 FLOOD = 50.0  # lines of log a second: a robot's disk is full some day
 
@@ -34,7 +34,7 @@ def rise_of(times: Floats, costs: Floats) -> Rise | None:
     """Return how the cost of messages, (n,) [s] at (n,) [s], rises; None if it doesn't.
 
     The cheapest tenth of a part is what the node needs, whatever else the machine did meanwhile;
-    it has to rise in each part.
+    it has to rise from part to part, and not at once.
     """
     if len(costs) < PARTS * LEAST:
         return None
@@ -42,8 +42,10 @@ def rise_of(times: Floats, costs: Floats) -> Rise | None:
     low = np.array([np.percentile(part, 10) for part in parts])
     first, last = float(np.median(parts[0])), float(low[-1])
     risen = last - float(low[0])
-    steady = np.all(np.diff(low) > STEADY * risen)
-    if not steady or last < TIMES * first or risen < RISE:
+    if last < TIMES * first or risen < RISE:
+        return None
+    shares = np.diff(low) / risen
+    if shares.min() < STEADY[0] or shares.max() > STEADY[1]:
         return None
     moments = [float(part.mean()) for part in np.array_split(times, PARTS)]
     return Rise(first, last, risen / (moments[-1] - moments[0]))
