@@ -36,7 +36,7 @@ test_field_lost_scans = field.lost_scans(
 test_field_turned_lidar = field.check(
     "safe_field_turned",
     title="Looks ahead of the robot where the lidar is mounted turned, as /tf_static says.",
-    help="Angle 0 is where the lidar looks. At which angle of the scan's frame is the robot's front? "
+    help="Angle 0 is where the lidar looks. Where is the robot's front in the scan's frame? "
     'lookup_transform(scan.header.frame_id, "base_link", Time()) of tf2_ros says it.',
     hint="1.4",
 )
