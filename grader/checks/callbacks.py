@@ -46,11 +46,11 @@ def quick(recordings: Sequence[Recording], limit: float) -> None:
 def stays_quick(recordings: Sequence[Recording], limit: float) -> None:
     """Fail if the node makes ends again and again, or would need `limit` [s] within an hour."""
     for recording in recordings:
-        for end, count in made_again(recording):
+        for end, many in made_again(recording):
             fail(
-                f"the node made {count} {end.kind}s of {end.topic}",
+                f"the node made {many}",
                 expected=f"one of each, in the constructor; more than {ENDS} are too many",
-                actual=f"{count} in {recording.duration_s:.0f} s",
+                actual=f"{many} in {recording.duration_s:.0f} s",
                 recording=recording,
                 help=f"self.create_{end.kind} belongs into the constructor, not into a callback.",
             )

@@ -59,6 +59,7 @@ def _topic_lines(recording: Recording) -> list[str]:
     return [
         _topic_line(end, said if end.kind == "publisher" else sent, recording.duration_s)
         for end in recording.endpoints
+        if end.kind != "timer"
     ]
 
 

@@ -51,18 +51,25 @@ def rise_of(times: Floats, costs: Floats) -> Rise | None:
     return Rise(first, last, risen / (moments[-1] - moments[0]))
 
 
-def made_again(recording: Recording) -> list[tuple[Endpoint, int]]:
-    """Return the ends of which the node made more than ENDS of the same, and how many."""
+def made_again(recording: Recording) -> list[tuple[Endpoint, str]]:
+    """Return the ends of which the node made more than ENDS of the same, and how many of what.
+
+    Of timers the host reports only those that are too many.
+    """
     counts = Counter(recording.endpoints)
-    return [(end, count) for end, count in counts.items() if count > ENDS]
+    return [
+        (end, "dozens of timers" if end.kind == "timer" else f"{count} {end.kind}s of {end.topic}")
+        for end, count in counts.items()
+        if count > ENDS
+    ]
 
 
 def growth_of(recording: Recording) -> list[str]:
     """Say what grew in a trial, a sentence each."""
     said = [
-        f"{end.node} made {count} {end.kind}s of {end.topic} in {recording.duration_s:.0f} s: make "
-        "one in the constructor, and keep it"
-        for end, count in made_again(recording)
+        f"{end.node} made {many} in {recording.duration_s:.0f} s: make one in the constructor, and "
+        "keep it"
+        for end, many in made_again(recording)
     ]
     compute = recording.compute
     spent = np.fmin(compute.wall, compute.cpu)
