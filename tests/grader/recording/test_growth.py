@@ -1,11 +1,13 @@
 """What grows is told; what is only noisy, or costs more for once, is not."""
 
 from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from grader.recording import rise_of
+from grader.recording import Endpoint, made_again, rise_of
 from grader.recording.views import Floats
 
 TIMES = np.arange(400) * 0.1  # [s]
@@ -33,3 +35,18 @@ def test_only_what_rises_all_the_time_is_a_rise(
 
 def test_a_few_messages_show_no_rise() -> None:
     assert rise_of(TIMES[:190], 0.001 * TIMES[:190]) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "topic", "count", "said"),
+    [
+        ("client", "/detect", 11, ["11 clients of /detect"]),
+        ("client", "/detect", 10, []),
+        ("timer", "", 20, ["dozens of timers"]),
+    ],
+)
+def test_ends_that_are_made_again_and_again(
+    kind: str, topic: str, count: int, said: list[str]
+) -> None:
+    recording: Any = SimpleNamespace(endpoints=(Endpoint(kind, "/node", topic, ""),) * count)
+    assert [many for _, many in made_again(recording)] == said
