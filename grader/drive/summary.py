@@ -8,7 +8,7 @@ import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from grader.recording import Endpoint, Recording, account_of
+from grader.recording import Endpoint, Recording, account_of, growth_of
 from grader.recording.deaths import told_first
 from grader.recording.words import last_words
 from grader.report.terminal import printable
@@ -39,6 +39,8 @@ def print_summary(recording: Recording, *, file: str, practice: str = "") -> Non
         say(f"    {escape(printable(line, console))}", style="dim")
     for line in account_of(recording):
         say(f"  {line}")
+    for line in growth_of(recording):
+        say(f"  {escape(printable('WARNING: ' + line, console))}")
     if said := last_words(recording, LAST_WORDS):
         say()
         say("[bold]What the node said[/]" + (", the last lines" if len(recording.log) > LAST_WORDS
@@ -57,6 +59,7 @@ def _topic_lines(recording: Recording) -> list[str]:
     return [
         _topic_line(end, said if end.kind == "publisher" else sent, recording.duration_s)
         for end in recording.endpoints
+        if end.kind != "timer"
     ]
 
 

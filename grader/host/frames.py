@@ -161,9 +161,9 @@ class Published(msgspec.Struct, array_like=True, frozen=True):
 
 
 class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
-    """A publisher, subscription, service or client that the node created."""
+    """A publisher, subscription, service or client of the node's; a timer beyond TIMERS."""
 
-    kind: Annotated[str, msgspec.Meta(pattern="^(publisher|subscription|service|client)$")]
+    kind: Annotated[str, msgspec.Meta(pattern="^(publisher|subscription|service|client|timer)$")]
     node: Name
     topic: Name
     type: Name

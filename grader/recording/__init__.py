@@ -2,6 +2,7 @@
 
 from grader.recording.costs import Costs, account_of, costs_of
 from grader.recording.deaths import Death, death_of
+from grader.recording.growth import ENDS, growth_of, made_again, rise_of
 from grader.recording.inferences import Inference
 from grader.recording.recording import COMPLETED, Compute, Endpoint, Live, Outcome, Recording
 from grader.recording.training import ModelAnswers, ScriptRun, Training
@@ -9,6 +10,7 @@ from grader.recording.views import Floats, Goals, Odom, Scan, Twists
 
 __all__ = [
     "COMPLETED",
+    "ENDS",
     "Compute",
     "Costs",
     "Death",
@@ -28,4 +30,7 @@ __all__ = [
     "account_of",
     "costs_of",
     "death_of",
+    "growth_of",
+    "made_again",
+    "rise_of",
 ]

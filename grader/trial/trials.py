@@ -17,7 +17,7 @@ from grader.errors import GraderError, is_disk_full
 from grader.link import real_clock
 from grader.link.launcher import Launcher
 from grader.models.files import OWN
-from grader.recording import Outcome, Recording, bag
+from grader.recording import Outcome, Recording, bag, growth_of
 from grader.trial.endings import BUSY_WAIT, is_halt, not_run
 from grader.trial.kept import KeptRecordings
 from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
@@ -173,8 +173,15 @@ class NodeTrials(Trials):
             *self.submission.account(),
             *self._unsaved,
             *self._left_out(),
+            *self._grown(),
             *([SLOW] if self._slow else []),
         ]
+
+    def _grown(self) -> list[str]:
+        """Say what grew, in the one trial that shows the most of it."""
+        found = [(growth_of(recording), recording) for recording in self.recordings()]
+        found.sort(key=lambda each: (len(each[0]), each[1].duration_s))
+        return [f"In {run.name}, {line.rstrip('.')}." for said, run in found[-1:] for line in said]
 
     def _left_out(self) -> list[str]:
         ends = [recording for recording in self.recordings() if is_halt(recording)]

@@ -7,6 +7,7 @@ taken at once, in the order of its source timestamps.
 from __future__ import annotations
 
 import contextlib
+import functools
 import weakref
 from collections.abc import Callable
 from typing import Any
@@ -25,6 +26,7 @@ from . import graph
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
 
+TIMERS = 20  # of a node, at a time; as many again are reported, for they grow
 HISTORY = Duration(seconds=2)  # of real time at most
 LATCHED = DurabilityPolicy.TRANSIENT_LOCAL
 
@@ -54,6 +56,7 @@ class Bridge:
         graph.install(self.discovery, self._ends.get)
         found.install(self.discovery, lambda context: self._ends_in(context).unheard)
         node_cls: Any = rclpy.node.Node
+        node_cls.create_timer = self._counting_timers(node_cls.create_timer)
         for name in ("destroy_publisher", "destroy_subscription", "destroy_node"):
             setattr(node_cls, name, self._counting(getattr(node_cls, name)))
         cls: Any = rclpy.context.Context
@@ -154,6 +157,17 @@ class Bridge:
         if context not in self._ends:
             self._ends[context] = RobotEnds(context, self._offers, self._latched)
         return self._ends[context]
+
+    def _counting_timers(self, create: Any) -> Any:
+        @functools.wraps(create)
+        def create_and_count(node: Any, *args: Any, **kwargs: Any) -> Any:
+            timer = create(node, *args, **kwargs)
+            if TIMERS < len(list(node.timers)) <= 2 * TIMERS:
+                owner = node.get_fully_qualified_name()
+                self._endpoints.append(EndpointReport("timer", owner, "", ""))
+            return timer
+
+        return create_and_count
 
     def _counting(self, destroy: Any) -> Any:
         def destroy_and_count(node: Any, *endpoint: Any) -> Any:
