@@ -300,6 +300,8 @@ def _warm_up(*, virtual: bool = True) -> None:
         for name in names:
             check_for_type_support(getattr(module, name))
     _import(("numpy", "rclpy.node", "rclpy.executors", "rclpy.action"))
+    from .interfaces import native  # noqa: F401, PLC0415  (no host may read rclpy_portable)
+
     if virtual:
         from . import program  # noqa: F401, PLC0415
         from .virtual import bridge, executors, session  # noqa: F401, PLC0415
