@@ -240,8 +240,13 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
     trial.kernel, kernel.world = kernel, trial
     start = trial.start()
     trial.charge_compute = start.charge_compute
+    os.environ.update(start.env)
     if start.stdin:
         _give_input(start.stdin)
+    if start.keys:
+        from .virtual import keyboard  # noqa: PLC0415
+
+        keyboard.install(kernel, start.keys)
     trial.bridge = bridge.Bridge(start.offers)
     trial.bridge.install()
     trial.clocks = executors.install(kernel, epoch, trial.bridge)

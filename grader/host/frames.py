@@ -20,6 +20,7 @@ MAX_UNHEARD_BYTES = 100_000  # of one of them; a larger one is not told of
 MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_STDIN = 1024 * 1024  # [bytes]
+MAX_KEYS = 4096  # [bytes]
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_QUESTIONS = 64  # to models of the judge's, at a time
 MAX_ROWS = 1_000  # of features in one question
@@ -71,6 +72,8 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     lead: Annotated[int, msgspec.Meta(ge=0, le=MAX_LEAD)] = 0  # [ns] to begin before the scenario
     charge_compute: bool = False  # CPU time costs virtual time; never so in a grading
     stdin: Annotated[bytes, msgspec.Meta(max_length=MAX_STDIN)] = b""  # what the programs may read
+    keys: Annotated[bytes, msgspec.Meta(max_length=MAX_KEYS)] = b""  # what somebody types, instead
+    env: tuple[tuple[Name, Text], ...] = ()  # of the programs' environment: name and value
 
 
 class Question(msgspec.Struct, array_like=True, frozen=True):
