@@ -36,6 +36,11 @@ Examples:
 )  # fmt: skip
 @click.option("--stdin", metavar="FILE|-", help="What the node reads from stdin, as by input().")
 @click.option(
+    "--keys", default="", metavar="TEXT",
+    help=r"Type this to the node, a key every half second: wwad, or \x1b[A for an arrow.",
+)  # fmt: skip
+@click.option("--env", multiple=True, metavar="NAME=VALUE", help="An environment variable.")
+@click.option(
     "--charge-compute", is_flag=True,
     help="Computing takes time: the node's CPU time is added to the clock, in ms. Runs then depend "
     "on the machine, so no grading does it.",
@@ -54,6 +59,8 @@ def drive(
     remappings: tuple[str, ...],
     params_files: tuple[Path, ...],
     stdin: str | None,
+    keys: str,
+    env: tuple[str, ...],
     charge_compute: bool,
     seed: int | None,
     report: Path | None,
@@ -80,6 +87,9 @@ def drive(
     taken = [path.name for path in (submission.path, *submission.others)]
     files = driving.read_params_files(params_files, taken)
     text = driving.read_stdin(stdin)
+    typed, variables = driving.read_keys(keys), driving.read_env(env)
+    if text and typed:
+        raise InputError("--stdin and --keys: expected one of them; a node has one stdin")
     check_writable(report)
     with start_forkserver(portable=portable) as forkserver:
         submission = driving.unpacked(submission, forkserver)
@@ -91,6 +101,8 @@ def drive(
             arguments=arguments,
             files=files,
             stdin=text,
+            keys=typed,
+            env=variables,
             charge_compute=charge_compute,
         )
     if bag is not None:

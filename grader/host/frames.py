@@ -18,6 +18,7 @@ MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
 MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_STDIN = 1024 * 1024  # [bytes]
+MAX_KEYS = 4096  # [bytes]
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_QUESTIONS = 64  # to models of the judge's, at a time
 MAX_ROWS = 1_000  # of features in one question
@@ -82,6 +83,8 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     charge_compute: bool = False  # CPU time costs virtual time; never so in a grading
     stdin: Annotated[bytes, msgspec.Meta(max_length=MAX_STDIN)] = b""  # what the programs may read
     discovery: Discovery = Discovery()  # by default all is found at once
+    keys: Annotated[bytes, msgspec.Meta(max_length=MAX_KEYS)] = b""  # what somebody types, instead
+    env: tuple[tuple[Name, Text], ...] = ()  # of the programs' environment: name and value
 
 
 class Question(msgspec.Struct, array_like=True, frozen=True):

@@ -66,6 +66,8 @@ def run_trial(
     files: Mapping[str, bytes] | None = None,
     charge_compute: bool = False,
     stdin: bytes = b"",
+    keys: bytes = b"",
+    env: Sequence[tuple[str, str]] = (),
 ) -> Recording:
     """Run a student's file in a scenario and return what happened.
 
@@ -83,6 +85,10 @@ def run_trial(
         The CPU time of the node costs virtual time: for practice, never for a grading.
     stdin
         What the node's programs may read from stdin.
+    keys
+        What is typed to them instead, a key every half second.
+    env
+        What is added to their environment: names and values.
 
     Raises
     ------
@@ -109,6 +115,8 @@ def run_trial(
                 charge_compute=charge_compute,
                 stdin=stdin,
                 discovery=_discovery(scenario),
+                keys=keys,
+                env=tuple(env),
             )
             try:
                 outcome = link.converse(trial.conversation(start, limits or Limits()))

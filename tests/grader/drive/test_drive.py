@@ -17,6 +17,8 @@ from grader.drive import (
     arguments_of,
     drive_node,
     print_summary,
+    read_env,
+    read_keys,
     read_params_files,
     read_stdin,
     scenario_for,
@@ -341,3 +343,46 @@ def test_only_the_computing_of_the_scenario_is_charged(
     assert len(lag) == 10
     assert (lag < 0.05).all()
     assert "--charge-compute" in capsys.readouterr().out
+
+
+TELEOPERATES = """
+import select, termios, tty
+rclpy.init()
+node = Node('teleop')
+settings = termios.tcgetattr(sys.stdin)
+began = node.get_clock().now()
+
+def key(seconds):
+    tty.setraw(sys.stdin.fileno())
+    ready, _, _ = select.select([sys.stdin], [], [], seconds)
+    found = sys.stdin.read(1) if ready else ''
+    termios.tcsetattr(sys.stdin, termios.TCSADRAIN, settings)
+    return found
+
+while rclpy.ok():
+    found = key(0.1)
+    if found:
+        print(repr(found), round((node.get_clock().now() - began).nanoseconds / 1e9, 1))
+    if found == 'q':
+        break
+print(sys.stdin.isatty(), os.isatty(0), os.environ['ROBOT'])
+"""
+
+
+def test_keys_come_to_a_terminal_in_virtual_time(tmp_path: Path, forkserver: ForkServer) -> None:
+    file = tmp_path / "teleop.py"
+    file.write_text(PREAMBLE + TELEOPERATES, "utf-8")
+    typed = {"env": read_env(["ROBOT=a=b"]), "keys": read_keys(r"w\x71")}
+    recording = drive_node(Submission(file), short(2.0), forkserver, **typed)
+    said = [line.text for line in recording.log if line.level == "stdout"]
+    assert said == ["'w' 0.5", "'q' 1.0", "True True a=b"], recording.outcome
+
+
+@pytest.mark.parametrize(
+    ("read", "bad"),
+    [(read_env, ["A"]), (read_env, ["1A=2"]), (read_env, ["A=" + "x" * 2000]),
+     (read_keys, "w" * 5000)],
+)  # fmt: skip
+def test_keys_and_variables_that_can_not_be_given(read: Any, bad: Any) -> None:
+    with pytest.raises(InputError):
+        read(bad)
