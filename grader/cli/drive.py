@@ -40,6 +40,9 @@ Examples:
     help="Computing takes time: the node's CPU time is added to the clock, in ms. Runs then depend "
     "on the machine, so no grading does it.",
 )  # fmt: skip
+@click.option(
+    "--log", "log", metavar="N|all", default="10", help="Lines of what the node said to show."
+)
 @click.option("--seed", type=click.IntRange(0, 10**6), help="Vary world and noise.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
 @click.option("--bag", type=click.Path(path_type=Path), help="Save the drive as a bag.")
@@ -55,6 +58,7 @@ def drive(
     params_files: tuple[Path, ...],
     stdin: str | None,
     charge_compute: bool,
+    log: str,
     seed: int | None,
     report: Path | None,
     bag: Path | None,
@@ -76,6 +80,8 @@ def drive(
     taken = [path.name for path in (submission.path, *submission.others)]
     files = driving.read_params_files(params_files, taken)
     text = driving.read_stdin(stdin)
+    if log != "all" and not log.isdecimal():
+        raise InputError(f"--log {log!r}: expected a number of lines, or all")
     check_writable(report)
     with start_forkserver(portable=portable) as forkserver:
         recording = driving.drive_node(
@@ -92,7 +98,8 @@ def drive(
         from grader.recording.bag import save  # noqa: PLC0415
 
         save(recording, bag)
-    driving.print_summary(recording, file=str(file), practice=forkserver.practice)
+    driving.print_summary(recording, file=str(file), practice=forkserver.practice,
+                          most=None if log == "all" else int(log))  # fmt: skip
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
     return FULL if recording.outcome.completed else LESS
