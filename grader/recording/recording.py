@@ -122,8 +122,8 @@ class Ending:
         kind, text = self.outcome.kind, self.outcome.text
         if kind == "running":
             return (
-                "the program has not ended after a second: does it catch the signal and go on, does "
-                "a thread of it never end, or does its end wait for something?"
+                "the program has not ended after a second: does it catch the signal and go on, "
+                "does a thread of it never end, or does its end wait for something?"
             )
         if kind in ("hung", "flooded"):
             return text
