@@ -60,7 +60,9 @@ def _run_one_of_many(session: Session, program: ProgramStart) -> None:
     os._exit(0)
 
 
-def run_file(program: ProgramStart, ending: Callable[[], bool]) -> tuple[str, str, str]:
+def run_file(
+    program: ProgramStart, ending: Callable[[], bool] = lambda: False
+) -> tuple[str, str, str]:
     """Run a file as `__main__`; return how it ended: kind, text and detail.
 
     `ending`: it was asked to.
