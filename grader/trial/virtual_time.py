@@ -6,6 +6,7 @@ message, the simulation follows with the commands that came out, and hands over 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -39,7 +40,7 @@ from sim.messages import EPOCH_NS, SENSORS, Message
 from sim.scenario import Scenario
 from sim.simulation import Simulation
 
-END_NS, END_LIMIT = 10**9, 2.0  # [ns], [s of wall time] that programs have after a SIGINT
+END_NS, END_LIMIT = 10**9, 2.0  # [ns], [s of CPU time] that programs have after a SIGINT
 BUSY = 3  # times its limit of wall time that a trial may wait for a CPU in all
 
 
@@ -194,22 +195,22 @@ class _Trial:
     def _interrupt(self, limit: float) -> Conversation[Ending]:
         """Send SIGINT, and let the programs have a second to end.
 
-        Meanwhile the robot says again what it said in its last second. `limit` [s] of wall time is
-        for all of it. Nothing of this gets into the record, which is complete.
+        Meanwhile the robot says again what it said in its last second. `limit` [s] is of CPU
+        time in all, and of wall time for each answer, as a busy machine gives it. Nothing of this gets into the record, which is complete.
         """
         end, until = self._simulation.end, self._simulation.end + END_NS
         again = [
             m for m in self._recorder.delivered if end - END_NS < m.time and m.topic in SENSORS
         ]
-        deadline = real_clock.perf_counter() + limit
+        spent = 0.0  # [s]
         recorder, now, interrupt = Recorder(), end, True
         due: list[Message] = []
         try:
             while True:
-                left = max(0.0, deadline - real_clock.perf_counter())
                 upto = again[0].time + END_NS if again else until
                 deliver = tuple(Delivery(message.topic, message.data) for message in due)
-                said, _ = yield Run(upto, deliver, interrupt=interrupt), left
+                said, cost = yield Run(upto, deliver, interrupt=interrupt), limit
+                spent += cost.wall if math.isnan(cost.cpu) else cost.cpu
                 if isinstance(said, Slept):
                     raise HostForged("a start after the end")
                 reached = _reached(said, now, upto)
@@ -219,6 +220,8 @@ class _Trial:
                 if isinstance(said, Ended):
                     kind, text, detail = said.kind, said.text, said.detail
                     break
+                if spent > limit:
+                    raise HostHung(self._link.stacks())
                 if now >= until or said.asked:  # no model answers any more
                     kind, text, detail = "running", "", ""
                     break
