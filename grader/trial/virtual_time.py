@@ -195,8 +195,9 @@ class _Trial:
     def _interrupt(self, limit: float) -> Conversation[Ending]:
         """Send SIGINT, and let the programs have a second to end.
 
-        Meanwhile the robot says again what it said in its last second. `limit` [s] is of CPU
-        time in all, and of wall time for each answer, as a busy machine gives it. Nothing of this gets into the record, which is complete.
+        Meanwhile the robot says again what it said in its last second. `limit` [s] is of CPU time
+        in all, and of wall time for each answer, as a busy machine gives it. Nothing of this gets
+        into the record, which is complete.
         """
         end, until = self._simulation.end, self._simulation.end + END_NS
         again = [
