@@ -45,6 +45,9 @@ Examples:
     help="Computing takes time: the node's CPU time is added to the clock, in ms. Runs then depend "
     "on the machine, so no grading does it.",
 )  # fmt: skip
+@click.option(
+    "--log", "log", metavar="N|all", default="10", help="Lines of what the node said to show."
+)
 @click.option("--seed", type=click.IntRange(0, 10**6), help="Vary world and noise.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
 @click.option("--bag", type=click.Path(path_type=Path), help="Save the drive as a bag.")
@@ -62,6 +65,7 @@ def drive(
     keys: str,
     env: tuple[str, ...],
     charge_compute: bool,
+    log: str,
     seed: int | None,
     report: Path | None,
     bag: Path | None,
@@ -90,6 +94,8 @@ def drive(
     typed, variables = driving.read_keys(keys), driving.read_env(env)
     if text and typed:
         raise InputError("--stdin and --keys: expected one of them; a node has one stdin")
+    if log != "all" and not log.isdecimal():
+        raise InputError(f"--log {log!r}: expected a number of lines, or all")
     check_writable(report)
     with start_forkserver(portable=portable) as forkserver:
         submission = driving.unpacked(submission, forkserver)
@@ -109,7 +115,8 @@ def drive(
         from grader.recording.bag import save  # noqa: PLC0415
 
         save(recording, bag)
-    driving.print_summary(recording, file=str(file), practice=forkserver.practice)
+    driving.print_summary(recording, file=str(file), practice=forkserver.practice,
+                          most=None if log == "all" else int(log))  # fmt: skip
     for said in submission.account():
         click.echo(f"  {said}")
     if report is not None:

@@ -195,6 +195,7 @@ def drive_node(
     charge_compute: bool = False,
     stamped: bool = True,
     limits: Limits | None = None,
+    interrupt: bool = True,
 ) -> Recording:
     """Run the node once; `stamped`: the robot also understands TwistStamped.
 
@@ -218,13 +219,15 @@ def drive_node(
         env=env,
         charge_compute=charge_compute,
         limits=limits,
+        interrupt=interrupt,
     )
 
 
 def drive_in(submission: Submission, scenario: Scenario, forkserver: Launcher) -> Recording:
     """Drive a node as `course drive --scenario` does, but with less patience at first."""
     with_frames = msgspec.structs.replace(scenario, transforms=Transforms(enabled=True))
-    recording = drive_node(submission, with_frames, forkserver, limits=PATIENCE)
-    if recording.outcome.kind == "hung":
-        return drive_node(submission, with_frames, forkserver, limits=SECOND_LOOK)
+    for limits in (PATIENCE, SECOND_LOOK):
+        recording = drive_node(submission, with_frames, forkserver, limits=limits, interrupt=False)
+        if recording.outcome.kind != "hung":
+            break
     return recording

@@ -251,10 +251,11 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
     trial.bridge = bridge.Bridge(start.offers, found)
     trial.bridge.install()
     trial.clocks = executors.install(kernel, epoch, trial.bridge)
-    trial.bridge.tell_rosout(trial.clocks.present)
+    trial.bridge.tell_rosout(trial.clocks.present, lambda: trial.turns.take(2))
     executors.refuse_real_time(trial.leave_for_real_time)
     _steer_init()
     trial.mark()
+    trial.turns.install()
     program.run(trial, start)
     os._exit(0)
 

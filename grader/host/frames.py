@@ -25,7 +25,12 @@ MAX_ROWS = 1_000  # of features in one question
 MAX_COLUMNS = 64  # features in a row
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
 LENGTH = struct.Struct("<I")
-MARK = "\x1e"  # in stdout and stderr, followed by the time [ns]: what comes next was said then
+# In stdout and stderr, followed by the time [ns]: what comes next was said then. ".7" after that
+# says that it was the stream's seventh turn at that time.
+MARK = "\x1e"
+
+NO_NODE = " and made no node"  # at the end of a text
+ASKED_TO_END = ("KeyboardInterrupt", "ExternalShutdownException")  # raised by SIGINT
 
 Name = Annotated[str, msgspec.Meta(max_length=MAX_NAME)]
 Text = Annotated[str, msgspec.Meta(max_length=MAX_TEXT)]
@@ -118,6 +123,7 @@ class Run(msgspec.Struct, frozen=True, tag="run"):
     until: Nanoseconds
     deliver: tuple[Delivery, ...] = ()
     told: tuple[Told, ...] = ()
+    interrupt: bool = False  # the scenario is over: send the programs SIGINT first
 
 
 class Answers(msgspec.Struct, frozen=True, tag="answers"):

@@ -157,8 +157,63 @@ def test_what_is_wrong_with_the_topics(
     )
 
     assert "WARNING: nothing arrives: the robot publishes sensor_msgs/msg/LaserScan" in said
-    assert "WARNING: the robot sends nothing on this topic" in said
+    assert "WARNING: nobody publishes this topic; the robot publishes /scan" in said
     assert "the robot got no command" in said
+
+
+PROBLEMS = {  # a node's source: what stands below its topics, in part
+    "an int": ("m.linear.x = 1", "linear.x is 4.94e-324 at 0.10 s, garbage"),
+    "a negative int": ("m.linear.x = -1", "linear.x is nan at 0.10 s"),
+    "a bool": ("m.angular.z = True", "angular.z is 4.94e-324 at 0.10 s, garbage"),
+    "a float32": ("import numpy; m.linear.x = numpy.float32(0.3)", "garbage: the field holds"),
+    "a float64": ("import numpy; m.linear.x = numpy.float64(0.3)", ""),
+    "one command": ("m.linear.x = 0.3; times = 1", "the robot stopped at 0.60 s: it obeys a"),
+    "a long pause": ("m.linear.x = 0.3; period = 0.7", "the robot stopped at 1.20 s"),
+    "a last zero": ("times = 1", ""),
+    "another topic": ("n.create_publisher(Twist, '/cmd_ve', 10)", "nobody listens here"),
+    "another type": ("n.create_publisher(String, 'cmd_vel', 10)", "the robot does not hear this"),
+    "a topic of its own": (
+        "n.create_publisher(String, 'x', 10); n.create_subscription(String, 'x', print, 10)",
+        "",
+    ),
+    "QoS of its own": (
+        "n.create_publisher(String, 'x', rclpy.qos.qos_profile_sensor_data)\n"
+        "n.create_subscription(String, 'x', print, 10)",
+        "nothing arrives: best effort publisher and reliable subscription",
+    ),
+    "liveliness": (
+        "manual = rclpy.qos.LivelinessPolicy.MANUAL_BY_TOPIC\n"
+        "qos = rclpy.qos.QoSProfile(depth=5, liveliness=manual)\n"
+        "n.create_subscription(LaserScan, 'scan', print, qos)",
+        "reliable 0 messages (0.0 Hz) WARNING: nothing arrives: publisher's liveliness is",
+    ),
+    "nobody": ("n.create_subscription(LaserScan, 'laser', print, 10)", "robot publishes /scan"),
+    "no goals": ("n.create_subscription(String, '/goal_pose', print, 10)", "nothing arrives: the"),
+    "no server": ("from std_srvs.srv import Trigger; n.create_client(Trigger, 'x')", "nobody offe"),
+}
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_what_a_person_would_not_see(
+    run_node: RunNode, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    source, problem = PROBLEMS[name]
+    recording = run_node(
+        "rclpy.init(); n = Node('n'); m = Twist(); times, period = 100, 0.1\n"
+        "p = n.create_publisher(Twist, '/cmd_vel', 10)\n"
+        f"{source}\n"
+        "def tick():\n"
+        "    global times\n"
+        "    times -= 1\n"
+        "    if times >= 0: p.publish(m)\n"
+        "n.create_timer(period, tick); rclpy.spin(n)",
+        short(1.5),
+    )
+    said = summary(recording, capsys)
+
+    assert recording.outcome.completed, recording.outcome
+    assert said.count("WARNING") == (1 if problem else 0), said
+    assert problem in said
 
 
 def test_texts_of_students_are_not_markup(
