@@ -47,8 +47,13 @@ THREADS = (
 )
 OUT_OF_MEMORY = re.compile(r"bad_alloc|can't allocate memory|cannot allocate memory", re.IGNORECASE)
 KEYBOARD = (
-    "nobody types to a node here: `course drive --stdin FILE` gives it something to read; what is "
-    "handed in takes a ROS parameter instead"
+    "nobody types to a node here: `course drive --keys wwad` does, `--stdin FILE` gives it lines "
+    "to read; what is handed in takes a ROS parameter instead"
+)
+KEYBOARDS = ("curses", "getch", "getkey", "keyboard", "pynput", "readchar", "sshkeyboard")
+CONTEXT = (
+    "`with rclpy.init():` works from ROS 2 Kilted on; in Jazzy, rclpy.init() returns nothing: call "
+    "it alone, and rclpy.shutdown() at the end"
 )
 NO_PACKAGE = "PackageNotFoundError"  # of ament_index_python; a KeyError
 RELATIVE = (
@@ -65,7 +70,16 @@ def hint(error: BaseException) -> str:
     """Return what to do about an exception, in a sentence; "" if it is the program's own."""
     if isinstance(error, ModuleNotFoundError):
         name = (error.name or "").partition(".")[0]
-        return missing_package(name)
+        return KEYBOARD if name in KEYBOARDS else missing_package(name)
+    if _is_of_a_terminal(error):
+        return KEYBOARD
+    if isinstance(error, KeyError) and _last_file(error) == os.__file__:
+        return (
+            "environment variables are not passed on to a node: `course drive --env "
+            f"{error.args[0]}=VALUE` sets this one; what is handed in takes a ROS parameter instead"
+        )
+    if isinstance(error, TypeError) and "context manager" in str(error) and _says_with(error):
+        return CONTEXT
     if type(error).__name__ == NO_PACKAGE:
         return no_package(str(error))
     if isinstance(error, ImportError) and "no known parent package" in str(error):
@@ -109,6 +123,24 @@ def no_package(said: str) -> str:
         f"there is no package {name[1] if name else 'of that name'} here: only ROS's, and your own "
         "if `course` gets the folder with its package.xml"
     )
+
+
+def _is_of_a_terminal(error: BaseException) -> bool:
+    kind = type(error)
+    if kind.__module__ == "termios" and kind.__name__ == "error":
+        return True
+    frames = traceback.extract_tb(error.__traceback__)
+    return isinstance(error, ImportError) and any("pynput" in frame.filename for frame in frames)
+
+
+def _last_file(error: BaseException) -> str:
+    frames = traceback.extract_tb(error.__traceback__)
+    return frames[-1].filename if frames else ""
+
+
+def _says_with(error: BaseException) -> bool:
+    frames = traceback.extract_tb(error.__traceback__)
+    return bool(frames) and "rclpy.init(" in (frames[-1].line or "")
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:

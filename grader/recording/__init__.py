@@ -3,7 +3,15 @@
 from grader.recording.costs import Costs, account_of, costs_of
 from grader.recording.deaths import Death, death_of
 from grader.recording.inferences import Inference
-from grader.recording.recording import COMPLETED, Compute, Endpoint, Live, Outcome, Recording
+from grader.recording.recording import (
+    COMPLETED,
+    Compute,
+    Ending,
+    Endpoint,
+    Live,
+    Outcome,
+    Recording,
+)
 from grader.recording.training import ModelAnswers, ScriptRun, Training
 from grader.recording.views import Floats, Goals, Odom, Scan, Twists
 
@@ -12,6 +20,7 @@ __all__ = [
     "Compute",
     "Costs",
     "Death",
+    "Ending",
     "Endpoint",
     "Floats",
     "Goals",

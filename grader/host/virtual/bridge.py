@@ -60,9 +60,12 @@ class Bridge:
         for name in ("shutdown", "try_shutdown"):
             setattr(cls, name, self._leaving_first(getattr(cls, name)))
 
-    def tell_rosout(self, now: Callable[[], Any]) -> None:
-        """Let programs listen to what nodes log; `now` returns the ROS time."""
-        self.rosout = Rosout(now, lambda context: self._ends_in(context).node)
+    def tell_rosout(self, now: Callable[[], Any], before: Callable[[], None]) -> None:
+        """Let programs listen to what nodes log; `now` returns the ROS time.
+
+        `before` is called before each line.
+        """
+        self.rosout = Rosout(now, lambda context: self._ends_in(context).node, before)
         self.rosout.install()
 
     def collect(self, now: int) -> None:
@@ -105,6 +108,10 @@ class Bridge:
         """Return the endpoints that the student created since the last call."""
         endpoints, self._endpoints = self._endpoints, []
         return endpoints
+
+    def contexts(self) -> list[Any]:
+        """Return the contexts in which there are ends of topics."""
+        return list(self._ends)
 
     def _on_endpoint(self, kind: str, node: Any, endpoint: Any) -> None:
         self.changes += 1
