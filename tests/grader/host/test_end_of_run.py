@@ -106,7 +106,7 @@ ENDS = {  # source: kind, problem, what is printed, messages that leave
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         rclpy.spin(node)
         """,
-        ("running", GOES_ON, [], 19),
+        ("running", GOES_ON, [], 15),
     ),
     "busy": (
         """
