@@ -186,9 +186,11 @@ def _timed_out(recording: Recording, commands: list[Message]) -> str:
     """Say so if the robot came to a stop because no further command came."""
     lasts = recording.scenario.robot.command_timeout
     end = recording.duration_s if recording.outcome.completed else recording.outcome.at
+    if not commands:
+        return ""
     times = np.array([message.time / 1e9 for message in commands])
     moves = np.array([any(abs(v) > TINY for v in _twist(each).values()) for each in commands])
-    late = np.flatnonzero(moves & (np.diff(times, append=end) > lasts + TINY)) if len(times) else ()
+    late = np.flatnonzero(moves & (np.diff(times, append=end) > lasts + TINY))
     if not len(late):
         return ""
     at = times[late[0]]

@@ -55,6 +55,7 @@ CONTEXT = (
     "`with rclpy.init():` works from ROS 2 Kilted on; in Jazzy, rclpy.init() returns nothing: call "
     "it alone, and rclpy.shutdown() at the end"
 )
+OF_OS = ("<frozen os>", os.__file__)  # where `os.environ[…]` raises
 NO_PACKAGE = "PackageNotFoundError"  # of ament_index_python; a KeyError
 RELATIVE = (
     "a file that is run itself is in no package, here and with python3: give `course` the folder "
@@ -73,7 +74,7 @@ def hint(error: BaseException) -> str:
         return KEYBOARD if name in KEYBOARDS else missing_package(name)
     if _is_of_a_terminal(error):
         return KEYBOARD
-    if isinstance(error, KeyError) and _last_file(error) == os.__file__:
+    if isinstance(error, KeyError) and _last_file(error) in OF_OS:
         return (
             "environment variables are not passed on to a node: `course drive --env "
             f"{error.args[0]}=VALUE` sets this one; what is handed in takes a ROS parameter instead"

@@ -119,14 +119,12 @@ def load(path: Path) -> Recording:
         with Reader(folder) as reader:
             for connection, stamp, data in reader.messages():
                 messages.append(Message(connection.topic, connection.msgtype, stamp, bytes(data)))
-        if not any(message.topic == TRIAL_TOPIC for message in messages):
-            raise InputError(_lacking(path, messages))
-        return _assemble(messages, str(folder))
-    except InputError:
-        raise
+        if any(message.topic == TRIAL_TOPIC for message in messages):
+            return _assemble(messages, str(folder))
     except Exception as error:  # rosbags raises whatever the broken bytes lead to
         said = " ".join(str(error).split())[:MAX_REASON]
         raise InputError(f"{path}: not a bag that this course has recorded ({said})") from error
+    raise InputError(_lacking(path, messages))
 
 
 def _lacking(path: Path, messages: list[Message]) -> str:

@@ -203,9 +203,11 @@ def _nested(name: str) -> Support:
     return found
 
 
-@Handle
-def _itself(support: int, identifier: bytes) -> int | None:
+def _introspected(support: int, identifier: bytes) -> int | None:
     return support if identifier == INTROSPECTION else None
+
+
+_itself = Handle(_introspected)
 
 
 # --- what ~/get_type_description tells ------------------------------------------------------------

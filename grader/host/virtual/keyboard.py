@@ -28,10 +28,11 @@ def install(kernel: Kernel, keys: bytes) -> None:
     os.close(end)
     for count, key in enumerate(KEY.findall(keys), start=1):
         kernel.call_at(count * PERIOD, _typing(typed, key))
-    sys.stdin = sys.__stdin__ = io.TextIOWrapper(
+    module: Any = sys
+    module.stdin = module.__stdin__ = io.TextIOWrapper(
         io.BufferedReader(_Keyboard()), "utf-8", line_buffering=True
     )
-    module: Any = os
+    module = os
     isatty = os.isatty
     module.isatty = lambda fd: fd == STDIN or isatty(fd)
     with contextlib.suppress(ImportError):  # Windows
@@ -72,7 +73,15 @@ def _install_attributes() -> None:
     control[termios.VMIN], control[termios.VINTR] = b"\x01", b"\x03"
     flags = termios.ICANON | termios.ECHO | termios.ISIG | termios.IEXTEN
     speed = termios.B38400
-    kept = [termios.ICRNL, termios.OPOST, termios.CS8 | termios.CREAD, flags, speed, speed, control]
+    kept: list[Any] = [
+        termios.ICRNL,
+        termios.OPOST,
+        termios.CS8 | termios.CREAD,
+        flags,
+        speed,
+        speed,
+        control,
+    ]
 
     def get(real: Any) -> Any:
         return lambda fd: [*kept[:-1], list(kept[-1])] if _is_stdin(fd) else real(fd)

@@ -171,7 +171,11 @@ PROBLEMS = {  # a node's source: what stands below its topics, in part
     "a long pause": ("m.linear.x = 0.3; period = 0.7", "the robot stopped at 1.20 s"),
     "a last zero": ("times = 1", ""),
     "another topic": ("n.create_publisher(Twist, '/cmd_ve', 10)", "nobody listens here"),
-    "another type": ("n.create_publisher(String, 'cmd_vel', 10)", "the robot does not hear this"),
+    "another type": (
+        "c = rclpy.Context(); c.init(); n2 = rclpy.create_node('n2', context=c)\n"
+        "n2.create_publisher(String, 'cmd_vel', 10)",
+        "the robot does not hear this",
+    ),
     "a topic of its own": (
         "n.create_publisher(String, 'x', 10); n.create_subscription(String, 'x', print, 10)",
         "",

@@ -105,7 +105,8 @@ def test_topics_offer_what_their_publishers_do(recording: Recording, saved: Path
         topic: (qos.reliability.name, qos.durability.name, qos.depth)
         for topic, (qos,) in offered.items()
     }
-    assert said["/scan"][0] == "BEST_EFFORT"
+    assert recording.scenario.qos.sensors == "reliable"
+    assert said["/scan"] == ("RELIABLE", "VOLATILE", 10)
     assert said["/said"] == ("RELIABLE", "VOLATILE", 10)
     assert said["/rosout"][1] == "TRANSIENT_LOCAL"
 

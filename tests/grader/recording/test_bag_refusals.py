@@ -90,7 +90,7 @@ def test_a_bag_of_somebody_else(tmp_path: Path) -> None:
         connection = writer.add_connection("/x", "std_msgs/msg/String", typestore=typestore())
         writer.write(connection, EPOCH_NS, b"\0\1\0\0\1\0\0\0\0")
 
-    assert "not a bag that this course has recorded" in refused(folder)
+    assert "not one of a trial: it has /x (1); it lacks /course/trial" in refused(folder)
 
 
 @pytest.mark.parametrize("change", ["format", "missing", "scenario", "yaw"])
