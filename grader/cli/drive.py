@@ -121,4 +121,5 @@ def drive(
         click.echo(f"  {said}")
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
-    return FULL if recording.outcome.completed else LESS
+    outcome = recording.outcome
+    return FULL if outcome.completed or outcome.by_itself else LESS

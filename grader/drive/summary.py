@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 
 import numpy as np
@@ -16,11 +17,14 @@ from grader.recording.deaths import told_first
 from grader.recording.words import told_lines
 from grader.report.terminal import printable
 from sim.messages import CMD_VEL_TOPIC
+from sim.simulation import Truth
 
 NO_MAIN = (
     'Does the file end with `if __name__ == "__main__": main()`? Python runs no function that '
     "nobody calls."
 )
+STAYS = "Should it have gone on? A node that waits for messages stays in rclpy.spin(node)."
+ADVICE = "try: "  # before what the account of an exception ends with
 LAST_LINES = 12  # of a traceback
 LAST_WORDS = 10  # lines of what the node printed and logged
 
@@ -82,7 +86,8 @@ def event_lines(recording: Recording) -> list[str]:
         nearest = int(np.argmin(truth.clearance))
         lines += [
             f"drove {steps.sum():.2f} m, from ({truth.x[0]:.2f}, {truth.y[0]:.2f}) "
-            f"to ({truth.x[-1]:.2f}, {truth.y[-1]:.2f}); fastest {np.abs(truth.v).max():.2f} m/s",
+            f"to ({truth.x[-1]:.2f}, {truth.y[-1]:.2f}); fastest {np.abs(truth.v).max():.2f} m/s"
+            f"{_turned(truth)}",
             f"nearest to an obstacle: {truth.clearance[nearest]:.2f} m "
             f"at {truth.t[nearest] / 1e9:.1f} s",
         ]
@@ -93,8 +98,14 @@ def event_lines(recording: Recording) -> list[str]:
         lines.append("the robot got no command: nothing was published on /cmd_vel")
     if recording.outcome.kind == "returned":
         made_none = recording.outcome.text.endswith(NO_NODE)
-        lines.append(NO_MAIN if made_none else "A node has to stay in rclpy.spin(node).")
+        lines.append(NO_MAIN if made_none else STAYS)
     return lines + _last_lines(recording)
+
+
+def _turned(truth: Truth) -> str:
+    """Say how far the robot turned in all, if it did."""
+    turned = math.degrees(np.abs(np.diff(np.unwrap(truth.yaw))).sum())
+    return f"; turned {turned:.0f}°" if turned >= 1.0 else ""
 
 
 def _last_lines(recording: Recording) -> list[str]:
@@ -114,4 +125,8 @@ def _ending(recording: Recording) -> str:
     outcome = recording.outcome
     if outcome.completed:
         return "the node ran to the end"
-    return f"the node ended at {outcome.at:.1f} s: {outcome.kind.replace('_', ' ')}: {outcome.text}"
+    if outcome.by_itself:
+        return f"the program ended by itself at {outcome.at:.1f} s"
+    tried = [line for line in outcome.detail.splitlines() if line.startswith(ADVICE)]
+    text = outcome.text.removesuffix(f"; {tried[-1].removeprefix(ADVICE)}" if tried else "")
+    return f"the node ended at {outcome.at:.1f} s: {outcome.kind.replace('_', ' ')}: {text}"

@@ -23,6 +23,7 @@ LOOKED_AT = 300  # messages of one topic; of commands all
 MAX_DEPTH = 8  # of fields within fields
 OURS = "/from_node"  # before topics on which the node speaks in the robot's name
 ALIKE = 0.75  # two names
+RATED = 1.0  # [s] that a node has to be there for a rate of its messages, and for missing ones
 TINY = 1e-6  # [m/s], [rad/s]
 PARAMETER_SERVICES = (
     "describe_parameters",
@@ -45,9 +46,14 @@ def topic_lines(recording: Recording) -> list[str]:
     said = Counter((m.topic.removeprefix(OURS), m.type) for m in recording.published)
     lines = []
     for end in ends:
-        lines.append(_line(end, _count(end, ends, sent, said), recording.duration_s))
+        lines.append(_line(end, _count(end, ends, sent, said), _lasted(recording)))
         lines += [f"    {text}" for text in _problems(recording, end, sent)]
     return lines
+
+
+def _lasted(recording: Recording) -> float:
+    """Return how long the node was there [s]; the robot rolls on without it."""
+    return recording.duration_s if recording.outcome.completed else recording.outcome.at
 
 
 def _count(
@@ -65,7 +71,7 @@ def _line(end: Endpoint, count: int, duration: float) -> str:
     line = f"{ARROWS.get(end.kind, end.kind)} {end.topic}  {end.type}"
     if end.kind not in ARROWS:
         return line
-    rate = f" ({count / duration:.1f} Hz)" if duration else ""
+    rate = f" ({count / duration:.1f} Hz)" if count > 1 and duration >= RATED else ""
     return f"{line}  {end.reliability}  {count} message{'' if count == 1 else 's'}{rate}"
 
 
@@ -91,6 +97,8 @@ def _of_subscription(recording: Recording, end: Endpoint, sent: Counter[str]) ->
             return f"nothing arrives: {other.node} publishes {other.type} here"
         return f"nothing arrives: {_qos_mismatch(other, end)}"
     if end.topic in OFFERED:
+        if _lasted(recording) < RATED:
+            return ""  # it had no time to hear anything
         hint = "; --goal X Y sends a goal" if end.topic == GOAL_TOPIC else ""
         return f"the robot sends nothing here in {recording.name}{hint}"
     near = difflib.get_close_matches(end.topic, sorted(sent), n=1, cutoff=ALIKE)
@@ -185,7 +193,7 @@ def _floats(value: object, name: str = "", depth: int = 0) -> Iterator[tuple[str
 def _timed_out(recording: Recording, commands: list[Message]) -> str:
     """Say so if the robot came to a stop because no further command came."""
     lasts = recording.scenario.robot.command_timeout
-    end = recording.duration_s if recording.outcome.completed else recording.outcome.at
+    end = _lasted(recording)
     if not commands:
         return ""
     times = np.array([message.time / 1e9 for message in commands])

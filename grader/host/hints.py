@@ -55,6 +55,14 @@ CONTEXT = (
     "`with rclpy.init():` works from ROS 2 Kilted on; in Jazzy, rclpy.init() returns nothing: call "
     "it alone, and rclpy.shutdown() at the end"
 )
+ARGUMENTS = (
+    "a node has no arguments here but ROS's: take a ROS parameter, which "
+    "`course drive -p NAME:=VALUE` sets"
+)
+OF_LINES = (  # kind of an exception, what it says, what stands in the line: what to do
+    (TypeError, "context manager", "rclpy.init(", CONTEXT),
+    (IndexError, "", "sys.argv[", ARGUMENTS),
+)
 OF_OS = ("<frozen os>", os.__file__)  # where `os.environ[…]` raises
 NO_PACKAGE = "PackageNotFoundError"  # of ament_index_python; a KeyError
 RELATIVE = (
@@ -79,8 +87,9 @@ def hint(error: BaseException) -> str:
             "environment variables are not passed on to a node: `course drive --env "
             f"{error.args[0]}=VALUE` sets this one; what is handed in takes a ROS parameter instead"
         )
-    if isinstance(error, TypeError) and "context manager" in str(error) and _says_with(error):
-        return CONTEXT
+    for kind, text, code, said in OF_LINES:
+        if isinstance(error, kind) and text in str(error) and code in _last_line(error):
+            return said
     if type(error).__name__ == NO_PACKAGE:
         return no_package(str(error))
     if isinstance(error, ImportError) and "no known parent package" in str(error):
@@ -92,10 +101,8 @@ def hint(error: BaseException) -> str:
             return THREADS
         if isinstance(cause, MemoryError) or OUT_OF_MEMORY.search(str(cause)):
             return MEMORY
-        if isinstance(cause, OSError):
-            said = _refusal(cause)
-            if said:
-                return said
+        if isinstance(cause, OSError) and (said := _refusal(cause)):
+            return said
     return ""
 
 
@@ -128,7 +135,7 @@ def no_package(said: str) -> str:
 
 def _is_of_a_terminal(error: BaseException) -> bool:
     kind = type(error)
-    if kind.__module__ == "termios" and kind.__name__ == "error":
+    if kind.__module__ in ("termios", "_curses") and kind.__name__ == "error":
         return True
     frames = traceback.extract_tb(error.__traceback__)
     return isinstance(error, ImportError) and any("pynput" in frame.filename for frame in frames)
@@ -139,9 +146,9 @@ def _last_file(error: BaseException) -> str:
     return frames[-1].filename if frames else ""
 
 
-def _says_with(error: BaseException) -> bool:
+def _last_line(error: BaseException) -> str:
     frames = traceback.extract_tb(error.__traceback__)
-    return bool(frames) and "rclpy.init(" in (frames[-1].line or "")
+    return (frames[-1].line or "") if frames else ""
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:

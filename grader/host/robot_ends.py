@@ -60,6 +60,7 @@ class RobotEnds:
         self._latched = {} if latched is None else latched  # what was sent once, by topic
         self._listeners: dict[str, tuple[str, Any, Any]] = {}
         self._speakers: dict[str, Any] = {}
+        self.count = 0  # messages in the last `take`, also those that it may not hear
         self.unheard: list[Any] = []  # marks of what is not for it, in their order
         self._own_words: list[tuple[str, bytes]] = []  # that a listener will hear
         self.node = _RobotNode(
@@ -129,12 +130,14 @@ class RobotEnds:
         A node can publish as fast as this takes: after `most` messages the rest waits.
         """
         taken: list[Heard] = []
+        self.count = 0
         for topic, (name, msg_type, listener) in self._listeners.items():
             while (
                 len(taken) < most
                 and (message := listener.handle.take_message(msg_type, True)) is not None
             ):
                 data, info = message
+                self.count += 1
                 if (topic, data) in self._own_words:
                     self._own_words.remove((topic, data))
                     continue

@@ -37,6 +37,7 @@ from sim.scenario import Scenario
 from sim.simulation import Truth
 
 COMPLETED = "completed"
+WELL = (("exited", "sys.exit()"), ("exited", "sys.exit(0)"), ("exited", "sys.exit(False)"))
 SHUT_DOWN = (
     "Ctrl-C has shut rclpy down by then: publish only if rclpy.ok(), and call rclpy.try_shutdown()"
 )
@@ -62,6 +63,11 @@ class Outcome:
     def completed(self) -> bool:
         """The node ran to the end."""
         return self.kind == COMPLETED
+
+    @property
+    def by_itself(self) -> bool:
+        """The program came to its end without an error, before the scenario did."""
+        return self.kind == "returned" or (self.kind, self.text) in WELL
 
 
 class Endpoint(msgspec.Struct, frozen=True):

@@ -68,14 +68,15 @@ class Bridge:
         self.rosout = Rosout(now, lambda context: self._ends_in(context).node, before)
         self.rosout.install()
 
-    def collect(self, now: int) -> None:
-        """Take what the student's nodes published; it gets the time `now` [ns]."""
+    def collect(self, now: int) -> int:
+        """Take what the student's nodes published; it gets the time `now` [ns]. Return how much."""
         self._keep(now, self._last_words)
         self._last_words = []
         taken = [heard for ends in self._ends.values() for heard in ends.take()]
         if len(self._ends) > 1:
             taken.sort(key=lambda heard: heard.sent)
         self._keep(now, taken)
+        return sum(ends.count for ends in self._ends.values())
 
     def _keep(self, now: int, taken: list[Heard]) -> None:
         for heard in taken:

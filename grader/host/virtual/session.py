@@ -32,7 +32,12 @@ from ..wire import Turns, Wire, ended
 from . import kernel as kernel_module
 from .charge import Meter
 
-FLOODED = f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time"
+FLOODED = (
+    f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time: does "
+    "a loop publish without a pause? A timer, or time.sleep, gives it one"
+)
+FREE_MESSAGES = 1000  # of a loop that publishes and reads clocks, but never waits ...
+PUBLISHING = 2_000_000  # [ns] ... before each costs this much: about 500 in a second
 
 
 class Session(kernel_module.World):
@@ -43,6 +48,7 @@ class Session(kernel_module.World):
         self._marked = -1
         self.turns = Turns()
         self._looks = 0
+        self._in_a_row = 0  # messages without a wait between them
         self._starting = False  # a first try, to learn how long the program's start-up takes
         self.kernel: kernel_module.Kernel
         self.bridge: Any = None
@@ -84,7 +90,10 @@ class Session(kernel_module.World):
     def settled(self) -> None:
         """Collect what was published at this moment."""
         kernel = self.kernel
-        self.bridge.collect(self._time())
+        said = self.bridge.collect(self._time())
+        self._in_a_row = self._in_a_row + said if kernel.reading else 0
+        if self._in_a_row > FREE_MESSAGES:
+            kernel.toll += said * PUBLISHING
         idle = not kernel.asleep and not self._asking
         if self._starting and (kernel.looks or self.bridge.published or idle):
             self._end_start()

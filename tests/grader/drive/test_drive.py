@@ -189,7 +189,7 @@ PROBLEMS = {  # a node's source: what stands below its topics, in part
         "manual = rclpy.qos.LivelinessPolicy.MANUAL_BY_TOPIC\n"
         "qos = rclpy.qos.QoSProfile(depth=5, liveliness=manual)\n"
         "n.create_subscription(LaserScan, 'scan', print, qos)",
-        "reliable 0 messages (0.0 Hz) WARNING: nothing arrives: publisher's liveliness is",
+        "reliable 0 messages WARNING: nothing arrives: publisher's liveliness is",
     ),
     "nobody": ("n.create_subscription(LaserScan, 'laser', print, 10)", "robot publishes /scan"),
     "no goals": ("n.create_subscription(String, '/goal_pose', print, 10)", "nothing arrives: the"),
