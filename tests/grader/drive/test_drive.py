@@ -220,6 +220,33 @@ def test_what_a_person_would_not_see(
     assert problem in said
 
 
+@pytest.mark.parametrize(
+    ("source", "says", "never"),
+    [
+        ("m.publish(String()); time.sleep(0.4)", "ended by itself at 0.4 s", "Hz"),
+        ("time.sleep(1.2); sys.exit()", "the program ended by itself at 1.2 s", "exited"),
+        ("time.sleep(1.2); sys.exit(1)", "the node ended at 1.2 s: exited: sys.exit(1)", "itself"),
+        ("os.environ['A']", "--env A=VALUE` sets this one", "dict has no such key"),
+        ("sys.argv[1]", "course drive -p NAME:=VALUE", "empty scan"),
+        ("import curses; raise curses.error('x')", "--keys wwad", "typed"),
+    ],
+)
+def test_what_is_said_of_a_program_that_ends(
+    run_node: RunNode, capsys: pytest.CaptureFixture[str], source: str, says: str, never: str
+) -> None:
+    recording = run_node(
+        "import os, sys; rclpy.init(); n = Node('n')\n"
+        "n.create_subscription(LaserScan, '/scan', print, 10)\n"
+        f"m = n.create_publisher(String, '/said', 10); rclpy.spin_once(n)\n{source}",
+        short(3.0),
+    )
+    said = summary(recording, capsys)
+
+    assert says in said
+    assert never not in said
+    assert "WARNING" not in said, said
+
+
 def test_texts_of_students_are_not_markup(
     drive: Recording, capsys: pytest.CaptureFixture[str]
 ) -> None:
