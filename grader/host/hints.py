@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import PurePath
 from typing import Any
 
+from . import imports
 from .sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES, MAX_MEMORY, MAX_PROCESSES
 
 DISTRO = "jazzy"
@@ -77,6 +78,8 @@ STARTS = re.compile(r"\b(fork|forkpty|posix_spawnp?|spawn[lv]p?e?|exec[lv]p?e?)\
 
 def hint(error: BaseException) -> str:
     """Return what to do about an exception, in a sentence; "" if it is the program's own."""
+    if file := imports.host.hiding_file(error):
+        return _hiding(PurePath(file))
     if isinstance(error, ModuleNotFoundError):
         name = (error.name or "").partition(".")[0]
         return KEYBOARD if name in KEYBOARDS else missing_package(name)
@@ -94,8 +97,6 @@ def hint(error: BaseException) -> str:
         return no_package(str(error))
     if isinstance(error, ImportError) and "no known parent package" in str(error):
         return RELATIVE
-    if isinstance(error, EOFError):
-        return KEYBOARD if "reading a line" in str(error) else ""
     for cause in _causes(error):
         if isinstance(cause, RuntimeError) and str(cause) == "can't start new thread":
             return THREADS
@@ -104,6 +105,17 @@ def hint(error: BaseException) -> str:
         if isinstance(cause, OSError) and (said := _refusal(cause)):
             return said
     return ""
+
+
+def _hiding(file: PurePath) -> str:
+    """Say that a file of the program's has the name of a module that something else needs."""
+    package = file.stem == "__init__"
+    name = file.parent.name if package else file.stem
+    what = f"the folder {name}/" if package else file.name
+    return (
+        f"`import {name}` finds {what} beside the node, not the module of that name that is "
+        "installed: give yours another name"
+    )
 
 
 def missing_package(name: str) -> str:
@@ -137,6 +149,8 @@ def _is_of_a_terminal(error: BaseException) -> bool:
     kind = type(error)
     if kind.__module__ in ("termios", "_curses") and kind.__name__ == "error":
         return True
+    if isinstance(error, EOFError):
+        return "reading a line" in str(error)
     frames = traceback.extract_tb(error.__traceback__)
     return isinstance(error, ImportError) and any("pynput" in frame.filename for frame in frames)
 

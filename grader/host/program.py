@@ -14,7 +14,7 @@ import types
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
-from . import deaths, hints, libraries, randomness
+from . import deaths, hints, imports, randomness
 from .frames import ASKED_TO_END, NO_NODE, ProgramStart, Start
 from .source import compiled
 from .virtual import signals
@@ -26,6 +26,8 @@ MAX_ACCOUNT, MAX_TRACE = 4_000, 12_000  # [characters]
 
 def run(session: Session, start: Start) -> None:
     """Run the programs to their end and report it; a node that spins for ever never returns."""
+    from .virtual.programs import Programs  # noqa: PLC0415  (needs rclpy)
+
     randomness.seed(start.seed)
     enter_folders(start.programs)
     hints.tell_of_shell_commands()
@@ -38,8 +40,6 @@ def run(session: Session, start: Start) -> None:
             text += NO_NODE
         session.end(kind, text, detail)
         return
-    from .virtual.programs import Programs  # noqa: PLC0415  (needs rclpy)
-
     session.programs = Programs(
         session.kernel, start.programs, lambda program: _run_one_of_many(session, program)
     )
@@ -49,8 +49,7 @@ def run(session: Session, start: Start) -> None:
 
 def enter_folders(programs: Iterable[ProgramStart]) -> None:
     """Let modules be imported from where each program's lie, as Python and `ros2 run` do."""
-    folders = dict.fromkeys(str(folder_of(program)) for program in programs)
-    sys.path[:0] = [folder for folder in folders if folder not in sys.path]
+    imports.host.enter(dict.fromkeys(str(folder_of(program)) for program in programs))
     if Path("share", "ament_index").is_dir():  # of a package: `get_package_share_directory` looks
         paths = (str(Path.cwd()), os.environ.get("AMENT_PREFIX_PATH", ""))
         os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join(filter(None, paths))
@@ -84,7 +83,7 @@ def run_file(
 
     `ending`: it was asked to.
     """
-    libraries.hide(program.hides)
+    imports.host.hide(program.hides)
     sys.argv = [program.file, *program.arguments]
     try:
         code = compiled(program.file)
@@ -104,6 +103,7 @@ def run_file(
     except BaseException as error:  # students may raise anything
         if not ending():
             atexit._run_exitfuncs()
+        imports.host.leave()
         first = _first(error)
         return "exception", _exception_text(first, program), _detail(first, program)
     return "returned", "the program ran to its end", ""

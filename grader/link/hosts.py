@@ -249,7 +249,8 @@ class ForkServer:
         words = (control, self._epoch, self._kind, layers, self._landlock, *self._libraries)
         arguments = [str(word) for word in words]
         boot = (
-            f"import sys; sys.path[:0] = {paths!r}; sys.argv[1:] = {arguments!r};"
+            f"import sys; sys.path[:1] = {paths!r}; sys.argv[1:] = {arguments!r};"
+            "from grader.host import imports; imports.host.watch();"
             f"{self.ros.prelude or 0};"
             "import runpy; runpy.run_module('grader.host', run_name='__main__')"
         )

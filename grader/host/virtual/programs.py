@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-import rclpy.context
-import rclpy.node
-import rclpy.utilities
+from rclpy import utilities
+from rclpy.context import Context
+from rclpy.node import Node
 
 from ..frames import ProgramStart
 from ..robot_ends import ROBOT_NODE
@@ -119,7 +119,7 @@ class Programs:
     def _install(self) -> None:
         """Give every program an rclpy of its own, all on one real context."""
         kernel = self._kernel
-        cls: Any = rclpy.context.Context
+        cls: Any = Context
         real_init, real_ok = cls.init, cls.ok
 
         def init(self: Any, args: Any = None, **kwargs: Any) -> None:
@@ -138,7 +138,7 @@ class Programs:
             if not kernel.program.initialised:  # type: ignore[attr-defined]
                 raise RuntimeError("Context must be initialized before it can be shutdown")
             kernel.program.shut = True  # type: ignore[attr-defined]
-            rclpy.utilities.g_default_context = self  # it is the other programs', too
+            utilities.g_default_context = self  # it is the other programs', too
             kernel.epoch += 1
 
         def try_shutdown(self: Any) -> None:
@@ -151,7 +151,7 @@ class Programs:
 
     def _install_nodes(self) -> None:
         kernel = self._kernel
-        cls: Any = rclpy.node.Node
+        cls: Any = Node
         create = cls.__init__
 
         def created(self: Any, node_name: str, **kwargs: Any) -> None:
