@@ -4,7 +4,15 @@ from grader.recording.costs import Costs, account_of, costs_of
 from grader.recording.deaths import Death, death_of
 from grader.recording.growth import ENDS, growth_of, made_again, rise_of
 from grader.recording.inferences import Inference
-from grader.recording.recording import COMPLETED, Compute, Endpoint, Live, Outcome, Recording
+from grader.recording.recording import (
+    COMPLETED,
+    Compute,
+    Ending,
+    Endpoint,
+    Live,
+    Outcome,
+    Recording,
+)
 from grader.recording.training import ModelAnswers, ScriptRun, Training
 from grader.recording.views import Floats, Goals, Odom, Scan, Twists
 
@@ -14,6 +22,7 @@ __all__ = [
     "Compute",
     "Costs",
     "Death",
+    "Ending",
     "Endpoint",
     "Floats",
     "Goals",

@@ -63,19 +63,23 @@ class Bridge:
         for name in ("shutdown", "try_shutdown"):
             setattr(cls, name, self._leaving_first(getattr(cls, name)))
 
-    def tell_rosout(self, now: Callable[[], Any]) -> None:
-        """Let programs listen to what nodes log; `now` returns the ROS time."""
-        self.rosout = Rosout(now, lambda context: self._ends_in(context).node)
+    def tell_rosout(self, now: Callable[[], Any], before: Callable[[], None]) -> None:
+        """Let programs listen to what nodes log; `now` returns the ROS time.
+
+        `before` is called before each line.
+        """
+        self.rosout = Rosout(now, lambda context: self._ends_in(context).node, before)
         self.rosout.install()
 
-    def collect(self, now: int) -> None:
-        """Take what the student's nodes published; it gets the time `now` [ns]."""
+    def collect(self, now: int) -> int:
+        """Take what the student's nodes published; it gets the time `now` [ns]. Return how much."""
         self._keep(now, self._last_words)
         self._last_words = []
         taken = [heard for ends in self._ends.values() for heard in ends.take()]
         if len(self._ends) > 1:
             taken.sort(key=lambda heard: heard.sent)
         self._keep(now, taken)
+        return sum(ends.count for ends in self._ends.values())
 
     def _keep(self, now: int, taken: list[Heard]) -> None:
         for heard in taken:
@@ -108,6 +112,10 @@ class Bridge:
         """Return the endpoints that the student created since the last call."""
         endpoints, self._endpoints = self._endpoints, []
         return endpoints
+
+    def contexts(self) -> list[Any]:
+        """Return the contexts in which there are ends of topics."""
+        return list(self._ends)
 
     def _on_endpoint(self, kind: str, node: Any, endpoint: Any) -> None:
         self.changes += 1
