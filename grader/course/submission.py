@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import stat
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,7 +23,7 @@ from grader.link.scratch import fresh_folder
 
 MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
 SHARE = "share/"  # what a package installs there lies elsewhere in it, too
-GIVEN = "exercise.toml"  # the course's own, in each exercise's folder
+NOT_SAID = re.compile(r"(^|/)(exercise\.toml|test_\w+\.py)$")  # the course's own; `course start`'s
 MANIFEST = "package.xml"
 SETUPS = ("setup.py", "setup.cfg", "pyproject.toml")
 LAUNCH = "launch.py"  # the end of a launch file's name
@@ -115,7 +116,7 @@ class Submission:
         """Say what came along, and what did not, a sentence each."""
         own = [] if self.package else [path.name for path in (self.path, *self.others)]
         more = set(self.files) - set(own)
-        came = sorted(n for n in more if not n.startswith(SHARE) and not n.endswith(GIVEN))
+        came = sorted(n for n in more if not n.startswith(SHARE) and not NOT_SAID.search(n))
         said = [skeleton] if (skeleton := self._untouched()) else []
         said += [f"With the node came {listed(came)}."] if came else []
         return [*said, *([f"Left behind: {'; '.join(self.left)}."] if self.left else [])]

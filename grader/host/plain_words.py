@@ -151,7 +151,8 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "ZeroDivisionError",
         r"",
-        "what if there is nothing to divide by: an empty list, equal stamps?",
+        "what if there is nothing to divide by: a range of 0.0 (no echo, for many lidars), the "
+        "length of an empty list, the time between equal stamps?",
     ),
     (
         "ValueError",
