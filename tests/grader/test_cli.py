@@ -189,7 +189,7 @@ def test_a_mutant_does_not(tmp_path: Path) -> None:
 
 
 BAD_FILES = {
-    "not UTF-8": (b"x = '\xff\xfe'\n", "SyntaxError"),
+    "not UTF-8": (b"x = '\xff\xfe'\n", "save the file as UTF-8"),
     "raises": (b"raise RuntimeError('as I said')\n", "as I said"),
     "ends": (b"x = 1\n", "ran to its end"),
 }
