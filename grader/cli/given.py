@@ -14,6 +14,7 @@ from grader.errors import InputError
 from grader.link.scratch import fresh_folder
 
 NOTEBOOK = ".ipynb"
+ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 FOLDED = 3  # folders in one another, each alone in the one above it, down to the files
 
 T = TypeVar("T")
@@ -38,11 +39,11 @@ def as_files(path: Path, names: Sequence[str]) -> Iterator[Path]:
     InputError
         It can't be read, or there is no node in it.
     """
-    from grader.lms.unpack import is_archive, unpack  # noqa: PLC0415
-
     with contextlib.ExitStack() as stack:
         given = path
-        if path.is_file() and is_archive(path.name):
+        if path.name.lower().endswith(ARCHIVES) and path.is_file():
+            from grader.lms.unpack import unpack  # noqa: PLC0415
+
             room = stack.enter_context(fresh_folder())
             _read(path, lambda: unpack(path, room))
             given = _folder_in(room)
@@ -52,7 +53,7 @@ def as_files(path: Path, names: Sequence[str]) -> Iterator[Path]:
         elif given.is_dir():
             yield _of_folder(given, names, staged, path)
         else:
-            yield _of_copies(given, names, staged) or given
+            yield _of_copies(given.parent, names, staged, given) or given
 
 
 def wanted_in(scenario: str) -> list[str]:
@@ -68,17 +69,15 @@ def wanted_in(scenario: str) -> list[str]:
 
 def _of_folder(folder: Path, names: Sequence[str], staged: Path, path: Path) -> Path:
     """Return the node's file in a folder, or the folder, if that is for `find_submission`."""
-    if found := next((folder / name for name in names if (folder / name).exists()), None):
-        return folder if folder == path else found
     if is_package(folder):
         return folder
-    python = sorted(folder.glob("*.py"))
-    if found := next(filter(None, (_of_copies(file, names, staged) for file in python)), None):
+    if found := _of_copies(folder, names, staged):
         return found
     notebooks = [each for each in sorted(folder.glob(f"*{NOTEBOOK}")) if not each.is_symlink()]
-    return (
-        folder if python or len(notebooks) != 1 else _of_notebook(notebooks[0], names, staged, path)
-    )
+    if len(notebooks) == 1 and not any(folder.glob("*.py")):
+        return _of_notebook(notebooks[0], names, staged, path)
+    found = next((folder / name for name in names if (folder / name).exists()), None)
+    return found if found is not None and folder != path else folder
 
 
 def _of_notebook(notebook: Path, names: Sequence[str], staged: Path, path: Path) -> Path:
@@ -100,21 +99,32 @@ def _of_notebook(notebook: Path, names: Sequence[str], staged: Path, path: Path)
     return staged / node
 
 
-def _of_copies(file: Path, names: Sequence[str], staged: Path) -> Path | None:
-    """Return a file of the name that is wanted, if this one is called like a second copy of it."""
+def _of_copies(
+    folder: Path, names: Sequence[str], staged: Path, given: Path | None = None
+) -> Path | None:
+    """Return the node's file under its own name, where one that is wanted is there as a copy only.
+
+    Of several copies the last one counts; but a file that was `given` counts before all others.
+    """
     from grader.lms.names import copy_number, plain  # noqa: PLC0415
 
-    wanted = {plain(name): name for name in names}
-    if file.name in names or plain(file.name) not in wanted or file.is_symlink():
+    if given is not None and given.is_symlink():
         return None
-    _copy(file.parent, staged)
-    others = sorted(file.parent.glob("*.py"), key=lambda each: copy_number(each.name))
-    for each in (*others, file):  # of several copies the last one counts, and this one
-        name = wanted.get(plain(each.name))
-        if name not in (None, each.name) and not each.is_symlink() and each.is_file():
-            (staged / each.name).unlink(missing_ok=True)
-            if each == file or not (file.parent / name).exists():
-                shutil.copyfile(each, staged / name)
+    wanted = {plain(name): name for name in names}
+    there = [each for each in folder.glob("*.py") if each.is_file() and not each.is_symlink()]
+    chosen: dict[str, Path] = {}
+    for each in sorted(there, key=lambda each: (each == given, copy_number(each.name))):
+        name = wanted.get(plain(each.name), each.name)
+        if name != each.name and (each == given or not (folder / name).exists()):
+            chosen[name] = each
+    if not chosen or (given is not None and plain(given.name) not in wanted):
+        return None
+    _copy(folder, staged)
+    for name, file in chosen.items():
+        (staged / file.name).unlink(missing_ok=True)
+        shutil.copyfile(file, staged / name)
+    if given is not None:
+        return staged / wanted[plain(given.name)]
     return next(staged / name for name in names if (staged / name).exists())
 
 

@@ -64,6 +64,8 @@ def grade(
     if file.name in chosen.files[1:] and file_beside(file, chosen.files[0]) is not None:
         file = file.with_name(chosen.files[0])  # whichever is given, the first one is the node
     given = click.get_current_context().with_resource(as_files(file, chosen.files))
+    if given.name in chosen.files[1:] and file_beside(given, chosen.files[0]) is not None:
+        given = given.with_name(chosen.files[0])  # of a notebook, or of copies
     submission = find_submission(given, chosen.files[0], chosen.files[1:])
     vary: Seed | None = seed
     if student is not None or secret is not None:

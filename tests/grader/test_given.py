@@ -57,11 +57,17 @@ def test_a_notebook_without_the_node_says_so(tmp_path: Path, cells: list[str], s
 
 
 @pytest.mark.parametrize("inside", ["", "week 2/", "a/b/"])
-@pytest.mark.parametrize("mark", ["", " (1)", " - Copy"])
-def test_zipped_folders_and_second_copies(tmp_path: Path, inside: str, mark: str) -> None:
+@pytest.mark.parametrize("marks", [("", ""), (" (1)", " (1)"), (" - Copy", ""), ("", " (2)")])
+def test_zipped_folders_and_second_copies(
+    tmp_path: Path, inside: str, marks: tuple[str, str]
+) -> None:
+    named = {
+        name: name.replace(".py", f"{mark}.py")
+        for name, mark in zip(EXERCISE.files, marks, strict=True)
+    }
     with zipfile.ZipFile(tmp_path / "mine.zip", "w") as archive:
         for name in (NODE, TRAINING):
-            archive.writestr(f"{inside}{name.replace('.py', mark + '.py')}", name)
+            archive.writestr(f"{inside}{named[name]}", name)
         archive.writestr(f"{inside}features.py", "f")
         archive.writestr("__MACOSX/x", "")
     wanted = {NODE: NODE, TRAINING: TRAINING, "features.py": "f"}
@@ -69,8 +75,7 @@ def test_zipped_folders_and_second_copies(tmp_path: Path, inside: str, mark: str
     shutil.unpack_archive(tmp_path / "mine.zip", tmp_path / "open")
     folder = tmp_path / "open" / inside
     assert taken(folder) == wanted
-    for name in (NODE, TRAINING):
-        assert taken(folder / name.replace(".py", f"{mark}.py")) == wanted
+    assert taken(folder / named[NODE]) == wanted
 
 
 def test_of_several_copies_the_last_counts_or_the_one_that_is_given(tmp_path: Path) -> None:
