@@ -11,6 +11,7 @@ import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -22,7 +23,7 @@ from grader.link.hosts import ForkServer
 from grader.recording import Recording
 
 ELISION = "…"
-NEEDS = ("numpy", "sklearn", "skl2onnx", "onnxruntime")
+NEEDS = ("numpy", "sklearn", "skl2onnx", "onnxruntime", "torch")
 FRAGMENTS = {"robot.launch.py"}  # launch has no wheels: compiled, not run
 RUNNER = """
 import contextlib, io, json, sys
@@ -70,8 +71,15 @@ def same(expected: str, actual: str) -> None:
     assert re.fullmatch(form, printed), f"not printed:\n{expected}\nbut:\n{printed}"
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if snippets(page)], ids=lambda p: p.stem)
-def test_snippets_print_what_the_page_says(page: Path) -> None:
+def with_snippets() -> list[Any]:
+    """Return the pages with snippets, as parameters; those with PyTorch are of `make test-deep`."""
+    found = [(page, "".join(b.text for b in snippets(page))) for page in PAGES if snippets(page)]
+    deep = {True: [pytest.mark.deep], False: []}
+    return [pytest.param(p, marks=deep["import torch" in s], id=p.stem) for p, s in found]
+
+
+@pytest.mark.parametrize("page", with_snippets())
+def test_snippets_print_what_the_page_says(page: Path, tmp_path: Path) -> None:
     listed = snippets(page)
     source = "".join(block.text for block in listed)
     for library in NEEDS:
@@ -84,6 +92,7 @@ def test_snippets_print_what_the_page_says(page: Path) -> None:
         text=True,
         check=False,
         timeout=60,
+        cwd=tmp_path,
     )
     assert done.returncode == 0, done.stderr
     everything = blocks(page)
