@@ -49,6 +49,11 @@ def nodes() -> list[Block]:
     return [block for page in PAGES for block in blocks(page) if is_node(block)]
 
 
+def write_nodes(folder: Path) -> None:
+    for block in nodes():
+        (folder / block.options["caption"]).write_text(block.text, "utf-8")
+
+
 def commands() -> list[tuple[Block, Block | None]]:
     """Return each command of the pages, and the block that shows what it prints, if any."""
     found = []
@@ -85,6 +90,12 @@ def test_snippets_print_what_the_page_says(page: Path, tmp_path: Path) -> None:
     for library in NEEDS:
         if f"import {library}" in source or f"from {library}" in source:
             pytest.importorskip(library, reason=f"{library} is not installed")
+    write_nodes(tmp_path)
+    for block in blocks(page):
+        if block.info == "console" and "--bag" in block.text:  # the snippets read it
+            words = shlex.split(block.text)[2:]
+            course = [sys.executable, "-m", "grader.cli", *words]
+            subprocess.run(course, check=True, capture_output=True, timeout=60, cwd=tmp_path)
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", RUNNER],
         input=json.dumps([block.text for block in listed]),
@@ -123,8 +134,7 @@ def test_commands_print_what_the_page_says(
         "grader.cli.drive.start_forkserver", lambda *_, **__: contextlib.nullcontext(forkserver)
     )
     monkeypatch.setenv("COLUMNS", "80")
-    for block in nodes():
-        (tmp_path / block.options["caption"]).write_text(block.text, "utf-8")
+    write_nodes(tmp_path)
     shutil.copytree(ROOT / "exercises", tmp_path / "exercises")
     monkeypatch.chdir(tmp_path)
 
