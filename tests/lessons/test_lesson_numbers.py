@@ -23,7 +23,6 @@ UNIT = re.compile(
 )
 # What pages may write by hand, and why: numbers of no contract.
 BY_HAND = {
-    "110 minutes": "the lesson's own length",
     "120 cm": "frames: an example of a distance",
     "0.001 ms": "real_time: what perf_counter says of computing in virtual time",
     "20 ms": "why: what people say of their model, an example",
