@@ -8,10 +8,11 @@ import numpy as np
 
 from grader.checks.commands import answered_in_turn
 from grader.checks.verdict import fail, inconclusive
-from grader.recording import Floats, Recording
+from grader.recording import ENDS, Floats, Recording, made_again, rise_of
 
 OFTEN = 90  # [%] stalls of a machine don't hit one callback in ten, unless threads queue for it
 LEAST = 200  # callbacks, to measure
+HOUR = 3600.0  # [s] a robot drives at least as long
 UNEXPLAINED = 0.02  # [s] of a turn without CPU time; below it nobody measured the wait for a CPU
 
 
@@ -40,6 +41,33 @@ def quick(recordings: Sequence[Recording], limit: float) -> None:
         recording=recordings[longest],
         help="At 10 Hz the next scan comes after 100 ms. What in the callback costs the time?",
     )
+
+
+def stays_quick(recordings: Sequence[Recording], limit: float) -> None:
+    """Fail if the node makes ends again and again, or would need `limit` [s] within an hour."""
+    for recording in recordings:
+        for end, many in made_again(recording):
+            fail(
+                f"the node made {many}",
+                expected=f"one of each, in the constructor; more than {ENDS} are too many",
+                actual=f"{many} in {recording.duration_s:.0f} s",
+                recording=recording,
+                help=f"self.create_{end.kind} belongs into the constructor, not into a callback.",
+            )
+        times, _, computed, _ = costs(recording)
+        rise = rise_of(times, computed) if recording.live is None else None
+        if rise is None or rise.last + rise.rate * HOUR <= limit:
+            continue
+        fail(
+            "a scan costs more and more time",
+            expected=f"at most {1000 * limit:.0f} ms after an hour, too",
+            actual=f"{1000 * rise.first:.1f} ms at first, {1000 * rise.last:.1f} ms after "
+            f"{recording.duration_s:.0f} s",
+            at=times[-1],
+            recording=recording,
+            help="What do you make or keep for each scan, and never let go? A list that grows, a "
+            "timer, a client? Make it once; a deque(maxlen=…) forgets.",
+        )
 
 
 def costs(recording: Recording) -> Floats:

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from grader.cli.results import check_writable, show
+from grader.errors import InputError
 
 EXAMPLES = """\b
 Examples:
@@ -40,4 +41,10 @@ def check_bag(
     chosen = find_exercise(exercise)
     check_writable(report, json_)
     trials = SavedTrials(load_all(bag))
-    return show(grade(chosen, trials, file=str(bag), field=field, only=only), json_, report)
+    grading = grade(chosen, trials, file=str(bag), field=field, only=only)
+    if {check["outcome"] for check in grading.as_dict()["checks"]} == {"skip"}:
+        names = ", ".join(sorted(recording.name for recording in trials.recordings()))
+        raise InputError(
+            f"{bag}: recorded in {names}; no check of exercise {chosen.number} is about that alone"
+        )
+    return show(grading, json_, report)

@@ -36,10 +36,18 @@ Examples:
 )  # fmt: skip
 @click.option("--stdin", metavar="FILE|-", help="What the node reads from stdin, as by input().")
 @click.option(
+    "--keys", default="", metavar="TEXT",
+    help=r"Type this to the node, a key every half second: wwad, or \x1b[A for an arrow.",
+)  # fmt: skip
+@click.option("--env", multiple=True, metavar="NAME=VALUE", help="An environment variable.")
+@click.option(
     "--charge-compute", is_flag=True,
     help="Computing takes time: the node's CPU time is added to the clock, in ms. Runs then depend "
     "on the machine, so no grading does it.",
 )  # fmt: skip
+@click.option(
+    "--log", "log", metavar="N|all", default="10", help="Lines of what the node said to show."
+)
 @click.option("--seed", type=click.IntRange(0, 10**6), help="Vary world and noise.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
 @click.option("--bag", type=click.Path(path_type=Path), help="Save the drive as a bag.")
@@ -54,7 +62,10 @@ def drive(
     remappings: tuple[str, ...],
     params_files: tuple[Path, ...],
     stdin: str | None,
+    keys: str,
+    env: tuple[str, ...],
     charge_compute: bool,
+    log: str,
     seed: int | None,
     report: Path | None,
     bag: Path | None,
@@ -80,6 +91,11 @@ def drive(
     taken = [path.name for path in (submission.path, *submission.others)]
     files = driving.read_params_files(params_files, taken)
     text = driving.read_stdin(stdin)
+    typed, variables = driving.read_keys(keys), driving.read_env(env)
+    if text and typed:
+        raise InputError("--stdin and --keys: expected one of them; a node has one stdin")
+    if log != "all" and not log.isdecimal():
+        raise InputError(f"--log {log!r}: expected a number of lines, or all")
     check_writable(report)
     with start_forkserver(portable=portable) as forkserver:
         submission = driving.unpacked(submission, forkserver)
@@ -91,15 +107,19 @@ def drive(
             arguments=arguments,
             files=files,
             stdin=text,
+            keys=typed,
+            env=variables,
             charge_compute=charge_compute,
         )
     if bag is not None:
         from grader.recording.bag import save  # noqa: PLC0415
 
         save(recording, bag)
-    driving.print_summary(recording, file=str(file), practice=forkserver.practice)
+    driving.print_summary(recording, file=str(file), practice=forkserver.practice,
+                          most=None if log == "all" else int(log))  # fmt: skip
     for said in submission.account():
         click.echo(f"  {said}")
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
-    return FULL if recording.outcome.completed else LESS
+    outcome = recording.outcome
+    return FULL if outcome.completed or outcome.by_itself else LESS

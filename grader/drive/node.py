@@ -12,7 +12,7 @@ import msgspec
 
 from grader.course.submission import Submission, file_beside, read_regular_file
 from grader.errors import InputError
-from grader.host.frames import MAX_STDIN
+from grader.host.frames import MAX_KEYS, MAX_STDIN
 from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Recording
@@ -28,6 +28,8 @@ FIRST_GOAL = 0.5  # [s]
 PATIENCE = Limits(start=10.0, step=2.0, total=20.0)  # a node that hangs does so again and again ...
 SECOND_LOOK = Limits(total=60.0)  # ... and one that a busy machine kept waiting does not
 PARAMETER = re.compile(r"[A-Za-z_][\w.]*:=.+")
+VARIABLE = re.compile(r"[A-Za-z_]\w{0,99}=[^\0]{0,1000}", re.ASCII | re.DOTALL)  # NAME=VALUE
+ESCAPE = re.compile(r"\\(?:x[0-9a-fA-F]{2}|[nrt\\])")
 REMAPPING = re.compile(r"[^\s:]+(:[^\s:=]+)?:=\S+")  # FROM:=TO, also NODE:FROM:=TO
 
 
@@ -139,6 +141,39 @@ def read_stdin(source: str | None) -> bytes:
     return data
 
 
+def read_keys(text: str) -> bytes:
+    """Return the keys of a text, in which Enter and arrows are written as in Python.
+
+    Raises
+    ------
+    InputError
+        There are too many, or none on this system.
+    """
+    if sys.platform == "win32" and text:
+        raise InputError("--keys: Windows has no terminals of this kind; --stdin FILE works there")
+    keys = ESCAPE.sub(lambda found: found[0].encode().decode("unicode_escape"), text).encode()
+    if len(keys) > MAX_KEYS:
+        raise InputError(f"--keys: {len(keys)} bytes, expected at most {MAX_KEYS}")
+    return keys
+
+
+def read_env(settings: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """Return names and values of environment variables.
+
+    Raises
+    ------
+    InputError
+        One is not NAME=VALUE.
+    """
+    for setting in settings:
+        if not VARIABLE.fullmatch(setting):
+            raise InputError(
+                f"--env {setting!r}: expected NAME=VALUE, such as TURTLEBOT3_MODEL=burger"
+            )
+    found = [setting.partition("=") for setting in settings]
+    return tuple((name, value) for name, _, value in found)
+
+
 def _content(path: Path, option: str) -> bytes:
     try:
         return path.read_bytes()
@@ -155,9 +190,12 @@ def drive_node(
     arguments: Sequence[str] = (),
     files: Mapping[str, bytes] | None = None,
     stdin: bytes = b"",
+    keys: bytes = b"",
+    env: Sequence[tuple[str, str]] = (),
     charge_compute: bool = False,
     stamped: bool = True,
     limits: Limits | None = None,
+    interrupt: bool = True,
 ) -> Recording:
     """Run the node once; `stamped`: the robot also understands TwistStamped.
 
@@ -177,15 +215,19 @@ def drive_node(
         stamped=stamped,
         files={path.name: read_regular_file(path, MAX_FILE) for path in beside} | dict(files or {}),
         stdin=stdin,
+        keys=keys,
+        env=env,
         charge_compute=charge_compute,
         limits=limits,
+        interrupt=interrupt,
     )
 
 
 def drive_in(submission: Submission, scenario: Scenario, forkserver: Launcher) -> Recording:
     """Drive a node as `course drive --scenario` does, but with less patience at first."""
     with_frames = msgspec.structs.replace(scenario, transforms=Transforms(enabled=True))
-    recording = drive_node(submission, with_frames, forkserver, limits=PATIENCE)
-    if recording.outcome.kind == "hung":
-        return drive_node(submission, with_frames, forkserver, limits=SECOND_LOOK)
+    for limits in (PATIENCE, SECOND_LOOK):
+        recording = drive_node(submission, with_frames, forkserver, limits=limits, interrupt=False)
+        if recording.outcome.kind != "hung":
+            break
     return recording

@@ -2,34 +2,49 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 
 import numpy as np
 from rich.console import Console
 from rich.markup import escape
+from rich.padding import Padding
 
-from grader.recording import Endpoint, Recording, account_of
+from grader.drive.topics import topic_lines
+from grader.host.frames import NO_NODE
+from grader.recording import Recording, account_of, growth_of
 from grader.recording.deaths import told_first
-from grader.recording.words import last_words
+from grader.recording.words import told_lines
 from grader.report.terminal import printable
-from sim.messages import CMD_VEL_TOPIC, TWIST_STAMPED
+from sim.messages import CMD_VEL_TOPIC
+from sim.simulation import Truth
 
+NO_MAIN = (
+    'Does the file end with `if __name__ == "__main__": main()`? Python runs no function that '
+    "nobody calls."
+)
+STAYS = "Should it have gone on? A node that waits for messages stays in rclpy.spin(node)."
+ADVICE = "try: "  # before what the account of an exception ends with
 LAST_LINES = 12  # of a traceback
 LAST_WORDS = 10  # lines of what the node printed and logged
 
 
-def print_summary(recording: Recording, *, file: str, practice: str = "") -> None:
+def print_summary(
+    recording: Recording, *, file: str, practice: str = "", most: int | None = LAST_WORDS
+) -> None:
     """Print which topics the node used, what happened, and what computing cost.
 
-    `practice`: why a grading of it would be for practice only.
+    `practice`: why a grading of it would be for practice only. `most`: lines of what the node said;
+    None: all.
     """
     console = Console(highlight=False)
     say = console.print
     say(f"[bold]{escape(file)}[/] in [bold]{recording.name}[/], seed {recording.seed}")
     say()
     say("[bold]Topics[/]")
-    for line in _topic_lines(recording):
-        say(f"  {escape(printable(line, console))}")
+    for line in topic_lines(recording):
+        text = line.lstrip()
+        say(Padding(escape(printable(text, console)), (0, 0, 0, 2 + len(line) - len(text))))
     say()
     say("[bold]What happened[/]")
     for line in event_lines(recording):
@@ -39,41 +54,29 @@ def print_summary(recording: Recording, *, file: str, practice: str = "") -> Non
         say(f"    {escape(printable(line, console))}", style="dim")
     for line in account_of(recording):
         say(f"  {line}")
-    if said := last_words(recording, LAST_WORDS):
-        say()
-        say("[bold]What the node said[/]" + (", the last lines" if len(recording.log) > LAST_WORDS
-                                             else ""))  # fmt: skip
-        for line in said:
-            say(f"  {escape(printable(line, console))}")
+    for line in growth_of(recording):
+        say(f"  {escape(printable('WARNING: ' + line, console))}")
+    _print_words(recording, console, most)
     if practice:
         say(f"  {practice}", style="yellow")
 
 
-def _topic_lines(recording: Recording) -> list[str]:
-    if not recording.endpoints:
-        return ["the node created no publisher and no subscription"]
-    sent = Counter(message.topic for message in recording.delivered)
-    said = Counter(message.topic for message in recording.published)
-    return [
-        _topic_line(end, said if end.kind == "publisher" else sent, recording.duration_s)
-        for end in recording.endpoints
-    ]
-
-
-def _topic_line(end: Endpoint, counts: Counter[str], duration: float) -> str:
-    arrow = {"publisher": "->", "subscription": "<-"}.get(end.kind, end.kind)
-    line = f"{arrow} {end.topic}  {end.type}"
-    if end.kind not in ("publisher", "subscription"):
-        return line
-    rate = counts[end.topic] / duration if duration else 0.0
-    line += f"  {end.reliability}  {counts[end.topic]} messages ({rate:.1f} Hz)"
-    if end.mismatch:
-        line += f"  WARNING: nothing arrives: {end.mismatch}"
-    elif end.kind == "publisher" and end.topic == CMD_VEL_TOPIC and end.type == TWIST_STAMPED:
-        line += "  note: the exercises expect Twist here; the robot understood"
-    elif end.kind == "subscription" and not counts[end.topic]:
-        line += "  WARNING: the robot sends nothing on this topic"
-    return line
+def _print_words(recording: Recording, console: Console, most: int | None) -> None:
+    """Print what the node said: its last lines, those after Ctrl-C among them."""
+    ending = recording.ending
+    words = [*told_lines(recording.log), *(["(Ctrl-C)"] if ending and ending.log else [])]
+    words += told_lines(ending.log) if ending else []
+    if not words:
+        return
+    kept = words if most is None else words[-most:] if most else []
+    left = len(words) - len(kept)
+    console.print()
+    more = f", the last {len(kept)} of {len(words)} lines (--log all shows them all)"
+    console.print(f"[bold]What the node said[/]{more if left else ''}")
+    for line in kept:
+        console.print(f"  {escape(printable(line, console))}", soft_wrap=most is None)
+    if recording.log_truncated:
+        console.print("  It said more than is kept.", style="yellow")
 
 
 def event_lines(recording: Recording) -> list[str]:
@@ -85,7 +88,8 @@ def event_lines(recording: Recording) -> list[str]:
         nearest = int(np.argmin(truth.clearance))
         lines += [
             f"drove {steps.sum():.2f} m, from ({truth.x[0]:.2f}, {truth.y[0]:.2f}) "
-            f"to ({truth.x[-1]:.2f}, {truth.y[-1]:.2f}); fastest {np.abs(truth.v).max():.2f} m/s",
+            f"to ({truth.x[-1]:.2f}, {truth.y[-1]:.2f}); fastest {np.abs(truth.v).max():.2f} m/s"
+            f"{_turned(truth)}",
             f"nearest to an obstacle: {truth.clearance[nearest]:.2f} m "
             f"at {truth.t[nearest] / 1e9:.1f} s",
         ]
@@ -94,6 +98,28 @@ def event_lines(recording: Recording) -> list[str]:
             lines.append(f"TOUCHED an obstacle at {truth.t[touched[0]] / 1e9:.1f} s")
     if not any(m.topic == CMD_VEL_TOPIC for m in recording.published):
         lines.append("the robot got no command: nothing was published on /cmd_vel")
+    if recording.outcome.kind == "returned":
+        made_none = recording.outcome.text.endswith(NO_NODE)
+        lines.append(NO_MAIN if made_none else STAYS)
+    return lines + _last_lines(recording)
+
+
+def _turned(truth: Truth) -> str:
+    """Say how far the robot turned in all, if it did."""
+    turned = math.degrees(np.abs(np.diff(np.unwrap(truth.yaw))).sum())
+    return f"; turned {turned:.0f}°" if turned >= 1.0 else ""
+
+
+def _last_lines(recording: Recording) -> list[str]:
+    """Return what Ctrl-C did, if there is anything to say."""
+    ending = recording.ending
+    if ending is None:
+        return []
+    lines = [f"after Ctrl-C: {ending.problem}"] if ending.problem else []
+    said = Counter(message.topic for message in ending.published)
+    if said:
+        sent = ", ".join(f"{count} on {topic}" for topic, count in said.items())
+        lines.append(f"messages after Ctrl-C: {sent}")
     return lines
 
 
@@ -101,4 +127,8 @@ def _ending(recording: Recording) -> str:
     outcome = recording.outcome
     if outcome.completed:
         return "the node ran to the end"
-    return f"the node ended at {outcome.at:.1f} s: {outcome.kind.replace('_', ' ')}: {outcome.text}"
+    if outcome.by_itself:
+        return f"the program ended by itself at {outcome.at:.1f} s"
+    tried = [line for line in outcome.detail.splitlines() if line.startswith(ADVICE)]
+    text = outcome.text.removesuffix(f"; {tried[-1].removeprefix(ADVICE)}" if tried else "")
+    return f"the node ended at {outcome.at:.1f} s: {outcome.kind.replace('_', ' ')}: {text}"

@@ -184,7 +184,9 @@ def _is_in(frame: FrameType, folder: Path) -> bool:
 
 
 def _is_executors(frame: FrameType) -> bool:
-    return Path(frame.f_code.co_filename).parts[-2:] == RCLPY
+    """Return whether an executor runs there (and not: is imported there)."""
+    code = frame.f_code
+    return Path(code.co_filename).parts[-2:] == RCLPY and code.co_name != "<module>"
 
 
 def _entity_of(frames: list[Line]) -> Any:

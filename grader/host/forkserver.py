@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from . import scripts, stand_ins
+from . import imports, scripts, stand_ins
 from .frames import ENTERED, REFUSED, Birth, Clear, Done, Fault, Furnish, Hello, Request
 from .kinds import LIVE, NODES, TESTS
 from .virtual import kernel as kernel_module
@@ -122,6 +122,7 @@ def prepared(kind: str, epoch: int, libraries: Sequence[str]) -> Body:
         body = _run_live
     _import(libraries)
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
+    imports.host.settle()
     return body
 
 
@@ -240,16 +241,22 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
     trial.kernel, kernel.world = kernel, trial
     start = trial.start()
     trial.charge_compute = start.charge_compute
+    os.environ.update(start.env)
     if start.stdin:
         _give_input(start.stdin)
+    if start.keys:
+        from .virtual import keyboard  # noqa: PLC0415
+
+        keyboard.install(kernel, start.keys)
     found = discovery.Discovery(kernel, start.discovery, start.seed)
     trial.bridge = bridge.Bridge(start.offers, found)
     trial.bridge.install()
     trial.clocks = executors.install(kernel, epoch, trial.bridge)
-    trial.bridge.tell_rosout(trial.clocks.present)
+    trial.bridge.tell_rosout(trial.clocks.present, lambda: trial.turns.take(2))
     executors.refuse_real_time(trial.leave_for_real_time)
     _steer_init()
     trial.mark()
+    trial.turns.install()
     program.run(trial, start)
     os._exit(0)
 
@@ -300,10 +307,12 @@ def _warm_up(*, virtual: bool = True) -> None:
         module = importlib.import_module(package)
         for name in names:
             check_for_type_support(getattr(module, name))
-    _import(("numpy", "rclpy.node", "rclpy.executors", "rclpy.action"))
+    _import(("numpy.random", "rclpy.node", "rclpy.executors", "rclpy.action"))
+    from .interfaces import native  # noqa: F401, PLC0415  (no host may read rclpy_portable)
+
     if virtual:
         from . import program  # noqa: F401, PLC0415
-        from .virtual import bridge, executors, session  # noqa: F401, PLC0415
+        from .virtual import bridge, executors, programs, session  # noqa: F401, PLC0415
     else:
         from .real_time import node  # noqa: F401, PLC0415
 

@@ -18,13 +18,19 @@ MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
 MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_STDIN = 1024 * 1024  # [bytes]
+MAX_KEYS = 4096  # [bytes]
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_QUESTIONS = 64  # to models of the judge's, at a time
 MAX_ROWS = 1_000  # of features in one question
 MAX_COLUMNS = 64  # features in a row
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
 LENGTH = struct.Struct("<I")
-MARK = "\x1e"  # in stdout and stderr, followed by the time [ns]: what comes next was said then
+# In stdout and stderr, followed by the time [ns]: what comes next was said then. ".7" after that
+# says that it was the stream's seventh turn at that time.
+MARK = "\x1e"
+
+NO_NODE = " and made no node"  # at the end of a text
+ASKED_TO_END = ("KeyboardInterrupt", "ExternalShutdownException")  # raised by SIGINT
 
 Name = Annotated[str, msgspec.Meta(max_length=MAX_NAME)]
 Text = Annotated[str, msgspec.Meta(max_length=MAX_TEXT)]
@@ -82,6 +88,8 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     charge_compute: bool = False  # CPU time costs virtual time; never so in a grading
     stdin: Annotated[bytes, msgspec.Meta(max_length=MAX_STDIN)] = b""  # what the programs may read
     discovery: Discovery = Discovery()  # by default all is found at once
+    keys: Annotated[bytes, msgspec.Meta(max_length=MAX_KEYS)] = b""  # what somebody types, instead
+    env: tuple[tuple[Name, Text], ...] = ()  # of the programs' environment: name and value
 
 
 class Question(msgspec.Struct, array_like=True, frozen=True):
@@ -115,6 +123,7 @@ class Run(msgspec.Struct, frozen=True, tag="run"):
     until: Nanoseconds
     deliver: tuple[Delivery, ...] = ()
     told: tuple[Told, ...] = ()
+    interrupt: bool = False  # the scenario is over: send the programs SIGINT first
 
 
 class Answers(msgspec.Struct, frozen=True, tag="answers"):
@@ -161,9 +170,9 @@ class Published(msgspec.Struct, array_like=True, frozen=True):
 
 
 class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
-    """A publisher, subscription, service or client that the node created."""
+    """A publisher, subscription, service or client of the node's; a timer beyond TIMERS."""
 
-    kind: Annotated[str, msgspec.Meta(pattern="^(publisher|subscription|service|client)$")]
+    kind: Annotated[str, msgspec.Meta(pattern="^(publisher|subscription|service|client|timer)$")]
     node: Name
     topic: Name
     type: Name

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import PurePath
 from typing import Any
 
+from . import imports
 from .sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES, MAX_MEMORY, MAX_PROCESSES
 
 DISTRO = "jazzy"
@@ -47,9 +48,23 @@ THREADS = (
 )
 OUT_OF_MEMORY = re.compile(r"bad_alloc|can't allocate memory|cannot allocate memory", re.IGNORECASE)
 KEYBOARD = (
-    "nobody types to a node here: `course drive --stdin FILE` gives it something to read; what is "
-    "handed in takes a ROS parameter instead"
+    "nobody types to a node here: `course drive --keys wwad` does, `--stdin FILE` gives it lines "
+    "to read; what is handed in takes a ROS parameter instead"
 )
+KEYBOARDS = ("curses", "getch", "getkey", "keyboard", "pynput", "readchar", "sshkeyboard")
+CONTEXT = (
+    "`with rclpy.init():` works from ROS 2 Kilted on; in Jazzy, rclpy.init() returns nothing: call "
+    "it alone, and rclpy.shutdown() at the end"
+)
+ARGUMENTS = (
+    "a node has no arguments here but ROS's: take a ROS parameter, which "
+    "`course drive -p NAME:=VALUE` sets"
+)
+OF_LINES = (  # kind of an exception, what it says, what stands in the line: what to do
+    (TypeError, "context manager", "rclpy.init(", CONTEXT),
+    (IndexError, "", "sys.argv[", ARGUMENTS),
+)
+OF_OS = ("<frozen os>", os.__file__)  # where `os.environ[…]` raises
 NO_PACKAGE = "PackageNotFoundError"  # of ament_index_python; a KeyError
 RELATIVE = (
     "a file that is run itself is in no package, here and with python3: give `course` the folder "
@@ -63,25 +78,44 @@ STARTS = re.compile(r"\b(fork|forkpty|posix_spawnp?|spawn[lv]p?e?|exec[lv]p?e?)\
 
 def hint(error: BaseException) -> str:
     """Return what to do about an exception, in a sentence; "" if it is the program's own."""
+    if file := imports.host.hiding_file(error):
+        return _hiding(PurePath(file))
     if isinstance(error, ModuleNotFoundError):
         name = (error.name or "").partition(".")[0]
-        return missing_package(name)
+        return KEYBOARD if name in KEYBOARDS else missing_package(name)
+    if _is_of_a_terminal(error):
+        return KEYBOARD
+    if isinstance(error, KeyError) and _last_file(error) in OF_OS:
+        return (
+            "environment variables are not passed on to a node: `course drive --env "
+            f"{error.args[0]}=VALUE` sets this one; what is handed in takes a ROS parameter instead"
+        )
+    for kind, text, code, said in OF_LINES:
+        if isinstance(error, kind) and text in str(error) and code in _last_line(error):
+            return said
     if type(error).__name__ == NO_PACKAGE:
         return no_package(str(error))
     if isinstance(error, ImportError) and "no known parent package" in str(error):
         return RELATIVE
-    if isinstance(error, EOFError):
-        return KEYBOARD if "reading a line" in str(error) else ""
     for cause in _causes(error):
         if isinstance(cause, RuntimeError) and str(cause) == "can't start new thread":
             return THREADS
         if isinstance(cause, MemoryError) or OUT_OF_MEMORY.search(str(cause)):
             return MEMORY
-        if isinstance(cause, OSError):
-            said = _refusal(cause)
-            if said:
-                return said
+        if isinstance(cause, OSError) and (said := _refusal(cause)):
+            return said
     return ""
+
+
+def _hiding(file: PurePath) -> str:
+    """Say that a file of the program's has the name of a module that something else needs."""
+    package = file.stem == "__init__"
+    name = file.parent.name if package else file.stem
+    what = f"the folder {name}/" if package else file.name
+    return (
+        f"`import {name}` finds {what} beside the node, not the module of that name that is "
+        "installed: give yours another name"
+    )
 
 
 def missing_package(name: str) -> str:
@@ -109,6 +143,26 @@ def no_package(said: str) -> str:
         f"there is no package {name[1] if name else 'of that name'} here: only ROS's, and your own "
         "if `course` gets the folder with its package.xml"
     )
+
+
+def _is_of_a_terminal(error: BaseException) -> bool:
+    kind = type(error)
+    if kind.__module__ in ("termios", "_curses") and kind.__name__ == "error":
+        return True
+    if isinstance(error, EOFError):
+        return "reading a line" in str(error)
+    frames = traceback.extract_tb(error.__traceback__)
+    return isinstance(error, ImportError) and any("pynput" in frame.filename for frame in frames)
+
+
+def _last_file(error: BaseException) -> str:
+    frames = traceback.extract_tb(error.__traceback__)
+    return frames[-1].filename if frames else ""
+
+
+def _last_line(error: BaseException) -> str:
+    frames = traceback.extract_tb(error.__traceback__)
+    return (frames[-1].line or "") if frames else ""
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import difflib
 import dis
+import importlib.util
 import re
 from collections.abc import Callable, Sequence
-from types import BuiltinMethodType, FunctionType, MethodType
+from types import BuiltinMethodType, FunctionType, MethodType, ModuleType
 from typing import Any
 
 FUNCTIONS = (FunctionType, MethodType, BuiltinMethodType)
@@ -150,7 +151,8 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "ZeroDivisionError",
         r"",
-        "what if there is nothing to divide by: an empty list, equal stamps?",
+        "what if there is nothing to divide by: a range of 0.0 (no echo, for many lidars), the "
+        "length of an empty list, the time between equal stamps?",
     ),
     (
         "ValueError",
@@ -273,6 +275,9 @@ def _attribute(error: Any) -> str:
     owner, name = getattr(error, "obj", None), getattr(error, "name", None)
     if owner is None or not isinstance(name, str):
         return ""
+    if isinstance(owner, ModuleType) and _has_module(owner, name):
+        package = owner.__name__
+        return f"`import {package}` does not bring it: write `import {package}.{name}`"
     fields = getattr(type(owner), "_fields_and_field_types", None)
     if isinstance(fields, dict):
         return f"{_a(type(owner).__name__)} has no {name}; it has {', '.join(map(str, fields))}"
@@ -284,6 +289,12 @@ def _attribute(error: Any) -> str:
     if hasattr(type(owner), name.strip()) or isinstance(owner, type):
         return ""
     return _own_attribute(owner, name, by_itself=_self_in(error) is owner)
+
+
+def _has_module(package: ModuleType, name: str) -> bool:
+    """Return whether a module of a package exists, imported or not."""
+    paths = getattr(package, "__path__", None)
+    return paths is not None and importlib.util.find_spec(f"{package.__name__}.{name}") is not None
 
 
 def _own_attribute(owner: Any, name: str, *, by_itself: bool) -> str:

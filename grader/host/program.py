@@ -6,15 +6,16 @@ import atexit
 import contextlib
 import linecache
 import os
+import signal
 import sys
 import threading
 import traceback
 import types
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
-from . import deaths, hints, libraries, randomness
-from .frames import ProgramStart, Start
+from . import deaths, hints, imports, randomness
+from .frames import ASKED_TO_END, NO_NODE, ProgramStart, Start
 from .source import compiled
 from .virtual import signals
 from .virtual.session import Session
@@ -25,26 +26,30 @@ MAX_ACCOUNT, MAX_TRACE = 4_000, 12_000  # [characters]
 
 def run(session: Session, start: Start) -> None:
     """Run the programs to their end and report it; a node that spins for ever never returns."""
+    from .virtual.programs import Programs  # noqa: PLC0415  (needs rclpy)
+
     randomness.seed(start.seed)
     enter_folders(start.programs)
     hints.tell_of_shell_commands()
     if len(start.programs) == 1 and start.programs[0].start == 0:
-        signals.install_alone(session.kernel)
+        kill = signals.install_alone(session.kernel, session.bridge.contexts)
+        session.interrupt = lambda: kill(os.getpid(), signal.SIGINT)
         session.begin(start.lead)
-        session.end(*run_file(start.programs[0]))
+        kind, text, detail = run_file(start.programs[0], lambda: session.ending)
+        if kind == "returned" and not session.bridge.changes:
+            text += NO_NODE
+        session.end(kind, text, detail)
         return
-    from .virtual.programs import Programs  # noqa: PLC0415  (needs rclpy)
-
     session.programs = Programs(
         session.kernel, start.programs, lambda program: _run_one_of_many(session, program)
     )
+    session.interrupt = session.programs.interrupt
     session.programs.supervise()
 
 
 def enter_folders(programs: Iterable[ProgramStart]) -> None:
     """Let modules be imported from where each program's lie, as Python and `ros2 run` do."""
-    folders = dict.fromkeys(str(folder_of(program)) for program in programs)
-    sys.path[:0] = [folder for folder in folders if folder not in sys.path]
+    imports.host.enter(dict.fromkeys(str(folder_of(program)) for program in programs))
     if Path("share", "ament_index").is_dir():  # of a package: `get_package_share_directory` looks
         paths = (str(Path.cwd()), os.environ.get("AMENT_PREFIX_PATH", ""))
         os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join(filter(None, paths))
@@ -59,15 +64,26 @@ def folder_of(program: ProgramStart) -> Path:
 
 
 def _run_one_of_many(session: Session, program: ProgramStart) -> None:
-    """Run one of several programs; when it ends, the trial does."""
-    kind, text, detail = run_file(program)
+    """Run one of several programs; when it ends, the trial does.
+
+    If all have been asked to end, the last does, or the first that raises anything else.
+    """
+    kind, text, detail = run_file(program, lambda: session.ending)
+    as_asked = kind in ("returned", "exited") or text.startswith(ASKED_TO_END)
+    if session.ending and as_asked and session.programs.others():
+        return
     session.end(kind, f"{Path(program.file).name}: {text}", detail)
     os._exit(0)
 
 
-def run_file(program: ProgramStart) -> tuple[str, str, str]:
-    """Run a file as `__main__`; return how it ended: kind, text and detail."""
-    libraries.hide(program.hides)
+def run_file(
+    program: ProgramStart, ending: Callable[[], bool] = lambda: False
+) -> tuple[str, str, str]:
+    """Run a file as `__main__`; return how it ended: kind, text and detail.
+
+    `ending`: it was asked to.
+    """
+    imports.host.hide(program.hides)
     sys.argv = [program.file, *program.arguments]
     try:
         code = compiled(program.file)
@@ -80,12 +96,14 @@ def run_file(program: ProgramStart) -> tuple[str, str, str]:
     main.__file__ = program.file
     sys.modules["__main__"] = main
     try:
-        with _ending():
+        with _ending(ending):
             exec(code, main.__dict__)
     except SystemExit as error:
         return "exited", f"sys.exit({'' if error.code is None else repr(error.code)})", ""
     except BaseException as error:  # students may raise anything
-        atexit._run_exitfuncs()
+        if not ending():
+            atexit._run_exitfuncs()
+        imports.host.leave()
         first = _first(error)
         return "exception", _exception_text(first, program), _detail(first, program)
     return "returned", "the program ran to its end", ""
@@ -104,15 +122,18 @@ def _starter(entry: str) -> str:
 
 
 @contextlib.contextmanager
-def _ending() -> Iterator[None]:
+def _ending(asked: Callable[[], bool]) -> Iterator[None]:
     """Do at the end what Python does: let pools go, wait for threads, call exit handlers.
 
-    (After an exception Python waits for threads, too. Here the exception is told at once.)
+    (After an exception Python waits for threads, too. Here one that comes before the program was
+    `asked` to end is reported at once.)
     """
-    ended: SystemExit | None = None
+    ended: BaseException | None = None
     try:
         yield
-    except SystemExit as error:
+    except BaseException as error:
+        if not isinstance(error, SystemExit) and not asked():
+            raise
         ended = error
     for let_go in reversed(threading._threading_atexits):  # type: ignore[attr-defined]
         let_go()

@@ -15,6 +15,7 @@ import rclpy.node
 from rclpy.parameter import Parameter
 from rclpy.qos import (
     DurabilityPolicy,
+    LivelinessPolicy,
     QoSCompatibility,
     QoSProfile,
     ReliabilityPolicy,
@@ -59,7 +60,9 @@ class RobotEnds:
         self._latched = {} if latched is None else latched  # what was sent once, by topic
         self._listeners: dict[str, tuple[str, Any, Any]] = {}
         self._speakers: dict[str, Any] = {}
+        self.count = 0  # messages in the last `take`, also those that it may not hear
         self.unheard: list[Any] = []  # marks of what is not for it, in their order
+        self._own_words: list[tuple[str, bytes]] = []  # that a listener will hear
         self.node = _RobotNode(
             ROBOT_NODE,
             context=context,
@@ -96,15 +99,22 @@ class RobotEnds:
             durability = DurabilityPolicy.TRANSIENT_LOCAL
             if theirs.durability != durability:  # as where the robot spoke before the node came
                 return "the robot sends it once: only a transient-local subscription hears it"
-        qos = QoSProfile(depth=ROBOT_DEPTH, reliability=reliability, durability=durability)
+        qos = QoSProfile(
+            depth=ROBOT_DEPTH,
+            reliability=reliability,
+            durability=durability,
+            liveliness=LivelinessPolicy.AUTOMATIC,  # as the driver's, and to be compared below
+        )
         if topic not in self._speakers:
             self._speakers[topic] = self.node.create_publisher(msg_type, topic, qos)
             if topic in self._latched:
-                self._speakers[topic].publish(self._latched[topic])
+                self._say(topic, self._latched[topic])
         verdict, reason = qos_check_compatible(qos, theirs)
         if verdict != QoSCompatibility.ERROR:
             return ""
-        return str(reason).removeprefix("ERROR: ").rstrip("; ").lower()
+        said = [part.strip() for part in str(reason).split(";")]
+        errors = [part.removeprefix("ERROR: ").lower() for part in said if part[:6] == "ERROR:"]
+        return ", and ".join(errors)
 
     def speaks(self, topic: str) -> bool:
         """Return whether it has a publisher of a topic."""
@@ -120,12 +130,17 @@ class RobotEnds:
         A node can publish as fast as this takes: after `most` messages the rest waits.
         """
         taken: list[Heard] = []
+        self.count = 0
         for topic, (name, msg_type, listener) in self._listeners.items():
             while (
                 len(taken) < most
                 and (message := listener.handle.take_message(msg_type, True)) is not None
             ):
                 data, info = message
+                self.count += 1
+                if (topic, data) in self._own_words:
+                    self._own_words.remove((topic, data))
+                    continue
                 sent, received = info["source_timestamp"], info["received_timestamp"]
                 if self._is_unheard(sent):
                     continue
@@ -142,7 +157,12 @@ class RobotEnds:
         if topic in self._offers and self._offers[topic].latched:
             self._latched[topic] = data
         if topic in self._speakers:
-            self._speakers[topic].publish(data)
+            self._say(topic, data)
+
+    def _say(self, topic: str, data: bytes) -> None:
+        if topic in self._listeners:
+            self._own_words.append((topic, data))
+        self._speakers[topic].publish(data)
 
     def close(self) -> None:
         """Take all ends out of the graph."""

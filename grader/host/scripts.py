@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import importlib
 import pickle
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import program, randomness
+from . import imports, program, randomness
 from .frames import (
     Ended,
     FromScript,
@@ -51,7 +50,7 @@ def serve(read_fd: int, write_fd: int) -> None:
 
 def _run(order: Script) -> Ended:
     randomness.seed(order.seed)  # a fork inherits the fork server's generators
-    sys.path.insert(0, str(Path(order.file).parent))
+    imports.host.enter([str(Path(order.file).parent)])
     kind, text, detail = program.run_file(ProgramStart(order.file, order.arguments))
     return ended(kind, text, detail)
 

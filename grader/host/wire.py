@@ -5,9 +5,11 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+from collections.abc import Callable
 
 from .frames import (
     LENGTH,
+    MARK,
     MAX_TEXT,
     Ended,
     FromLive,
@@ -55,6 +57,50 @@ class Wire:
             chunks.append(chunk)
             size -= len(chunk)
         return b"".join(chunks)
+
+
+class Turns:
+    """Marks in stdout and stderr when each was written, and who spoke first at one moment."""
+
+    def __init__(self) -> None:
+        self._time = 0  # [ns]
+        self._turn = 0
+        self._speaks = 0  # descriptor
+        self._whole = {1: True, 2: True}  # the last line that was written there has an end
+
+    def install(self) -> None:
+        """Watch what Python writes."""
+        for fd, stream in ((1, sys.stdout), (2, sys.stderr)):
+            stream.write = self._watched(fd, stream.write)  # type: ignore[method-assign]
+
+    def begin(self, time: int) -> None:
+        """Mark the time [ns] in both."""
+        flush_output()
+        self._time, self._turn, self._speaks = time, 0, 0
+        for fd in (1, 2):
+            self._mark(fd, f"{MARK}{time}\n")
+
+    def take(self, fd: int) -> None:
+        """Mark that it is this one's turn, where that is news, and no line is cut in two."""
+        if fd == self._speaks or not self._whole[fd]:
+            return
+        flush_output()
+        self._speaks = fd
+        self._turn += 1
+        self._mark(fd, f"{MARK}{self._time}.{self._turn}\n")
+
+    def _watched(self, fd: int, write: Callable[[str], int]) -> Callable[[str], int]:
+        def write_in_turn(text: str) -> int:
+            self.take(fd)
+            written = write(text)
+            self._whole[fd] = text.endswith("\n") if text else self._whole[fd]
+            return written
+
+        return write_in_turn
+
+    def _mark(self, fd: int, line: str) -> None:
+        with contextlib.suppress(OSError):
+            os.write(fd, line.encode())
 
 
 def ended(kind: str, text: str, detail: str = "", now: int = 0) -> Ended:

@@ -51,6 +51,7 @@ LIVE_DDS = {  # it never leaves the machine
     "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
     "FASTRTPS_DEFAULT_PROFILES_FILE": str(ROOT / "grader" / "host" / "real_time" / "live.xml"),
 }
+SILENT = "it said nothing; if the machine is very busy, try again"
 SHARED_OBJECT = "shared object file"  # the dynamic linker's words for a library it can't find
 FORK_SERVER_START = 60.0  # [s] for the imports of a cold machine
 
@@ -248,7 +249,8 @@ class ForkServer:
         words = (control, self._epoch, self._kind, layers, self._landlock, *self._libraries)
         arguments = [str(word) for word in words]
         boot = (
-            f"import sys; sys.path[:0] = {paths!r}; sys.argv[1:] = {arguments!r};"
+            f"import sys; sys.path[:1] = {paths!r}; sys.argv[1:] = {arguments!r};"
+            "from grader.host import imports; imports.host.watch();"
             f"{self.ros.prelude or 0};"
             "import runpy; runpy.run_module('grader.host', run_name='__main__')"
         )
@@ -298,7 +300,7 @@ class ForkServer:
     def _last_words(self) -> str:
         self._log.seek(0)
         lines = self._log.read().decode("utf-8", "replace").strip().splitlines()
-        return lines[-1] if lines else "it said nothing"
+        return lines[-1] if lines else SILENT
 
     def _fork(self, place: Workplace, priority: bool) -> HostProcess:
         request = Request(str(place.folder), place.user, self.layers, priority)

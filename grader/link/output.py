@@ -10,7 +10,7 @@ from grader.link.log import LogLine
 
 MAX_OUTPUT = 512 * 1024  # [bytes] of stdout and stderr each that are kept
 MAX_LINES = 20_000  # of stdout and stderr each that are kept
-TIME_MARK = re.compile(rf"(.*){MARK}([0-9]{{1,19}})")
+TIME_MARK = re.compile(rf"(.*){MARK}([0-9]{{1,19}})(?:\.([0-9]{{1,9}}))?")
 ROS_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
 
 
@@ -23,6 +23,8 @@ class Output:
     truncated: bool = False
     limit: int = 0  # [ns] no time mark can be later: the node's time has not gone further
     clock: int = 0  # [ns] when the next line is said, unless a mark tells
+    turns: list[int] = field(default_factory=list)  # of the lines, among those of their time
+    _turn: int = 0
     _partial: bytes = b""
     _size: int = 0
 
@@ -47,7 +49,7 @@ class Output:
         if mark is not None and self.clock <= int(mark[2]) <= self.limit:
             if mark[1]:
                 self._keep(mark[1])
-            self.clock = int(mark[2])
+            self.clock, self._turn = int(mark[2]), int(mark[3] or 0)
         else:
             self._keep(text)
 
@@ -57,6 +59,7 @@ class Output:
             return
         match = ROS_LINE.match(text)
         level, said = (match[1].lower(), match[3]) if match else (self.stream, text)
+        self.turns.append(self._turn)
         self.lines.append(LogLine(self.clock, level, said.rstrip("\r")[:2_000]))
 
 
@@ -64,4 +67,6 @@ def in_order(stdout: Output, stderr: Output) -> tuple[LogLine, ...]:
     """Return the lines of both, in order of time; the last may be unfinished."""
     for output in (stdout, stderr):
         output.finish()
-    return tuple(sorted(stdout.lines + stderr.lines, key=lambda line: line.time))
+    turns = stdout.turns + stderr.turns
+    said = zip(stdout.lines + stderr.lines, turns, strict=True)
+    return tuple(line for line, _ in sorted(said, key=lambda each: (each[0].time, each[1])))

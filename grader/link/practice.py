@@ -123,8 +123,9 @@ class PracticeServer:
     def _started(self) -> PracticeHost:
         paths = [str(ROOT), *map(str, self.ros.python_path)]
         boot = (
+            f"import sys; sys.path[:1] = {paths!r}; sys.argv[1:1] = {self._arguments!r}\n"
+            "from grader.host import imports; imports.host.watch()\n"
             f"{PRELUDE}\n"
-            f"import sys; sys.path[:0] = {paths!r}; sys.argv[1:1] = {self._arguments!r}\n"
             f"{self.ros.prelude if self._kind == NODES else 0}\n"
             "from grader.host import practice; practice.serve(*sys.argv[1:])"
         )

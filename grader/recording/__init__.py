@@ -2,16 +2,27 @@
 
 from grader.recording.costs import Costs, account_of, costs_of
 from grader.recording.deaths import Death, death_of
+from grader.recording.growth import ENDS, growth_of, made_again, rise_of
 from grader.recording.inferences import Inference
-from grader.recording.recording import COMPLETED, Compute, Endpoint, Live, Outcome, Recording
+from grader.recording.recording import (
+    COMPLETED,
+    Compute,
+    Ending,
+    Endpoint,
+    Live,
+    Outcome,
+    Recording,
+)
 from grader.recording.training import ModelAnswers, ScriptRun, Training
 from grader.recording.views import Floats, Goals, Odom, Scan, Twists
 
 __all__ = [
     "COMPLETED",
+    "ENDS",
     "Compute",
     "Costs",
     "Death",
+    "Ending",
     "Endpoint",
     "Floats",
     "Goals",
@@ -28,4 +39,7 @@ __all__ = [
     "account_of",
     "costs_of",
     "death_of",
+    "growth_of",
+    "made_again",
+    "rise_of",
 ]

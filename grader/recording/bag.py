@@ -8,6 +8,7 @@ with what has no message type (scenario, seed, endpoints, outcome).
 from __future__ import annotations
 
 import shutil
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -19,12 +20,15 @@ import numpy as np
 from grader.errors import InputError
 from grader.link.log import LogLine
 from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording, Training
+from sim.bag_qos import profile
 from sim.layout import layout_from_json, layout_to_json
 from sim.messages import (
     BOOL,
     EPOCH_NS,
     FLOAT64,
+    LATCHED,
     ODOMETRY,
+    SENSORS,
     STRING,
     Message,
     bool_,
@@ -40,6 +44,7 @@ from sim.simulation import Truth
 
 METADATA = "metadata.yaml"
 TRIAL_TOPIC = "/course/trial"
+FROM_NODE = "/from_node"  # before the node's topics that are the robot's, too
 LOG_TOPIC = "/rosout"
 LOG = "rcl_interfaces/msg/Log"
 TRUTH_ODOMETRY = "/ground_truth/odom"
@@ -47,6 +52,7 @@ TRUTH_CLEARANCE = "/ground_truth/clearance"
 TRUTH_CONTACT = "/ground_truth/contact"
 LEVELS = {"debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 FORMAT = 2
+MAX_TOPICS, MAX_TOPIC = 8, 60  # of a bag that is not of a trial; [characters]
 MAX_REASON = 300  # [characters] of why a bag can't be read
 
 
@@ -88,7 +94,7 @@ def save(recording: Recording, folder: Path) -> Path:
         for message in sorted(_all_messages(recording), key=lambda m: m.time):
             key = (message.topic, message.type)
             if key not in connections:
-                connections[key] = _connect(writer, message)
+                connections[key] = _connect(writer, message, _offered(recording, message.topic))
             connection = connections[key]
             if connection is not None:
                 writer.write(connection, recording.epoch + message.time, message.data)
@@ -113,10 +119,29 @@ def load(path: Path) -> Recording:
         with Reader(folder) as reader:
             for connection, stamp, data in reader.messages():
                 messages.append(Message(connection.topic, connection.msgtype, stamp, bytes(data)))
-        return _assemble(messages, str(folder))
+        if any(message.topic == TRIAL_TOPIC for message in messages):
+            return _assemble(messages, str(folder))
     except Exception as error:  # rosbags raises whatever the broken bytes lead to
         said = " ".join(str(error).split())[:MAX_REASON]
         raise InputError(f"{path}: not a bag that this course has recorded ({said})") from error
+    raise InputError(_lacking(path, messages))
+
+
+def _lacking(path: Path, messages: list[Message]) -> str:
+    """Say what a bag of another recorder has, and what it lacks for a judgement."""
+    counts = Counter(_printable(message.topic) for message in messages)
+    shown = [f"{topic} ({count})" for topic, count in sorted(counts.items())[:MAX_TOPICS]]
+    more = f" and {len(counts) - len(shown)} more" if len(counts) > len(shown) else ""
+    return (
+        f"{path}: a bag, but not one of a trial: it has {', '.join(shown) or 'no messages'}{more}; "
+        f"it lacks {TRIAL_TOPIC}, the scenario and where the robot truly was, which only "
+        "`course grade … --bags DIR` and `course drive … --bag DIR` record"
+    )
+
+
+def _printable(topic: str) -> str:
+    """Return a topic's name, without what would confuse a terminal."""
+    return "".join(c if c.isprintable() else "?" for c in topic)[:MAX_TOPIC]
 
 
 def _assemble(messages: list[Message], folder: str) -> Recording:
@@ -162,11 +187,28 @@ def _is_bag(folder: Path) -> bool:
     return all(file.name == METADATA or file.suffix == ".mcap" for file in folder.iterdir())
 
 
-def _connect(writer: Any, message: Message) -> Any:
+def _connect(writer: Any, message: Message, offered: tuple[Any, ...]) -> Any:
     """Return a connection for the topic; None for a type that the type store doesn't know."""
     if message.type not in typestore().fielddefs:
         return None
-    return writer.add_connection(message.topic, message.type, typestore=typestore())
+    return writer.add_connection(
+        message.topic, message.type, typestore=typestore(), offered_qos_profiles=offered
+    )
+
+
+def _offered(recording: Recording, topic: str) -> tuple[Any, ...]:
+    """Return the quality of service with which a topic was published."""
+    name = topic.removeprefix(FROM_NODE) if topic.startswith(f"{FROM_NODE}/") else topic
+    publishers = [e for e in recording.endpoints if (e.kind, e.topic) == ("publisher", name)]
+    if any(m.topic == topic for m in recording.published) and publishers:
+        first = publishers[0]
+        return profile(
+            reliable=first.reliability != "best_effort",
+            latched=first.durability == "transient_local",
+            depth=first.depth,
+        )
+    lossy = topic in SENSORS and recording.scenario.qos.sensors == "sensor_data"
+    return profile(reliable=not lossy, latched=topic in (*LATCHED, LOG_TOPIC), depth=10)
 
 
 def _all_messages(recording: Recording) -> Iterator[Message]:

@@ -16,6 +16,7 @@ from functools import cached_property
 import msgspec
 import numpy as np
 
+from grader.host.frames import ASKED_TO_END
 from grader.link.log import LogLine
 from grader.recording import views
 from grader.recording.inferences import Inference
@@ -36,6 +37,10 @@ from sim.scenario import Scenario
 from sim.simulation import Truth
 
 COMPLETED = "completed"
+WELL = (("exited", "sys.exit()"), ("exited", "sys.exit(0)"), ("exited", "sys.exit(False)"))
+SHUT_DOWN = (
+    "Ctrl-C has shut rclpy down by then: publish only if rclpy.ok(), and call rclpy.try_shutdown()"
+)
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,11 @@ class Outcome:
     def completed(self) -> bool:
         """The node ran to the end."""
         return self.kind == COMPLETED
+
+    @property
+    def by_itself(self) -> bool:
+        """The program came to its end without an error, before the scenario did."""
+        return self.kind == "returned" or (self.kind, self.text) in WELL
 
 
 class Endpoint(msgspec.Struct, frozen=True):
@@ -98,6 +108,36 @@ class Live(msgspec.Struct, frozen=True):
     stall: str = ""  # what the machine did that makes the recording worthless; "" if nothing
 
 
+@dataclass(frozen=True)
+class Ending:
+    """What came of the SIGINT that a person would send when the scenario was over.
+
+    No check sees it. The outcome's kind is `running` if the program had not ended after a second.
+    """
+
+    outcome: Outcome
+    published: tuple[Message, ...] = ()  # after the SIGINT
+    log: tuple[LogLine, ...] = ()
+
+    @property
+    def problem(self) -> str:
+        """What a person would have to mend, in one line; empty if the program ended as it should.
+
+        Ending with a KeyboardInterrupt is what Python does.
+        """
+        kind, text = self.outcome.kind, self.outcome.text
+        if kind == "running":
+            return (
+                "the program has not ended after a second: does it catch the signal and go on, "
+                "does a thread of it never end, or does its end wait for something?"
+            )
+        if kind in ("hung", "flooded"):
+            return text
+        if kind != "exception" or text.startswith(ASKED_TO_END):
+            return ""
+        return f"{text}; {SHUT_DOWN}" if "context" in text and "RCLError" in text else text
+
+
 @dataclass(frozen=True, eq=False)
 class Recording:
     """One trial."""
@@ -118,6 +158,7 @@ class Recording:
     live: Live | None = None  # None: in virtual time
     inferences: tuple[Inference, ...] = ()  # of models that the judge keeps, in order
     charged: bool = False  # computing took virtual time, so another run differs
+    ending: Ending | None = None  # what Ctrl-C did after all that, if it was asked for; not saved
     bag: str | None = None  # where it is saved
 
     @property

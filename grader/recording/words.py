@@ -6,6 +6,7 @@ It is the program's own word, quoted to help its author; no verdict depends on i
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from grader.link.log import LogLine
 from grader.recording.recording import Recording
@@ -31,9 +32,9 @@ def words_of(recording: Recording, moment: float | None) -> list[str]:
     return told + _diagnostics(recording, moment)
 
 
-def last_words(recording: Recording, most: int) -> list[str]:
-    """Return the last lines that the node printed and logged."""
-    return [_told(line) for line in recording.log[-most:]]
+def told_lines(lines: Iterable[LogLine]) -> list[str]:
+    """Return lines that the node printed and logged, with their times."""
+    return [_told(line) for line in lines if not NOISE.match(line.text)]
 
 
 def _told(line: LogLine) -> str:

@@ -17,7 +17,7 @@ from grader.errors import GraderError, is_disk_full
 from grader.link import real_clock
 from grader.link.launcher import Launcher
 from grader.models.files import OWN
-from grader.recording import Outcome, Recording, bag
+from grader.recording import Outcome, Recording, bag, growth_of
 from grader.trial.endings import BUSY_WAIT, is_halt, not_run
 from grader.trial.kept import KeptRecordings
 from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
@@ -32,6 +32,7 @@ REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
 MAX_SAID = 200  # [characters] of an error in a message
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
 NOT_RUN = "The node {ended} in the run {name}, so {count} were left out."
+AFTER = "After the run {name} the node was sent Ctrl-C: {what}. This costs no points."
 PATIENCE = 300.0  # [s] of wall time that the virtual trials of a submission may take in all
 HURRIED = Limits(total=20.0)  # once they have
 SLOW = (
@@ -122,6 +123,7 @@ class NodeTrials(Trials):
         self._counting = threading.Lock()
         self._halted = False  # it hung or never started: what no check asks for doesn't run
         self._took: list[float] = []  # [s] of wall time by each virtual trial
+        self._interrupted: str | None = None  # the scenario at whose end Ctrl-C is tried
         self._second_look = threading.Lock()  # at a node that hung in virtual time
         self._why_real: str | None = None  # the node can't run in virtual time
         self._dead: Outcome | None = None  # it hangs before it has started, whatever the scenario
@@ -137,6 +139,8 @@ class NodeTrials(Trials):
         new = [name for name in dict.fromkeys(scenarios) if name not in self._futures]
         # read here: several threads that build msgspec's type tables at once crash Python
         loaded = {name: self._load(name) for name in new}
+        driven = [name for name, each in loaded.items() if each and each.training is None]
+        self._interrupted = self._interrupted or next(iter(driven), None)
         self._planned += sum(scenario is not None for scenario in loaded.values())
         for name, scenario in loaded.items():
             if scenario is not None:
@@ -173,8 +177,20 @@ class NodeTrials(Trials):
             *self.submission.account(),
             *self._unsaved,
             *self._left_out(),
+            *self._grown(),
             *([SLOW] if self._slow else []),
+            *self._after_interrupt(),
         ]
+
+    def _grown(self) -> list[str]:
+        """Say what grew, in the one trial that shows the most of it."""
+        found = [(growth_of(recording), recording) for recording in self.recordings()]
+        found.sort(key=lambda each: (len(each[0]), each[1].duration_s))
+        return [f"In {run.name}, {line.rstrip('.')}." for said, run in found[-1:] for line in said]
+
+    def _after_interrupt(self) -> list[str]:
+        ends = [(each.name, each.ending) for each in self.recordings() if each.ending]
+        return [AFTER.format(name=name, what=end.problem) for name, end in ends if end.problem]
 
     def _left_out(self) -> list[str]:
         ends = [recording for recording in self.recordings() if is_halt(recording)]
@@ -299,6 +315,7 @@ class NodeTrials(Trials):
             seed=self.seed_of(scenario),
             limits=limits,
             files=files,
+            interrupt=scenario.name == self._interrupted,
         )
         self._took.append(real_clock.perf_counter() - began)
         if self.forkserver.practice:

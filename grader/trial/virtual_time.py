@@ -6,8 +6,9 @@ message, the simulation follows with the commands that came out, and hands over 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.course.students import host_seed
@@ -19,7 +20,7 @@ from grader.link.launcher import Launcher
 from grader.link.link import Conversation, Link
 from grader.link.workplace import Excess
 from grader.models.service import ModelService, TooManyQuestions
-from grader.recording import COMPLETED, Outcome, Recording
+from grader.recording import COMPLETED, Ending, Outcome, Recording
 from grader.trial.endings import (
     GRACE,
     NEVER_SPUN,
@@ -35,10 +36,11 @@ from grader.trial.endings import (
 from grader.trial.hangs import located
 from grader.trial.recorder import Flood, Recorder
 from grader.trial.staging import stage
-from sim.messages import EPOCH_NS, Message
+from sim.messages import EPOCH_NS, SENSORS, Message
 from sim.scenario import Scenario
 from sim.simulation import Simulation
 
+END_NS, END_LIMIT = 10**9, 2.0  # [ns], [s of CPU time] that programs have after a SIGINT
 BUSY = 3  # times its limit of wall time that a trial may wait for a CPU in all
 
 
@@ -66,6 +68,9 @@ def run_trial(
     files: Mapping[str, bytes] | None = None,
     charge_compute: bool = False,
     stdin: bytes = b"",
+    keys: bytes = b"",
+    env: Sequence[tuple[str, str]] = (),
+    interrupt: bool = False,
 ) -> Recording:
     """Run a student's file in a scenario and return what happened.
 
@@ -83,6 +88,12 @@ def run_trial(
         The CPU time of the node costs virtual time: for practice, never for a grading.
     stdin
         What the node's programs may read from stdin.
+    keys
+        What is typed to them instead, a key every half second.
+    env
+        What is added to their environment: names and values.
+    interrupt
+        When all is recorded, send the programs SIGINT, and note what comes of it.
 
     Raises
     ------
@@ -100,6 +111,7 @@ def run_trial(
             forkserver.host(staged.folder) as link,
         ):
             trial = _Trial(simulation, Recorder(stamped=stamped), link, charged=charge_compute)
+            trial.interrupt = interrupt
             start = Start(
                 staged.programs,
                 EPOCH_NS,
@@ -109,6 +121,8 @@ def run_trial(
                 charge_compute=charge_compute,
                 stdin=stdin,
                 discovery=_discovery(scenario),
+                keys=keys,
+                env=tuple(env),
             )
             try:
                 outcome = link.converse(trial.conversation(start, limits or Limits()))
@@ -135,6 +149,8 @@ class _Trial:
         self._simulation = simulation
         self._recorder = recorder
         self._charged = charged  # computing takes virtual time
+        self.interrupt = False  # at the end
+        self._ending: Ending | None = None
         self._link = link
         self._models = ModelService(simulation.scenario, simulation.seed)
         self._at = 0.0  # [s] the time that the node has come to
@@ -181,7 +197,55 @@ class _Trial:
             return self._outcome("never_spun", NEVER_SPUN, self._link.stacks())
         if self._stuck is not None:
             return Outcome("stuck", STUCK, self._stuck)
+        if self.interrupt:
+            self._ending = yield from self._interrupt(END_LIMIT)
         return self._outcome(COMPLETED, "")
+
+    def _interrupt(self, limit: float) -> Conversation[Ending]:
+        """Send SIGINT, and let the programs have a second to end.
+
+        Meanwhile the robot says again what it said in its last second. `limit` [s] is of CPU time
+        in all, and of wall time for each answer, as a busy machine gives it. Nothing of this gets
+        into the record, which is complete.
+        """
+        end, until = self._simulation.end, self._simulation.end + END_NS
+        again = [
+            m for m in self._recorder.delivered if end - END_NS < m.time and m.topic in SENSORS
+        ]
+        spent = 0.0  # [s]
+        recorder, now, interrupt = Recorder(), end, True
+        due: list[Message] = []
+        try:
+            while True:
+                upto = again[0].time + END_NS if again else until
+                deliver = tuple(Delivery(message.topic, message.data) for message in due)
+                said, cost = yield Run(upto, deliver, interrupt=interrupt), limit
+                spent += cost.wall if math.isnan(cost.cpu) else cost.cpu
+                if isinstance(said, Slept):
+                    raise HostForged("a start after the end")
+                reached = _reached(said, now, upto)
+                recorder.note_endpoints(said.endpoints)
+                recorder.hear(said.published, now, reached)
+                now = reached
+                if isinstance(said, Ended):
+                    kind, text, detail = said.kind, said.text, said.detail
+                    break
+                if spent > limit:
+                    raise HostHung(self._link.stacks())
+                if now >= until or said.asked:  # no model answers any more
+                    kind, text, detail = "running", "", ""
+                    break
+                due = [message for message in again if message.time + END_NS == upto]
+                again, interrupt = again[len(due) :], False
+        except HostHung as hung:
+            kind, text, detail = "hung", f"it computes for more than {limit:.0f} s", hung.stacks
+        except HostDied:
+            kind, text, detail = "died", died_text(self._link.wait(GRACE)), ""
+        except (HostForged, Flood, Excess) as error:
+            kind, text = misbehaviour(error)
+            detail = ""
+        outcome = Outcome(kind, text, now / 1e9, detail)
+        return Ending(outcome, tuple(recorder.published))
 
     def _start(self, start: Start, limit: float) -> Conversation[tuple[ToJudge, Cost]]:
         """Run the file up to the point where it waits; answer what it asks its models till then.
@@ -205,10 +269,16 @@ class _Trial:
         log = [line_without_folder(line, folder) for line in link.log()]
         outcome = without_folder(outcome, folder)
         output = (link.stdout, link.stderr)
-        asked = self._models.inferences
-        return self._recorder.freeze(
+        asked, ending = self._models.inferences, self._ending
+        if ending is not None:
+            end = self._simulation.end
+            last = tuple(line for line in log if line.time > end)
+            log = [line for line in log if line.time <= end]
+            ending = Ending(without_folder(ending.outcome, folder), ending.published, last)
+        recording = self._recorder.freeze(
             self._simulation, outcome, log, output, asked=asked, charged=self._charged
         )
+        return recording if ending is None else replace(recording, ending=ending)
 
     def _take(self, answer: Settled | Ended, cost: Cost, began: int, agreed: int) -> list[Message]:
         """Note an answer, let the robot follow it; return the robot's next messages."""

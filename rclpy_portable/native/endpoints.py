@@ -10,6 +10,7 @@ from .. import cdr
 from . import machine, names
 from .arguments import TOPIC
 from .enums import PolicyKind, PublisherEvent, SubscriptionEvent
+from .errors import RCLError
 from .events import KINDS, SUBSCRIPTION_KINDS, Statuses, Watch
 from .graph import ros_type
 from .handles import Destroyable
@@ -97,7 +98,9 @@ class Publisher(End):
         self.publish_raw(cdr.serialize(message))
 
     def publish_raw(self, data: bytes) -> None:
-        """Send a message that is serialized already."""
+        """Send a message that is serialized already; RCLError if its context is shut down."""
+        if not self.participant.alive:
+            raise RCLError("Failed to publish: publisher's context is invalid")
         sent = machine.stamps.next()
         expires = None if self._lifespan is None else sent + self._lifespan
         sample = Sample(bytes(data), sent, next(self._numbers), expires)

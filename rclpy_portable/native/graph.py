@@ -33,11 +33,13 @@ class Participant:
         self.services: list[Service] = []
         self.clients: list[Client] = []
         self._types: dict[str, tuple[Any, int]] = {}  # by name on the wire: class, how many ends
+        self.alive = True
         self._domain = _domain(domain)
         self._domain.append(self)
 
     def leave(self) -> None:
         """Be nobody's peer any more: the context is shut down."""
+        self.alive = False
         for publisher in self.publishers:
             _part_publisher(publisher)
         for subscription in self.subscriptions:

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from sim.bag_qos import profile
 from sim.errors import InputError
 from sim.messages import typestore
 
@@ -38,11 +39,27 @@ class Recorder:
             reason = (error.strerror or str(error)).lower()
             raise InputError(f"{folder}: cannot make a bag here: {reason}") from None
 
-    def expect(self, topic: str, type: str) -> None:
-        """Prepare for a topic: its first message takes ten milliseconds otherwise."""
+    def expect(
+        self,
+        topic: str,
+        type: str,
+        *,
+        reliable: bool = True,
+        latched: bool = False,
+        depth: int = 10,
+    ) -> None:
+        """Prepare for a topic: its first message takes ten milliseconds otherwise.
+
+        The rest is what its publisher offers.
+        """
         key = topic, type
         if key not in self._connections:
-            self._connections[key] = self._writer.add_connection(topic, type, typestore=typestore())
+            self._connections[key] = self._writer.add_connection(
+                topic,
+                type,
+                typestore=typestore(),
+                offered_qos_profiles=profile(reliable=reliable, latched=latched, depth=depth),
+            )
 
     def write(self, topic: str, type: str, time: int, data: bytes) -> None:
         """Write a message: CDR bytes, at this ROS time [ns]."""

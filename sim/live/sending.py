@@ -38,7 +38,14 @@ class Sender:
         self._publishers = {topic: self._publisher(topic) for topic in robot.rates}
         if extras.recorder:
             for topic, publisher in self._publishers.items():
-                extras.recorder.expect(publisher.topic_name, OFFERED[topic])
+                qos = publisher.qos_profile
+                extras.recorder.expect(
+                    publisher.topic_name,
+                    OFFERED[topic],
+                    reliable=qos.reliability == ReliabilityPolicy.RELIABLE,
+                    latched=qos.durability == DurabilityPolicy.TRANSIENT_LOCAL,
+                    depth=qos.depth,
+                )
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", DEPTH)
         self._clock = node.create_publisher(Clock, "/clock", 1) if clock else None
 

@@ -3,6 +3,7 @@
 Subscribes  /cmd_vel_raw  geometry_msgs/msg/Twist                 what the model asks for
             /scan         sensor_msgs/msg/LaserScan               distances all around [m]
             /e_stop       std_msgs/msg/Bool                       true: the button is pressed
+            /tf_static    tf2_msgs/msg/TFMessage                  how the lidar is mounted, if told
 Publishes   /cmd_vel      geometry_msgs/msg/Twist                 what is safe, 20 times a second
             /diagnostics  diagnostic_msgs/msg/DiagnosticArray     the reason for it
 """
@@ -14,13 +15,14 @@ from enum import StrEnum
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import Quaternion, Twist
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
+from tf2_ros import Buffer, TransformException, TransformListener
 
 CONTROL_PERIOD = 0.05  # [s] 20 Hz
 LONGEST_SILENCE = 0.5  # [s] what is older than this counts as not received
@@ -30,6 +32,7 @@ MAX_TURN_RATE = 1.9  # [rad/s]
 MAX_RISE = 0.045  # [m/s] that linear.x may rise in one tick: 0.9 m/s²
 REPORT_PERIOD = 1.0  # [s] report at least this often
 FRONT_HALF_ANGLE = math.pi / 2  # [rad] "ahead" is everything within ±90°
+ROBOT_FRAME = "base_link"  # its x axis points ahead
 
 
 class Reason(StrEnum):
@@ -72,18 +75,26 @@ class Decision:
     turn_rate: float = 0.0  # [rad/s]
 
 
-def front_distance(scan: LaserScan) -> float | None:
-    """Return the smallest usable distance ahead [m], as in exercise 1; None: nothing is usable."""
+def front_distance(scan: LaserScan, front: float) -> float | None:
+    """Return the smallest usable distance ahead [m], as in exercise 1; None: nothing is usable.
+
+    `front` is the robot's front, as an angle of this scan [rad]: 0 where the lidar looks ahead.
+    """
     usable = []
     for index, reading in enumerate(scan.ranges):
-        angle = math.remainder(scan.angle_min + index * scan.angle_increment, math.tau)
-        if abs(angle) > FRONT_HALF_ANGLE:
+        angle = scan.angle_min + index * scan.angle_increment - front
+        if abs(math.remainder(angle, math.tau)) > FRONT_HALF_ANGLE:
             continue
         if reading == -math.inf:
             usable.append(0.0)
         elif reading == math.inf or scan.range_min <= reading <= scan.range_max:
             usable.append(reading)
     return min(usable, default=None)
+
+
+def yaw_of(q: Quaternion) -> float:
+    """Return the angle by which a rotation turns the x axis [rad], seen from above."""
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
 
 
 def clamp(value: float, limit: float) -> float:
@@ -145,6 +156,8 @@ class SafetySupervisor(Node):
         self.report_time: Time | None = None
         self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         self.diagnostics_publisher = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self.transforms = Buffer()
+        self.transform_listener = TransformListener(self.transforms, self)
         ### BEGIN SOLUTION
         self.command_subscription = self.create_subscription(
             Twist, "/cmd_vel_raw", self.command_callback, 10
@@ -175,10 +188,23 @@ class SafetySupervisor(Node):
     def scan_callback(self, scan: LaserScan) -> None:
         """Keep the distance ahead, and when it arrived."""
         ### BEGIN SOLUTION
-        self.distance = front_distance(scan)
+        self.distance = front_distance(scan, self.front_in(scan.header.frame_id))
         self.scan_arrival = self.get_clock().now()
         ### SKELETON
         # # TODO(task 2): keep the distance ahead, and the time at which the scan arrived.
+        ### END SOLUTION
+
+    def front_in(self, frame: str) -> float:
+        """Return at which angle of a frame the robot's front is [rad]; 0 if nobody tells."""
+        ### BEGIN SOLUTION
+        try:
+            robot = self.transforms.lookup_transform(frame, ROBOT_FRAME, Time())
+        except TransformException:
+            return 0.0
+        return yaw_of(robot.transform.rotation)
+        ### SKELETON
+        # # TODO(task 2): self.transforms knows where ROBOT_FRAME is in that frame.
+        # return 0.0
         ### END SOLUTION
 
     def e_stop_callback(self, message: Bool) -> None:

@@ -168,6 +168,13 @@ def test_a_bag_alone_leaves_other_checks_open(graded: tuple[Done, Path]) -> None
     assert verdicts(done.json)["no_contact"] == "skip"
 
 
+def test_a_bag_of_another_exercise_takes_one_line(graded: tuple[Done, Path]) -> None:
+    _, folder = graded
+    done = course("check-bag", folder / "bags" / "avoid_zones", "3")
+
+    complains(done, "recorded in avoid_zones", "exercise 3")
+
+
 def test_a_mutant_does_not(tmp_path: Path) -> None:
     mutant = tmp_path / "narrow_cone.py"
     mutant.write_text(find_mutant(find_exercise("obstacle_avoidance"), mutant.stem).text, "utf-8")

@@ -33,3 +33,10 @@ test_field_lost_scans = field.lost_scans(
     title="Counts ages from the arrival: scans come late, and one in five never does.",
     help="The age of a scan counts from its arrival, not from its stamp.",
 )
+test_field_turned_lidar = field.check(
+    "safe_field_turned",
+    title="Looks ahead of the robot where the lidar is mounted turned, as /tf_static says.",
+    help="Angle 0 is where the lidar looks. Where is the robot's front in the scan's frame? "
+    'lookup_transform(scan.header.frame_id, "base_link", Time()) of tf2_ros says it.',
+    hint="1.4",
+)

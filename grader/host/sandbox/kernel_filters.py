@@ -116,7 +116,7 @@ CALLS = {  # name: number on x86_64, on arm64
     "process_madvise": (440, 440), "process_mrelease": (448, 448),
     "process_vm_readv": (310, 270), "process_vm_writev": (311, 271), "ptrace": (101, 117),
     "quotactl": (179, 60), "reboot": (169, 142), "request_key": (249, 218),
-    "rt_sigqueueinfo": (129, 138), "rt_tgsigqueueinfo": (297, 240), "sched_setaffinity": (203, 122),
+    "rt_sigqueueinfo": (129, 138), "rt_tgsigqueueinfo": (297, 240),
     "semget": (64, 190), "sethostname": (170, 161),
     "setns": (308, 268), "setpgid": (109, 154), "setsid": (112, 157),
     "settimeofday": (164, 170), "shmget": (29, 194), "swapon": (167, 224),
@@ -130,9 +130,10 @@ PRETENDED = {  # to work: they reach what is others' past Landlock, and librarie
     "fchmodat2": (452, 452), "fchown": (93, 55), "fchownat": (260, 54), "fremovexattr": (199, 16),
     "fsetxattr": (190, 7), "futimesat": (261, NONE), "ioprio_set": (251, 30), "lchown": (94, NONE),
     "lremovexattr": (198, 15), "lsetxattr": (189, 6), "removexattr": (197, 14),
-    "removexattrat": (466, 466), "sched_setattr": (314, 274), "sched_setparam": (142, 118),
-    "sched_setscheduler": (144, 119), "setpriority": (141, 140), "setxattr": (188, 5),
-    "setxattrat": (463, 463), "utime": (132, NONE), "utimensat": (280, 88), "utimes": (235, NONE),
+    "removexattrat": (466, 466), "sched_setaffinity": (203, 122), "sched_setattr": (314, 274),
+    "sched_setparam": (142, 118), "sched_setscheduler": (144, 119), "setpriority": (141, 140),
+    "setxattr": (188, 5), "setxattrat": (463, 463), "utime": (132, NONE), "utimensat": (280, 88),
+    "utimes": (235, NONE),
 }  # fmt: skip
 PRLIMIT = (302, 261)
 MMAP = (9, 222)

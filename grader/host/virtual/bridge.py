@@ -7,6 +7,7 @@ taken at once, in the order of its source timestamps.
 from __future__ import annotations
 
 import contextlib
+import functools
 import weakref
 from collections.abc import Callable
 from typing import Any
@@ -25,6 +26,7 @@ from . import graph
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
 
+TIMERS = 20  # of a node, at a time; as many again are reported, for they grow
 HISTORY = Duration(seconds=2)  # of real time at most
 LATCHED = DurabilityPolicy.TRANSIENT_LOCAL
 
@@ -54,25 +56,30 @@ class Bridge:
         graph.install(self.discovery, self._ends.get)
         found.install(self.discovery, lambda context: self._ends_in(context).unheard)
         node_cls: Any = rclpy.node.Node
+        node_cls.create_timer = self._counting_timers(node_cls.create_timer)
         for name in ("destroy_publisher", "destroy_subscription", "destroy_node"):
             setattr(node_cls, name, self._counting(getattr(node_cls, name)))
         cls: Any = rclpy.context.Context
         for name in ("shutdown", "try_shutdown"):
             setattr(cls, name, self._leaving_first(getattr(cls, name)))
 
-    def tell_rosout(self, now: Callable[[], Any]) -> None:
-        """Let programs listen to what nodes log; `now` returns the ROS time."""
-        self.rosout = Rosout(now, lambda context: self._ends_in(context).node)
+    def tell_rosout(self, now: Callable[[], Any], before: Callable[[], None]) -> None:
+        """Let programs listen to what nodes log; `now` returns the ROS time.
+
+        `before` is called before each line.
+        """
+        self.rosout = Rosout(now, lambda context: self._ends_in(context).node, before)
         self.rosout.install()
 
-    def collect(self, now: int) -> None:
-        """Take what the student's nodes published; it gets the time `now` [ns]."""
+    def collect(self, now: int) -> int:
+        """Take what the student's nodes published; it gets the time `now` [ns]. Return how much."""
         self._keep(now, self._last_words)
         self._last_words = []
         taken = [heard for ends in self._ends.values() for heard in ends.take()]
         if len(self._ends) > 1:
             taken.sort(key=lambda heard: heard.sent)
         self._keep(now, taken)
+        return sum(ends.count for ends in self._ends.values())
 
     def _keep(self, now: int, taken: list[Heard]) -> None:
         for heard in taken:
@@ -105,6 +112,10 @@ class Bridge:
         """Return the endpoints that the student created since the last call."""
         endpoints, self._endpoints = self._endpoints, []
         return endpoints
+
+    def contexts(self) -> list[Any]:
+        """Return the contexts in which there are ends of topics."""
+        return list(self._ends)
 
     def _on_endpoint(self, kind: str, node: Any, endpoint: Any) -> None:
         self.changes += 1
@@ -154,6 +165,17 @@ class Bridge:
         if context not in self._ends:
             self._ends[context] = RobotEnds(context, self._offers, self._latched)
         return self._ends[context]
+
+    def _counting_timers(self, create: Any) -> Any:
+        @functools.wraps(create)
+        def create_and_count(node: Any, *args: Any, **kwargs: Any) -> Any:
+            timer = create(node, *args, **kwargs)
+            if TIMERS < len(list(node.timers)) <= 2 * TIMERS:
+                owner = node.get_fully_qualified_name()
+                self._endpoints.append(EndpointReport("timer", owner, "", ""))
+            return timer
+
+        return create_and_count
 
     def _counting(self, destroy: Any) -> Any:
         def destroy_and_count(node: Any, *endpoint: Any) -> Any:

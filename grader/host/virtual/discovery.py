@@ -36,6 +36,7 @@ KINDS = {  # the list of a node that holds the ends of a kind
 }
 MOST = 1000  # marks that an end keeps of what it has missed
 ROBOT_LISTENS = frozenset({"/cmd_vel"})
+PORTABLE: Any = sys.modules.get("rclpy_portable.native.machine")
 OURS = "/probe/"  # topics between programs of ours and the judge, who know each other
 
 
@@ -316,5 +317,4 @@ def _compatible(mate: Any, kind: str, end: Any) -> bool:
 
 def _stamp() -> int:
     """Return a stamp between those of messages that were published before and after [ns]."""
-    portable = sys.modules.get("rclpy_portable.native.machine")
-    return int(portable.stamps.next() if portable else real_time_ns())
+    return int(PORTABLE.stamps.next() if PORTABLE else real_time_ns())

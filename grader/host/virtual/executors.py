@@ -21,13 +21,14 @@ import rclpy.clock
 import rclpy.executors
 import rclpy.impl.rcutils_logger
 import rclpy.node
-import rclpy.utilities
 import rclpy.wait_for_message
 from rclpy.clock_type import ClockType
 from rclpy.event_handler import EventHandler
 from rclpy.exceptions import InvalidHandle, NotInitializedException
+from rclpy.executors import ExternalShutdownException, TimeoutException, await_or_execute
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.time import Time
+from rclpy.utilities import get_default_context
 
 from . import discovery, tasks
 from .clock import real_time_ns
@@ -133,12 +134,12 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
     def look(self: Any, nodes: Any, condition: Any) -> Any:
         while True:
             if not self.context.ok() and not self._is_shutdown:
-                raise rclpy.executors.ExternalShutdownException  # a wait set can't be made any more
+                raise ExternalShutdownException  # a wait set can't be made any more
             if discovery.arrivals and (found := _arrived(self, nodes or self.get_nodes())):
                 return found
             try:
                 found = wait(self, 0, nodes, condition)
-            except rclpy.executors.TimeoutException:
+            except TimeoutException:
                 # With a timeout of 0 rclpy says "timeout" also at the end of a look that gave
                 # work: only a fresh look that gives nothing means there is nothing.
                 if not self.__dict__.pop("_course_gave_work", False):
@@ -163,7 +164,7 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
             lambda: _next_timer(kernel, nodes or self.get_nodes()),
         )
         if found is None:
-            raise rclpy.executors.TimeoutException
+            raise TimeoutException
         return found
 
     def nodes_in_order(self: Any) -> list[Any]:
@@ -239,7 +240,7 @@ def _install_takes(kernel: Kernel, clocks: RosClocks) -> None:
         arguments = (message,) if alone else (message, info)
 
         async def execute() -> None:
-            await rclpy.executors.await_or_execute(subscription.callback, *arguments)
+            await await_or_execute(subscription.callback, *arguments)
 
         return execute
 
@@ -296,7 +297,7 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
         return Time(nanoseconds=now, clock_type=self.clock_type)
 
     def virtual_sleep_until(self: Any, until: Any, context: Any = None) -> bool:
-        context = context or rclpy.utilities.get_default_context()
+        context = context or get_default_context()
         if not context.ok():
             raise NotInitializedException
         if until.clock_type != self.clock_type:

@@ -14,6 +14,7 @@ import rclpy.node
 import rclpy.publisher
 import rclpy.subscription
 from rclpy.event_handler import QoSPublisherEventType, QoSSubscriptionEventType
+from rclpy.expand_topic_name import expand_topic_name
 
 from ..robot_ends import ROBOT_NODE, RobotEnds
 from .discovery import OURS, ROBOT_LISTENS, Arrival, Discovery
@@ -131,9 +132,7 @@ def _install_count(view: _View, name: str, kind: str) -> None:
     real = getattr(rclpy.node.Node, name)
 
     def count(self: Any, topic_name: str) -> int:
-        topic = rclpy.expand_topic_name.expand_topic_name(
-            topic_name, self.get_name(), self.get_namespace()
-        )
+        topic = expand_topic_name(topic_name, self.get_name(), self.get_namespace())
         unseen = view.discovery.unseen(kind, topic, self.context)
         return int(real(self, topic_name)) - unseen - view.judge(kind, self.context, topic)
 

@@ -113,6 +113,8 @@ class Kernel:
         self._first = now - AHEAD  # [ns] what a clock shows at least
         self._shown = self._first  # [ns] the latest time that one has shown
         self._limit = 0  # [ns] see _find_limit; 0: not known
+        self.reading = False  # a thread parks only because a clock catches up with its readings
+        self.toll = 0  # [ns] what it has to pay then
 
     def show(self) -> int:
         """Return what a clock shows [ns]: each reading is later than the one before.
@@ -122,7 +124,11 @@ class Kernel:
         self.charge()
         time = max(self._first, self._shown + READING)
         if time > self.now and time >= (self._limit or self._find_limit()):
-            self.park(time)
+            self.reading, due, self.toll = True, time + self.toll, 0
+            try:
+                self.park(due)
+            finally:
+                self.reading = False
             time = max(self._first, self._shown + READING)
         self._shown = time
         return time

@@ -10,6 +10,7 @@ program to another; a program that is killed never runs again, and its nodes dis
 from __future__ import annotations
 
 import contextlib
+import signal
 import sys
 import threading
 from collections.abc import Callable
@@ -17,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-import rclpy.context
-import rclpy.node
-import rclpy.utilities
+from rclpy import utilities
+from rclpy.context import Context
+from rclpy.node import Node
 
 from ..frames import ProgramStart
 from ..robot_ends import ROBOT_NODE
@@ -38,6 +39,7 @@ class Program:
         self.signals = Signals(kernel) if start else None
         self.initialised = False  # rclpy.init was called
         self.shut = False  # rclpy.shutdown was called
+        self.killed = False
         self.nodes: list[Any] = []
         self.argv = [self.start.file, *self.start.arguments]
         self.main: Any = sys.modules["__main__"]
@@ -71,6 +73,21 @@ class Programs:
             act(program)
         kernel.park()
 
+    def interrupt(self) -> None:
+        """Send every program that runs SIGINT, as Ctrl-C does in their terminals."""
+        for program in self._alive():
+            program.shut = program.initialised
+            if program.signals is not None:
+                program.signals.deliver(signal.SIGINT)
+
+    def others(self) -> bool:
+        """Return whether programs run besides the calling one."""
+        return any(program is not self._kernel.program for program in self._alive())
+
+    def _alive(self) -> list[Program]:
+        mains = ((p, p.signals.main) for p in self._programs if p.signals and not p.killed)
+        return [p for p, main in mains if main is not None and main.is_alive()]
+
     def switch(self, before: Any, after: Any) -> None:
         """Exchange the globals of two programs."""
         if before is not None:
@@ -94,6 +111,7 @@ class Programs:
 
     def _kill(self, program: Program) -> None:
         self._kernel.kill(program)
+        program.killed = True
         for node in program.nodes:
             with contextlib.suppress(Exception):
                 node.destroy_node()
@@ -101,7 +119,7 @@ class Programs:
     def _install(self) -> None:
         """Give every program an rclpy of its own, all on one real context."""
         kernel = self._kernel
-        cls: Any = rclpy.context.Context
+        cls: Any = Context
         real_init, real_ok = cls.init, cls.ok
 
         def init(self: Any, args: Any = None, **kwargs: Any) -> None:
@@ -120,7 +138,7 @@ class Programs:
             if not kernel.program.initialised:  # type: ignore[attr-defined]
                 raise RuntimeError("Context must be initialized before it can be shutdown")
             kernel.program.shut = True  # type: ignore[attr-defined]
-            rclpy.utilities.g_default_context = self  # it is the other programs', too
+            utilities.g_default_context = self  # it is the other programs', too
             kernel.epoch += 1
 
         def try_shutdown(self: Any) -> None:
@@ -133,7 +151,7 @@ class Programs:
 
     def _install_nodes(self) -> None:
         kernel = self._kernel
-        cls: Any = rclpy.node.Node
+        cls: Any = Node
         create = cls.__init__
 
         def created(self: Any, node_name: str, **kwargs: Any) -> None:

@@ -43,8 +43,14 @@ class Line(NamedTuple):
 class Rosout:
     """Publishes the lines of all nodes of the process, by context."""
 
-    def __init__(self, now: Callable[[], Any], node_in: Callable[[Any], Any]) -> None:
+    def __init__(
+        self,
+        now: Callable[[], Any],
+        node_in: Callable[[Any], Any],
+        before: Callable[[], None] = lambda: None,
+    ) -> None:
         self._now = now
+        self._before = before  # a line is logged
         self._node_in = node_in  # our node in a context
         self._contexts: dict[str, Any] = {}  # by the name of a logger that is heard
         self._children: collections.Counter[str] = collections.Counter()
@@ -57,6 +63,7 @@ class Rosout:
         log = native.rclpy_logging_rcutils_log
 
         def log_and_tell(*line: Any) -> None:
+            self._before()
             log(*line)
             context = self._contexts.get(line[1])
             if context is not None:

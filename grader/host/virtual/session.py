@@ -10,12 +10,12 @@ import collections
 import contextlib
 import itertools
 import os
+from collections.abc import Callable
 from typing import Any
 
 import msgspec
 
 from ..frames import (
-    MARK,
     MAX_LEAD,
     MAX_PUBLISHED,
     MAX_QUESTIONS,
@@ -28,11 +28,16 @@ from ..frames import (
     Told,
 )
 from ..supplied.kept import desk
-from ..wire import Wire, ended, flush_output
+from ..wire import Turns, Wire, ended
 from . import kernel as kernel_module
 from .charge import Meter
 
-FLOODED = f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time"
+FLOODED = (
+    f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time: does "
+    "a loop publish without a pause? A timer, or time.sleep, gives it one"
+)
+FREE_MESSAGES = 1000  # of a loop that publishes and reads clocks, but never waits ...
+PUBLISHING = 2_000_000  # [ns] ... before each costs this much: about 500 in a second
 
 
 class Session(kernel_module.World):
@@ -41,13 +46,17 @@ class Session(kernel_module.World):
     def __init__(self, read_fd: int, write_fd: int) -> None:
         self._wire = Wire(read_fd, write_fd)
         self._marked = -1
+        self.turns = Turns()
         self._looks = 0
+        self._in_a_row = 0  # messages without a wait between them
         self._starting = False  # a first try, to learn how long the program's start-up takes
         self.kernel: kernel_module.Kernel
         self.bridge: Any = None
         self.clocks: Any = None
         self.programs: Any = None  # if there are several
         self.charge_compute = False  # from the scenario's start on
+        self.ending = False  # the scenario is over, and the programs have been sent SIGINT
+        self.interrupt: Callable[[], None] = lambda: None  # sends it
         self._numbers = itertools.count()
         self._questions: list[Question] = []  # that the judge has not been told of
         self._agreed = 0  # [ns] what `until` was when the first of them was asked
@@ -81,7 +90,10 @@ class Session(kernel_module.World):
     def settled(self) -> None:
         """Collect what was published at this moment."""
         kernel = self.kernel
-        self.bridge.collect(self._time())
+        said = self.bridge.collect(self._time())
+        self._in_a_row = self._in_a_row + said if kernel.reading else 0
+        if self._in_a_row > FREE_MESSAGES:
+            kernel.toll += said * PUBLISHING
         idle = not kernel.asleep and not self._asking
         if self._starting and (kernel.looks or self.bridge.published or idle):
             self._end_start()
@@ -138,8 +150,20 @@ class Session(kernel_module.World):
         for delivery in run.deliver:
             bridge.deliver(delivery.topic, delivery.data)
         self.until = run.until
+        if run.interrupt:
+            self._interrupt()
         if self.charge_compute and self.kernel.meter is None:
             self.kernel.meter = Meter()
+
+    def _interrupt(self) -> None:
+        """Send the programs SIGINT, a nanosecond after all that counts."""
+        self.ending = True
+        self.kernel.now += 1
+        self.moved()
+        if self.kernel.computing:  # its thread has not parked
+            self.kernel.call_at(self.kernel.now, self.interrupt)
+        else:
+            self.interrupt()
 
     def end(self, kind: str, text: str, detail: str = "") -> None:
         """Say that the student's program is over."""
@@ -162,11 +186,7 @@ class Session(kernel_module.World):
         if self._time() == self._marked:
             return
         self._marked = self._time()
-        flush_output()
-        line = f"{MARK}{self._marked}\n".encode()
-        for fd in (1, 2):
-            with contextlib.suppress(OSError):
-                os.write(fd, line)
+        self.turns.begin(self._marked)
 
     def _receive_run(self) -> Run:
         """Return how to go on; who waits for an answer in it may go on, too."""

@@ -88,8 +88,12 @@ def install(current: Callable[[], Signals | None]) -> None:
     threading.main_thread = main_thread
 
 
-def install_alone(kernel: Kernel) -> None:
+def install_alone(
+    kernel: Kernel, contexts: Callable[[], list[Any]] = list
+) -> Callable[[int, int], None]:
     """Deliver what the only program sends itself; its main thread is the calling one.
+
+    `contexts` are rclpy's, which it shuts down. Returns what takes the place of `os.kill`.
 
     The system would deliver it to the main thread wherever that waits, also while another thread
     holds the baton.
@@ -105,7 +109,10 @@ def install_alone(kernel: Kernel) -> None:
 
         def handle() -> None:
             if stops:
-                sys.modules["rclpy.utilities"].get_default_context().try_shutdown()
+                default = sys.modules["rclpy.utilities"].get_default_context()
+                for context in dict.fromkeys((*contexts(), default)):
+                    _shut_down(context)
+            _wake_up_loop(number)
             if callable(handler):
                 handler(number, sys._getframe())
 
@@ -118,6 +125,21 @@ def install_alone(kernel: Kernel) -> None:
 
     os.kill = kill
     module.raise_signal = lambda number: kill(os.getpid(), number)
+    return kill
+
+
+def _shut_down(context: Any) -> None:
+    """Shut a context down as rclpy does on a signal: in C, so no on_shutdown callback is called."""
+    context._callbacks, context._logging_initialized = [], False
+    context.try_shutdown()
+
+
+def _wake_up_loop(number: int) -> None:
+    """Let asyncio know, whose `add_signal_handler` reads signals from a pipe."""
+    descriptor = signal.set_wakeup_fd(-1)
+    if descriptor >= 0:
+        signal.set_wakeup_fd(descriptor)
+        os.write(descriptor, bytes([number]))
 
 
 def _is_rclpys(number: int) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import rclpy.task
+from rclpy.task import Future, Task
 
 from .kernel import IDLE_STEP, Kernel
 
@@ -17,7 +17,7 @@ YIELDED = object()
 
 def install(kernel: Kernel) -> None:
     """Let coroutines that give way cost time, and futures tell the kernel that they are done."""
-    cls: Any = rclpy.task.Task
+    cls: Any = Task
     call = cls.__call__
 
     def virtual_call(self: Any) -> Any:
@@ -31,7 +31,7 @@ def install(kernel: Kernel) -> None:
                 kernel.sleep(IDLE_STEP / 1e9)
         return result
 
-    future: Any = rclpy.task.Future
+    future: Any = Future
     notify = future._schedule_or_invoke_done_callbacks
 
     def virtual_notify(self: Any) -> None:
@@ -77,6 +77,6 @@ def _waits_for(task: Any) -> Any:
     code = getattr(waiting, "gi_code", None)
     if code is None:
         return None
-    if code is not rclpy.task.Future.__await__.__code__:
+    if code is not Future.__await__.__code__:
         return YIELDED
     return waiting.gi_frame.f_locals["self"]

@@ -10,8 +10,10 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
+from tf2_ros import Buffer, TransformException, TransformListener
 
 
 class Supervisor(Node):
@@ -30,6 +32,8 @@ class Supervisor(Node):
         self.create_subscription(Twist, "/cmd_vel_raw", self.raw_callback, 10)
         self.create_subscription(LaserScan, "/scan", self.scan_callback, qos_profile_sensor_data)
         self.create_subscription(Bool, "/e_stop", self.e_stop_callback, 10)
+        self.buffer = Buffer()
+        self.listener = TransformListener(self.buffer, self)
         self.create_timer(0.05, self.tick)
 
     def now(self):
@@ -46,10 +50,19 @@ class Supervisor(Node):
     def e_stop_callback(self, message):
         self.e_stop = message.data
 
+    def front(self, frame):
+        try:
+            robot = self.buffer.lookup_transform(frame, "base_link", Time())
+        except TransformException:
+            return 0.0
+        q = robot.transform.rotation
+        return math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
+
     def perceive(self, scan):
         readings = []
+        first = scan.angle_min - self.front(scan.header.frame_id)
         for i, r in enumerate(scan.ranges):
-            angle = math.remainder(scan.angle_min + i * scan.angle_increment, math.tau)
+            angle = math.remainder(first + i * scan.angle_increment, math.tau)
             if abs(angle) > math.pi / 2:
                 continue
             if r == -math.inf:

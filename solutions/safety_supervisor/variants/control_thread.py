@@ -13,8 +13,10 @@ from geometry_msgs.msg import Twist
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
+from tf2_ros import Buffer, TransformListener
 
 PERIOD = 0.05  # [s]
 
@@ -35,6 +37,9 @@ class SafetySupervisor(Node):
         self.create_subscription(Twist, "/cmd_vel_raw", self.on_command, 10)
         self.create_subscription(LaserScan, "/scan", self.on_scan, qos_profile_sensor_data)
         self.create_subscription(Bool, "/e_stop", self.on_e_stop, 10)
+        self.front = None  # [rad] in the scan's frame; None: not known
+        self.buffer = Buffer()
+        self.listener = TransformListener(self.buffer, self)
 
     def on_e_stop(self, message: Bool) -> None:
         self.pressed = message.data
@@ -43,9 +48,13 @@ class SafetySupervisor(Node):
         self.command = twist, time.monotonic()  # one assignment: both or neither
 
     def on_scan(self, scan: LaserScan) -> None:
-        best = None
+        best, frame = None, scan.header.frame_id
+        if self.front is None and self.buffer.can_transform(frame, "base_link", Time()):
+            q = self.buffer.lookup_transform(frame, "base_link", Time()).transform.rotation
+            self.front = 2.0 * math.atan2(q.z, q.w)  # static: once is enough
+        first = scan.angle_min - (self.front or 0.0)
         for i, reading in enumerate(scan.ranges):
-            angle = math.remainder(scan.angle_min + i * scan.angle_increment, math.tau)
+            angle = math.remainder(first + i * scan.angle_increment, math.tau)
             usable = math.isinf(reading) or scan.range_min <= reading <= scan.range_max
             if usable and abs(angle) <= math.pi / 2 and (best is None or reading < best):
                 best = reading

@@ -14,8 +14,10 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallb
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
+from tf2_ros import Buffer, TransformListener
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,8 @@ class SafetySupervisor(Node):
         )
         self.create_subscription(Bool, "/e_stop", self.e_stop_callback, 10, callback_group=inputs)
         self.create_timer(0.05, self.control_callback, callback_group=control)
+        self.buffer = Buffer()
+        self.listener = TransformListener(self.buffer, self)
 
     def seconds(self) -> float:
         return self.get_clock().now().nanoseconds * 1e-9
@@ -65,11 +69,17 @@ class SafetySupervisor(Node):
     def e_stop_callback(self, message: Bool) -> None:
         self.learn(e_stop=message.data)
 
+    def mounting(self, frame: str) -> float:
+        if not self.buffer.can_transform("base_link", frame, Time()):
+            return 0.0
+        q = self.buffer.lookup_transform("base_link", frame, Time()).transform.rotation
+        return 2 * math.atan2(q.z, q.w)
+
     def scan_callback(self, scan: LaserScan) -> None:
         nearest = None
+        first = scan.angle_min + self.mounting(scan.header.frame_id) + math.pi  # here ahead is π
         for i, reading in enumerate(scan.ranges):
-            turned = (scan.angle_min + i * scan.angle_increment + math.pi) % (2 * math.pi)
-            if not math.pi / 2 <= turned <= 3 * math.pi / 2:  # here ahead is π
+            if not math.pi / 2 <= (first + i * scan.angle_increment) % math.tau <= 1.5 * math.pi:
                 continue
             if math.isinf(reading) or scan.range_min <= reading <= scan.range_max:
                 nearest = reading if nearest is None else min(nearest, reading)

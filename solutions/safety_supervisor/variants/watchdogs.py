@@ -10,13 +10,15 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
+from tf2_msgs.msg import TFMessage
 
 SCAN_QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT
 )
+ONCE_QOS = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # what was sent once
 LEVELS = dict.fromkeys(("obstacle", "limited"), DiagnosticStatus.WARN) | {"ok": DiagnosticStatus.OK}
 
 
@@ -33,6 +35,8 @@ class SafetySupervisor(Node):
         self.create_subscription(Twist, "/cmd_vel_raw", self.command_callback, 1)
         self.create_subscription(LaserScan, "/scan", self.scan_callback, SCAN_QOS)
         self.create_subscription(Bool, "/e_stop", self.e_stop_callback, 1)
+        self.mountings: dict[str, float] = {}  # of frames on the robot [rad]
+        self.create_subscription(TFMessage, "/tf_static", self.mounting_callback, ONCE_QOS)
         self.command_watchdog = self.create_timer(0.5, self.command_lost)
         self.scan_watchdog = self.create_timer(0.5, self.scan_lost)
         self.create_timer(0.05, self.control_callback)
@@ -42,6 +46,12 @@ class SafetySupervisor(Node):
 
     def scan_lost(self) -> None:
         self.distance = None
+
+    def mounting_callback(self, message: TFMessage) -> None:
+        for each in message.transforms:
+            if each.header.frame_id == "base_link":
+                q = each.transform.rotation
+                self.mountings[each.child_frame_id] = 2.0 * math.atan2(q.z, q.w)
 
     def command_callback(self, command: Twist) -> None:
         self.command_watchdog.reset()
@@ -61,14 +71,13 @@ class SafetySupervisor(Node):
         usable += self.ahead(scan, lambda r: scan.range_min <= r <= scan.range_max)
         self.distance = min(usable, default=None)
 
-    @staticmethod
-    def ahead(scan: LaserScan, counts) -> list[float]:
+    def ahead(self, scan: LaserScan, counts) -> list[float]:
+        first = scan.angle_min + self.mountings.get(scan.header.frame_id, 0.0)
         return [
             reading
             for i, reading in enumerate(scan.ranges)
             if counts(reading)
-            and abs(math.remainder(scan.angle_min + i * scan.angle_increment, 2 * math.pi))
-            <= math.pi / 2
+            and abs(math.remainder(first + i * scan.angle_increment, 2 * math.pi)) <= math.pi / 2
         ]
 
     def control_callback(self) -> None:

@@ -17,6 +17,8 @@ from grader.drive import (
     arguments_of,
     drive_node,
     print_summary,
+    read_env,
+    read_keys,
     read_params_files,
     read_stdin,
     scenario_for,
@@ -155,8 +157,94 @@ def test_what_is_wrong_with_the_topics(
     )
 
     assert "WARNING: nothing arrives: the robot publishes sensor_msgs/msg/LaserScan" in said
-    assert "WARNING: the robot sends nothing on this topic" in said
+    assert "WARNING: nobody publishes this topic; the robot publishes /scan" in said
     assert "the robot got no command" in said
+
+
+PROBLEMS = {  # a node's source: what stands below its topics, in part
+    "an int": ("m.linear.x = 1", "linear.x is 4.94e-324 at 0.10 s, garbage"),
+    "a negative int": ("m.linear.x = -1", "linear.x is nan at 0.10 s"),
+    "a bool": ("m.angular.z = True", "angular.z is 4.94e-324 at 0.10 s, garbage"),
+    "a float32": ("import numpy; m.linear.x = numpy.float32(0.3)", "garbage: the field holds"),
+    "a float64": ("import numpy; m.linear.x = numpy.float64(0.3)", ""),
+    "one command": ("m.linear.x = 0.3; times = 1", "the robot stopped at 0.60 s: it obeys a"),
+    "a long pause": ("m.linear.x = 0.3; period = 0.7", "the robot stopped at 1.20 s"),
+    "a last zero": ("times = 1", ""),
+    "another topic": ("n.create_publisher(Twist, '/cmd_ve', 10)", "nobody listens here"),
+    "another type": (
+        "c = rclpy.Context(); c.init(); n2 = rclpy.create_node('n2', context=c)\n"
+        "n2.create_publisher(String, 'cmd_vel', 10)",
+        "the robot does not hear this",
+    ),
+    "a topic of its own": (
+        "n.create_publisher(String, 'x', 10); n.create_subscription(String, 'x', print, 10)",
+        "",
+    ),
+    "QoS of its own": (
+        "n.create_publisher(String, 'x', rclpy.qos.qos_profile_sensor_data)\n"
+        "n.create_subscription(String, 'x', print, 10)",
+        "nothing arrives: best effort publisher and reliable subscription",
+    ),
+    "liveliness": (
+        "manual = rclpy.qos.LivelinessPolicy.MANUAL_BY_TOPIC\n"
+        "qos = rclpy.qos.QoSProfile(depth=5, liveliness=manual)\n"
+        "n.create_subscription(LaserScan, 'scan', print, qos)",
+        "reliable 0 messages WARNING: nothing arrives: publisher's liveliness is",
+    ),
+    "nobody": ("n.create_subscription(LaserScan, 'laser', print, 10)", "robot publishes /scan"),
+    "no goals": ("n.create_subscription(String, '/goal_pose', print, 10)", "nothing arrives: the"),
+    "no server": ("from std_srvs.srv import Trigger; n.create_client(Trigger, 'x')", "nobody offe"),
+}
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_what_a_person_would_not_see(
+    run_node: RunNode, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    source, problem = PROBLEMS[name]
+    recording = run_node(
+        "rclpy.init(); n = Node('n'); m = Twist(); times, period = 100, 0.1\n"
+        "p = n.create_publisher(Twist, '/cmd_vel', 10)\n"
+        f"{source}\n"
+        "def tick():\n"
+        "    global times\n"
+        "    times -= 1\n"
+        "    if times >= 0: p.publish(m)\n"
+        "n.create_timer(period, tick); rclpy.spin(n)",
+        short(1.5),
+    )
+    said = summary(recording, capsys)
+
+    assert recording.outcome.completed, recording.outcome
+    assert said.count("WARNING") == (1 if problem else 0), said
+    assert problem in said
+
+
+@pytest.mark.parametrize(
+    ("source", "says", "never"),
+    [
+        ("m.publish(String()); time.sleep(0.4)", "ended by itself at 0.4 s", "Hz"),
+        ("time.sleep(1.2); sys.exit()", "the program ended by itself at 1.2 s", "exited"),
+        ("time.sleep(1.2); sys.exit(1)", "the node ended at 1.2 s: exited: sys.exit(1)", "itself"),
+        ("os.environ['A']", "--env A=VALUE` sets this one", "dict has no such key"),
+        ("sys.argv[1]", "course drive -p NAME:=VALUE", "empty scan"),
+        ("import curses; raise curses.error('x')", "--keys wwad", "typed"),
+    ],
+)
+def test_what_is_said_of_a_program_that_ends(
+    run_node: RunNode, capsys: pytest.CaptureFixture[str], source: str, says: str, never: str
+) -> None:
+    recording = run_node(
+        "import os, sys; rclpy.init(); n = Node('n')\n"
+        "n.create_subscription(LaserScan, '/scan', print, 10)\n"
+        f"m = n.create_publisher(String, '/said', 10); rclpy.spin_once(n)\n{source}",
+        short(3.0),
+    )
+    said = summary(recording, capsys)
+
+    assert says in said
+    assert never not in said
+    assert "WARNING" not in said, said
 
 
 def test_texts_of_students_are_not_markup(
@@ -342,3 +430,46 @@ def test_only_the_computing_of_the_scenario_is_charged(
     assert len(lag) == 10
     assert (lag < 0.05).all()
     assert "--charge-compute" in capsys.readouterr().out
+
+
+TELEOPERATES = """
+import select, termios, tty
+rclpy.init()
+node = Node('teleop')
+settings = termios.tcgetattr(sys.stdin)
+began = node.get_clock().now()
+
+def key(seconds):
+    tty.setraw(sys.stdin.fileno())
+    ready, _, _ = select.select([sys.stdin], [], [], seconds)
+    found = sys.stdin.read(1) if ready else ''
+    termios.tcsetattr(sys.stdin, termios.TCSADRAIN, settings)
+    return found
+
+while rclpy.ok():
+    found = key(0.1)
+    if found:
+        print(repr(found), round((node.get_clock().now() - began).nanoseconds / 1e9, 1))
+    if found == 'q':
+        break
+print(sys.stdin.isatty(), os.isatty(0), os.environ['ROBOT'])
+"""
+
+
+def test_keys_come_to_a_terminal_in_virtual_time(tmp_path: Path, forkserver: ForkServer) -> None:
+    file = tmp_path / "teleop.py"
+    file.write_text(PREAMBLE + TELEOPERATES, "utf-8")
+    typed = {"env": read_env(["ROBOT=a=b"]), "keys": read_keys(r"w\x71")}
+    recording = drive_node(Submission(file), short(2.0), forkserver, **typed)
+    said = [line.text for line in recording.log if line.level == "stdout"]
+    assert said == ["'w' 0.5", "'q' 1.0", "True True a=b"], recording.outcome
+
+
+@pytest.mark.parametrize(
+    ("read", "bad"),
+    [(read_env, ["A"]), (read_env, ["1A=2"]), (read_env, ["A=" + "x" * 2000]),
+     (read_keys, "w" * 5000)],
+)  # fmt: skip
+def test_keys_and_variables_that_can_not_be_given(read: Any, bad: Any) -> None:
+    with pytest.raises(InputError):
+        read(bad)

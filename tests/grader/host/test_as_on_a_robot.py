@@ -46,6 +46,12 @@ PROGRAMS = {
         except rclpy.executors.ExternalShutdownException: pass
         print('over', rclpy.ok(), time.monotonic())
     """, "returned", ["over False 1000.55"]),
+    "a loop publishes until the time is over": ("""
+        rclpy.init(); node = Node('n'); pub = node.create_publisher(Twist, '/cmd_vel', 1)
+        now = node.get_clock().now; start = now()
+        while now() - start < rclpy.duration.Duration(seconds=0.5): pub.publish(Twist())
+        print('done')
+    """, "returned", ["done"]),
     "another node after a shutdown": ("""
         for name in 'abc':
             rclpy.init(); node = Echo(name)

@@ -7,6 +7,7 @@ import pytest
 from node_runs import RunNode
 
 from grader.host.hints import (
+    CONTEXT,
     FILES,
     KEYBOARD,
     MEMORY,
@@ -28,6 +29,13 @@ REFUSED = {
     "too much memory": ("bytearray(5 << 30)", MEMORY),
     "too much memory of numpy's": ("import numpy; numpy.zeros((5 << 30,), 'u1')", MEMORY),
     "input": ("input('speed? ')", KEYBOARD),
+    "a terminal": ("import termios; termios.tcgetattr(sys.stdin)", KEYBOARD),
+    "rolling's init": ("with rclpy.init(): pass", CONTEXT),
+    "an environment variable": (
+        "os.environ['TURTLEBOT3_MODEL']",
+        "environment variables are not passed on to a node: `course drive --env TURTLEBOT3_MODEL"
+        "=VALUE` sets this one; what is handed in takes a ROS parameter instead",
+    ),
     "an exception from another": (
         """
         try:

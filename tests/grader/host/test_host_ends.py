@@ -20,6 +20,7 @@ ENDS = (
     ("raise BaseException('b')", "exception", ""),
     ("time.sleep(1.0); raise ValueError('no')", "exception", ""),
     ("rclpy.init(); Echo()", "returned", "the program ran to its end"),
+    ("def main(): rclpy.init()", "returned", "ran to its end and made no node"),
     ("rclpy.init(); sys.exit(3)", "exited", "sys.exit(3)"),
     ("rclpy.init(); os._exit(5)", "died", "exit code 5"),
     ("import ctypes; ctypes.string_at(0)", "died", f"signal {int(signal.SIGSEGV)}"),

@@ -95,6 +95,7 @@ MEANT = {
     "f'{None:.2f}'": "something is None",
     "None.x": "something is None",
     "speed": "misspelt",
+    "import wsgiref; wsgiref.validate": "write `import wsgiref.validate`",
     "import pandass": "there is no pandass here",
     "import nunpy": "is it numpy?",
     "raise ModuleNotFoundError(name='onnxruntime.capi')": "only where a model needs it",

@@ -98,6 +98,19 @@ def test_rosbags_reads_every_message(reader_of, recording: Recording, saved: Pat
     assert topics == said | truth | {"/rosout", "/course/trial"}
 
 
+def test_topics_offer_what_their_publishers_do(recording: Recording, saved: Path) -> None:
+    with Reader(saved) as reader:
+        offered = {c.topic: c.ext.offered_qos_profiles for c in reader.connections}
+    said = {
+        topic: (qos.reliability.name, qos.durability.name, qos.depth)
+        for topic, (qos,) in offered.items()
+    }
+    assert recording.scenario.qos.sensors == "reliable"
+    assert said["/scan"] == ("RELIABLE", "VOLATILE", 10)
+    assert said["/said"] == ("RELIABLE", "VOLATILE", 10)
+    assert said["/rosout"][1] == "TRANSIENT_LOCAL"
+
+
 def test_mcap_reads_it_as_ros2(recording: Recording, saved: Path) -> None:
     with (saved / "bag.mcap").open("rb") as file:
         reader = make_reader(file)

@@ -32,6 +32,19 @@ def test_what_is_no_bag(tmp_path: Path) -> None:
         assert "expected a bag" in refused(tmp_path / place)
 
 
+@pytest.mark.parametrize("storage", list(StoragePlugin))
+def test_a_bag_of_another_recorder_is_told_what_it_lacks(
+    tmp_path: Path, storage: StoragePlugin
+) -> None:
+    with Writer(tmp_path / "foreign", version=9, storage_plugin=storage) as writer:
+        kind = "std_msgs/msg/Bool"
+        connection = writer.add_connection("/e_stop", kind, typestore=typestore())
+        writer.write(connection, EPOCH_NS, b"\0\1\0\0\1")
+    said = refused(tmp_path / "foreign")
+    assert "it has /e_stop (1)" in said
+    assert "lacks /course/trial" in said
+
+
 def test_truncated_bags(saved: Path) -> None:
     whole = (saved / "bag.mcap").read_bytes()
     for part in (0.9999, 0.9, 0.3, 0.001, 0.0):
@@ -77,7 +90,7 @@ def test_a_bag_of_somebody_else(tmp_path: Path) -> None:
         connection = writer.add_connection("/x", "std_msgs/msg/String", typestore=typestore())
         writer.write(connection, EPOCH_NS, b"\0\1\0\0\1\0\0\0\0")
 
-    assert "not a bag that this course has recorded" in refused(folder)
+    assert "not one of a trial: it has /x (1); it lacks /course/trial" in refused(folder)
 
 
 @pytest.mark.parametrize("change", ["format", "missing", "scenario", "yaw"])

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from grader.link.log import LogLine
 from grader.recording import Outcome, Recording
-from grader.recording.words import last_words, words_of
+from grader.recording.words import told_lines, words_of
 from grader.trial.endings import not_run
 from sim.messages import Message, encode, typestore
 from sim.scenario_files import load_scenario
@@ -51,4 +51,4 @@ def test_the_newest_diagnostic_is_quoted_and_bytes_that_are_none_are_not() -> No
 
 def test_the_last_words_are_those_at_the_end() -> None:
     found = recording((0.5, "info", "first"), (2.0, "stdout", "printed"))
-    assert last_words(found, 1) == ["2.00 s  printed"]
+    assert told_lines(found.log)[-1:] == ["2.00 s  printed"]

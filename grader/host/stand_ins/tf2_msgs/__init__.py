@@ -1,1 +1,1 @@
-"""A stand-in for the package tf2_msgs, which has no wheel: `tf2_msgs.msg.TFMessage`."""
+"""A stand-in for the messages of the package tf2_msgs, which has no wheel."""

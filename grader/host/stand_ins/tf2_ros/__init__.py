@@ -1,11 +1,14 @@
 """A stand-in for the package tf2_ros, which has no wheel.
 
-Here are `Buffer` with `lookup_transform` and `can_transform`, the listener and the broadcasters.
-Not here: `Buffer.transform` of stamped messages (tf2_geometry_msgs), lookups through a fixed frame,
-the asynchronous ones, `BufferClient` and `BufferServer`.
+Here are `Buffer` with its lookups and `transform` (of the types of tf2_geometry_msgs), the
+listener and the broadcasters. Not here: `BufferClient`, `BufferServer` and the service
+`tf2_frames`.
 """
 
+import sys
+
 from .buffer import Buffer
+from .conversions import ConvertRegistration, TransformRegistration, TypeException, convert
 from .ends import StaticTransformBroadcaster, TransformBroadcaster, TransformListener
 from .exceptions import (
     ConnectivityException,
@@ -19,6 +22,7 @@ from .exceptions import (
 __all__ = [
     "Buffer",
     "ConnectivityException",
+    "ConvertRegistration",
     "ExtrapolationException",
     "InvalidArgumentException",
     "LookupException",
@@ -27,4 +31,13 @@ __all__ = [
     "TransformBroadcaster",
     "TransformException",
     "TransformListener",
+    "TransformRegistration",
+    "TypeException",
+    "convert",
 ]
+
+print(
+    "tf2_ros: pip has no package of it, so this is a stand-in, without BufferClient and "
+    "BufferServer; `source /opt/ros/jazzy/setup.bash` before `course` brings ROS's own",
+    file=sys.stderr,
+)

@@ -10,13 +10,17 @@ import bisect
 import math
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import rclpy
+import rclpy.task
 from geometry_msgs.msg import TransformStamped
 from rclpy.duration import Duration
 from rclpy.time import Time
 
+from .conversions import TransformRegistration, convert
 from .exceptions import (
     ConnectivityException,
     ExtrapolationException,
@@ -24,16 +28,11 @@ from .exceptions import (
     LookupException,
     TransformException,
 )
+from .poses import IDENTITY, Pose, between, composed, inverse
 
 CACHE = 10_000_000_000  # [ns] that a transform is kept
 POLL = 0.01  # [s] between two looks while a lookup waits
 DEPTH = 1000  # frames between a frame and its root, at most: more is a loop
-
-Vector = tuple[float, float, float]  # x, y, z [m]
-Quaternion = tuple[float, float, float, float]  # x, y, z, w
-Pose = tuple[Vector, Quaternion]
-
-IDENTITY: Pose = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
 @dataclass
@@ -42,6 +41,7 @@ class _Frame:
 
     parent: str
     static: bool
+    authority: str
     stamps: list[int] = field(default_factory=list)  # [ns], in order
     poses: list[Pose] = field(default_factory=list)
 
@@ -61,7 +61,7 @@ class _Frame:
             return self.poses[right]
         before, after = self.stamps[right - 1], self.stamps[right]
         part = (stamp - before) / (after - before)
-        return _between(self.poses[right - 1], self.poses[right], part)
+        return between(self.poses[right - 1], self.poses[right], part)
 
 
 class Buffer:
@@ -79,6 +79,8 @@ class Buffer:
         self._cache = CACHE if cache_time is None else cache_time.nanoseconds
         self._frames: dict[str, _Frame] = {}
         self._lock = threading.RLock()
+        self._waiting: list[Callable[[], None]] = []  # looks of coroutines that wait
+        self.registration = TransformRegistration()
 
     def set_transform(self, transform: Any, authority: str) -> None:
         """Keep a TransformStamped.
@@ -88,17 +90,17 @@ class Buffer:
         InvalidArgumentException
             Its frames or numbers are not valid.
         """
-        self._set(transform, static=False)
+        self._set(transform, authority, static=False)
 
     def set_transform_static(self, transform: Any, authority: str) -> None:
         """Keep a TransformStamped that holds at all times; raises as `set_transform`."""
-        self._set(transform, static=True)
+        self._set(transform, authority, static=True)
 
     def lookup_transform(
         self,
         target_frame: str,
         source_frame: str,
-        time: Time,
+        time: Any,
         timeout: Duration = Duration(),  # noqa: B008  (as tf2_ros has it)
     ) -> Any:
         """Return where `source_frame` is in `target_frame`, a TransformStamped.
@@ -108,7 +110,7 @@ class Buffer:
         target_frame, source_frame
             The transform takes coordinates in the source to those in the target.
         time
-            When; zero: at the newest time that is known.
+            When, of rclpy or of a message; zero: at the newest time that is known.
         timeout
             How long to wait for it. Only where another thread spins.
 
@@ -117,20 +119,180 @@ class Buffer:
         TransformException
             One of its kinds: LookupException, ConnectivityException, ExtrapolationException.
         """
-        self._wait(target_frame, source_frame, time, timeout)
-        return self._lookup(target_frame, source_frame, time)
+        self.can_transform(target_frame, source_frame, time, timeout)
+        return self.lookup_transform_core(target_frame, source_frame, time)
 
     def can_transform(
         self,
         target_frame: str,
         source_frame: str,
-        time: Time,
+        time: Any,
         timeout: Duration = Duration(),  # noqa: B008
         return_debug_tuple: bool = False,
     ) -> Any:
         """Return whether `lookup_transform` would succeed; with the reason if it is asked for."""
-        why = self._wait(target_frame, source_frame, time, timeout)
-        return (not why, why) if return_debug_tuple else not why
+        found = self._wait(
+            lambda: self.can_transform_core(target_frame, source_frame, time), timeout
+        )
+        return found if return_debug_tuple else found[0]
+
+    def lookup_transform_full(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+        timeout: Duration = Duration(),  # noqa: B008
+    ) -> Any:
+        """Return where `source_frame` was at one time in `target_frame` at another.
+
+        Parameters
+        ----------
+        target_time, source_time
+            As the time of `lookup_transform`, which it otherwise follows.
+        fixed_frame
+            One that does not move between the two, such as "odom".
+        """
+        ends = target_frame, target_time, source_frame, source_time, fixed_frame
+        self.can_transform_full(*ends, timeout)
+        return self.lookup_transform_full_core(*ends)
+
+    def can_transform_full(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+        timeout: Duration = Duration(),  # noqa: B008
+        return_debug_tuple: bool = False,
+    ) -> Any:
+        """Return whether `lookup_transform_full` would succeed, as `can_transform` does."""
+        ends = target_frame, target_time, source_frame, source_time, fixed_frame
+        found = self._wait(lambda: self.can_transform_full_core(*ends), timeout)
+        return found if return_debug_tuple else found[0]
+
+    async def lookup_transform_async(self, target_frame: str, source_frame: str, time: Any) -> Any:
+        """Wait for a transform in a coroutine, and return it."""
+        await self.wait_for_transform_async(target_frame, source_frame, time)
+        return self.lookup_transform_core(target_frame, source_frame, time)
+
+    async def lookup_transform_full_async(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+    ) -> Any:
+        """Wait for a transform between two times in a coroutine, and return it."""
+        ends = target_frame, target_time, source_frame, source_time, fixed_frame
+        await self.wait_for_transform_full_async(*ends)
+        return self.lookup_transform_full_core(*ends)
+
+    def wait_for_transform_async(self, target_frame: str, source_frame: str, time: Any) -> Any:
+        """Return a future that is done once there is the transform."""
+        return self._future(lambda: self.can_transform_core(target_frame, source_frame, time))
+
+    def wait_for_transform_full_async(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+    ) -> Any:
+        """Return a future that is done once there is the transform between two times."""
+        ends = target_frame, target_time, source_frame, source_time, fixed_frame
+        return self._future(lambda: self.can_transform_full_core(*ends))
+
+    def lookup_transform_core(self, target_frame: str, source_frame: str, time: Any) -> Any:
+        """Return a transform that is there; raises as `lookup_transform`."""
+        return self._lookup(target_frame, source_frame, _nanoseconds(time))
+
+    def can_transform_core(
+        self, target_frame: str, source_frame: str, time: Any
+    ) -> tuple[bool, str]:
+        """Return whether there is a transform now, and why not."""
+        return _tried(lambda: self.lookup_transform_core(target_frame, source_frame, time))
+
+    def lookup_transform_full_core(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+    ) -> Any:
+        """Return a transform between two times that is there; raises as `lookup_transform`."""
+        first = self.lookup_transform_core(fixed_frame, source_frame, source_time)
+        second = self.lookup_transform_core(target_frame, fixed_frame, target_time)
+        pose = composed(pose_of(second.transform), pose_of(first.transform))
+        stamp = _nanoseconds(second.header.stamp)
+        return _message(target_frame.lstrip("/"), source_frame.lstrip("/"), stamp, pose)
+
+    def can_transform_full_core(self, *ends: Any) -> tuple[bool, str]:
+        """Return whether there is a transform between two times now, and why not."""
+        return _tried(lambda: self.lookup_transform_full_core(*ends))
+
+    def transform(
+        self,
+        object_stamped: Any,
+        target_frame: str,
+        timeout: Duration = Duration(),  # noqa: B008
+        new_type: Any = None,
+    ) -> Any:
+        """Return a stamped message in another frame; `import tf2_geometry_msgs` for its types.
+
+        Raises
+        ------
+        TransformException
+            As `lookup_transform`; TypeException for a type that nothing is registered for.
+        """
+        do_transform = TransformRegistration().get(type(object_stamped))
+        header = object_stamped.header
+        found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
+        moved = do_transform(object_stamped, found)
+        return convert(moved, new_type) if new_type else moved
+
+    def transform_full(
+        self,
+        object_stamped: Any,
+        target_frame: str,
+        target_time: Any,
+        fixed_frame: str,
+        timeout: Duration = Duration(),  # noqa: B008
+        new_type: Any = None,
+    ) -> Any:
+        """Return a stamped message in another frame at another time; raises as `transform`."""
+        do_transform = TransformRegistration().get(type(object_stamped))
+        header = object_stamped.header
+        found = self.lookup_transform_full(
+            target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
+        )
+        moved = do_transform(object_stamped, found)
+        return convert(moved, new_type) if new_type else moved
+
+    def get_latest_common_time(self, target_frame: str, source_frame: str) -> Time:
+        """Return the newest time at which both frames are known; raises as `lookup_transform`."""
+        with self._lock:
+            return Time(nanoseconds=self._path(target_frame, source_frame, 0)[0])
+
+    def all_frames_as_yaml(self) -> str:
+        """Return the frames with their parents and times, as YAML."""
+        lines = []
+        with self._lock:
+            for name, frame in self._frames.items():
+                oldest, newest = frame.stamps[0] / 1e9, frame.stamps[-1] / 1e9
+                rate = len(frame.stamps) / max(newest - oldest, 1e-4)
+                lines += [
+                    f"{name}: ", f"  parent: '{frame.parent}'",
+                    f"  broadcaster: '{frame.authority}'", f"  rate: {rate:.3f}",
+                    f"  most_recent_transform: {newest:.6f}", f"  oldest_transform: {oldest:.6f}",
+                    f"  buffer_length: {newest - oldest:.3f}",
+                ]  # fmt: skip
+        return "\n".join(lines) + "\n" if lines else "{}"
 
     def all_frames_as_string(self) -> str:
         """Return a line for each frame."""
@@ -143,10 +305,15 @@ class Buffer:
         with self._lock:
             self._frames = {name: f for name, f in self._frames.items() if f.static}
 
-    def _set(self, transform: Any, *, static: bool) -> None:
+    def _set(self, transform: Any, authority: str, *, static: bool) -> None:
+        self._keep(transform, authority, static=static)
+        for look in list(self._waiting):
+            look()
+
+    def _keep(self, transform: Any, authority: str, *, static: bool) -> None:
         parent = transform.header.frame_id.lstrip("/")
         child = transform.child_frame_id.lstrip("/")
-        pose = _pose(transform.transform)
+        pose = pose_of(transform.transform)
         length = math.fsum(part * part for part in pose[1])
         if not parent or not child or parent == child:
             raise InvalidArgumentException(f"transform from [{parent}] to [{child}]: bad frames")
@@ -156,7 +323,7 @@ class Buffer:
         with self._lock:
             frame = self._frames.get(child)
             if frame is None or frame.parent != parent or frame.static or static:
-                self._frames[child] = _Frame(parent, static, [stamp], [pose])
+                self._frames[child] = _Frame(parent, static, authority, [stamp], [pose])
                 return
             if stamp < frame.stamps[-1] - self._cache:
                 return
@@ -169,30 +336,41 @@ class Buffer:
             old = bisect.bisect_left(frame.stamps, frame.stamps[-1] - self._cache)
             del frame.stamps[:old], frame.poses[:old]
 
-    def _wait(self, target: str, source: str, when: Time, timeout: Duration) -> str:
-        """Wait until the transform is there; return why it is not, "" if it is."""
+    def _wait(self, look: Callable[[], tuple[bool, str]], timeout: Duration) -> tuple[bool, str]:
+        """Wait until the transform is there; return whether it is, and why not."""
         end = time.monotonic() + timeout.nanoseconds / 1e9
-        while True:
-            try:
-                self._lookup(target, source, when)
-            except TransformException as error:
-                if time.monotonic() >= end:
-                    return str(error)
-                time.sleep(POLL)
-            else:
-                return ""
+        while not (found := look())[0] and time.monotonic() < end and rclpy.ok():
+            time.sleep(POLL)
+        return found
 
-    def _lookup(self, target: str, source: str, when: Time) -> Any:
+    def _future(self, look: Callable[[], tuple[bool, str]]) -> Any:
+        """Return a future that is done once `look` finds a transform."""
+        future: Any = rclpy.task.Future()
+
+        def on_new_data() -> None:
+            if not future.done() and look()[0]:
+                future.set_result(True)
+
+        def forget(_: Any) -> None:
+            if on_new_data in self._waiting:
+                self._waiting.remove(on_new_data)
+
+        self._waiting.append(on_new_data)
+        future.add_done_callback(forget)
+        on_new_data()
+        return future
+
+    def _lookup(self, target: str, source: str, when: int) -> Any:
         target, source = target.lstrip("/"), source.lstrip("/")
         with self._lock:
-            stamp, up, down = self._path(target, source, when.nanoseconds)
+            stamp, up, down = self._path(target, source, when)
             pose = IDENTITY
             for name in down:
-                pose = _composed(pose, _inverse(self._frames[name].at(stamp, name)))
+                pose = composed(pose, inverse(self._frames[name].at(stamp, name)))
             there = IDENTITY
             for name in up:
-                there = _composed(self._frames[name].at(stamp, name), there)
-        return _message(target, source, stamp, _composed(pose, there))
+                there = composed(self._frames[name].at(stamp, name), there)
+        return _message(target, source, stamp, composed(pose, there))
 
     def _path(self, target: str, source: str, stamp: int) -> tuple[int, list[str], list[str]]:
         """Return the time, and the frames from source and from target up to what they share."""
@@ -222,7 +400,22 @@ class Buffer:
         return path
 
 
-def _pose(transform: Any) -> Pose:
+def _nanoseconds(when: Any) -> int:
+    """Return a time of rclpy or of a message [ns]."""
+    return int(
+        when.nanoseconds if hasattr(when, "nanoseconds") else Time.from_msg(when).nanoseconds
+    )
+
+
+def _tried(look: Callable[[], Any]) -> tuple[bool, str]:
+    try:
+        look()
+    except TransformException as error:
+        return False, str(error)
+    return True, ""
+
+
+def pose_of(transform: Any) -> Pose:
     t, r = transform.translation, transform.rotation
     return (t.x, t.y, t.z), (r.x, r.y, r.z, r.w)
 
@@ -235,48 +428,3 @@ def _message(target: str, source: str, stamp: int, pose: Pose) -> Any:
     to.x, to.y, to.z = pose[0]
     turn.x, turn.y, turn.z, turn.w = pose[1]
     return message
-
-
-def _composed(first: Pose, second: Pose) -> Pose:
-    """Return the pose of `second`, which is given in the frame `first`."""
-    (x, y, z), turn = first
-    dx, dy, dz = _turned(second[0], turn)
-    return (x + dx, y + dy, z + dz), _product(turn, second[1])
-
-
-def _inverse(pose: Pose) -> Pose:
-    (x, y, z), (qx, qy, qz, qw) = pose
-    back = (-qx, -qy, -qz, qw)
-    dx, dy, dz = _turned((x, y, z), back)
-    return (-dx, -dy, -dz), back
-
-
-def _turned(vector: Vector, turn: Quaternion) -> Vector:
-    qx, qy, qz, qw = turn
-    x, y, z, _ = _product(_product(turn, (*vector, 0.0)), (-qx, -qy, -qz, qw))
-    return x, y, z
-
-
-def _product(a: Quaternion, b: Quaternion) -> Quaternion:
-    ax, ay, az, aw = a
-    bx, by, bz, bw = b
-    return (
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    )
-
-
-def _between(a: Pose, b: Pose, part: float) -> Pose:
-    x, y, z = (p + part * (q - p) for p, q in zip(a[0], b[0], strict=True))
-    cosine = sum(p * q for p, q in zip(a[1], b[1], strict=True))
-    sign = -1.0 if cosine < 0 else 1.0  # the short way
-    angle = math.acos(min(1.0, abs(cosine)))
-    if angle < 1e-9:
-        return (x, y, z), a[1]
-    first, second = (math.sin(share * angle) for share in (1.0 - part, part))
-    qx, qy, qz, qw = (
-        (first * p + sign * second * q) / math.sin(angle) for p, q in zip(a[1], b[1], strict=True)
-    )
-    return (x, y, z), (qx, qy, qz, qw)

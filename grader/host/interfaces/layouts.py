@@ -14,8 +14,6 @@ from ctypes import (
     c_bool,
     c_char,
     c_char_p,
-    c_double,
-    c_int32,
     c_size_t,
     c_uint8,
     c_uint32,
@@ -29,17 +27,8 @@ class String(Structure):
     _fields_ = [("data", c_char_p), ("size", c_size_t), ("capacity", c_size_t)]
 
 
-class Transform(Structure):
-    """geometry_msgs__msg__TransformStamped; only its size counts."""
-
-    _fields_ = [
-        ("stamp", c_int32 * 2), ("frame_id", String), ("child_frame_id", String),
-        ("transform", c_double * 7),
-    ]  # fmt: skip
-
-
 class Sequence(Structure):
-    """A sequence of anything; tf2_msgs__msg__TFMessage is one of transforms."""
+    """A sequence of anything."""
 
     _fields_ = [("data", c_void_p), ("size", c_size_t), ("capacity", c_size_t)]
 

@@ -1,0 +1,1 @@
+"""A stand-in for the package ackermann_msgs, which has no wheel."""

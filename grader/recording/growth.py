@@ -1,0 +1,87 @@
+"""What grows in a node while it runs, as the judge counted and measured it.
+
+A node that makes a publisher, a client or a timer for each message, or keeps all that it has seen,
+is right for minutes and too slow after an hour. Its answers don't show that; these numbers do.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.recording.recording import Endpoint, Recording
+from grader.recording.views import Floats
+
+PARTS, LEAST = 5, 40  # of a trial, and messages in each part
+TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the machine
+STEADY = -0.1, 0.6  # of the rise, at least and at most, from each part to the next
+ENDS = 10  # of one kind on one topic; more than anybody needs
+FLOOD = 50.0  # lines of log a second: a robot's disk is full some day
+
+
+@dataclass(frozen=True)
+class Rise:
+    """Computing for a message that rises from part to part of a trial."""
+
+    first: float  # [s] in the first part (median)
+    last: float  # [s] in the last part, of nine messages in ten at least
+    rate: float  # [s] a second
+
+
+def rise_of(times: Floats, costs: Floats) -> Rise | None:
+    """Return how the cost of messages, (n,) [s] at (n,) [s], rises; None if it doesn't.
+
+    The cheapest tenth of a part is what the node needs, whatever else the machine did meanwhile;
+    it has to rise from part to part, and not at once.
+    """
+    if len(costs) < PARTS * LEAST:
+        return None
+    parts = np.array_split(costs, PARTS)
+    low = np.array([np.percentile(part, 10) for part in parts])
+    first, last = float(np.median(parts[0])), float(low[-1])
+    risen = last - float(low[0])
+    if last < TIMES * first or risen < RISE:
+        return None
+    shares = np.diff(low) / risen
+    if shares.min() < STEADY[0] or shares.max() > STEADY[1]:
+        return None
+    moments = [float(part.mean()) for part in np.array_split(times, PARTS)]
+    return Rise(first, last, risen / (moments[-1] - moments[0]))
+
+
+def made_again(recording: Recording) -> list[tuple[Endpoint, str]]:
+    """Return the ends of which the node made more than ENDS of the same, and how many of what.
+
+    Of timers the host reports only those that are too many.
+    """
+    counts = Counter(recording.endpoints)
+    return [
+        (end, "dozens of timers" if end.kind == "timer" else f"{count} {end.kind}s of {end.topic}")
+        for end, count in counts.items()
+        if count > ENDS
+    ]
+
+
+def growth_of(recording: Recording) -> list[str]:
+    """Say what grew in a trial, a sentence each."""
+    said = [
+        f"{end.node} made {many} in {recording.duration_s:.0f} s: make one in the constructor, and "
+        "keep it"
+        for end, many in made_again(recording)
+    ]
+    compute = recording.compute
+    spent = np.fmin(compute.wall, compute.cpu)
+    sent = np.unique([message.time / 1e9 for message in recording.delivered])
+    there = np.isin(compute.time, sent)
+    if rise := rise_of(compute.time[there], spent[there]):
+        said.append(
+            f"a message costs more and more: {1000 * rise.first:.1f} ms at first, "
+            f"{1000 * rise.last:.1f} ms after {recording.duration_s:.0f} s. What is made or kept "
+            "for each message, and never let go?"
+        )
+    if len(recording.log) > FLOOD * max(recording.duration_s, 1.0):
+        rate = len(recording.log) / max(recording.duration_s, 1.0)
+        said.append(f"the node logs {rate:.0f} lines a second: throttle_duration_sec=1.0 does it")
+    return said
