@@ -11,6 +11,7 @@ import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -22,7 +23,7 @@ from grader.link.hosts import ForkServer
 from grader.recording import Recording
 
 ELISION = "…"
-NEEDS = ("numpy", "sklearn", "skl2onnx", "onnxruntime")
+NEEDS = ("numpy", "sklearn", "skl2onnx", "onnxruntime", "torch")
 FRAGMENTS = {"robot.launch.py"}  # launch has no wheels: compiled, not run
 RUNNER = """
 import contextlib, io, json, sys
@@ -48,6 +49,11 @@ def nodes() -> list[Block]:
     return [block for page in PAGES for block in blocks(page) if is_node(block)]
 
 
+def write_nodes(folder: Path) -> None:
+    for block in nodes():
+        (folder / block.options["caption"]).write_text(block.text, "utf-8")
+
+
 def commands() -> list[tuple[Block, Block | None]]:
     """Return each command of the pages, and the block that shows what it prints, if any."""
     found = []
@@ -70,13 +76,26 @@ def same(expected: str, actual: str) -> None:
     assert re.fullmatch(form, printed), f"not printed:\n{expected}\nbut:\n{printed}"
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if snippets(page)], ids=lambda p: p.stem)
-def test_snippets_print_what_the_page_says(page: Path) -> None:
+def with_snippets() -> list[Any]:
+    """Return the pages with snippets, as parameters; those with PyTorch are of `make test-deep`."""
+    found = [(page, "".join(b.text for b in snippets(page))) for page in PAGES if snippets(page)]
+    deep = {True: [pytest.mark.deep], False: []}
+    return [pytest.param(p, marks=deep["import torch" in s], id=p.stem) for p, s in found]
+
+
+@pytest.mark.parametrize("page", with_snippets())
+def test_snippets_print_what_the_page_says(page: Path, tmp_path: Path) -> None:
     listed = snippets(page)
     source = "".join(block.text for block in listed)
     for library in NEEDS:
         if f"import {library}" in source or f"from {library}" in source:
             pytest.importorskip(library, reason=f"{library} is not installed")
+    write_nodes(tmp_path)
+    for block in blocks(page):
+        if block.info == "console" and "--bag" in block.text:  # the snippets read it
+            words = shlex.split(block.text)[2:]
+            course = [sys.executable, "-m", "grader.cli", *words]
+            subprocess.run(course, check=True, capture_output=True, timeout=60, cwd=tmp_path)
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", RUNNER],
         input=json.dumps([block.text for block in listed]),
@@ -84,6 +103,7 @@ def test_snippets_print_what_the_page_says(page: Path) -> None:
         text=True,
         check=False,
         timeout=60,
+        cwd=tmp_path,
     )
     assert done.returncode == 0, done.stderr
     everything = blocks(page)
@@ -114,8 +134,7 @@ def test_commands_print_what_the_page_says(
         "grader.cli.drive.start_forkserver", lambda *_, **__: contextlib.nullcontext(forkserver)
     )
     monkeypatch.setenv("COLUMNS", "80")
-    for block in nodes():
-        (tmp_path / block.options["caption"]).write_text(block.text, "utf-8")
+    write_nodes(tmp_path)
     shutil.copytree(ROOT / "exercises", tmp_path / "exercises")
     monkeypatch.chdir(tmp_path)
 

@@ -23,7 +23,7 @@ UNIT = re.compile(
 )
 # What pages may write by hand, and why: numbers of no contract.
 BY_HAND = {
-    "110 minutes": "the lesson's own length",
+    "120 cm": "frames: an example of a distance",
     "0.001 ms": "real_time: what perf_counter says of computing in virtual time",
     "20 ms": "why: what people say of their model, an example",
     "0.4 m": "state: 2 s at the odometer's own speed",
@@ -39,7 +39,7 @@ IN_PROGRAMS = {
         ("time.sleep({:g})", "model_time", 1e-3),
         ("create_timer({:g}, self.control)", "control_period", 1e-3),
     ),
-    "stale": (("time.sleep({:g})", "model_time", 1e-3), ('"depth", {:g}', "queue_depth", 1)),
+    "stale": (('"takes", {:g}', "model_time", 1e-3), ('"depth", {:g}', "queue_depth", 1)),
     "adjustable": (("<= parameter.value <= {:g}", "robot_speed", 1),),
     "loop": (
         ("beam_ahead(-math.pi, math.tau / {:g})", "lidar_beams", 1),

@@ -39,6 +39,10 @@ QUICK = {  # checks that do to show it; all of them take long
         *("silent_until_ready", "control_rate", "turns_short_way", "speed_law", "limits"),
         *("near_goal", "bad_input", "warns"),
     ),
+    "safety_supervisor": (
+        *("control_rate", "obstacle", "limits", "stale_command", "stale_scan", "bad_command"),
+        *("reasons", "levels", "status_text"),
+    ),
 }
 
 

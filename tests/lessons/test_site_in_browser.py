@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 ENDS = ("pitfalls/index", "pitfalls/front_by_index", "pitfalls/nan_through_clip", "search")
-KINDS = ("index", "loop", "models", "real_time", "next", "check_your_understanding", "tier2", "gpu",
-         "glossary", "exercises/index", "exercises/trend_memory/README",
+KINDS = ("index", "loop", "models", "real_time", "next", "check_your_understanding", "tier2",
+         "turtlebot", "gpu", "glossary", "exercises/index", "exercises/trend_memory/README",
          "exercises/trend_memory/hints", *ENDS)  # fmt: skip
 DESK, TELEPHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
 
