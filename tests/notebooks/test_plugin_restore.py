@@ -14,10 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from nbconvert import HTMLExporter
 
+from grader.course.cell import Refused
 from grader.course.submission import MAX_SIZE
 from grader.nbgrader import intake
 from grader.nbgrader.cells import definition
-from grader.nbgrader.intake import Cell, Unreadable, read_cells
+from grader.nbgrader.intake import Cell, read_cells
 from grader.nbgrader.restore import ABOUT, Trusted, harmless, restored, unreadable
 
 NODE = Trusted("node-agent", "code", "%%node agent.py\n# TODO", solution=True)
@@ -156,14 +157,14 @@ def written(folder: Path, content: Any) -> Path:
     ],
 )
 def test_what_is_no_notebook_is_unreadable(tmp_path: Path, data: bytes) -> None:
-    with pytest.raises(Unreadable):
+    with pytest.raises(Refused):
         read_cells(written(tmp_path, data))
 
 
 @pytest.mark.parametrize("part", ["{},", "[],", '"","",'])
 def test_a_notebook_of_empty_parts_takes_no_memory(tmp_path: Path, part: str) -> None:
     many = f'{{"cells":[{part * intake.MAX_NESTED * 4}{{}}]}}'
-    with pytest.raises(Unreadable, match="far more parts"):
+    with pytest.raises(Refused, match="far more parts"):
         read_cells(written(tmp_path, many.encode()))
 
 
@@ -175,12 +176,12 @@ def test_links_pipes_and_huge_files_are_not_read(
     os.mkfifo(tmp_path / "pipe.ipynb")
     (tmp_path / "folder.ipynb").mkdir()
     for name in ("link", "pipe", "folder", "missing"):
-        with pytest.raises(Unreadable):
+        with pytest.raises(Refused):
             read_cells(tmp_path / f"{name}.ipynb")
 
     monkeypatch.setattr(intake, "MAX_NOTEBOOK", 1000)
     path = written(tmp_path, {"cells": [{"source": "x", "outputs": ["y" * 1000]}]})
-    with pytest.raises(Unreadable, match="clear its outputs"):
+    with pytest.raises(Refused, match="clear its outputs"):
         read_cells(path)
 
 
