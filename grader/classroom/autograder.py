@@ -15,7 +15,7 @@ import sys
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import msgspec
 
@@ -27,6 +27,7 @@ from grader.classroom.results.scores import mark_of
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.work import Unit, UnitResult, grade_unit, unjudged
 from grader.course.beside import MAX_BYTES
+from grader.course.cell import CLASS, Refused, read_in_cell
 from grader.course.exercises import Exercise, find_exercise
 from grader.course.students import read_secret, student_key
 from grader.course.submission import MAX_SIZE, read_regular_file
@@ -152,11 +153,16 @@ def submitter(metadata: Path) -> str:
     Of a group the first by Gradescope's number, the same at each submission.
     """
     try:
-        users = json.loads(metadata.read_text("utf-8"))["users"]
-        first = min(users, key=lambda user: int(user["id"]))
-        return student_id(str(first["name"]))
-    except (OSError, ValueError, KeyError, TypeError):
+        return student_id(read_in_cell(name_in, file=metadata, returns=str, limits=CLASS))
+    except (OSError, Refused):
         return "unnamed"  # a try run without a student
+
+
+def name_in(metadata: IO[bytes]) -> str:
+    """Return the name of a submission's first user."""
+    users = json.load(metadata)["users"]
+    first = min(users, key=lambda user: int(user["id"]))
+    return str(first["name"]).encode("utf-8", "replace").decode()
 
 
 def _grade(unit: Unit) -> UnitResult:

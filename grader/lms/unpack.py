@@ -1,7 +1,7 @@
 """Unpack a zip or a tar that somebody handed in, and nothing outside of the folder given.
 
-It happens in a process with limits (`grader/course/cell.py`): zipfile inflates a bzip2 or LZMA
-member in one piece, and a tar's header can take tarfile hours (CVE-2024-6232).
+It happens in a process with limits (`grader/course/cell.py`): a tar's header, for one, can take
+tarfile hours (CVE-2024-6232).
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 UNREAD = (
     ".7z", ".rar", ".tar.bz2", ".tbz2", ".tar.xz", ".txz", ".tar.zst", ".gz", ".bz2", ".xz", ".zst",
 )  # fmt: skip
+READ = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # of a zip's; others unpack a member at once
 MAX_MEMBERS = 5_000  # of a student's archive
 MAX_UNPACKED = 100 * 1024 * 1024  # [bytes] of a student's archive
 MAX_RATIO = 200  # unpacked to packed size, above SMALL; source code has about 5
@@ -195,6 +196,8 @@ def _zip(archive: IO[bytes], left: _Allowance) -> Generator[tuple[str, IO[bytes]
             left.member()
         if any(member.flag_bits & 1 for member in members):
             raise Refused("locked with a password; ask for one without")
+        if any(member.compress_type not in READ for member in members):
+            raise Refused("packed by a rare method; ask for an ordinary zip (“deflate”)")
         for member in members:
             mode = stat.S_IFMT(member.external_attr >> 16)
             if not member.is_dir() and mode in (0, stat.S_IFREG):
