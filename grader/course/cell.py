@@ -291,7 +291,10 @@ def serve() -> None:
 
 def _forked(control: socket.socket, body: bytes, fds: list[int]) -> int:
     request = msgspec.msgpack.decode(body, type=_Request)
-    work = getattr(importlib.import_module(request.module), request.function)
+    if request.module not in sys.modules:
+        module = importlib.import_module(request.module)
+        getattr(module, "warm_up", lambda: None)()
+    work = getattr(sys.modules[request.module], request.function)
     server = os.getpid()
     pid = os.fork()
     if pid == 0:
