@@ -39,6 +39,7 @@ CHUNK = 64 * 1024  # [bytes]
 UTF_8 = 0x800  # flag of a zip's member: its name is UTF-8, else code page 437, says the format
 
 
+LINK = "a link, which is not followed"
 MOST_ODD = 1_000  # that are told
 NAME = 200  # [characters] of a name that is told
 
@@ -119,7 +120,7 @@ def unpack_here(
 
 
 def _write(
-    members: Iterable[tuple[str, IO[bytes]]],
+    members: Iterable[tuple[str, IO[bytes] | None]],
     room: Path,
     left: _Allowance,
     depth: int,
@@ -127,6 +128,9 @@ def _write(
 ) -> list[Odd]:
     odd = []
     for name, source in members:
+        if source is None:
+            odd.append((name, LINK))
+            continue
         try:
             target = _inside(room, name, depth)
             if target is None:
@@ -189,7 +193,9 @@ def _inside(room: Path, name: str, depth: int) -> Path | None:
     return room.joinpath(*parts)
 
 
-def _zip(archive: IO[bytes], left: _Allowance) -> Generator[tuple[str, IO[bytes]], None, None]:
+def _zip(
+    archive: IO[bytes], left: _Allowance
+) -> Generator[tuple[str, IO[bytes] | None], None, None]:
     with zipfile.ZipFile(archive) as opened:
         members = opened.infolist()
         for _ in members:
@@ -200,7 +206,9 @@ def _zip(archive: IO[bytes], left: _Allowance) -> Generator[tuple[str, IO[bytes]
             raise Refused("packed by a rare method; ask for an ordinary zip (“deflate”)")
         for member in members:
             mode = stat.S_IFMT(member.external_attr >> 16)
-            if not member.is_dir() and mode in (0, stat.S_IFREG):
+            if mode == stat.S_IFLNK:
+                yield _name(member), None
+            elif not member.is_dir() and mode in (0, stat.S_IFREG):
                 yield _name(member), opened.open(member)
 
 
@@ -215,7 +223,7 @@ def _name(member: zipfile.ZipInfo) -> str:
 
 def _tar(
     archive: IO[bytes], left: _Allowance, plain: bool, most: int
-) -> Generator[tuple[str, IO[bytes]], None, None]:
+) -> Generator[tuple[str, IO[bytes] | None], None, None]:
     with contextlib.ExitStack() as stack:
         packed: Any = archive
         if not plain:
@@ -224,7 +232,9 @@ def _tar(
         opened = stack.enter_context(tarfile.open(fileobj=counted, mode="r|"))
         for member in opened:
             left.member()
-            if member.isreg() and (source := opened.extractfile(member)) is not None:
+            if member.issym() or member.islnk():
+                yield member.name, None
+            elif member.isreg() and (source := opened.extractfile(member)) is not None:
                 yield member.name, source
 
 

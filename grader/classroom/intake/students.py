@@ -25,6 +25,9 @@ from grader.lms.unpack import (
     unpack,
     unpack_class,
 )
+from grader.lms.unpack import (
+    LINK as NO_LINK,
+)
 
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NOTEBOOKS = 50  # of a student that are opened
@@ -266,6 +269,7 @@ def _add_file(student: Student, file: HandedIn, room: Path, set_aside: list[SetA
     set_aside += [
         SetAside(f"{file.entry.path.name}: {name}", why, fault=False) for name, why in odd
     ]
+    student.links |= any(why == NO_LINK for _, why in odd)
     if file.entry.who.system == "folder" and _is_class(room):
         student.problems.append(f"{file.name}: {CLASS}")
         return
