@@ -38,6 +38,7 @@ from grader.host.sandbox.layers import FILES, USER
 from grader.link.scratch import fresh_folder
 from grader.lms.gradescope import SEEN, results_json
 from grader.lms.names import student_id
+from grader.report.foreign import echo
 from grader.report.page import json_text
 
 SETTINGS = "autograder.json"  # written by grader.authoring.gradescope
@@ -67,13 +68,13 @@ def main(arguments: Sequence[str]) -> int:
         target.unlink(missing_ok=True)
         found = judged(root)
     except (GraderError, InputError, OSError) as error:
-        print(f"Nothing was graded: {error}")
+        echo(f"Nothing was graded: {error}")
         return 1
     if isinstance(found, str):
-        print(f"There is no score: {found}")
+        echo(f"There is no score: {found}")
         return 1
     write_text(target, json_text(found))
-    print(f"{found['score']:g} points")
+    echo(f"{found['score']:g} points")
     return 0
 
 

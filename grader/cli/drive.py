@@ -9,6 +9,7 @@ import click
 from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
 from grader.errors import InputError
+from grader.report.foreign import echo
 
 EXAMPLES = """\b
 Examples:
@@ -99,7 +100,7 @@ def drive(
         save(recording, bag)
     driving.print_summary(recording, file=str(file), practice=forkserver.practice)
     for said in submission.account():
-        click.echo(f"  {said}")
+        echo(f"  {said}")
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
     return FULL if recording.outcome.completed else LESS

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import click
 
+from grader.report.foreign import echo
+
 EXAMPLES = """\b
 Examples:
   course list
@@ -29,10 +31,11 @@ GIVEN = ("README.md", "hints.md")  # to students, beside the files to write
 def list_(*, scenarios: bool, copy: str | None) -> None:
     """List the exercises, or the scenarios that come with the course."""
     if copy is not None:
-        click.echo(f"{_copied(copy)}: README.md says what to do")
+        echo(f"{_copied(copy)}: README.md says what to do")
         return
-    from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
+
+    from grader.report.terminal import Console  # noqa: PLC0415
 
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
     if scenarios:
