@@ -146,7 +146,7 @@ def _understood(said: bytes, returns: Any) -> Any:
             return msgspec.msgpack.decode(answer.value, type=returns)
     except (msgspec.MsgspecError, ValueError, RecursionError):
         raise Refused("its reader gave no valid answer") from None
-    text = answer.text[: 2 * SAID]
+    text = "".join(c if c.isprintable() else "?" for c in answer.text[: 2 * SAID])
     if answer.kind == "full":
         raise DiskFull(text)
     if answer.kind == "fault":
