@@ -127,7 +127,8 @@ def read_in_cell(
             fds.append(os.open(room, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW))
             stack.callback(os.close, fds[-1])
         said = _servers.ask(msgspec.msgpack.encode(request), fds, limits)
-    return _understood(said, returns)
+    value: T = _understood(said, returns)
+    return value
 
 
 def _directly(work: Callable[..., T], arguments: Sequence[Any]) -> T:

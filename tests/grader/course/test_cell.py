@@ -84,8 +84,8 @@ sys.path.insert(0, {here!r})
 import cell_works
 from grader.course.cell import Limits, read_in_cell
 read_in_cell(cell_works.lie, returns=dict[str, list[int]])
-print("reading", flush=True)
 try:
+    print("reading", flush=True)
     read_in_cell(cell_works.spin, returns=None, limits=Limits(cpu=600))
 except KeyboardInterrupt:
     print("interrupted", flush=True)
