@@ -101,7 +101,9 @@ def event_lines(recording: Recording) -> list[str]:
         lines.append("the robot got no command: nothing was published on /cmd_vel")
     if recording.outcome.kind == "returned":
         made_none = recording.outcome.text.endswith(NO_NODE)
-        lines.append(NO_MAIN if made_none and recording.outcome.at < AT_ONCE else STAYS)
+        silent = not any(line.level == "stdout" for line in recording.log)
+        at_once = recording.outcome.at < AT_ONCE
+        lines.append(NO_MAIN if made_none and silent and at_once else STAYS)
     return lines + _last_lines(recording)
 
 

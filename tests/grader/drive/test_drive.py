@@ -23,6 +23,7 @@ from grader.drive import (
     read_stdin,
     scenario_for,
 )
+from grader.drive.summary import NO_MAIN
 from grader.errors import InputError
 from grader.host.frames import MAX_STDIN
 from grader.link.hosts import ForkServer
@@ -256,6 +257,13 @@ def test_what_is_said_of_a_program_that_ends(
     assert says in said
     assert never not in said
     assert "WARNING" not in said, said
+
+
+@pytest.mark.parametrize(("source", "asks"), [("def main(): pass", True), ("print(1)", False)])
+def test_a_program_without_a_node_and_a_word_may_lack_its_guard(
+    run_node: RunNode, capsys: pytest.CaptureFixture[str], source: str, asks: bool
+) -> None:
+    assert (NO_MAIN in summary(run_node(source, short(0.5)), capsys)) is asks
 
 
 def test_texts_of_students_are_not_markup(
