@@ -51,6 +51,7 @@ def stays_quick(recordings: Sequence[Recording], limit: float) -> None:
                 f"the node made {many}",
                 expected=f"one of each, in the constructor; more than {ENDS} are too many",
                 actual=f"{many} in {recording.duration_s:.0f} s",
+                at=recording.duration_s,
                 recording=recording,
                 help=f"self.create_{end.kind} belongs into the constructor, not into a callback.",
             )

@@ -134,6 +134,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_command_lets_anything_but_text_through(name: str, work: Path) -> None:
     said = on_terminal(sys.executable, "-m", "grader.cli", *COMMANDS[name], cwd=work)
@@ -142,6 +143,7 @@ def test_no_command_lets_anything_but_text_through(name: str, work: Path) -> Non
     assert "Traceback" not in said or name in ("drive", "grade", "search")
 
 
+@pytest.mark.long
 def test_pytest_with_the_fixture_lets_nothing_but_text_through(work: Path) -> None:
     command = (sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "test_it.py")
     said = on_terminal(*command, cwd=work)

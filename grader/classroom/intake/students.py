@@ -12,7 +12,7 @@ from pathlib import Path
 from grader.classroom.intake import notebooks
 from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.course.cell import Broken, Refused
-from grader.errors import InputError
+from grader.errors import InputError, is_disk_full
 from grader.lms import PLATFORMS
 from grader.lms.names import may_enter, student_id, unique
 from grader.lms.people import NOBODY, Roster, folded
@@ -264,6 +264,8 @@ def _add_file(student: Student, file: HandedIn, room: Path, set_aside: list[SetA
         student.problems.append(f"{file.name}: {refused}")
         return
     except OSError as error:
+        if is_disk_full(error):
+            raise
         student.problems.append(f"{file.name}: can't be read ({error.strerror})")
         return
     set_aside += [

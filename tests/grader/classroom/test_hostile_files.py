@@ -12,6 +12,7 @@ from hostile_files import AGENT, FILES
 from grader.classroom.intake.handed_in import Student
 from grader.classroom.intake.students import take_in
 
+pytestmark = pytest.mark.long
 MIB = 2**20
 HONEST = "import rclpy\n"
 

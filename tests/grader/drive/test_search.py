@@ -268,7 +268,7 @@ def test_a_node_that_seems_to_hang_gets_a_second_look(
 ) -> None:
     ends, limits_given = ["hung", second], []
 
-    def drive_node(submission: Any, scenario: Any, forkserver: Any, *, limits: Any) -> Any:
+    def drive_node(*_: Any, limits: Any, **__: Any) -> Any:
         limits_given.append(limits)
         return SimpleNamespace(outcome=Outcome(ends[len(limits_given) - 1], ""))
 

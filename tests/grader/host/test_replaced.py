@@ -30,7 +30,7 @@ before = names()
 if {virtual}:
     ends = bridge.Bridge((), discovery.Discovery(kernel, frames.Discovery(), 0))
     ends.install()
-    ends.tell_rosout(executors.install(kernel, 10**18, ends).present)
+    ends.tell_rosout(executors.install(kernel, 10**18, ends).present, print)
     executors.refuse_real_time(print)
     programs.Programs(kernel, (), print)._install()
 else:
