@@ -10,7 +10,7 @@ import pytest
 
 from grader.authoring.mutants import find_mutant
 from grader.classroom.results.options import ResultOptions
-from grader.classroom.results.withheld import shows_run
+from grader.grading.withheld import shows_run
 from grader.classroom.results.write import write_results
 from grader.classroom.row import StoredResult
 from grader.course.exercises import ROOT, find_exercise
