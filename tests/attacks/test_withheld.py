@@ -24,11 +24,10 @@ from grader.classroom.row import GRADED, StoredResult
 from grader.course.students import student_key
 from grader.course.submission import Submission
 from grader.grading.grading import grade_submission
-from grader.grading.withheld import for_students
 from grader.link.hosts import ForkServer
 from grader.lms.book import Handed, StudentRow
 from grader.nbgrader.cells import Wanted
-from grader.nbgrader.judge import Verdict
+from grader.nbgrader.judge import judge
 from grader.nbgrader.marks import mark_of
 from grader.nbgrader.table import output_of
 from sim.messages import EPOCH_NS
@@ -37,7 +36,10 @@ NODE = Path(__file__).resolve().parent / "withheld" / "watermark.py"
 KEY = student_key(b"a secret of a course", "ada", EXERCISE.slug)
 ONLY = ("wiring", "clear_zone", "stop_zone")
 MARKS = (("Xq7Zk_watermark_Vw3", 0.3172, 3), ("Yb", 0.2911, 5))  # words, numbers, times and sizes
-ENDS = ("raises", "in a function", "exits", "starves", pytest.param("hangs", marks=pytest.mark.long))
+ENDS = {  # how its trials end
+    "raises": "exception", "in a function": "exception", "exits": "exited", "hangs": "hung",
+    "goes on": "completed",
+}  # fmt: skip
 DEEP = 4  # layers of encodings
 
 
@@ -85,9 +87,11 @@ def for_the_student(result: StoredResult, hide: str, out: Path) -> dict[str, byt
         with zipfile.ZipFile(io.BytesIO(found.pop(name))) as zipped:
             found |= {f"{name}/{each}": zipped.read(each) for each in zipped.namelist()}
     found["results.json"] = json.dumps(composed([result], [], options.hidden)).encode()
-    assert result.grading
-    shown = for_students(result.grading, result.file_names, options.hidden)
-    mark = mark_of(Wanted(EXERCISE.slug, ()), Verdict(shown), 100.0)
+    with pytest.MonkeyPatch.context() as graded_already:
+        graded_already.setattr("grader.nbgrader.judge.grade_files", lambda *_, **__: result.grading)
+        seed = None if hide == "nothing" else KEY  # nbgrader hides what only a secret tells
+        verdict = judge(EXERCISE, dict.fromkeys(result.file_names, ""), seed=seed)
+    mark = mark_of(Wanted(EXERCISE.slug, ()), verdict, 100.0)
     found["notebook"] = json.dumps(output_of(mark, 100.0)).encode()
     return found
 
@@ -127,6 +131,7 @@ def test_a_watermark_reaches_no_student(ends: str, forkserver: ForkServer, tmp_p
     outcomes = [[c["outcome"] for c in each.grading["checks"]] for each in (one, other)]
     assert outcomes[0] == outcomes[1]  # the one thing that a student learns
     assert "fail" in outcomes[0]
+    assert ENDS[ends] in {run["outcome"] for run in one.grading["recordings"]}
     word, number, _ = MARKS[0]
 
     open_ = for_the_student(one, "nothing", tmp_path / "open")

@@ -33,17 +33,16 @@ class Marked(Node):
     def scan_callback(self, scan):
         self.heard += 1
         getattr(self, MARK).extend(bytearray(1000) for _ in range(50))
-        self.cmd_vel.publish(Twist())
         self.say()
-        if ENDS == "starves" or self.heard < AFTER:
+        twist = Twist()
+        twist.linear.x = NUMBER
+        self.cmd_vel.publish(twist)
+        if self.heard < AFTER:
             return
         if ENDS == "exits":
             sys.exit(MARK)
         if ENDS == "hangs":
             eval(compile("while True: pass", f"{MARK}.py", "exec"))  # noqa: S307
-        twist = Twist()
-        twist.linear.x = NUMBER
-        self.cmd_vel.publish(twist)
         if ENDS == "raises":
             raise type(MARK, (ValueError,), {})(MARK)
         if ENDS == "in a function":
@@ -52,8 +51,10 @@ class Marked(Node):
             exec(compile("\n" * AFTER + code, f"{MARK}.py", "exec"))  # noqa: S102
 
     def say(self):
-        for level in ("info", "warning", "error", "fatal"):
-            getattr(self.get_logger(), level)(f"{level} {MARK}")
+        self.get_logger().info(MARK)
+        self.get_logger().warning(MARK)
+        self.get_logger().error(MARK)
+        self.get_logger().fatal(MARK)
         rclpy.logging.get_logger(MARK).error(MARK)
         print(MARK, flush=True)
         print(MARK, file=sys.stderr, flush=True)
