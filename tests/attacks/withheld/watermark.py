@@ -42,13 +42,13 @@ class Marked(Node):
         if ENDS == "exits":
             sys.exit(MARK)
         if ENDS == "hangs":
-            eval(compile("while True: pass", f"{MARK}.py", "exec"))  # noqa: S307
+            eval(compile("while True: pass", f"{MARK}.py", "exec"))
         if ENDS == "raises":
             raise type(MARK, (ValueError,), {})(MARK)
         if ENDS == "in a function":
             seen = MARK  # noqa: F841
             code = f"def {MARK}(seen):\n    raise ValueError(seen)\n{MARK}('{MARK}')"
-            exec(compile("\n" * AFTER + code, f"{MARK}.py", "exec"))  # noqa: S102
+            exec(compile("\n" * AFTER + code, f"{MARK}.py", "exec"))
 
     def say(self):
         self.get_logger().info(MARK)

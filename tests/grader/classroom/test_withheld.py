@@ -9,8 +9,8 @@ import pytest
 from made_results import check, result
 
 from grader.classroom.results.options import ResultOptions
-from grader.grading.withheld import for_students
 from grader.errors import InputError
+from grader.grading.withheld import for_students
 
 HELP = "0.5 m itself belongs to the slow zone."  # a text of the check's own
 SECRET = check(
