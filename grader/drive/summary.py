@@ -24,6 +24,7 @@ NO_MAIN = (
     "nobody calls."
 )
 STAYS = "Should it have gone on? A node that waits for messages stays in rclpy.spin(node)."
+AT_ONCE = 0.01  # [s] in which a program ends that calls nothing
 ADVICE = "try: "  # before what the account of an exception ends with
 LAST_LINES = 12  # of a traceback
 LAST_WORDS = 10  # lines of what the node printed and logged
@@ -100,7 +101,9 @@ def event_lines(recording: Recording) -> list[str]:
         lines.append("the robot got no command: nothing was published on /cmd_vel")
     if recording.outcome.kind == "returned":
         made_none = recording.outcome.text.endswith(NO_NODE)
-        lines.append(NO_MAIN if made_none else STAYS)
+        silent = not any(line.level == "stdout" for line in recording.log)
+        at_once = recording.outcome.at < AT_ONCE
+        lines.append(NO_MAIN if made_none and silent and at_once else STAYS)
     return lines + _last_lines(recording)
 
 

@@ -19,6 +19,7 @@ from grader.recording import Endpoint, Recording
 from sim.messages import CMD_VEL_TOPIC, GOAL_TOPIC, OFFERED, TWIST, TWIST_STAMPED, Message, decode
 
 COMMANDS = (TWIST, TWIST_STAMPED)  # types of messages that the robot understands
+OF_CARS = "ackermann_msgs/"  # how the types of what drives other robots begin
 LOOKED_AT = 300  # messages of one topic; of commands all
 MAX_DEPTH = 8  # of fields within fields
 OURS = "/from_node"  # before topics on which the node speaks in the robot's name
@@ -46,7 +47,7 @@ def topic_lines(recording: Recording) -> list[str]:
     said = Counter((m.topic.removeprefix(OURS), m.type) for m in recording.published)
     lines = []
     for end in (end for end in ends if end.kind != "timer"):
-        lines.append(_line(end, _count(end, ends, sent, said), _lasted(recording)))
+        lines.append(_line(end, *_count(end, ends, sent, said), _lasted(recording)))
         lines += [f"    {text}" for text in _problems(recording, end, sent)]
     return lines
 
@@ -58,21 +59,29 @@ def _lasted(recording: Recording) -> float:
 
 def _count(
     end: Endpoint, ends: tuple[Endpoint, ...], sent: Counter[str], said: Counter[tuple[str, str]]
-) -> int:
-    """Return how many messages it sent or could hear."""
+) -> tuple[int, str]:
+    """Return how many messages it sent or could hear, and how they are to be put in words.
+
+    Which of several publishers sent a message is not known, nor whether one of the programs' own
+    came in time for a subscription of theirs.
+    """
     own = said[end.topic, end.type]
     if end.kind == "publisher":
-        return own
+        alike = [o for o in ends if (o.kind, o.topic, o.type) == (end.kind, end.topic, end.type)]
+        return own, "{} together" if len(alike) > 1 else "{}"
     robots = 0 if end.mismatch else sent[end.topic]
-    return robots + (own if _own_publishers(end, ends, connected=True) else 0)
+    if not own or not _own_publishers(end, ends, connected=True):
+        return robots, "{}"
+    return robots + own, "up to {}"
 
 
-def _line(end: Endpoint, count: int, duration: float) -> str:
+def _line(end: Endpoint, count: int, words: str, duration: float) -> str:
     line = f"{ARROWS.get(end.kind, end.kind)} {end.topic}  {end.type}"
     if end.kind not in ARROWS:
         return line
     rate = f" ({count / duration:.1f} Hz)" if count > 1 and duration >= RATED else ""
-    return f"{line}  {end.reliability}  {count} message{'' if count == 1 else 's'}{rate}"
+    messages = words.format(f"{count} message{'' if count == 1 else 's'}")
+    return f"{line}  {end.reliability}  {messages}{rate}"
 
 
 def _problems(recording: Recording, end: Endpoint, sent: Counter[str]) -> Iterator[str]:
@@ -114,10 +123,11 @@ def _of_publisher(recording: Recording, end: Endpoint) -> Iterator[str]:
         if (other.kind, other.topic, other.type) == ("subscription", end.topic, end.type)
     ]
     alike = difflib.SequenceMatcher(None, end.topic, CMD_VEL_TOPIC).ratio() >= ALIKE
+    drives = end.type in COMMANDS or end.type.startswith(OF_CARS)
     if end.topic == CMD_VEL_TOPIC and end.type not in COMMANDS:
         yield f"WARNING: the robot does not hear this: it takes {TWIST} here"
-    elif end.topic != CMD_VEL_TOPIC and not heard_by and (end.type in COMMANDS or alike):
-        yield f"WARNING: nobody listens here: the robot takes commands on {CMD_VEL_TOPIC}"
+    elif end.topic != CMD_VEL_TOPIC and not heard_by and (drives or alike):
+        yield f"WARNING: nobody listens here: the robot takes {TWIST} on {CMD_VEL_TOPIC}"
     elif end.topic == CMD_VEL_TOPIC and end.type == TWIST_STAMPED:
         yield "note: the exercises expect Twist here; the robot understood"
     messages = [
@@ -201,10 +211,11 @@ def _timed_out(recording: Recording, commands: list[Message]) -> str:
     late = np.flatnonzero(moves & (np.diff(times, append=end) > lasts + TINY))
     if not len(late):
         return ""
-    at = times[late[0]]
+    at, *then = times[late[0] :]
+    until = f" until {then[0]:.2f} s" if then else ""
     return (
         f"the robot stopped at {at + lasts:.2f} s: it obeys a command for {lasts:g} s, and after "
-        f"{at:.2f} s no other came. Publish all the time, such as from a timer"
+        f"{at:.2f} s no other came{until}. Publish all the time, such as from a timer of 0.1 s"
     )
 
 

@@ -51,14 +51,21 @@ KEYBOARD = (
     "nobody types to a node here: `course drive --keys wwad` does, `--stdin FILE` gives it lines "
     "to read; what is handed in takes a ROS parameter instead"
 )
-KEYBOARDS = ("curses", "getch", "getkey", "keyboard", "pynput", "readchar", "sshkeyboard")
+SCREEN = (
+    "there is no screen and no keyboard here for curses, keyboard or pynput: `course drive --keys "
+    "wwad` types to a node that reads stdin; what is handed in takes a ROS parameter instead"
+)
+NEEDS = {
+    **dict.fromkeys(("getch", "getkey", "readchar", "sshkeyboard"), KEYBOARD),
+    **dict.fromkeys(("curses", "keyboard", "pynput"), SCREEN),
+}
 CONTEXT = (
     "`with rclpy.init():` works from ROS 2 Kilted on; in Jazzy, rclpy.init() returns nothing: call "
     "it alone, and rclpy.shutdown() at the end"
 )
 ARGUMENTS = (
     "a node has no arguments here but ROS's: take a ROS parameter, which "
-    "`course drive -p NAME:=VALUE` sets"
+    "`course drive --param NAME:=VALUE` sets"
 )
 OF_LINES = (  # kind of an exception, what it says, what stands in the line: what to do
     (TypeError, "context manager", "rclpy.init(", CONTEXT),
@@ -82,9 +89,9 @@ def hint(error: BaseException) -> str:
         return _hiding(PurePath(file))
     if isinstance(error, ModuleNotFoundError):
         name = (error.name or "").partition(".")[0]
-        return KEYBOARD if name in KEYBOARDS else missing_package(name)
-    if _is_of_a_terminal(error):
-        return KEYBOARD
+        return NEEDS.get(name) or missing_package(name)
+    if said := _of_a_terminal(error):
+        return said
     if isinstance(error, KeyError) and _last_file(error) in OF_OS:
         return (
             "environment variables are not passed on to a node: `course drive --env "
@@ -145,14 +152,15 @@ def no_package(said: str) -> str:
     )
 
 
-def _is_of_a_terminal(error: BaseException) -> bool:
+def _of_a_terminal(error: BaseException) -> str:
     kind = type(error)
-    if kind.__module__ in ("termios", "_curses") and kind.__name__ == "error":
-        return True
+    if kind.__name__ == "error" and kind.__module__ in ("termios", "_curses"):
+        return KEYBOARD if kind.__module__ == "termios" else SCREEN
     if isinstance(error, EOFError):
-        return "reading a line" in str(error)
+        return KEYBOARD if "reading a line" in str(error) else ""
     frames = traceback.extract_tb(error.__traceback__)
-    return isinstance(error, ImportError) and any("pynput" in frame.filename for frame in frames)
+    found = isinstance(error, ImportError) and any("pynput" in each.filename for each in frames)
+    return SCREEN if found else ""
 
 
 def _last_file(error: BaseException) -> str:

@@ -258,8 +258,8 @@ class Imports:
         before = ""
         for frame in _frames(error):
             file = frame.f_code.co_filename
-            if file.startswith("<frozen ") or os.path.dirname(file) == OURS:  # noqa: PTH120
-                continue
+            if file.startswith("<") or os.path.dirname(file) == OURS:  # noqa: PTH120
+                continue  # frozen, or what starts an entry point
             runs = frame.f_code.co_name == "<module>" and self._is_beside(file)
             if runs and before and not self._is_beside(before):
                 return str(file)

@@ -264,10 +264,13 @@ def _module(error: Any) -> str:
         return f"is it {near[0]}?"
     if name in SOMETIMES:
         return (
-            f"{name} is not installed on every machine: import it only where a model needs it, "
-            "inside try … except"
+            f"{name} is not installed here: install it beside `course`. Not every machine has it, "
+            "so import it only where a model needs it, inside try … except"
         )
-    return f"there is no {name} here: a program may import {THERE}"
+    return (
+        f"there is no {name} here: what is handed in may import {THERE}. A drive finds what is "
+        "installed beside `course`"
+    )
 
 
 def _attribute(error: Any) -> str:

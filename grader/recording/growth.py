@@ -83,5 +83,8 @@ def growth_of(recording: Recording) -> list[str]:
         )
     if len(recording.log) > FLOOD * max(recording.duration_s, 1.0):
         rate = len(recording.log) / max(recording.duration_s, 1.0)
-        said.append(f"the node logs {rate:.0f} lines a second: throttle_duration_sec=1.0 does it")
+        said.append(
+            f"the node says {rate:.0f} lines a second: in place of print, "
+            "get_logger().info(…, throttle_duration_sec=1.0) says one"
+        )
     return said

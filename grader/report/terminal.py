@@ -6,14 +6,17 @@ Notebooks and nbgrader show the same words.
 from __future__ import annotations
 
 import io
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console as _Console
+from rich.console import ConsoleOptions, RenderableType
 from rich.padding import Padding
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
+
+from grader.report.foreign import readable
 
 Check = Mapping[str, Any]
 
@@ -33,22 +36,23 @@ SINCE = "since the last attempt"
 MAX_WIDTH = 110  # longer lines are hard to read
 MAX_TEXT = 1200  # [characters] of one message; the page has all of it
 
-ESCAPES = re.compile(
-    r"\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)?"  # OSC: window titles, links
-    r"|[\x1b\x9b]\[?[0-?]*[ -/]*[@-~]"  # CSI and two-character sequences
-)
-# C0 and C1 but tab and newline; the bidi controls can make a line read backwards.
-_CONTROLS = re.compile(
-    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069]"
-)
-# More accents than any script stacks would be drawn over the lines above and below.
-_STACKED = re.compile(
-    r"([\u0300-\u036f\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]{4})"
-    r"[\u0300-\u036f\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]+"
-)
+
+class Console(_Console):
+    """A terminal for text that others may have written: all of it becomes `readable`."""
+
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterator[Segment]:
+        """Yield what is printed; only Rich's own sequences move the cursor or set colours."""
+        for segment in super().render(renderable, options):
+            text, style, control = segment
+            if control or (text.isascii() and text.isprintable()):
+                yield segment
+            else:
+                yield Segment(_encodable(readable(text), self), style)
 
 
-def render_terminal(grading: Mapping[str, Any], console: Console, changed: str = "") -> None:
+def render_terminal(grading: Mapping[str, Any], console: _Console, changed: str = "") -> None:
     """Print the checks, of failed ones expected, actual, time and next step, and the score.
 
     `changed`: what changed since the last attempt.
@@ -92,28 +96,25 @@ def printed(grading: Mapping[str, Any], width: int) -> str:
     return "\n".join(lines).replace("\n\n\n", "\n\n") + "\n"
 
 
-def is_ascii(console: Console) -> bool:
+def is_ascii(console: _Console) -> bool:
     """Return whether the terminal shows nothing but ASCII."""
     return not (console.encoding or "utf-8").lower().startswith("utf")
 
 
-def printable(text: Any, console: Console) -> str:
+def printable(text: Any, console: _Console) -> str:
     """Return student text without escape sequences, control and unencodable characters."""
+    return _encodable(plain(text), console)
+
+
+def _encodable(text: str, console: _Console) -> str:
     encoding = console.encoding or "utf-8"
-    return plain(text).encode(encoding, "replace").decode(encoding)
+    return text.encode(encoding, "replace").decode(encoding)
 
 
 def plain(text: Any) -> str:
     """Return student text without escape sequences and control characters, cut to MAX_TEXT."""
     clean = readable(str(text)).expandtabs(4)
     return clean if len(clean) <= MAX_TEXT else clean[: MAX_TEXT - 2].rstrip() + " …"
-
-
-def readable(text: str) -> str:
-    """Return student text without escape sequences, control and bidi characters."""
-    if text.isascii() and text.isprintable():  # as most of it is; a class has 100,000 such texts
-        return text
-    return _STACKED.sub(r"\1", _CONTROLS.sub("", ESCAPES.sub("", text.replace("\r\n", "\n"))))
 
 
 # --- words that notebooks and nbgrader use too ---------------------------------------------------
@@ -221,7 +222,7 @@ def spell_points(points: float) -> str:
 # --- the terminal --------------------------------------------------------------------------------
 
 
-def _heading(grading: Mapping[str, Any], console: Console) -> Text:
+def _heading(grading: Mapping[str, Any], console: _Console) -> Text:
     heading = Text(" ")
     heading.append(printable(grading.get("exercise", ""), console), style="bold")
     for fact in (grading.get("file"), _tier(grading)):
@@ -235,7 +236,7 @@ def _tier(grading: Mapping[str, Any]) -> str:
     return f"tier {grading['tier']}" if grading.get("tier") is not None else ""
 
 
-def _cause(told: Iterable[tuple[str, str]], console: Console) -> Padding:
+def _cause(told: Iterable[tuple[str, str]], console: _Console) -> Padding:
     facts = Table.grid(padding=(0, 2, 0, 0))
     facts.add_column(no_wrap=True, style="bold")
     facts.add_column(overflow="fold")
@@ -245,14 +246,14 @@ def _cause(told: Iterable[tuple[str, str]], console: Console) -> Padding:
     return Padding(facts, (0, 0, 0, 1))
 
 
-def _group_title(kind: str, group: Sequence[Check], console: Console) -> Text:
+def _group_title(kind: str, group: Sequence[Check], console: _Console) -> Text:
     title = Text(" ")
     title.append("Core" if kind == "core" else "Field", style="bold")
     title.append(_dot(console) + group_fact(kind, group), style="dim")
     return title
 
 
-def _table(checks: Iterable[Check], console: Console) -> Table:
+def _table(checks: Iterable[Check], console: _Console) -> Table:
     table = Table.grid(padding=(0, 2, 0, 0), expand=True)
     table.add_column(width=8, no_wrap=True)
     table.add_column(ratio=1, overflow="fold")  # Rich's ellipsis is no ASCII
@@ -266,7 +267,7 @@ def _table(checks: Iterable[Check], console: Console) -> Table:
     return table
 
 
-def _title(check: Check, console: Console) -> Text:
+def _title(check: Check, console: _Console) -> Text:
     style = "bold" if check["outcome"] in ("fail", "error") else ""
     title = Text(printable(check["title"], console), style=style)
     if check.get("id"):
@@ -275,7 +276,7 @@ def _title(check: Check, console: Console) -> Text:
     return title
 
 
-def _add_details(table: Table, check: Check, console: Console) -> None:
+def _add_details(table: Table, check: Check, console: _Console) -> None:
     if check.get("message"):
         table.add_row("", Text(printable(check["message"], console)), "")
     facts = Table.grid(padding=(0, 2, 0, 0))
@@ -289,7 +290,7 @@ def _add_details(table: Table, check: Check, console: Console) -> None:
         table.add_row("", "", "")
 
 
-def _score_line(grading: Mapping[str, Any], console: Console, width: int) -> Text:
+def _score_line(grading: Mapping[str, Any], console: _Console, width: int) -> Text:
     share = share_of(grading)
     cells = min(40, max(10, width - 34))
     full = round(share * cells)
@@ -305,14 +306,14 @@ def _score_line(grading: Mapping[str, Any], console: Console, width: int) -> Tex
     return line
 
 
-def _change_line(changed: str, console: Console) -> Padding:
+def _change_line(changed: str, console: _Console) -> Padding:
     line = Text("Change ")
     line.append(printable(changed, console), style="bold")
     line.append(f" ({SINCE})", style="dim")
     return Padding(line, (0, 0, 0, 1))
 
 
-def _field_line(grading: Mapping[str, Any], console: Console) -> Text:
+def _field_line(grading: Mapping[str, Any], console: _Console) -> Text:
     word, rest = field_words(grading)
     line = Text(" Field  ")
     if word:
@@ -325,5 +326,5 @@ def _passed(checks: Sequence[Check]) -> int:
     return sum(check["outcome"] == "pass" for check in checks)
 
 
-def _dot(console: Console) -> str:
+def _dot(console: _Console) -> str:
     return "  -  " if is_ascii(console) else "  ·  "

@@ -126,7 +126,12 @@ def _no_program(error: LookupError, answer: PackageRead, launch: str) -> str:
     wanted = str(error.args[0])
     if wanted in (each.entry for each in answer.executables):
         return f"the entry point {wanted} leads to no module that the package installs"
-    names = listed([each.name for each in answer.executables]) or "none"
+    if not answer.executables:
+        return (
+            "the package has no entry point, so there is no program to start: name one in setup.py "
+            "(entry_points, console_scripts)"
+        )
+    names = listed([each.name for each in answer.executables])
     if launch:
         return f"{launch} starts {wanted}, but the package's entry points are: {names}"
     if not wanted:

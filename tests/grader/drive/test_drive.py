@@ -23,6 +23,7 @@ from grader.drive import (
     read_stdin,
     scenario_for,
 )
+from grader.drive.summary import NO_MAIN
 from grader.errors import InputError
 from grader.host.frames import MAX_STDIN
 from grader.link.hosts import ForkServer
@@ -168,9 +169,14 @@ PROBLEMS = {  # a node's source: what stands below its topics, in part
     "a float32": ("import numpy; m.linear.x = numpy.float32(0.3)", "garbage: the field holds"),
     "a float64": ("import numpy; m.linear.x = numpy.float64(0.3)", ""),
     "one command": ("m.linear.x = 0.3; times = 1", "the robot stopped at 0.60 s: it obeys a"),
-    "a long pause": ("m.linear.x = 0.3; period = 0.7", "the robot stopped at 1.20 s"),
+    "a pause": ("m.linear.x = 0.3; period = 0.6", "0.60 s no other came until 1.20 s. Publish"),
     "a last zero": ("times = 1", ""),
     "another topic": ("n.create_publisher(Twist, '/cmd_ve', 10)", "nobody listens here"),
+    "a car's": (
+        "from ackermann_msgs.msg import AckermannDriveStamped as Drive\n"
+        "n.create_publisher(Drive, '/drive', 10)",
+        "nobody listens here: the robot takes geometry_msgs/msg/Twist on /cmd_vel",
+    ),
     "another type": (
         "c = rclpy.Context(); c.init(); n2 = rclpy.create_node('n2', context=c)\n"
         "n2.create_publisher(String, 'cmd_vel', 10)",
@@ -226,9 +232,15 @@ def test_what_a_person_would_not_see(
         ("m.publish(String()); time.sleep(0.4)", "ended by itself at 0.4 s", "Hz"),
         ("time.sleep(1.2); sys.exit()", "the program ended by itself at 1.2 s", "exited"),
         ("time.sleep(1.2); sys.exit(1)", "the node ended at 1.2 s: exited: sys.exit(1)", "itself"),
+        (
+            "n.create_subscription(String, '/said', print, 10); m.publish(String())",
+            "up to 1 m",
+            "Hz",
+        ),
+        ("n.create_publisher(String, '/said', 10)", "0 messages together", "Hz"),
         ("os.environ['A']", "--env A=VALUE` sets this one", "dict has no such key"),
-        ("sys.argv[1]", "course drive -p NAME:=VALUE", "empty scan"),
-        ("import curses; raise curses.error('x')", "--keys wwad", "typed"),
+        ("sys.argv[1]", "course drive --param NAME:=VALUE", "empty scan"),
+        ("import curses; raise curses.error('x')", "a node that reads stdin", "nobody types"),
     ],
 )
 def test_what_is_said_of_a_program_that_ends(
@@ -245,6 +257,13 @@ def test_what_is_said_of_a_program_that_ends(
     assert says in said
     assert never not in said
     assert "WARNING" not in said, said
+
+
+@pytest.mark.parametrize(("source", "asks"), [("def main(): pass", True), ("print(1)", False)])
+def test_a_program_without_a_node_and_a_word_may_lack_its_guard(
+    run_node: RunNode, capsys: pytest.CaptureFixture[str], source: str, asks: bool
+) -> None:
+    assert (NO_MAIN in summary(run_node(source, short(0.5)), capsys)) is asks
 
 
 def test_texts_of_students_are_not_markup(

@@ -1,11 +1,14 @@
 """What is said about exceptions that come from where a node runs."""
 
+import inspect
 import re
 import urllib.error
 
 import pytest
 from node_runs import RunNode
 
+from grader.cli import cli
+from grader.host import hints
 from grader.host.hints import (
     CONTEXT,
     FILES,
@@ -125,3 +128,11 @@ def test_os_system_is_still_found_by_pickle(run_node: RunNode) -> None:
         print(pickle.loads(pickle.dumps(os.system)) is os.system)
     """)
     assert [line.text for line in recording.log if line.level == "stdout"] == ["True"]
+
+
+def test_the_options_that_hints_name_are_there() -> None:
+    named = re.findall(r"course drive (--?\w+)", inspect.getsource(hints))
+    there = {option for each in cli.commands["drive"].params for option in each.opts}
+
+    assert len(named) > 1
+    assert set(named) <= there

@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from grader.report.terminal import readable, render_terminal
+from grader.report.foreign import readable
+from grader.report.terminal import render_terminal
 
 
 def check(outcome: str = "pass", **parts: Any) -> dict[str, Any]:

@@ -180,6 +180,8 @@ def test_entry_points_of_other_files(name: str, forkserver: ForkServer, tmp_path
 
 BROKEN = {
     "not installed": ({"mine/one.py": "import mine.sub.x", "mine/sub/x.py": ""}, "mine.sub"),
+    "not there": ({"mine/one.py": "import nothing_such"}, "No module named 'nothing_such'"),
+    "no entry": ({"setup.py": "import setuptools\nsetuptools.setup()"}, "has no entry point"),
     "no such data": ({"setup.py": SETUP.replace('glob("config/*.yaml")', '["c.yaml"]')}, "c.yaml"),
     "raises": ({"setup.py": "import os\n1 / 0"}, "setup.py, line 2: ZeroDivisionError"),
     "no setup": ({"setup.py": "pass"}, "does not call setup"),
@@ -216,11 +218,12 @@ def test_what_is_wrong_with_a_package_is_one_line(
 ) -> None:
     files, expected = BROKEN[name]
     submission = find_submission(lay(tmp_path, {**MINE, **files}))
-    if name == "not installed":
+    if name.startswith("not "):
         submission = find_submission(tmp_path / "mine" / "one.py")
     outcome = drive(submission, forkserver).outcome
     assert not outcome.completed
     assert expected in outcome.text
+    assert "beside the node" not in outcome.text
     assert "\n" not in outcome.text
 
 

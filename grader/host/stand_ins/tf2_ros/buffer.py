@@ -45,17 +45,21 @@ class _Frame:
     stamps: list[int] = field(default_factory=list)  # [ns], in order
     poses: list[Pose] = field(default_factory=list)
 
-    def at(self, stamp: int, name: str) -> Pose:
+    def at(self, stamp: int) -> Pose:
         """Return the pose at a time [ns]."""
         if self.static:
             return self.poses[-1]
-        if not self.stamps[0] <= stamp <= self.stamps[-1]:
-            way = "past" if stamp < self.stamps[0] else "future"
-            raise ExtrapolationException(
-                f"Lookup would require extrapolation into the {way}. Requested time "
-                f"{stamp / 1e9:.6f} but the data of frame [{name}] goes from "
-                f"{self.stamps[0] / 1e9:.6f} to {self.stamps[-1] / 1e9:.6f}"
+        first, last = self.stamps[0], self.stamps[-1]
+        if not first <= stamp <= last:
+            early = stamp < first
+            way, end = ("past", "earliest") if early else ("future", "latest")
+            said = (
+                f"into the {way}.  Requested time {stamp / 1e9:.6f} but the {end} data is at time "
+                f"{(first if early else last) / 1e9:.6f}"
             )
+            if first == last:
+                said = f"at time {stamp / 1e9:.6f}, but only time {last / 1e9:.6f} is in the buffer"
+            raise ExtrapolationException(f"Lookup would require extrapolation {said}")
         right = bisect.bisect_left(self.stamps, stamp)
         if self.stamps[right] == stamp:
             return self.poses[right]
@@ -364,17 +368,21 @@ class Buffer:
         target, source = target.lstrip("/"), source.lstrip("/")
         with self._lock:
             stamp, up, down = self._path(target, source, when)
-            pose = IDENTITY
-            for name in down:
-                pose = composed(pose, inverse(self._frames[name].at(stamp, name)))
-            there = IDENTITY
-            for name in up:
-                there = composed(self._frames[name].at(stamp, name), there)
+            pose = there = IDENTITY
+            try:
+                for name in down:
+                    pose = composed(pose, inverse(self._frames[name].at(stamp)))
+                for name in up:
+                    there = composed(self._frames[name].at(stamp), there)
+            except ExtrapolationException as error:
+                raise ExtrapolationException(
+                    f"{error}, when looking up transform from frame [{source}] to frame [{target}]"
+                ) from None
         return _message(target, source, stamp, composed(pose, there))
 
     def _path(self, target: str, source: str, stamp: int) -> tuple[int, list[str], list[str]]:
         """Return the time, and the frames from source and from target up to what they share."""
-        up, down = self._to_root(source), self._to_root(target)
+        up, down = self._to_root(source, "source"), self._to_root(target, "target")
         if up[-1] != down[-1]:
             raise ConnectivityException(
                 f"Could not find a connection between '{target}' and '{source}' because they are "
@@ -388,10 +396,12 @@ class Buffer:
             stamp = min((frame.stamps[-1] for frame in moving), default=0)
         return stamp, up, down
 
-    def _to_root(self, name: str) -> list[str]:
+    def _to_root(self, name: str, end: str) -> list[str]:
         known = name in self._frames or any(f.parent == name for f in self._frames.values())
         if not known:
-            raise LookupException(f'"{name}" passed to lookupTransform argument does not exist.')
+            raise LookupException(
+                f'"{name}" passed to lookupTransform argument {end}_frame does not exist. '
+            )
         path = [name]
         while path[-1] in self._frames:
             path.append(self._frames[path[-1]].parent)
