@@ -105,7 +105,7 @@ def _outcome_of(check: Mapping[str, Any], ends: Mapping[str, Any], slug: str) ->
     empty = dict.fromkeys(("message", "expected", "actual", "help", "where", "log"), "")
     shown |= {**empty, "time": None, "scenario": None}
     if check.get("outcome") == "fail":
-        shown["message"] = ENDED.get(str(ends.get(check.get("scenario"))), NOT_SHOWN)
+        shown["message"] = ENDED.get(str(ends.get(str(check.get("scenario")))), NOT_SHOWN)
     if check.get("help") in own_texts(slug):
         shown["help"] = check["help"]
     return shown
