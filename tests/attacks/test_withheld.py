@@ -124,7 +124,17 @@ def _unpacked(data: bytes) -> Iterator[bytes]:
         yield bytes.fromhex(text.decode())
 
 
-@pytest.mark.parametrize("ends", ENDS)
+@pytest.mark.parametrize(
+    "ends",
+    [
+        "raises",
+        "goes on",
+        *(
+            pytest.param(each, marks=pytest.mark.long)
+            for each in ("in a function", "exits", "hangs")
+        ),
+    ],
+)
 def test_a_watermark_reaches_no_student(ends: str, forkserver: ForkServer, tmp_path: Path) -> None:
     one, other = (graded(ends, mark, forkserver, tmp_path / mark[0]) for mark in MARKS)
     assert one.grading and other.grading
