@@ -21,7 +21,7 @@ import msgspec
 
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.intake.students import take_in_one
-from grader.classroom.marks import is_held, tasks_of, why_held
+from grader.classroom.marks import as_shown, is_held, tasks_of, why_held
 from grader.classroom.results.files import write_text
 from grader.classroom.results.scores import mark_of
 from grader.classroom.row import GRADED, HELD, StoredResult
@@ -134,7 +134,7 @@ def composed(
     """Return `results.json` of what was graded, with a failed test for what is not there."""
     tasks = tasks_of(results)
     by_slug = {task.slug: task for task in tasks}
-    marks = [mark_of(one, by_slug[one.exercise], hidden=hidden) for one in results]
+    marks = [mark_of(as_shown(one, hidden), by_slug[one.exercise]) for one in results]
     made = results_json(marks, tasks)
     if made is None:
         return "a check could not be judged"

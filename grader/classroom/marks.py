@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from grader.classroom.row import ABSENT, GRADED, HELD, TWICE, StoredResult, as_graded
 from grader.course.exercises import find_exercise
+from grader.grading.withheld import for_students, hides_anything
 from grader.lms.book import Task
 from grader.lms.clean import one_line
 from grader.report.terminal import UNJUDGED
@@ -26,6 +27,17 @@ def tasks_of(results: Iterable[StoredResult]) -> list[Task]:
     exercises = map(find_exercise, {result.exercise for result in results})
     tasks = [Task(each.slug, each.number, each.title, float(each.max_points)) for each in exercises]
     return sorted(tasks, key=lambda task: task.number)
+
+
+def as_shown(result: StoredResult, hidden: Collection[str]) -> StoredResult:
+    """Return a result as its student may see it; whatever is written for students is made of it."""
+    grading = result.grading and for_students(result.grading, result.file_names, hidden)
+    if not hides_anything(hidden):
+        return replace(result, grading=grading)
+    state = HELD if is_held(result) else result.state  # also by a check that isn't shown
+    return replace(
+        result, grading=grading, state=state, wall_s=0.0, attempts=0, problem="", finished=""
+    )
 
 
 def checks_of(result: StoredResult) -> list[Check]:

@@ -60,7 +60,7 @@ class Mark:
     points: float | None  # that count; None while there are none
     notes: tuple[str, ...] = ()  # how a person has changed them
     checks: Sequence[Mapping[str, Any]] = ()  # as the student may see them
-    seconds: float = 0.0  # that the grading took [s]
+    seconds: float = 0.0  # that the grading took [s]; 0.0: not for the student
 
     @property
     def student(self) -> str:

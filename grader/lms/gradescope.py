@@ -139,9 +139,10 @@ def results_json(marks: Sequence[Mark], tasks: Sequence[Task]) -> dict[str, Any]
         prefix, place = (f"{task.title}: ", f"{number}.") if several else ("", "")
         tests += [_test(check, f"{place}{i}", prefix) for i, check in enumerate(mark.checks, 1)]
         lines += [f"{task.title}: {mark.points:g} of {task.points:g} points", *mark.notes]
+    seconds = sum(mark.seconds for _, mark in mine)
     return {
         "score": round(sum(scores), 2),
-        "execution_time": max(1, round(sum(mark.seconds for _, mark in mine))),
+        **({"execution_time": max(1, round(seconds))} if seconds else {}),
         "output": "\n".join(lines),
         "tests": tests,
         **SEEN,

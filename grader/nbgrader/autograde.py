@@ -150,7 +150,8 @@ class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
             return Verdict(None, missing=said, remarks=tuple(remarks))
         if verdict.problem:
             self.log.error("%s of %s: %s", slug, place.student, verdict.problem)
-        return Verdict(verdict.grading, verdict.problem, remarks=tuple(remarks))
+        problem = verdict.problem if seed is None else verdict.problem and "the log says why"
+        return Verdict(verdict.grading, problem, remarks=tuple(remarks))
 
 
 def _cell(nb: NotebookNode, name: str) -> NotebookNode:

@@ -14,13 +14,14 @@ from grader.course.students import Seed
 from grader.course.submission import read_regular_file
 from grader.errors import GraderError
 from grader.grading.handed_in import grade_files
+from grader.grading.withheld import for_students
 
 
 @dataclass(frozen=True)
 class Verdict:
     """What the judge says of one exercise of one student."""
 
-    grading: dict[str, Any] | None  # as `course grade --json -` writes it
+    grading: dict[str, Any] | None  # as `course grade --json -` writes it, for the student to see
     problem: str = ""  # why there is none: the grader's fault, a person has to look
     missing: str = ""  # why there is none: the student handed nothing in
     remarks: tuple[str, ...] = ()
@@ -46,6 +47,9 @@ def judge(
             with contextlib.suppress(OSError):
                 contents[name] = read_regular_file(path, MAX_BYTES)
     try:
-        return Verdict(grade_files(exercise, contents, seed=seed, trust=True))
+        grading = grade_files(exercise, contents, seed=seed, trust=True)
+        if seed is not None:  # worlds of the student's own stay hidden
+            grading = for_students(grading, tuple(files), ("worlds",))
+        return Verdict(grading)
     except GraderError as error:
         return Verdict(None, problem=str(error))

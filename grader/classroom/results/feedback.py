@@ -8,12 +8,12 @@ import json
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
-from grader.classroom.marks import points_of
+from grader.classroom.marks import as_shown, points_of
 from grader.classroom.results.files import write_text
 from grader.classroom.results.page import render
-from grader.classroom.results.withheld import for_students, hides_worlds, runs_for_students
 from grader.classroom.row import StoredResult
 from grader.errors import InputError
+from grader.grading.withheld import hides_worlds, runs_for_students
 from grader.lms.book import Task
 from grader.lms.clean import one_line
 from grader.recording import Recording
@@ -35,6 +35,7 @@ def write_page(
     """
     if hides_worlds(hidden) or bags is None or not bags.is_dir():
         bags = None
+    result = as_shown(result, hidden)  # the stamp is as public as the page
     changed = result.amended and (result.amended.points, result.amended.steps)
     made_of = (
         _look(), sorted(hidden), bags is None, result.finished, result.student, task.title,
@@ -50,12 +51,12 @@ def write_page(
 def exercise_page(
     result: StoredResult, task: Task, hidden: Collection[str], bags: Path | None
 ) -> str:
-    """Return the page of one grading, as its student may see it."""
+    """Return the page of one grading, of which all is for the student to see (`as_shown`)."""
     title = f"{task.title}: {one_line(result.student, 60)}"
     steps = result.amended.steps if result.amended else ()
     if result.grading is None:  # a person gave the points
         return render("words.html", title, heading=task.heading, sentences=steps)
-    grading = for_students(result.grading, result.file_names, hidden)
+    grading = dict(result.grading)
     if result.amended is not None and (points := points_of(result, task)) is not None:
         notes = [*(grading.get("notes") or ()), *steps]
         grading |= {"score": points, "max_score": task.points, "notes": notes}

@@ -23,8 +23,8 @@ from grader.lms.people import NOBODY, Roster
 HIDE = {
     "nothing": "students see everything",
     "field": "no field checks and none of their runs",
-    "worlds": "no seeds and no replays, so that hidden worlds stay hidden",
-    "details": "like worlds; of a failed check only its title and where to look next",
+    "worlds": "of a check the outcome and how the node ended; nothing that it said or did",
+    "details": "like worlds, and not how the node ended",
 }
 OPTIONS = "options"  # what the store calls what is kept of these
 KEPT = ("hide", "title", "notes", "account", "roster", "nbgrader", "columns")

@@ -5,9 +5,10 @@ Held and missing gradings are empty cells, never zeros.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from grader.classroom.marks import (
+    as_shown,
     cap_of,
     checks_of,
     is_absent,
@@ -19,7 +20,6 @@ from grader.classroom.marks import (
     why_held,
 )
 from grader.classroom.results.options import ResultOptions
-from grader.classroom.results.withheld import for_students
 from grader.classroom.row import GRADED, StoredResult, as_graded
 from grader.lms.book import Book, Mark, StudentRow, Task
 from grader.lms.tables import Cell, Verbatim, csv_text
@@ -47,17 +47,15 @@ def scores_csv(
     return csv_text([SCORES, *rows])
 
 
-def mark_of(
-    result: StoredResult, task: Task, row: StudentRow | None = None, hidden: Collection[str] = ()
-) -> Mark:
-    """Return what a gradebook needs of a result."""
+def mark_of(result: StoredResult, task: Task, row: StudentRow | None = None) -> Mark:
+    """Return what a gradebook needs of a result, as its student may see it."""
     changed = result.amended
     return Mark(
         result.exercise,
         row or StudentRow(result.student),
         points_of(result, task),
         (*(changed.steps if changed else ()), *filter(None, [cap_of(result)])),
-        for_students(result.grading or {}, result.file_names, hidden)["checks"],
+        checks_of(result),
         result.wall_s,
     )
 
@@ -67,8 +65,8 @@ def book_of(
 ) -> Book:
     """Return the class as the gradebooks see it: what was handed in, or has points."""
     marks = [
-        mark_of(one, tasks[one.exercise], options.students.get(one.student), options.hidden)
-        for one in results
+        mark_of(one, tasks[one.exercise], options.students.get(one.student))
+        for one in (as_shown(result, options.hidden) for result in results)
         if not is_absent(one)
     ]
     return Book(marks, options.students, options.roster, options.columns)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby, product
 from pathlib import Path
 
-from grader.classroom.marks import checks_of, is_graded, tasks_of
+from grader.classroom.marks import as_shown, checks_of, is_graded, tasks_of
 from grader.classroom.results.check_pages import CHECKS, check_pages
 from grader.classroom.results.class_page import class_page
 from grader.classroom.results.feedback import index_page, lost_page, write_page
@@ -182,9 +182,9 @@ def _write_student(tasks: Tasks, options: ResultOptions, out: Path, results: Res
     student, done = results[0].student, Written(out)
     folder = out / "feedback" / student
     with done.part(f"the feedback of {one_line(student)}"):
-        done.text(
-            f"feedback/{student}/index.html", index_page(student, results, tasks, options.title)
-        )
+        shown = [as_shown(result, options.hidden) for result in results]
+        index = index_page(student, shown, tasks, options.title)
+        done.text(f"feedback/{student}/index.html", index)
         for result in results:
             task = tasks[result.exercise]
             page = folder / f"{task.slug}.html"
@@ -212,9 +212,9 @@ def _write_published(results: Results, tasks: Tasks, options: ResultOptions, don
     theirs = [each for each in results if (each.student, each.exercise) in shown]
     for student, each in groupby(theirs, key=lambda result: result.student):
         mine = list(each)
-        done.text(
-            f"{PUBLISHED}/{student}/index.html", index_page(student, mine, tasks, options.title)
-        )
+        shown_now = [as_shown(result, options.hidden) for result in mine]
+        index = index_page(student, shown_now, tasks, options.title)
+        done.text(f"{PUBLISHED}/{student}/index.html", index)
         for name in [f"{one.exercise}.html" for one in mine if is_graded(one)]:
             if (done.out / "feedback" / student / name).is_file():  # else it could not be made
                 shutil.copyfile(done.out / "feedback" / student / name, folder / student / name)

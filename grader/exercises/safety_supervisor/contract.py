@@ -78,7 +78,7 @@ def cases(recording: Recording) -> tuple[Case, ...]:
 
     `moves` asks only that the robot doesn't stand, `rise` how fast it may get faster. A reason has
     `alone` or `first`: as one rule matches, or the first of several. A report has `report` for its
-    form, and `level`.
+    form, and `level` with the level that its reason has.
     """
     reports = _reports(recording)
     return (*_ticks(recording, reports), *_forms(reports))
@@ -172,7 +172,7 @@ def _forms(reports: list[Report]) -> Iterator[Case]:
         yield Case(t, "a report", frozenset({"report"}), words, said)
         if level := LEVELS.get(str(said["reason"])):
             what, right = f"a report of “{said['reason']}”", {"level": frozenset({level})}
-            yield Case(t, what, frozenset({"level"}), right, said)
+            yield Case(t, what, frozenset({"level", level}), right, said)
 
 
 class _Sent:

@@ -6,7 +6,7 @@ from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, TIMING, WIRING, check
 from grader.checks.commands import FIELDS, ZERO
 from grader.checks.words import follows, keeps_distance, wired, within, zero
-from grader.exercises.safety_supervisor.contract import CONTRACT, DIAGNOSTICS_TOPIC
+from grader.exercises.safety_supervisor.contract import CONTRACT, DIAGNOSTICS_TOPIC, LEVELS
 from grader.exercises.safety_supervisor.words import heeds, one_a_tick, own_reason, reports_often
 
 SHORT = (
@@ -172,7 +172,8 @@ def test_first_match(runs: Runs) -> None:
 def test_levels(runs: Runs) -> None:
     """Level OK for ok, WARN for limited and obstacle, ERROR for the rest."""
     help = "The level is a byte of the reason's own: DiagnosticStatus.OK, .WARN or .ERROR."
-    follows(runs, "level", topic=DIAGNOSTICS_TOPIC, help=help)
+    every_level = sorted(set(LEVELS.values()))  # each has to occur: it judges its own reason
+    follows(runs, *every_level, topic=DIAGNOSTICS_TOPIC, help=help)
 
 
 @check(points=5, asks=TIMING, task=5, scenarios=(*EVERY, LONG), hint="5.1")

@@ -75,6 +75,11 @@ def calls_by_number():
         (298, "perf_event_open", (None, 0, -1, -1, 0)),
         (323, "userfaultfd", (1,)),
         (319, "memfd_create", (b"x", 0)),
+        (447, "memfd_secret", (0,)),
+        (154, "modify_ldt", (0, buffer, ctypes.c_size_t(16))),
+        (31, "shmctl", (0, 14, buffer)),  # SHM_INFO
+        (66, "semctl", (0, 0, 19, buffer)),  # SEM_INFO
+        (71, "msgctl", (0, 12, buffer)),  # MSG_INFO
     ):
         for base in (0, X32):
             if syscall(base + number, *arguments) >= 0:

@@ -10,12 +10,12 @@ import pytest
 
 from grader.authoring.mutants import find_mutant
 from grader.classroom.results.options import ResultOptions
-from grader.classroom.results.withheld import shows_run
 from grader.classroom.results.write import write_results
 from grader.classroom.row import StoredResult
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
+from grader.grading.withheld import shows_run
 from grader.link.hosts import ForkServer
 
 pytestmark = pytest.mark.long

@@ -9,12 +9,13 @@ import pytest
 from made_results import check, result
 
 from grader.classroom.results.options import ResultOptions
-from grader.classroom.results.withheld import for_students
 from grader.errors import InputError
+from grader.grading.withheld import for_students
 
+HELP = "0.5 m itself belongs to the slow zone."  # a text of the check's own
 SECRET = check(
     "b", "fail", 40, message="0.42 m ahead", expected="0.00 m/s", actual="0.50 m/s",
-    time=2.2, scenario="avoid_zones", help="compare with 0.5 m",
+    time=2.2, scenario="avoid_zones", help=HELP,
     where="line 3 of a.py, in f:  go(d)   [d = 0.42]", log="2.20 s  info: I see 0.42",
 )  # fmt: skip
 
@@ -23,11 +24,12 @@ def hiding(hide: str) -> dict[str, Any]:
     one = result("ada", check("a", "pass", 60), SECRET, check("f", "fail", 0, kind="field"))
     assert one.grading is not None
     runs = [
-        {"scenario": name, "title": name, "seed": 4711, "outcome": "completed", "bag": "/b"}
+        {"scenario": name, "title": name, "seed": 4711, "outcome": "exception", "bag": "/b"}
         for name in ("avoid_zones", "avoid_field_lds01")
     ]
     cause = {"text": "stops late", "kind": "core", "where": "line 3 of a.py   [d = 0.42]"}
-    one.grading.update(recordings=runs, field_ready=False, cause=cause)
+    grew = ["In avoid_zones, the list seen_0.42 grew."]
+    one.grading.update(recordings=runs, field_ready=False, cause=cause, notes=grew)
     return for_students(one.grading, ("agent.py",), ResultOptions(hide=hide).hidden)
 
 
@@ -37,14 +39,14 @@ def hiding(hide: str) -> dict[str, Any]:
         ("nothing", ("4711", "0.42 m ahead", "I see 0.42", "avoid_field_lds01"), ()),
         (
             "worlds",
-            ("0.42 m ahead", "line 3 of a.py, in f:  go(d)", "stops late"),
-            ("4711", "avoid_zones", "avoid_field_lds01", "[d = 0.42]", "I see 0.42"),
+            ("The robot does b.", HELP, "died of an exception"),
+            ("4711", "avoid_", "0.42", "0.00", "0.50", "2.2", "a.py", "stops late", "grew"),
         ),
-        ("field", ("4711", "0.42 m ahead"), ("field_lds01", '"kind": "field"')),
+        ("field", ("4711", "0.42 m ahead"), ("field_lds01", '"kind": "field"', "grew")),
         (
             "details,field",
-            ("compare with 0.5 m", "The robot does b."),
-            ("4711", "avoid_", "0.42", "0.00 m/s", "0.50 m/s", "2.2", "field", "stops late"),
+            (HELP, "The robot does b."),
+            ("4711", "avoid_", "0.42", "0.00", "0.50", "2.2", "field", "stops late", "exception"),
         ),
     ],
 )
@@ -58,6 +60,12 @@ def test_what_is_hidden_is_nowhere(
     for word in ("/home/prof", "/b", *not_there):  # no path of the instructor's machine
         assert word not in text
     assert (shown["field_ready"] is None) == ("field" in hide)
+
+
+def test_a_help_that_quotes_the_node_is_withheld() -> None:
+    failed = check("b", "fail", 40, help="Is /seen_0_42 misspelt? It is /scan.")
+    grading = {"exercise": "obstacle_avoidance", "checks": [failed]}
+    assert for_students(grading, (), {"worlds"})["checks"][0]["help"] == ""
 
 
 def test_an_unknown_word_to_hide_is_refused() -> None:
