@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from grader.report.replay import moments_of, replay_payload
-from grader.report.terminal import readable, render_terminal
+from grader.report.terminal import in_order, readable, render_terminal
 
 if TYPE_CHECKING:
     from grader.recording import Recording
@@ -63,9 +63,9 @@ def page_payload(
 
     Without a grading the page opens at `opens_at` [s] of the first recording, if that is given.
     """
-    checks = grading["checks"] if grading else []
+    checks = in_order(grading["checks"]) if grading else []
     return {
-        "grading": dict(grading) if grading else None,
+        "grading": {**grading, "checks": checks} if grading else None,
         "replays": [
             replay_payload(recording, moments_of(checks, recording.scenario.name))
             for recording in recordings

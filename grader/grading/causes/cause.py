@@ -58,6 +58,7 @@ class Cause(msgspec.Struct, frozen=True):
     where: str = ""  # the student's line, where it can be told
     hint: Hint | None = None
     explains: tuple[str, ...] = ()  # ids of checks whose own help would lead elsewhere
+    check: str = ""  # id of the one in which it was seen
 
     @classmethod
     def of(
@@ -79,6 +80,7 @@ class Cause(msgspec.Struct, frozen=True):
             where,
             hint or hint_for(exercise, failed),
             tuple(check.id for check in failed) if all_of_it else (),
+            failed[0].id,
         )
 
 

@@ -70,7 +70,8 @@ def cause_of_standing(_: Exercise, failed: Sequence[Failed], trials: ByName) -> 
 def _cause(text: str, failed: Sequence[Failed], hint: Hint | None = None) -> Cause:
     """Return a cause of all that failed, whose hints are about something else."""
     said = f"{text[0].upper()}{text[1:]}"
-    return Cause(said, failed[0].kind, hint=hint, explains=tuple(check.id for check in failed))
+    explains = tuple(check.id for check in failed)
+    return Cause(said, failed[0].kind, hint=hint, explains=explains, check=failed[0].id)
 
 
 def _why_it_stands(recording: Recording) -> str:

@@ -43,4 +43,5 @@ def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
         known = not death.loop or death.loop in check.help
         loop = "" if known else f", in the loop of {death.loop}"
         text = f"{subject} hangs in {death.place}{loop}"
-    return Cause(f"{text.rstrip('.')}. {check.help}".strip(), check.kind, where)
+    said = f"{text.rstrip('.')}. {check.help}".strip()
+    return Cause(said, check.kind, where, check=check.id)

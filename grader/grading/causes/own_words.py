@@ -40,7 +40,7 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
             line = " ".join(text.split())[:MAX_LINE]
             seen = f"The node logs this error {times} times in {check.scenario}: {line}"
             same = [c.id for c in failed if _slips(_log_of(c, trials))[text] >= OFTEN]
-            return Cause(seen + _advice(text), check.kind, explains=tuple(same))
+            return Cause(seen + _advice(text), check.kind, explains=tuple(same), check=check.id)
     return None
 
 
@@ -74,7 +74,7 @@ def _dead_thread(check: Failed, log: Sequence[LogLine]) -> Cause | None:
         elif begun and (said := ENDS_WITH.match(text)):
             seen = f"A thread of the node died at {line.t:.2f} s, and with it its work: {said[0]}"
             seen = f"{seen[:MAX_LINE].rstrip('.')}{_advice(text)}"
-            return Cause(seen, check.kind, where)
+            return Cause(seen, check.kind, where, check=check.id)
     return None
 
 
