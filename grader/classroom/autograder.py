@@ -15,7 +15,7 @@ import sys
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import msgspec
 
@@ -27,6 +27,7 @@ from grader.classroom.results.scores import mark_of
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.work import Unit, UnitResult, grade_unit, unjudged
 from grader.course.beside import MAX_BYTES
+from grader.course.cell import CLASS, Refused, read_in_cell
 from grader.course.exercises import Exercise, find_exercise
 from grader.course.students import read_secret, student_key
 from grader.course.submission import MAX_SIZE, read_regular_file
@@ -37,6 +38,7 @@ from grader.host.sandbox.layers import FILES, USER
 from grader.link.scratch import fresh_folder
 from grader.lms.gradescope import SEEN, results_json
 from grader.lms.names import student_id
+from grader.report.foreign import echo
 from grader.report.page import json_text
 
 SETTINGS = "autograder.json"  # written by grader.authoring.gradescope
@@ -66,13 +68,13 @@ def main(arguments: Sequence[str]) -> int:
         target.unlink(missing_ok=True)
         found = judged(root)
     except (GraderError, InputError, OSError) as error:
-        print(f"Nothing was graded: {error}")
+        echo(f"Nothing was graded: {error}")
         return 1
     if isinstance(found, str):
-        print(f"There is no score: {found}")
+        echo(f"There is no score: {found}")
         return 1
     write_text(target, json_text(found))
-    print(f"{found['score']:g} points")
+    echo(f"{found['score']:g} points")
     return 0
 
 
@@ -152,11 +154,16 @@ def submitter(metadata: Path) -> str:
     Of a group the first by Gradescope's number, the same at each submission.
     """
     try:
-        users = json.loads(metadata.read_text("utf-8"))["users"]
-        first = min(users, key=lambda user: int(user["id"]))
-        return student_id(str(first["name"]))
-    except (OSError, ValueError, KeyError, TypeError):
+        return student_id(read_in_cell(name_in, file=metadata, returns=str, limits=CLASS))
+    except (OSError, Refused):
         return "unnamed"  # a try run without a student
+
+
+def name_in(metadata: IO[bytes]) -> str:
+    """Return the name of a submission's first user."""
+    users = json.load(metadata)["users"]
+    first = min(users, key=lambda user: int(user["id"]))
+    return str(first["name"]).encode("utf-8", "replace").decode()
 
 
 def _grade(unit: Unit) -> UnitResult:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from types import TracebackType
 
-from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from grader.report.terminal import printable
+from grader.report.terminal import Console, printable
 
 
 def say(console: Console, text: str) -> None:

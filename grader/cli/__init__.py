@@ -27,6 +27,7 @@ from grader.cli import (
 )
 from grader.cli.results import FAULT, LESS
 from grader.errors import GraderError, InputError
+from grader.report.foreign import echo
 
 GRADER = Path(__file__).resolve().parents[1]
 
@@ -71,7 +72,7 @@ def main() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = LESS
     except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.format_message(), err=True)
+        echo(error.format_message(), err=True)
         code = FAULT
     except click.exceptions.Abort:
         code = _complain("interrupted")
@@ -93,5 +94,5 @@ def main() -> None:
 def _complain(message: str, *choices: str) -> int:
     """Print a line, and a line for each name to choose from."""
     lines = (" ".join(message.split()), *(f"  {' '.join(choice.split())}" for choice in choices))
-    click.echo("course: " + "\n".join(lines), err=True)
+    echo("course: " + "\n".join(lines), err=True)
     return FAULT

@@ -90,9 +90,8 @@ def autograde(
 
     Give later runs into the same folder the same options.
     """
-    from rich.console import Console  # noqa: PLC0415
-
     from grader.link.choice import why_no_class  # noqa: PLC0415
+    from grader.report.terminal import Console  # noqa: PLC0415
 
     if not submissions:
         after = "; what comes after --regrade is a student" if regrade else ""

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import click
 
+from grader.report.foreign import echo
+
 STARTS = """\b
 Examples:
   course start
@@ -33,7 +35,7 @@ def start(exercise: str | None) -> None:
     here = Path()
     chosen = to_begin(here) if exercise is None else find_exercise(exercise)
     folder = begin(chosen, here)
-    click.echo(
+    echo(
         f"Exercise {chosen.number}, {chosen.title.lower()}: {folder / 'README.md'} says what to "
         f"do, and you write {' and '.join(chosen.files)}.\n"
         f"Next, now and after each change:\n  {_course()} grade {chosen.number} {folder}"
@@ -48,7 +50,7 @@ def next_(exercise: str | None) -> None:
     from grader.grading.onward import onward  # noqa: PLC0415
 
     for line in onward(None if exercise is None else find_exercise(exercise)):
-        click.echo(line.replace("  course", f"  {_course()}", 1) if line[0] == " " else line)
+        echo(line.replace("  course", f"  {_course()}", 1) if line[0] == " " else line)
 
 
 def _course() -> str:

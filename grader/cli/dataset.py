@@ -8,6 +8,7 @@ import click
 
 from grader.cli.results import FULL, check_writable
 from grader.errors import InputError
+from grader.report.foreign import echo
 
 EXAMPLES = """\b
 Examples:
@@ -30,5 +31,5 @@ def dataset(out: Path, seed: int, scans: int) -> int:
     made = make_dataset(scans, seed)
     made.save(out)
     standing = 100 * float((made.speed == 0.0).mean())
-    click.echo(f"{out}: {scans} scans; in {standing:.0f} % of them the expert stands still")
+    echo(f"{out}: {scans} scans; in {standing:.0f} % of them the expert stands still")
     return FULL

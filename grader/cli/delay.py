@@ -9,6 +9,7 @@ import click
 
 from grader.cli.results import FULL, LESS
 from grader.cli.start import portable_option, start_forkserver
+from grader.report.foreign import echo
 
 EXAMPLES = """\b
 Examples:
@@ -28,7 +29,7 @@ def delay(file: Path, exercise: str | None, portable: bool) -> int:
 
     Exit code 0: the node survives at least without delay. 1: it does not. 2: wrong usage.
     """
-    from rich.console import Console  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
 
     from grader.course.exercises import exercise_for  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
@@ -36,7 +37,7 @@ def delay(file: Path, exercise: str | None, portable: bool) -> int:
     from grader.drive.delay import delays  # noqa: PLC0415
     from grader.drive.delay_table import table  # noqa: PLC0415
     from grader.exercises import driving_contract_of  # noqa: PLC0415
-    from grader.report.terminal import printable  # noqa: PLC0415
+    from grader.report.terminal import Console  # noqa: PLC0415
 
     chosen = exercise_for(exercise, file.name)
     contract = driving_contract_of(chosen)  # or refuse, before anything starts
@@ -44,16 +45,15 @@ def delay(file: Path, exercise: str | None, portable: bool) -> int:
     console = Console(file=sys.stderr, highlight=False)
     doing = f"Exercise {chosen.number}, {file.name}"
     with (
-        console.status(f"{doing}: getting ready", spinner="line") as status,
+        console.status(Text(f"{doing}: getting ready"), spinner="line") as status,
         start_forkserver(chosen.libraries, portable=portable) as forkserver,
     ):
         result = delays(
             chosen,
             lambda scenario: drive_in(submission, scenario, forkserver),
-            on_drive=lambda done, of: status.update(f"{doing}: drive {done} of {of}"),
+            on_drive=lambda done, of: status.update(Text(f"{doing}: drive {done} of {of}")),
         )
-    out = Console()
     for line in table(result, contract.survives):
-        click.echo(printable(line, out))
+        echo(line)
     survived = result.survived
     return FULL if min(survived.sensors, survived.commands) >= 0 else LESS

@@ -14,9 +14,8 @@ def doctor() -> int:
     Exit code 0: nodes run here, and other people's code may be graded. 1: only your own. 2: no node
     runs here.
     """
-    from rich.console import Console  # noqa: PLC0415
-
     from grader.link.choice import why_not_linux  # noqa: PLC0415
+    from grader.report.terminal import Console  # noqa: PLC0415
 
     reason = why_not_linux()
     if reason:

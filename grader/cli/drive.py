@@ -10,6 +10,7 @@ from grader.cli.given import as_files, wanted_in
 from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
 from grader.errors import InputError
+from grader.report.foreign import echo
 
 EXAMPLES = """\b
 Examples:
@@ -122,7 +123,7 @@ def drive(
     driving.print_summary(recording, file=str(file), practice=forkserver.practice,
                           most=None if log == "all" else int(log))  # fmt: skip
     for said in submission.account():
-        click.echo(f"  {said}")
+        echo(f"  {said}")
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
     outcome = recording.outcome

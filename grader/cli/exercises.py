@@ -21,8 +21,9 @@ Examples:
 )
 def list_(*, scenarios: bool) -> None:
     """List the exercises, or the scenarios that come with the course."""
-    from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
+
+    from grader.report.terminal import Console  # noqa: PLC0415
 
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
     if scenarios:

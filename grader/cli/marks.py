@@ -12,6 +12,7 @@ import click
 
 from grader.cli.results import FAULT, FULL
 from grader.errors import InputError
+from grader.report.foreign import echo
 
 if TYPE_CHECKING:
     from grader.classroom.marking import Marked
@@ -221,7 +222,7 @@ def publish(
         whom = class_.whom(students, section, everybody=everybody)
         code = _told(class_.add(Publish(slugs, whom), _who(by), why))
     pages = len(list((folder / "published").glob("*/index.html")))
-    click.echo(f"Students with published feedback: {pages} ({folder / 'published'})")
+    echo(f"Students with published feedback: {pages} ({folder / 'published'})")
     return code
 
 
@@ -259,10 +260,9 @@ def _who(by: str) -> str:
 
 def _told(done: Marked) -> int:
     """Say what a change came to, and return the exit code."""
-    from rich.console import Console  # noqa: PLC0415
-
     from grader.classroom.amendments.log import described  # noqa: PLC0415
     from grader.classroom.progress import say  # noqa: PLC0415
+    from grader.report.terminal import Console  # noqa: PLC0415
 
     lines = []
     if done.entry is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from grader.cli.results import FULL
+from grader.report.foreign import echo
 
 EXAMPLES = """\b
 Examples:
@@ -22,15 +23,15 @@ def new(name: str) -> int:
     from grader.authoring.scaffold import scaffold  # noqa: PLC0415
 
     made = scaffold(name)
-    click.echo(f"Exercise {made.number}, {made.slug}. New:")
+    echo(f"Exercise {made.number}, {made.slug}. New:")
     for path in made.new:
-        click.echo(f"  {path}")
-    click.echo("It is also in these lists; say there in your words what it is about:")
+        echo(f"  {path}")
+    echo("It is also in these lists; say there in your words what it is about:")
     for path in made.edited:
-        click.echo(f"  {path}")
+        echo(f"  {path}")
     for command in made.left:
-        click.echo(f"Still to be done: {command}")
-    click.echo("See that it is right, and again after each change:")
+        echo(f"Still to be done: {command}")
+    echo("See that it is right, and again after each change:")
     for command in (f".venv/bin/python -m grader.authoring.proof {name}", "make lint"):
-        click.echo(f"  {command}")
+        echo(f"  {command}")
     return FULL

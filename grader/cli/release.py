@@ -8,6 +8,7 @@ import click
 
 from grader.cli.results import FULL
 from grader.errors import InputError
+from grader.report.foreign import echo
 
 EXAMPLES = """\b
 Examples:
@@ -74,15 +75,15 @@ def release(
     more = github.files(released) if classroom else {}
     found = make_release(folder, exercises=slugs, archive=student_package, make=make, more=more)
     for leak in found:
-        click.echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
+        echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
     left_out = {e.slug for e in all_exercises()} - {e.slug for e in released}
     for said in () if plain else stay_behind(left_out):
-        click.echo(f"Note: {said}.", err=True)
+        echo(f"Note: {said}.", err=True)
     if not plain and (lacks := what_lacks(wheel, source)):
-        click.echo(f"Note: {lacks}.", err=True)
-    click.echo(f"Students' material: {folder}")
+        echo(f"Note: {lacks}.", err=True)
+    echo(f"Students' material: {folder}")
     if student_package:
-        click.echo(f"The same, packed: {folder}.zip")
+        echo(f"The same, packed: {folder}.zip")
     return FULL
 
 
@@ -99,8 +100,8 @@ def _autograder(
     written = write_autograder(
         folder, exercises=slugs, field=field, hide=sorted(hidden), secret=secret
     )
-    click.echo(f"Gradescope's autograder: {written}")
-    click.echo(f"The assignment's autograder points: {total_points(slugs)}")
+    echo(f"Gradescope's autograder: {written}")
+    echo(f"The assignment's autograder points: {total_points(slugs)}")
     if secret is not None:
-        click.echo("It holds the course's secret: keep it from students.")
+        echo("It holds the course's secret: keep it from students.")
     return FULL

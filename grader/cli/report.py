@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from grader.cli.results import FULL, JSON_STDOUT
+from grader.report.foreign import write
 
 if TYPE_CHECKING:
     from grader.classroom.amendments.log import Entry
@@ -29,10 +29,9 @@ Examples:
 @click.option("--json", "json_", metavar="PATH|-", help="Write the log as JSON; -: to stdout.")
 def report(folder: Path, student: str, json_: str | None) -> int:
     """Print the log of marks of a graded class: who changed what, when and why."""
-    from rich.console import Console  # noqa: PLC0415
-
     from grader.classroom.marking import is_about, reading  # noqa: PLC0415
     from grader.classroom.progress import say  # noqa: PLC0415
+    from grader.report.terminal import Console  # noqa: PLC0415
 
     with reading(folder) as class_:
         entries = class_.entries
@@ -42,7 +41,7 @@ def report(folder: Path, student: str, json_: str | None) -> int:
         if json_:
             text = json.dumps([_plain(entry) for entry in entries], indent=2) + "\n"
             if json_ == JSON_STDOUT:
-                sys.stdout.write(text)
+                write(text)
             else:
                 Path(json_).write_text(text, "utf-8")
         else:

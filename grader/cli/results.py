@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from grader.errors import InputError
+from grader.report.foreign import echo, write
 
 if TYPE_CHECKING:
     from grader.grading.grading import Grading
@@ -56,9 +54,9 @@ def show(
 
     result = grading.as_dict()
     if json_ == JSON_STDOUT:
-        sys.stdout.write(json_text(result))
+        write(json_text(result))
     else:
-        from rich.console import Console  # noqa: PLC0415
+        from grader.report.terminal import Console  # noqa: PLC0415
 
         render_terminal(result, Console(), changed, everything=everything, todo=todo)
     if json_ and json_ != JSON_STDOUT:
@@ -85,4 +83,4 @@ def write_report(
 
     path.write_text(page_html(page_payload(grading, recordings, title, opens_at)), "utf-8")
     if not quiet:
-        click.echo(f"Report with replays: {path}")
+        echo(f"Report with replays: {path}")

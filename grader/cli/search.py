@@ -9,6 +9,7 @@ import click
 
 from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
+from grader.report.foreign import echo
 
 EXAMPLES = """\b
 Examples:
@@ -50,12 +51,12 @@ def search(
 
     Exit code 0: nothing was found. 1: a world was found. 2: wrong usage.
     """
-    from rich.console import Console  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
     from grader.course.exercises import exercise_for  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
     from grader.drive import search as searching  # noqa: PLC0415
+    from grader.report.terminal import Console  # noqa: PLC0415
 
     chosen = exercise_for(exercise, file.name)
     arena = searching.arena_of(chosen, field=field)
@@ -68,7 +69,7 @@ def search(
     doing = f"Exercise {chosen.number}, {file.name}"
     console = Console(file=sys.stderr, highlight=False)
     with (
-        console.status(f"{doing}: getting ready", spinner="line") as status,
+        console.status(Text(f"{doing}: getting ready"), spinner="line") as status,
         start_forkserver(chosen.libraries, portable=portable) as forkserver,
     ):
         result = searching.search_node(
@@ -77,12 +78,12 @@ def search(
                 Text(f"{doing}: {searching.how_far(n, mishap)}")
             ),
         )  # fmt: skip
-    click.echo(searching.account(result, exercise=chosen.number, seed=seed))
+    echo(searching.account(result, exercise=chosen.number, seed=seed))
     if result.found is None:
         return FULL
     if out is not None:
         out.write_text(result.found.toml, "utf-8")
-        click.echo(f"Scenario: {out}")
+        echo(f"Scenario: {out}")
     if report is not None:
         found = result.found
         title = f"{file.name}: {found.sentence}"

@@ -6,11 +6,11 @@ import sys
 import threading
 from types import TracebackType
 
-from rich.console import Console
 from rich.live import Live
 from rich.spinner import Spinner
 from rich.text import Text
 
+from grader.report.terminal import Console
 from grader.trial.progress import LEFT_OUT, TRIAL, Step
 
 

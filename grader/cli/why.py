@@ -11,10 +11,13 @@ from grader.errors import InputError
 @click.argument("check", required=False)
 def why(check: str | None) -> None:
     """Print all that the last grading found about CHECK, or about what failed first."""
-    from rich.console import Console  # noqa: PLC0415
-
     from grader.grading.attempts import last_grading  # noqa: PLC0415
-    from grader.report.terminal import first_failure, in_order, render_check  # noqa: PLC0415
+    from grader.report.terminal import (  # noqa: PLC0415
+        Console,
+        first_failure,
+        in_order,
+        render_check,
+    )
     from sim.toml_input import nearest  # noqa: PLC0415
 
     grading = last_grading()

@@ -10,14 +10,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from datetime import datetime
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date, datetime
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import yaml
 
-from grader.course.submission import read_regular_file
+from grader.course.cell import CLASS, Refused, read_in_cell
 from grader.errors import InputError
 from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
@@ -53,42 +54,66 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             found.left.append(path)
             continue
         about = known.get(path.name)
-        people = list(_submitters(about)) if isinstance(about, Mapping) else []
-        if not people:
+        if about is None or not about.people:
             reason = f"{METADATA} does not say whose it is"
             found.set_aside.append(SetAside(path.name, reason))
-        time = about.get(":created_at") if isinstance(about, Mapping) else None
-        text = time.isoformat() if isinstance(time, datetime) else ""
-        found.entries.extend(Entry(path, who, time=text) for who in people)
-    missing = sorted(set(map(str, known)) - {path.name for path in paths})
+            continue
+        people = (Who(name or email or sid, "gradescope", sid, email)
+                  for name, sid, email in about.people)  # fmt: skip
+        found.entries.extend(Entry(path, who, time=about.time) for who in people)
+    missing = sorted(set(known) - {path.name for path in paths})
     found.set_aside.extend(
         SetAside(name, f"in {METADATA}, but there is no such folder") for name in missing
     )
     return found
 
 
-def _metadata(file: Path) -> Mapping[Any, Any]:
+@dataclass(frozen=True)
+class _Submission:
+    """What the metadata say of a folder."""
+
+    people: list[tuple[str, str, str]]  # name, sid, email of each who hands it in
+    time: str
+
+
+def _metadata(file: Path) -> dict[str, _Submission]:
     try:
-        text = read_regular_file(file, MAX_METADATA).decode("utf-8")
-        loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-        known = yaml.load(text, loader)
-    except (OSError, ValueError, yaml.YAMLError, RecursionError) as error:
+        return read_in_cell(submissions_in, file=file, returns=dict[str, _Submission], limits=CLASS)
+    except (OSError, Refused) as error:
         raise InputError(
-            f"{file}: expected Gradescope's metadata ({type(error).__name__}); "
-            "export the submissions again"
+            f"{file}: expected Gradescope's metadata ({error}); export the submissions again"
         ) from None
+
+
+def submissions_in(file: IO[bytes]) -> dict[str, _Submission]:
+    """Return what the metadata say of each folder.
+
+    Raises Refused: they are no metadata.
+    """
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    known = yaml.load(file.read(MAX_METADATA).decode("utf-8"), loader)
     if not isinstance(known, Mapping):
-        raise InputError(f"{file}: expected Gradescope's metadata, a folder's name to a line each")
-    return known
+        raise Refused("a folder's name to a line each")
+    return {str(name): _submission(about) for name, about in known.items()}
 
 
-def _submitters(about: Mapping[Any, Any]) -> Iterator[Who]:
-    people = about.get(":submitters")
-    for person in people if isinstance(people, list) else []:
-        if isinstance(person, Mapping):
-            name, sid, email = (str(person.get(key) or "") for key in (":name", ":sid", ":email"))
-            if name or sid or email:
-                yield Who(name or email or sid, "gradescope", sid, email)
+def _submission(about: object) -> _Submission:
+    if not isinstance(about, Mapping):
+        return _Submission([], "")
+    people, time = about.get(":submitters"), about.get(":created_at")
+    each = [
+        (_text(one.get(":name")), _text(one.get(":sid")), _text(one.get(":email")))
+        for one in (people if isinstance(people, list) else [])
+        if isinstance(one, Mapping)
+    ]
+    return _Submission(
+        [one for one in each if any(one)], time.isoformat() if isinstance(time, datetime) else ""
+    )
+
+
+def _text(value: object) -> str:
+    """Return what is a text or a number; a list that holds itself many times is neither."""
+    return str(value) if value and isinstance(value, str | int | float | date) else ""
 
 
 def sheet(header: Sequence[str]) -> str:

@@ -4,12 +4,15 @@ Sources, in jupyter/nbgrader:
 
 - nbgrader/exchange/default/submit.py and collect.py: a folder `USER+ASSIGNMENT+TIMESTAMP`, perhaps
   with `+RANDOM`, in `inbound`; user names may hold `+`, so the parts are taken from the right.
+  The folder's owner is whoever submitted; collect.py warns if that is not the user of the name.
   Collected work is `submitted/USER/ASSIGNMENT`, with its time in `timestamp.txt`.
 """
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,6 +23,10 @@ from grader.lms.platform import Entry, Platform, Read, SetAside, Who
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
 ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)
+STRANGER = (
+    "belongs to {}, not to {}, so a person has to say whose work it is; if it is right, grade a "
+    "copy of the exchange that is your own (cp -r)"
+)
 SIDES = {
     "inbound": ("outbound", "feedback"),
     "submitted": ("source", "release", "autograded", "feedback", "gradebook.db"),
@@ -58,9 +65,30 @@ def _attempt(path: Path, found: Read) -> None:
     if match is None:
         found.left.append(path)
         return
+    if owner := _stranger(path, match["user"]):
+        found.set_aside.append(SetAside(path.name, STRANGER.format(owner, match["user"])))
+        return
     time = match["time"] if _microseconds(match["time"]) else ""
     who = Who(match["user"], "nbgrader", match["user"])
     found.entries.append(Entry(path, who, version=_microseconds(time), time=time))
+
+
+def _stranger(path: Path, user: str) -> str:
+    """Return the owner of a folder in the exchange who is not the student; "" if that is fine.
+
+    Whoever can write into the exchange can make a folder that is called like a classmate's. In a
+    copy all is the copier's, who is the one that grades, or root.
+    """
+    uid = path.lstat().st_uid
+    if sys.platform == "win32" or uid in (0, os.geteuid()):
+        return ""
+    import pwd  # noqa: PLC0415  (not on Windows)
+
+    try:
+        name = pwd.getpwuid(uid).pw_name
+    except KeyError:
+        name = f"user {uid}"
+    return "" if name == user else name
 
 
 def _collected(student: Path) -> Iterator[Entry]:

@@ -13,9 +13,11 @@ import io
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
+from typing import IO
 
-from grader.course.submission import read_regular_file
+from grader.course.cell import CLASS, Broken, Refused, read_in_cell
 from grader.errors import InputError
 from grader.lms import PLATFORMS
 from grader.lms.people import (
@@ -35,6 +37,7 @@ from grader.lms.people import (
 
 MAX_SHEET = 20 * 1024 * 1024  # [bytes]
 MAX_ROWS = 20_000
+MAX_CELLS = 1_000_000
 
 # heading, in small letters: what it is. Several kinds of sheets in one table: they don't collide.
 IDS = {
@@ -129,23 +132,38 @@ def _known(known: Roster, person: Person) -> int | None:
 
 def _read(file: Path) -> tuple[str, tuple[str, ...], list[tuple[str, ...]]]:
     try:
-        data = read_regular_file(file.resolve(), MAX_SHEET)
+        lines = read_in_cell(
+            lines_in, file=file.resolve(), returns=list[tuple[str, ...]], limits=CLASS
+        )
     except OSError as error:
         raise InputError(f"{file}: cannot read the roster ({error.strerror})") from None
-    if len(data) > MAX_SHEET:
-        raise InputError(f"{file}: over {MAX_SHEET:,} bytes; {HELP}")
-    try:
-        lines = list(_rows(_decoded(data)))
-    except csv.Error as error:
+    except Broken as error:
         raise InputError(f"{file}: a broken CSV ({error}); {HELP}") from None
-    if not lines or len(lines) > MAX_ROWS:
-        raise InputError(f"{file}: {len(lines):,} lines; {HELP}")
+    except Refused as error:
+        raise InputError(f"{file}: {error}; {HELP}") from None
     header = tuple(heading.strip() for heading in lines[0])
     kind = _kind(header)
     if not kind:
         raise InputError(f"{file}: the headings are {', '.join(header)[:200]!r}; {HELP}")
     rows = [(*line, *[""] * len(header))[: len(header)] for line in lines[1:]]
     return kind, header, rows
+
+
+def lines_in(file: IO[bytes]) -> list[list[str]]:
+    """Return the rows of a CSV, no longer than its first, the headings.
+
+    Raises Refused: it is too large, or empty.
+    """
+    data = file.read(MAX_SHEET + 1)
+    if len(data) > MAX_SHEET:
+        raise Refused(f"over {MAX_SHEET:,} bytes")
+    lines = list(islice(_rows(_decoded(data)), MAX_ROWS + 1))
+    if not lines or len(lines) > MAX_ROWS:
+        raise Refused(f"{len(lines):,} lines")
+    columns = len(lines[0])
+    if columns * len(lines) > MAX_CELLS:
+        raise Refused(f"{len(lines):,} lines of {columns:,} columns")
+    return [line[:columns] for line in lines]
 
 
 def _possible(header: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, str]:

@@ -1,4 +1,8 @@
-"""Unpack a zip or a tar that somebody handed in, and nothing outside of the folder given."""
+"""Unpack a zip or a tar that somebody handed in, and nothing outside of the folder given.
+
+It happens in a process with limits (`grader/course/cell.py`): a tar's header, for one, can take
+tarfile hours (CVE-2024-6232).
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,7 @@ from collections.abc import Generator, Iterable
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
-from grader.course.submission import open_regular_file
+from grader.course.cell import CLASS, ONE, Limits, Refused, read_in_cell
 from grader.errors import is_disk_full
 from grader.lms.names import may_enter
 
@@ -23,6 +27,7 @@ ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 UNREAD = (
     ".7z", ".rar", ".tar.bz2", ".tbz2", ".tar.xz", ".txz", ".tar.zst", ".gz", ".bz2", ".xz", ".zst",
 )  # fmt: skip
+READ = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # of a zip's; others unpack a member at once
 MAX_MEMBERS = 5_000  # of a student's archive
 MAX_UNPACKED = 100 * 1024 * 1024  # [bytes] of a student's archive
 MAX_RATIO = 200  # unpacked to packed size, above SMALL; source code has about 5
@@ -34,11 +39,11 @@ CHUNK = 64 * 1024  # [bytes]
 UTF_8 = 0x800  # flag of a zip's member: its name is UTF-8, else code page 437, says the format
 
 
+LINK = "a link, which is not followed"
+MOST_ODD = 1_000  # that are told
+NAME = 200  # [characters] of a name that is told
+
 Odd = tuple[str, str]  # a member's name, and what is odd about it
-
-
-class Refused(Exception):
-    """An archive is not unpacked; the message says why."""
 
 
 def is_archive(name: str) -> bool:
@@ -62,11 +67,10 @@ def archive_stem(name: str) -> str:
 def unpack(archive: Path, room: Path) -> list[Odd]:
     """Unpack a student's archive into `room`; return what is odd in it.
 
-    Raises Refused: it is locked, or a trap.
+    Raises Refused: it is locked, a trap, or broken.
     """
     size = min(MAX_UNPACKED, max(SMALL, MAX_RATIO * archive.stat().st_size))
-    left = _Allowance(size, MAX_MEMBERS)
-    return _unpack(archive, room, left, MAX_DEPTH + 1, None)
+    return _in_cell(archive, room, (size, 2 * MAX_UNPACKED, MAX_MEMBERS, MAX_DEPTH + 1, None), ONE)
 
 
 def unpack_class(archive: Path, room: Path) -> list[Odd]:
@@ -75,22 +79,48 @@ def unpack_class(archive: Path, room: Path) -> list[Odd]:
     Files that are too long are cut off, and those with impossible names left out: nobody's can keep
     out the others.
 
-    Raises Refused: it is locked, or a trap.
+    Raises Refused: it is locked, a trap, or broken.
     """
-    left = _Allowance(MANY * MAX_UNPACKED, MANY * MAX_MEMBERS)
-    return _unpack(archive, room, left, MAX_DEPTH + 3, CUT)
+    size = MANY * MAX_UNPACKED
+    most = (size, 2 * size, MANY * MAX_MEMBERS, MAX_DEPTH + 3, CUT)
+    return _in_cell(archive, room, most, CLASS)
 
 
-def _unpack(archive: Path, room: Path, left: _Allowance, depth: int, cut: int | None) -> list[Odd]:
+def _in_cell(
+    archive: Path, room: Path, most: tuple[int, int, int, int, int | None], limits: Limits
+) -> list[Odd]:
     room.mkdir(parents=True, exist_ok=True)
-    is_zip = archive.name.lower().endswith(".zip")
-    members = _zip(archive, left) if is_zip else _tar(archive, left)
+    suffix = archive.name.lower().rpartition(".")[2]
+    return read_in_cell(
+        unpack_here, suffix, *most, file=archive, room=room, returns=list[Odd], limits=limits
+    )
+
+
+def unpack_here(
+    archive: IO[bytes],
+    room: Path,
+    suffix: str,
+    size: int,
+    stream: int,
+    files: int,
+    depth: int,
+    cut: int | None,
+) -> list[Odd]:
+    """Unpack an archive in this process: `size` bytes at most, `files` files, `depth` deep.
+
+    Of a tar at most `stream` bytes are read, with what is skipped.
+    """
+    left = _Allowance(size, files)
+    members = (
+        _zip(archive, left) if suffix == "zip" else _tar(archive, left, suffix == "tar", stream)
+    )
     with contextlib.closing(members):
-        return _write(members, room, left, depth, cut)
+        odd = _write(members, room, left, depth, cut)
+    return [(name[:NAME].encode("utf-8", "replace").decode(), why) for name, why in odd[:MOST_ODD]]
 
 
 def _write(
-    members: Iterable[tuple[str, IO[bytes]]],
+    members: Iterable[tuple[str, IO[bytes] | None]],
     room: Path,
     left: _Allowance,
     depth: int,
@@ -98,6 +128,9 @@ def _write(
 ) -> list[Odd]:
     odd = []
     for name, source in members:
+        if source is None:
+            odd.append((name, LINK))
+            continue
         try:
             target = _inside(room, name, depth)
             if target is None:
@@ -160,16 +193,22 @@ def _inside(room: Path, name: str, depth: int) -> Path | None:
     return room.joinpath(*parts)
 
 
-def _zip(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], None, None]:
-    with open_regular_file(archive) as file, zipfile.ZipFile(file) as opened:
+def _zip(
+    archive: IO[bytes], left: _Allowance
+) -> Generator[tuple[str, IO[bytes] | None], None, None]:
+    with zipfile.ZipFile(archive) as opened:
         members = opened.infolist()
         for _ in members:
             left.member()
         if any(member.flag_bits & 1 for member in members):
             raise Refused("locked with a password; ask for one without")
+        if any(member.compress_type not in READ for member in members):
+            raise Refused("packed by a rare method; ask for an ordinary zip (“deflate”)")
         for member in members:
             mode = stat.S_IFMT(member.external_attr >> 16)
-            if not member.is_dir() and mode in (0, stat.S_IFREG):
+            if mode == stat.S_IFLNK:
+                yield _name(member), None
+            elif not member.is_dir() and mode in (0, stat.S_IFREG):
                 yield _name(member), opened.open(member)
 
 
@@ -182,16 +221,20 @@ def _name(member: zipfile.ZipInfo) -> str:
     return member.filename
 
 
-def _tar(archive: Path, left: _Allowance) -> Generator[tuple[str, IO[bytes]], None, None]:
+def _tar(
+    archive: IO[bytes], left: _Allowance, plain: bool, most: int
+) -> Generator[tuple[str, IO[bytes] | None], None, None]:
     with contextlib.ExitStack() as stack:
-        packed: Any = stack.enter_context(open_regular_file(archive))
-        if not archive.name.lower().endswith(".tar"):
+        packed: Any = archive
+        if not plain:
             packed = stack.enter_context(gzip.GzipFile(fileobj=packed))
-        counted: Any = _Counted(packed, _Allowance(2 * max(left.size, MAX_UNPACKED), 0))
+        counted: Any = _Counted(packed, _Allowance(most, 0))
         opened = stack.enter_context(tarfile.open(fileobj=counted, mode="r|"))
         for member in opened:
             left.member()
-            if member.isreg() and (source := opened.extractfile(member)) is not None:
+            if member.issym() or member.islnk():
+                yield member.name, None
+            elif member.isreg() and (source := opened.extractfile(member)) is not None:
                 yield member.name, source
 
 

@@ -18,13 +18,14 @@ from nbgrader.converters.base import NbGraderException
 from nbgrader.preprocessors import NbGraderPreprocessor
 from traitlets import Bool, Unicode
 
+from grader.course.cell import Refused
 from grader.course.exercises import find_exercise
 from grader.course.students import read_secret, student_key
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
 from grader.nbgrader.cells import Wanted, last_definitions, made_files, modules, wanted
 from grader.nbgrader.gradebook import Place, trusted_cells, write_comment, write_mark
-from grader.nbgrader.intake import Unreadable, read_cells
+from grader.nbgrader.intake import read_cells
 from grader.nbgrader.judge import Verdict, judge
 from grader.nbgrader.marks import Mark, mark_of
 from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
@@ -79,7 +80,7 @@ class RestoreCells(NbGraderPreprocessor):  # type: ignore[misc]
             trusted = trusted_cells(gradebook, place)
         try:
             return restored(read_cells(Path(resources[FILE])), trusted), resources
-        except Unreadable as problem:
+        except Refused as problem:
             self.log.warning("%s of %s: %s", place.notebook, place.student, problem)
             return unreadable(str(problem), trusted), resources
 

@@ -11,9 +11,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
-from grader.course.submission import MAX_SIZE, read_regular_file
+from grader.course.cell import MIB, Limits, Refused, read_in_cell
+from grader.course.submission import MAX_SIZE
 
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000
@@ -35,33 +36,44 @@ class Cell:
     pictures: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # name: type: base64
 
 
-class Unreadable(Exception):
-    """A notebook can't be read; the message says why."""
-
-
 def read_cells(path: Path) -> list[Cell]:
-    """Return the cells of a notebook.
+    """Return the cells of a notebook, which another process parses.
 
     Raises
     ------
-    Unreadable
+    Refused
         It is not a notebook, is too large, or is not an ordinary file.
     """
     try:
-        data = read_regular_file(path, MAX_NOTEBOOK)
+        return read_in_cell(
+            cells_in, MAX_NOTEBOOK, file=path, returns=list[Cell], limits=Limits(answer=64 * MIB)
+        )
     except OSError as error:
-        raise Unreadable(f"the file cannot be read ({error.strerror})") from None
-    if len(data) > MAX_NOTEBOOK:
-        raise Unreadable(f"the file is larger than {MAX_NOTEBOOK:,} bytes; clear its outputs")
+        raise Refused(f"the file cannot be read ({error.strerror})") from None
+
+
+def cells_in(file: IO[bytes], most: int = MAX_NOTEBOOK) -> list[Cell]:
+    """Return the cells of a notebook of at most `most` bytes, in this process.
+
+    Raises
+    ------
+    Refused
+        It is not a notebook, or is too large.
+    """
+    data = file.read(most + 1)
+    if len(data) > most:
+        raise Refused(f"the file is larger than {most:,} bytes; clear its outputs")
     if data.count(b"{") + data.count(b"[") > MAX_NESTED or data.count(b'"') > MAX_QUOTES:
-        raise Unreadable("it has far more parts than any notebook; clear its outputs")
+        raise Refused("it has far more parts than any notebook; clear its outputs")
     try:
-        notebook = json.loads(data.decode("utf-8-sig", "replace"))
-    except (ValueError, RecursionError, MemoryError) as error:
-        raise Unreadable(f"it is not JSON ({_short(error)})") from None
+        text = data.decode("utf-8-sig", "replace")
+        del data
+        notebook = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise Refused(f"it is not JSON ({_short(error)})") from None
     cells = list(islice(_cells(notebook), MAX_CELLS))
     if not cells:
-        raise Unreadable("it is not a notebook, or it has no cells")
+        raise Refused("it is not a notebook, or it has no cells")
     return cells
 
 

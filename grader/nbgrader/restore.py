@@ -2,7 +2,8 @@
 
 nbgrader recognises its cells by an id in their metadata, and students can do anything to these:
 copy cells, delete, move or retype them, change ids and points. Here the gradebook decides which
-cells exist and what they are worth; a student's edits of a test cell have no effect.
+cells exist and what they are worth; a student's edits of a test cell have no effect. Their text
+stays as it is: the pages that show it sanitise it (`offline.py`).
 """
 
 from __future__ import annotations
@@ -21,15 +22,6 @@ SCHEMA = 3  # of nbgrader's metadata
 MAX_PROSE = 100_000  # [characters] of a cell that writes no file
 MAX_ALL = 4_000_000  # [characters] of all cells that write no file
 ABOUT = "course"  # key of our own metadata
-
-# What a browser would run or fetch: tags, external links and pictures, MathJax's own commands.
-TAG = re.compile(r"<(?=[A-Za-z/!?])")
-LINK = re.compile(r"\]\s*\(\s*(?!https?://|#|\s*\))")
-PASTED = re.compile(r"!\[([^\]\n]*)\]\(attachment:")
-REFERENCE = re.compile(r"(?m)^([ >\t]*)\[(?=[^\]\n]+\]:)")
-PICTURE = re.compile(r"!\[")
-MATHJAX = re.compile(r"\\(?=(?:href|class|cssId|style|require|unicode|data|tip|html)[^A-Za-z])")
-MARK = "\x00"
 
 
 @dataclass(frozen=True)
@@ -86,23 +78,11 @@ def restored(cells: Sequence[Cell], trusted: Sequence[Trusted]) -> NotebookNode:
 
 def unreadable(problem: str, trusted: Sequence[Trusted]) -> NotebookNode:
     """Return a notebook that gives the problem, with nbgrader's cells for a person to mark."""
-    note = v4.new_markdown_cell(f"The submitted notebook could not be read: {harmless(problem)}.")
+    note = v4.new_markdown_cell(f"The submitted notebook could not be read: {problem}.")
     note["id"] = "unreadable"
     made = v4.new_notebook(cells=[note, *(_missing(known) for known in trusted)])
     made.metadata[ABOUT] = {"problem": problem}
     return made
-
-
-def harmless(text: str) -> str:
-    """Return Markdown that a page may show: no tags, only web links, nothing that is fetched."""
-    text = text.replace(MARK, "")
-    text = TAG.sub("&lt;", text)
-    text = PASTED.sub(rf"{MARK}[\1](attachment:", text)
-    text = PICTURE.sub("! [", text)
-    text = LINK.sub("] (", text.replace("](attachment:", f"]{MARK}("))
-    text = REFERENCE.sub(r"\1\\[", text)
-    text = MATHJAX.sub(r"\\text ", text)
-    return text.replace(f"]{MARK}(", "](attachment:").replace(f"{MARK}[", "![")
 
 
 def _places(cells: Sequence[Cell], trusted: Sequence[Trusted]) -> dict[int, Trusted]:
@@ -126,7 +106,7 @@ def _known(known: Trusted, cell: Cell, number: int) -> NotebookNode:
     if known.solution:
         source, was = cell.source, cell.kind
         if known.kind == "markdown":
-            source = harmless(source[:MAX_PROSE])
+            source = source[:MAX_PROSE]
     made = _new(known.kind, source, f"cell-{number}", cell.pictures if known.is_answer else {})
     made.metadata["nbgrader"] = known.metadata()
     made.metadata[ABOUT] = {
@@ -154,7 +134,7 @@ def _plain(cell: Cell, number: int, *, left_out: bool) -> NotebookNode:
         made = _new("code", source, name, {})
         made.metadata[ABOUT] = {"was": cell.kind}
         return made
-    source = "(left out: too long)" if left_out else harmless(cell.source[:MAX_PROSE])
+    source = "(left out: too long)" if left_out else cell.source[:MAX_PROSE]
     return _new("markdown", source, name, cell.pictures)
 
 

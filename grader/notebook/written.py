@@ -6,9 +6,10 @@ import os
 import time
 from pathlib import Path
 
-from grader.course.submission import MAX_SIZE, read_regular_file
+from grader.course.cell import Refused
+from grader.course.submission import MAX_SIZE, open_regular_file, read_regular_file
 from grader.nbgrader.cells import last_definitions
-from grader.nbgrader.intake import Unreadable, read_cells
+from grader.nbgrader.intake import cells_in
 from grader.notebook.cells import MAGIC
 from grader.notebook.show import shell
 
@@ -40,8 +41,9 @@ def newer_cell(path: Path) -> str:
         if notebook.stat().st_mtime <= path.stat().st_mtime:
             return ""
         own = read_regular_file(path, MAX_SIZE).decode("utf-8")
-        cells = [(cell.kind, cell.source) for cell in read_cells(notebook) if cell.kind == "code"]
-    except (OSError, UnicodeDecodeError, Unreadable):
+        with open_regular_file(notebook) as file:  # the student's own, in the student's process
+            cells = [(cell.kind, cell.source) for cell in cells_in(file) if cell.kind == "code"]
+    except (OSError, UnicodeDecodeError, Refused):
         return ""
     texts, _ = last_definitions(cells, [path.name])
     if texts.get(path.name, own) == own:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from grader.link import system
-from grader.report.terminal import MAX_WIDTH, OUTCOMES, is_ascii, printable
+from grader.report.terminal import MAX_WIDTH, OUTCOMES, Console, is_ascii, printable
 
 if TYPE_CHECKING:
     from grader.link.doctor import Diagnosis

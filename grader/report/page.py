@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from grader.report.foreign import readable
 from grader.report.replay import moments_of, replay_payload
-from grader.report.terminal import in_order, readable, render_terminal
+from grader.report.terminal import in_order, render_terminal
 
 if TYPE_CHECKING:
     from grader.recording import Recording

@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import io
 import math
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console as _Console
+from rich.console import ConsoleOptions, RenderableType
 from rich.padding import Padding
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
+
+from grader.report.foreign import readable
 
 Check = Mapping[str, Any]
 Fact = tuple[str, Text, int]  # name, text, the most rows that it may take
@@ -40,24 +43,25 @@ ROWS = 20  # of an 80-column terminal, from the cause to the prompt
 SIGN = 11  # [characters] of a check's sign and word
 SPARED = ("Log", "Change", "Field", "Seen")  # what gives way if there are more, in this order
 
-ESCAPES = re.compile(
-    r"\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)?"  # OSC: window titles, links
-    r"|[\x1b\x9b]\[?[0-?]*[ -/]*[@-~]"  # CSI and two-character sequences
-)
-# C0 and C1 but tab and newline; the bidi controls can make a line read backwards.
-_CONTROLS = re.compile(
-    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069]"
-)
-# More accents than any script stacks would be drawn over the lines above and below.
-_STACKED = re.compile(
-    r"([\u0300-\u036f\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]{4})"
-    r"[\u0300-\u036f\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]+"
-)
+
+class Console(_Console):
+    """A terminal for text that others may have written: all of it becomes `readable`."""
+
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterator[Segment]:
+        """Yield what is printed; only Rich's own sequences move the cursor or set colours."""
+        for segment in super().render(renderable, options):
+            text, style, control = segment
+            if control or (text.isascii() and text.isprintable()):
+                yield segment
+            else:
+                yield Segment(_encodable(readable(text), self), style)
 
 
 def render_terminal(
     grading: Mapping[str, Any],
-    console: Console,
+    console: _Console,
     changed: str = "",
     *,
     everything: bool = False,
@@ -92,7 +96,7 @@ def render_terminal(
         console.print(line, width=width)
 
 
-def render_check(grading: Mapping[str, Any], check: Check, console: Console) -> None:
+def render_check(grading: Mapping[str, Any], check: Check, console: _Console) -> None:
     """Print all that is known of one check, with the cause if it was seen there."""
     width = min(console.width, MAX_WIDTH)
     table = Padding(_table([check], console), (0, 0, 0, 1))
@@ -122,28 +126,25 @@ def printed(grading: Mapping[str, Any], width: int) -> str:
     return "\n".join(lines).replace("\n\n\n", "\n\n") + "\n"
 
 
-def is_ascii(console: Console) -> bool:
+def is_ascii(console: _Console) -> bool:
     """Return whether the terminal shows nothing but ASCII."""
     return not (console.encoding or "utf-8").lower().startswith("utf")
 
 
-def printable(text: Any, console: Console) -> str:
+def printable(text: Any, console: _Console) -> str:
     """Return student text without escape sequences, control and unencodable characters."""
+    return _encodable(plain(text), console)
+
+
+def _encodable(text: str, console: _Console) -> str:
     encoding = console.encoding or "utf-8"
-    return plain(text).encode(encoding, "replace").decode(encoding)
+    return text.encode(encoding, "replace").decode(encoding)
 
 
 def plain(text: Any) -> str:
     """Return student text without escape sequences and control characters, cut to MAX_TEXT."""
     clean = readable(str(text)).expandtabs(4)
     return clean if len(clean) <= MAX_TEXT else clean[: MAX_TEXT - 2].rstrip() + " …"
-
-
-def readable(text: str) -> str:
-    """Return student text without escape sequences, control and bidi characters."""
-    if text.isascii() and text.isprintable():  # as most of it is; a class has 100,000 such texts
-        return text
-    return _STACKED.sub(r"\1", _CONTROLS.sub("", ESCAPES.sub("", text.replace("\r\n", "\n"))))
 
 
 # --- words that notebooks and nbgrader use too ---------------------------------------------------
@@ -294,7 +295,7 @@ def spell_points(points: float) -> str:
 # --- the terminal --------------------------------------------------------------------------------
 
 
-def _heading(grading: Mapping[str, Any], console: Console) -> Text:
+def _heading(grading: Mapping[str, Any], console: _Console) -> Text:
     heading = Text(" ")
     heading.append(printable(grading.get("exercise", ""), console), style="bold")
     for fact in (grading.get("file"), _tier(grading)):
@@ -308,7 +309,7 @@ def _tier(grading: Mapping[str, Any]) -> str:
     return f"tier {grading['tier']}" if grading.get("tier") is not None else ""
 
 
-def _print_tables(checks: Sequence[Check], console: Console, width: int) -> None:
+def _print_tables(checks: Sequence[Check], console: _Console, width: int) -> None:
     for kind in ("core", "field"):
         group = [check for check in checks if check.get("kind", "core") == kind]
         if group:
@@ -317,7 +318,7 @@ def _print_tables(checks: Sequence[Check], console: Console, width: int) -> None
             console.print(Padding(_table(group, console), (0, 0, 0, 1)), width=width)
 
 
-def _print_lines(checks: Sequence[Check], console: Console, width: int) -> None:
+def _print_lines(checks: Sequence[Check], console: _Console, width: int) -> None:
     """Print a line for each failure, and above them what passed and what was not judged."""
     passed = [check for check in checks if check["outcome"] == "pass"]
     skipped = Counter(
@@ -335,7 +336,7 @@ def _print_lines(checks: Sequence[Check], console: Console, width: int) -> None:
             console.print(_line(check, console, width), width=width)
 
 
-def _line(check: Check, console: Console, width: int) -> Text:
+def _line(check: Check, console: _Console, width: int) -> Text:
     """Return a check in one row: sign, task, name, title, points."""
     task = f"task {check['task']}, " if check.get("task") else ""
     said = f"{task}{check.get('id') or ''}: {check['title']}"
@@ -346,13 +347,13 @@ def _line(check: Check, console: Console, width: int) -> Text:
     return first.append(points, style="dim")
 
 
-def _signed(outcome: str, text: str, console: Console) -> Text:
+def _signed(outcome: str, text: str, console: _Console) -> Text:
     sign, ascii_sign, word, style = OUTCOMES.get(outcome, OUTCOMES["error"])
     line = Text(f" {ascii_sign if is_ascii(console) else sign} {word:6}  ", style=style)
     return line.append(text, style="not bold default")
 
 
-def _print_signed(line: Text, console: Console, width: int) -> None:
+def _print_signed(line: Text, console: _Console, width: int) -> None:
     """Print a sign and a text in at most two rows."""
     sign, said = line.divide([SIGN])
     rows = _rows(said, width - SIGN, 2)
@@ -362,7 +363,7 @@ def _print_signed(line: Text, console: Console, width: int) -> None:
 
 def _rows(line: Text, width: int, most: int) -> list[Text]:
     """Return a text in rows, at most so many; the last ends with dots if there would be more."""
-    rows = list(line.wrap(Console(width=width), max(width, 8), overflow="fold"))
+    rows = list(line.wrap(_Console(width=width), max(width, 8), overflow="fold"))
     for row in rows:
         row.rstrip()
     if len(rows) <= most:
@@ -372,7 +373,7 @@ def _rows(line: Text, width: int, most: int) -> list[Text]:
     return [*rows[: most - 1], last.append(" ...")]
 
 
-def _head(check: Check, console: Console) -> Text:
+def _head(check: Check, console: _Console) -> Text:
     task = f"task {check['task']}, " if check.get("task") else ""
     name = f"{task}{check.get('id') or ''}: "
     points = f"  {points_of(check)}" if points_of(check) else ""
@@ -392,7 +393,7 @@ def _last_rows(facts: Iterable[Fact], width: int) -> list[Text]:
 
 
 def _facts_of_score(
-    grading: Mapping[str, Any], console: Console, width: int, changed: str, todo: str
+    grading: Mapping[str, Any], console: _Console, width: int, changed: str, todo: str
 ) -> list[Fact]:
     facts = [("", Text(""), 1), ("Score", _score(grading, console, width), 1)]
     if grading.get("provisional"):
@@ -410,7 +411,7 @@ def _facts_of_score(
     return facts
 
 
-def _facts_of_failure(grading: Mapping[str, Any], first: Check, console: Console) -> list[Fact]:
+def _facts_of_failure(grading: Mapping[str, Any], first: Check, console: _Console) -> list[Fact]:
     known = dict(cause_of(grading))
     said = known.get("cause") or str(first.get("message") or "")
     dies = "cause" in known and bool(first.get("where"))  # the cause has the same words
@@ -452,14 +453,14 @@ def _notes(grading: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _group_title(kind: str, group: Sequence[Check], console: Console) -> Text:
+def _group_title(kind: str, group: Sequence[Check], console: _Console) -> Text:
     title = Text(" ")
     title.append("Core" if kind == "core" else "Field", style="bold")
     title.append(_dot(console) + group_fact(kind, group), style="dim")
     return title
 
 
-def _table(checks: Iterable[Check], console: Console) -> Table:
+def _table(checks: Iterable[Check], console: _Console) -> Table:
     table = Table.grid(padding=(0, 2, 0, 0), expand=True)
     table.add_column(width=8, no_wrap=True)
     table.add_column(ratio=1, overflow="fold")  # Rich's ellipsis is no ASCII
@@ -473,7 +474,7 @@ def _table(checks: Iterable[Check], console: Console) -> Table:
     return table
 
 
-def _title(check: Check, console: Console) -> Text:
+def _title(check: Check, console: _Console) -> Text:
     style = "bold" if check["outcome"] in ("fail", "error") else ""
     title = Text(printable(check["title"], console), style=style)
     if check.get("id"):
@@ -482,7 +483,7 @@ def _title(check: Check, console: Console) -> Text:
     return title
 
 
-def _add_details(table: Table, check: Check, console: Console) -> None:
+def _add_details(table: Table, check: Check, console: _Console) -> None:
     if check.get("message"):
         table.add_row("", Text(printable(check["message"], console)), "")
     facts = Table.grid(padding=(0, 2, 0, 0))
@@ -496,7 +497,7 @@ def _add_details(table: Table, check: Check, console: Console) -> None:
         table.add_row("", "", "")
 
 
-def _score(grading: Mapping[str, Any], console: Console, width: int) -> Text:
+def _score(grading: Mapping[str, Any], console: _Console, width: int) -> Text:
     share = share_of(grading)
     cells = min(40, max(5, width - 34))
     full = round(share * cells)
@@ -508,7 +509,7 @@ def _score(grading: Mapping[str, Any], console: Console, width: int) -> Text:
     return line
 
 
-def _field(grading: Mapping[str, Any], console: Console) -> Text:
+def _field(grading: Mapping[str, Any], console: _Console) -> Text:
     word, rest = field_words(grading)
     line = Text("")
     if word:
@@ -520,5 +521,5 @@ def _passed(checks: Sequence[Check]) -> int:
     return sum(check["outcome"] == "pass" for check in checks)
 
 
-def _dot(console: Console) -> str:
+def _dot(console: _Console) -> str:
     return "  -  " if is_ascii(console) else "  ·  "

@@ -14,6 +14,7 @@ from grader.drive import drive_node, scenario_for
 from grader.errors import GraderError, InputError
 from grader.link.choice import start_launcher
 from grader.link.practice import PracticeServer
+from grader.report.foreign import readable
 from grader.testing.run import Run, write_replays
 from grader.trial.staging import parameter_arguments
 from sim.scenario import Scenario
@@ -84,7 +85,7 @@ class Drive:
             run = Run(recording, str(file))
             self._drives.runs.append(run)
             return run
-        pytest.fail(f"drive: {problem}")
+        pytest.fail(readable(f"drive: {problem}"))
 
     def _scenario(
         self,
@@ -144,6 +145,16 @@ class Drives:
         """End the process."""
         if self._launcher is not None:
             self._launcher.__exit__()
+
+
+def make_readable(report: pytest.TestReport) -> None:
+    """Let a failure say nothing but text to a terminal: it may quote a node's log or exception."""
+    report.sections = [(heading, readable(text)) for heading, text in report.sections]
+    for traceback, crash, _ in getattr(report.longrepr, "chain", ()):
+        for entry in traceback.reprentries:
+            entry.lines = [readable(line) for line in entry.lines]
+        if crash is not None:
+            crash.message = readable(crash.message)
 
 
 def _place(folder: Path, item: pytest.Item) -> Path:

@@ -95,7 +95,10 @@ class Processes:
         """Keep the replays of a failed test, and say where."""
         report = yield
         if self._drives is not None and report.failed:
+            from grader.testing.drives import make_readable  # noqa: PLC0415
+
             report.sections += self._drives.explain(item, self._replays())
+            make_readable(report)
         return report
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:

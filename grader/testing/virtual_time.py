@@ -25,6 +25,7 @@ from grader.link.host_process import HostProcess
 from grader.link.hosts import ForkServer
 from grader.link.pipes import Channel
 from grader.link.scratch import fresh_folder
+from grader.report.foreign import echo, readable
 from grader.trial.endings import GRACE, died_text
 from sim.messages import EPOCH_NS
 
@@ -99,7 +100,7 @@ class _TestLink(Channel):
             problem = f"the test's process said what it can't: {error}"
         said = self.log()
         if self._item.config.getoption("capture", "fd") == "no":
-            sys.stdout.write("".join(f"{line.text}\n" for line in said))
+            echo("".join(f"{line.text}\n" for line in said))
         if problem or not self._reports:
             text = problem or "the test was not found in its own process"
             self._reports.append(_failure(self._item, text))
@@ -187,7 +188,7 @@ def _plain(value: object) -> bool:
 
 
 def _report(item: pytest.Item, text: str) -> pytest.TestReport:
-    data: dict[str, Any] = json.loads(text)
+    data: dict[str, Any] = _readable(json.loads(text))
     hook = item.config.hook
     report: pytest.TestReport = hook.pytest_report_from_serializable(config=item.config, data=data)
     report.nodeid = item.nodeid
@@ -198,9 +199,18 @@ def _report(item: pytest.Item, text: str) -> pytest.TestReport:
     return report
 
 
+def _readable(data: Any) -> Any:
+    """Return what JSON holds, with all its text readable."""
+    if isinstance(data, dict):
+        return {_readable(key): _readable(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [_readable(each) for each in data]
+    return readable(data) if isinstance(data, str) else data
+
+
 def _failure(item: pytest.Item, text: str) -> pytest.TestReport:
     keywords: dict[str, Literal[1]] = dict.fromkeys(item.keywords, 1)
-    return pytest.TestReport(item.nodeid, item.location, keywords, "failed", text, "call")
+    return pytest.TestReport(item.nodeid, item.location, keywords, "failed", readable(text), "call")
 
 
 def _is_theirs(line: str) -> bool:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import nbformat
@@ -12,8 +13,11 @@ from nbconvert.exporters import HTMLExporter
 from nbformat import NotebookNode, v4
 from traitlets.config import Config
 
-from grader.nbgrader import configure
-from grader.nbgrader.offline import MAX_FORMULA
+from grader.course.cell import Refused
+from grader.nbgrader import configure, offline
+from grader.nbgrader.intake import Cell
+from grader.nbgrader.offline import MAX_FORMULA, highlighted, page_of
+from grader.nbgrader.restore import MAX_PROSE, restored
 from grader.notebook.build import source_of
 
 STATIC = Path(nbgrader.__file__).parent / "server_extensions" / "formgrader" / "static"
@@ -117,3 +121,162 @@ def test_an_odd_formula_harms_nobody(render: Render, formula: str) -> None:
         "math", "mi", "mo", "mn", "mrow", "mtext", "mtable", "mtr", "mtd", "mfrac", "p",
     }  # fmt: skip
     assert not re.search(r"<[^>]*(href|onerror|javascript)", shown)
+
+
+# --- what a page would run -----------------------------------------------------------------------
+
+EVIL = [
+    "<script>steal()</script>",
+    "<img src=x onerror=steal()>",
+    "a <b onclick=steal()>b</b>",
+    "<!-- --><svg/onload=steal()>",
+    "[click](javascript:steal())",
+    "[click]( JaVaScRiPt:steal())",
+    "[click]\n(javascript:steal())",
+    "[click](<javascript:steal()>)",
+    "[click](data:text/html,steal())",
+    "[click][x]\n\n[x]: javascript:steal()",
+    "> [x]: javascript:steal()\n\n[x]",
+    "<javascript:steal()>",
+    "![p](https://example.org/steal.png)",
+    "![p][x]\n\n[x]: https://example.org/steal.png",
+    r"$\href{javascript:steal()}{x}$",
+    r"$$\style{position:fixed}{x} \require{html}$$",
+    "\x00[x](javascript:steal())",
+    "]\x00(javascript:steal())",
+    "[attachment](attachment:x)(javascript:steal())",
+    "- [x]: javascript:steal()\n\n[My answer][x]",
+    "> - [x]: javascript:steal()\n\n[My answer][x]",
+    "[a\nb]: javascript:steal()\n\n[My answer][a b]",
+    "[x](vbscript:steal()) [y](//example.org/steal) [z](/logout) [w](\\tjava\nscript:steal())",
+    "![p](/logout) ![q](javascript:steal()) <img src=/logout> <img src=data:image/svg+xml,x>",
+    "<math><mtext><table><mglyph><style><!--</style><img title='--&gt;&lt;img onerror=1&gt;'>",
+    "<svg><p><style><g title='</style><img src=x onerror=steal()>'>",
+    "<form action=/formgrader><input name=x><button>grade</button></form>",
+    "<details open ontoggle=steal()>x</details><video src=x><source onerror=steal()></video>",
+    "<a href='jav&#x09;ascript:steal()'>x</a> <base href=//example.org> <meta http-equiv=refresh>",
+    "<div style='position:fixed;inset:0' class='modal-backdrop' id=toolbar>over the page</div>",
+    "<iframe srcdoc='<script>steal()</script>'></iframe><object data=x></object><embed src=x>",
+    "# toolbar\n\n<h1 id=toolbar>x</h1>",
+    "```x' onmouseover='steal()\ny\n```",
+    "```mermaid\n<script>steal()</script>\n```",
+    "$$x$$<script>steal()</script>$$",
+    "<noscript><p title='</noscript><img src=x onerror=steal()>'>",
+    "<textarea></textarea><img src=x onerror=steal()></textarea>",
+]
+LINKS = re.compile(r"https?://|mailto:|#answer-|data:image/(png|jpeg|gif);base64,")
+LIVE = {
+    "script", "svg", "iframe", "style", "object", "embed", "form", "base", "meta", "input",
+    "button", "link", "video", "source", "textarea", "noscript",
+}  # fmt: skip
+
+
+def live(body: str) -> list[object]:
+    """Return what a browser would run or fetch, or take for the page's own."""
+    page = Page(body)
+    found: list[object] = [tag for tag in page.tags if tag in LIVE]
+    for tag, name, value in page.attributes:
+        odd = {"href": not LINKS.match(value), "src": not value.startswith("data:image/")}
+        odd |= {"style": not value.startswith("text-align"), "id": not value.startswith("answer-")}
+        odd |= {"class": value in ("modal-backdrop", "mermaid")}
+        found += [(tag, name, value)] if name.startswith("on") or odd.get(name) else []
+    return found
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_nothing_that_a_student_writes_runs_in_the_instructors_browser(
+    render: Render, template: str
+) -> None:
+    kinds = ("markdown", "raw", "code")
+    cells = [Cell(kind, f"Before {text}") for text in EVIL for kind in kinds]
+    made = restored([*cells, *(Cell("markdown", text) for text in EVIL)], [])
+    page = render(made, template)
+    for text in EVIL:
+        shown = page_of(text, {}), highlighted(text)
+        assert [live(each) for each in shown] == [[], []], text
+    assert page.count(EVIL[0]) == 0
+    assert "onerror=steal" not in re.sub(r"(?s)<pre>.*?</pre>", "", page)
+
+
+def test_the_test_itself_sees_what_runs() -> None:
+    assert all(live(text) for text in EVIL[:4])
+
+
+PASTED = {
+    "missing": {},
+    "svg": {"image/svg+xml": "PHN2Zy8+"},
+    "webp": {"image/webp": "UklGRg=="},
+    "nothing": {},
+}
+
+
+@pytest.mark.parametrize("name", PASTED)
+def test_a_picture_that_is_missing_or_of_another_kind_is_a_line_of_text(
+    render: Render, name: str
+) -> None:
+    attachments = {f"{name}.x": PASTED[name]} if name != "missing" else {}
+    cell = v4.new_markdown_cell(f"Look: ![plot](attachment:{name}.x)", attachments=attachments)
+    page = render(v4.new_notebook(cells=[cell]), "feedback")
+    assert f"(picture attachment:{name}.x: not shown" in page
+
+
+def test_a_pasted_picture_is_shown(render: Render) -> None:
+    pasted = {"a.png": {"image/png": "iVBORw0KGgo="}}
+    cell = v4.new_markdown_cell("![plot](attachment:a.png)", attachments=pasted)
+    assert 'src="data:image/png;base64,iVBORw0KGgo="' in render(
+        v4.new_notebook(cells=[cell]), "feedback"
+    )
+
+
+def test_honest_text_looks_the_same() -> None:
+    text = (
+        "It is **late** if $a < b$ and x < 3; see [ROS](https://docs.ros.org) or [below](#x).\n\n"
+        "> a quote\n\n| a | b |\n|---|:-:|\n| 1 | `x` |\n\n```python\na[0](1)\n```\n"
+        "<details><summary>Hint</summary>\n\nThis.\n</details>"
+    )
+    page = Page(page_of(text, {}))
+    assert {"strong", "math", "a", "blockquote", "td", "code", "details", "summary"} <= {*page.tags}
+    assert ("a", "href", "https://docs.ros.org") in page.attributes
+    assert ("td", "style", "text-align:center") in page.attributes
+    assert "".join(page.texts).count("x < 3") == 1
+
+
+SLOW = {
+    "brackets": "[" * 50_000,
+    "brackets and links": "[a](" * 25_000,
+    "emphasis": "*a _b " * 16_000,
+    "quotes": ">" * 20_000 + "x",
+    "lists": "".join(f"{' ' * depth}- x\n" for depth in range(400)),
+    "backticks": "".join("`" * n + "x" for n in range(400)),
+    "entities": "&" * 100_000,
+    "tags": "<a " * 30_000,
+    "pictures": "![" * 50_000,
+    "references": "".join(f"[{n}]: x\n" for n in range(8_000)),
+    "tables": "|a" * 30_000 + "\n" + "|-" * 30_000 + "\n",
+    "formulas": "$" * 100_000,
+    "environments": "\\begin{a}" * 10_000,
+    "nested html": "<div>" * 20_000,
+}
+
+
+def test_a_page_of_text_that_takes_long_is_made(
+    render: Render, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(offline, "LIMITS", replace(offline.LIMITS, cpu=1))
+    cells = [v4.new_markdown_cell(text[:MAX_PROSE]) for text in SLOW.values()]
+    page = render(v4.new_notebook(cells=[*cells, v4.new_code_cell("f(" * 20_000)]), "feedback")
+    assert "takes more than 1 s of CPU time" in page
+    assert page.count("shown as it was typed") >= 2
+    with pytest.raises(Refused, match="nested deeper"):
+        page_of("<div>" * 200, {})
+
+
+def test_a_page_of_slow_cells_is_made_all_the_same(
+    render: Render, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(offline, "PAGE", 0.0)
+    cells = [v4.new_markdown_cell("a **b**"), v4.new_markdown_cell("c **d**")]
+    page = render(v4.new_notebook(cells=cells), "feedback")
+    assert "a <strong>b</strong>" in page
+    assert "shown as it was typed: the page takes more than 0 s" in page
+    assert "c **d**" in page

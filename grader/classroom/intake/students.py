@@ -11,7 +11,8 @@ from pathlib import Path
 
 from grader.classroom.intake import notebooks
 from grader.classroom.intake.handed_in import HandedIn, Student
-from grader.errors import InputError, is_disk_full
+from grader.course.cell import Broken, Refused
+from grader.errors import InputError
 from grader.lms import PLATFORMS
 from grader.lms.names import may_enter, student_id, unique
 from grader.lms.people import NOBODY, Roster, folded
@@ -19,13 +20,14 @@ from grader.lms.platform import Entry, Read, SetAside, Who
 from grader.lms.unpack import (
     ARCHIVES,
     MAX_DEPTH,
-    Refused,
     is_archive,
     is_unread_archive,
     unpack,
     unpack_class,
 )
-from grader.nbgrader.intake import Unreadable
+from grader.lms.unpack import (
+    LINK as NO_LINK,
+)
 
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NOTEBOOKS = 50  # of a student that are opened
@@ -87,14 +89,10 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
         )
     try:
         odd = unpack_class(source, room)
+    except Broken as error:
+        raise InputError(f"{source}: a broken archive ({error}); download it again") from None
     except Refused as refused:
         raise InputError(f"{source}: {refused}") from None
-    except Exception as error:
-        if is_disk_full(error):
-            raise
-        raise InputError(
-            f"{source}: a broken archive ({type(error).__name__}); download it again"
-        ) from None
     set_aside += [SetAside(f"{source.name}: {name}", why) for name, why in odd]
     return _unwrapped(room)
 
@@ -259,19 +257,19 @@ def _add_file(student: Student, file: HandedIn, room: Path, set_aside: list[SetA
         return
     try:
         odd = unpack(file.path, room)
+    except Broken as error:
+        student.problems.append(f"{file.name}: a broken archive ({error}); ask for another copy")
+        return
     except Refused as refused:
         student.problems.append(f"{file.name}: {refused}")
         return
-    except Exception as error:  # whatever a malicious file makes zipfile and tarfile raise
-        if is_disk_full(error):  # not the archive's fault, which is limited
-            raise
-        kind = type(error).__name__
-        text = f"{file.name}: a broken archive ({kind}: {str(error)[:200]}); ask for another copy"
-        student.problems.append(" ".join(text.split()))
+    except OSError as error:
+        student.problems.append(f"{file.name}: can't be read ({error.strerror})")
         return
     set_aside += [
         SetAside(f"{file.entry.path.name}: {name}", why, fault=False) for name, why in odd
     ]
+    student.links |= any(why == NO_LINK for _, why in odd)
     if file.entry.who.system == "folder" and _is_class(room):
         student.problems.append(f"{file.name}: {CLASS}")
         return
@@ -287,7 +285,7 @@ def _open_notebooks(student: Student, room: Path) -> None:
     for number, file in enumerate(there[:MAX_NOTEBOOKS]):
         try:
             made = notebooks.node_files(file.path, room / str(number))
-        except Unreadable as error:
+        except Refused as error:
             student.problems.append(f"{file.name}: {error}")
             continue
         student.files += [

@@ -9,9 +9,11 @@ passes local checks and the instructor's; it is not the student's work, which a 
 
 from __future__ import annotations
 
+import contextlib
 import io
 import keyword
 import re
+import sys
 import tokenize
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,6 +23,7 @@ from typing import TypeAlias
 
 import msgspec
 
+from grader.course.cell import Refused, read_in_cell
 from grader.course.exercises import (
     EXERCISES,
     JUDGE,
@@ -31,7 +34,7 @@ from grader.course.exercises import (
 )
 
 RUN = 20  # tokens: shorter matches are chance
-MOST = 50_000  # tokens of a file that are compared; the longest program of the course has 1,323
+MOST = 20_000  # tokens of a student that are compared; the longest program here has 1,323
 LONGEST = 1_000  # [bytes] of a line that are compared: tokenize takes a line's length squared
 SIMILAR = 0.7  # share of the smaller one's runs; the course's own solutions share at most 0.69
 PASTED = 0.35  # share of a file that the checks hold, too; of right solutions at most 0.12
@@ -46,6 +49,7 @@ _LAYOUT = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.ENCODING, t
 _WORDS = frozenset(keyword.kwlist)
 
 Texts: TypeAlias = Mapping[str, Mapping[str, bytes]]  # student: the files by name
+Words: TypeAlias = Mapping[str, Mapping[str, list[str]]]  # student: the files' tokens by name
 Prints: TypeAlias = frozenset[int]
 
 
@@ -84,7 +88,8 @@ def compared(sources: Mapping[tuple[str, str], Mapping[str, bytes]]) -> dict[str
             if each == slug
         }
         given = {file.name: file.read_bytes() for file in sorted((EXERCISES / slug).glob("*.py"))}
-        groups, own = similar_groups(texts, given), own_code(texts, given, slug)
+        words = words_of(texts)
+        groups, own = similar_groups(words, given), own_code(words, given, slug)
         found[slug] = Alike(len(texts), tuple(groups), tuple(own))
     return found
 
@@ -105,28 +110,53 @@ def parts_of(files: Mapping[str, bytes], names: Sequence[str]) -> dict[str, byte
     return {**own, **parts}
 
 
-def similar_groups(texts: Texts, given: Mapping[str, bytes]) -> list[Group]:
+def words_of(texts: Texts) -> dict[str, dict[str, list[str]]]:
+    """Return the tokens of each student's files, in processes of their own.
+
+    Files that can't be read so are compared with nobody's.
+    """
+    found = {}
+    for student, files in texts.items():
+        with contextlib.suppress(Refused):
+            every = read_in_cell(tokens_of, list(files.values()), returns=list[list[str]])
+            found[student] = {
+                name: [sys.intern(word) for word in words]
+                for name, words in zip(files, every, strict=True)
+            }
+    return found
+
+
+def tokens_of(sources: Sequence[bytes]) -> list[list[str]]:
+    """Return the tokens of several files, MOST of all together."""
+    left, found = MOST, []
+    for source in sources:
+        found.append(tokens(source, left))
+        left -= len(found[-1])
+    return found
+
+
+def similar_groups(words: Words, given: Mapping[str, bytes]) -> list[Group]:
     """Return the groups of near-identical submissions to one exercise, the closest first.
 
     The lines of what was `given`, the skeletons, don't count as similar.
     """
     groups = []
-    for file in sorted({name for files in texts.values() for name in files}):
-        words = {student: tokens(files[file]) for student, files in texts.items() if file in files}
-        groups += _groups_of(file, words, prints_of(given.get(file, b"")))
+    for file in sorted({name for files in words.values() for name in files}):
+        mine = {student: files[file] for student, files in words.items() if file in files}
+        groups += _groups_of(file, mine, prints_of(given.get(file, b"")))
     return sorted(groups, key=lambda group: (-group.similarity, group.file, group.students))
 
 
-def own_code(texts: Texts, given: Mapping[str, bytes], exercise: str) -> list[OwnCode]:
+def own_code(words: Words, given: Mapping[str, bytes], exercise: str) -> list[OwnCode]:
     """Return the submissions to an exercise that hold the course's code, the most first."""
     handed_out = Prints().union(*map(prints_of, given.values()))
     checks = _prints([*CHECKS.glob("*.py"), *(JUDGE / exercise).glob("*.py"), *SHARED], handed_out)
     solutions = _prints((SOLUTIONS / exercise).rglob("*.py"), handed_out)
     every = Prints().union(*checks.values())
     found = []
-    for student, files in texts.items():
+    for student, files in words.items():
         for file, text in files.items():
-            own = prints_of(text) - handed_out
+            own = _runs(text) - handed_out
             if len(own) < FEW:
                 continue
             pasted = len(own & every) / len(own)
@@ -139,16 +169,16 @@ def own_code(texts: Texts, given: Mapping[str, bytes], exercise: str) -> list[Ow
     return sorted(found, key=lambda match: (-match.similarity, match.student, match.file))
 
 
-def tokens(source: bytes) -> list[str]:
+def tokens(source: bytes, most: int = MOST) -> list[str]:
     """Return a file's tokens without names and values; its words if it isn't Python."""
     found: list[str] = []
     lines = (line[:LONGEST] for line in io.BytesIO(source))
     try:
-        for token in islice(tokenize.tokenize(lambda: next(lines, b"")), MOST):
+        for token in islice(tokenize.tokenize(lambda: next(lines, b"")), most):
             if token.type not in _LAYOUT:
                 found.append(_word(token))
     except Exception:  # whatever a file makes tokenize raise: LookupError for "coding: rot13"
-        return source.decode("utf-8", "replace").split()[:MOST]
+        return source.decode("utf-8", "replace").split()[:most]
     return found
 
 

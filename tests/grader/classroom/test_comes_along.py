@@ -10,7 +10,12 @@ import pytest
 
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.intake.students import take_in
-from grader.classroom.results.similarity import own_code, parts_of, similar_groups
+from grader.classroom.results.similarity import (
+    own_code,
+    parts_of,
+    similar_groups,
+    words_of,
+)
 from grader.course.exercises import find_exercise
 
 SLUG = "obstacle_avoidance"
@@ -97,6 +102,6 @@ def test_what_lies_in_modules_is_compared(tmp_path: Path) -> None:
     cut = {"setup.py": b"x", f"ann/{FILE}": first, "ann/rest.py": second, "c.yaml": b"x"}
     texts = {"ann": parts_of(cut, [FILE]), "ben": parts_of({FILE: whole}, [FILE])}
 
-    assert [group.students for group in similar_groups(texts, {})] == [("ann", "ben")]
+    assert [group.students for group in similar_groups(words_of(texts), {})] == [("ann", "ben")]
     given = {FILE: (exercise.folder / FILE).read_bytes()}
-    assert "ann" in {match.student for match in own_code(texts, given, SLUG)}
+    assert "ann" in {match.student for match in own_code(words_of(texts), given, SLUG)}

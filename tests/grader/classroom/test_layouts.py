@@ -1,6 +1,8 @@
 """Downloads of learning platforms, with names as they write them and as students spoil them."""
 
 import json
+import os
+import pwd
 import tarfile
 import zipfile
 from pathlib import Path
@@ -171,6 +173,24 @@ def test_the_exchange_of_nbgrader(download: Path, course: str) -> None:
     older = [each for each in intake.set_aside if "older attempt" in each.reason]
     assert len(older) == 1
     assert intake.students[1].files[0].entry.time == "2026-05-03 10:11:12.1 UTC"
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="needs root")
+def test_in_the_exchange_nobody_hands_in_under_anothers_name(download: Path) -> None:
+    put(
+        download,
+        f"inbound/nobody+loop+2026-05-04 10:11:12.1 UTC/{AGENT}",
+        f"inbound/nobody+loop+2026-05-04 12:00:00.1 UTC+later/{AGENT}",
+        f"inbound/bob+loop+2026-05-04 10:11:12.1 UTC/{AGENT}",
+        "outbound/loop/01_loop.ipynb",
+    )
+    for name, uid in (("10:11:12.1 UTC", pwd.getpwnam("nobody").pw_uid), ("later", 12345)):
+        (folder,) = (download / "inbound").glob(f"nobody*{name}")
+        os.chown(folder, uid, uid)
+    intake = taken(download)
+    assert set(graded(intake)) == {"nobody", "bob"}
+    assert "10:11" in graded(intake)["nobody"]
+    assert [reason.split(",")[0] for reason in faults(intake).values()] == ["belongs to user 12345"]
 
 
 def test_collected_work_of_nbgrader(download: Path) -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader.classroom.results.similarity import own_code
+from grader.classroom.results.similarity import own_code, words_of
 from grader.course.exercises import ROOT, Exercise, all_exercises
 
 NODE = b"""
@@ -35,7 +35,7 @@ def test_right_solutions_hold_no_checks(exercise: Exercise) -> None:
         path.stem: {exercise.files[0]: path.read_bytes()}
         for path in (exercise.solutions / "variants").glob("*.py")
     }
-    found = own_code(texts, given(exercise), exercise.slug)
+    found = own_code(words_of(texts), given(exercise), exercise.slug)
     assert [match for match in found if match.source.startswith("grader/")] == []
 
 
@@ -46,7 +46,7 @@ def test_a_pasted_oracle_is_told_of(number: int) -> None:
     pasted = oracle.read_bytes().replace(b"scan", b"reading") + NODE
     texts = {"ada": {exercise.files[0]: pasted}, "ben": given(exercise)}
 
-    (match,) = own_code(texts, given(exercise), exercise.slug)
+    (match,) = own_code(words_of(texts), given(exercise), exercise.slug)
     assert match.student == "ada"
     assert match.source == oracle.relative_to(ROOT).as_posix()
     assert match.similarity > 0.5
@@ -55,5 +55,7 @@ def test_a_pasted_oracle_is_told_of(number: int) -> None:
 def test_a_copied_reference_is_told_of() -> None:
     exercise = all_exercises()[2]
     reference = (exercise.solutions / exercise.files[0]).read_bytes().replace(b"self.", b"this.")
-    found = own_code({"ada": {exercise.files[0]: reference}}, given(exercise), exercise.slug)
+    found = own_code(
+        words_of({"ada": {exercise.files[0]: reference}}), given(exercise), exercise.slug
+    )
     assert [match.source for match in found] == [f"solutions/{exercise.slug}/{exercise.files[0]}"]

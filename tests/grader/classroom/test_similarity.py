@@ -13,6 +13,7 @@ from grader.classroom.results.similarity import (
     MOST,
     similar_groups,
     tokens,
+    words_of,
 )
 
 # --- similar submissions ------------------------------------------------------------------------
@@ -32,11 +33,11 @@ def test_renaming_hides_nothing_and_the_skeleton_is_no_similarity() -> None:
         "chen": {"a.py": other},
         "dan": {"a.py": original + b"\n" + other[: len(other) // 9]},
     }
-    groups = similar_groups(texts, {})
+    groups = similar_groups(words_of(texts), {})
     assert [group.students for group in groups] == [("ada", "ben", "dan")]
     assert groups[0].similarity == 1.0
     del texts["dan"]  # what he added is a part of chen's
-    assert similar_groups(texts, {"a.py": original}) == []
+    assert similar_groups(words_of(texts), {"a.py": original}) == []
 
 
 def test_the_courses_own_solutions_are_not_similar() -> None:
@@ -44,14 +45,14 @@ def test_the_courses_own_solutions_are_not_similar() -> None:
     files = [folder / "obstacle_avoidance_agent.py", *sorted(folder.glob("variants/*.py"))]
     texts = {file.stem: {"a.py": file.read_bytes()} for file in files}
     assert len(texts) > 5
-    assert similar_groups(texts, {}) == []
+    assert similar_groups(words_of(texts), {}) == []
 
 
 def test_what_half_the_class_has_is_common_ground() -> None:
     shared = classes.program(3)
     texts = {f"s{i}": {"a.py": shared + classes.program(100 + i)[17:]} for i in range(12)}
-    assert similar_groups(texts, {}) == []
-    assert len(similar_groups(dict(list(texts.items())[:2]), {})) <= 1
+    assert similar_groups(words_of(texts), {}) == []
+    assert len(similar_groups(words_of(dict(list(texts.items())[:2])), {})) <= 1
 
 
 def test_a_line_without_end_takes_no_time() -> None:
