@@ -34,7 +34,7 @@ from types import (
 from typing import Any
 
 from . import hints
-from .plain_words import plain_words
+from .plain_words import field_of, plain_words
 
 MAX_FRAMES = 4
 MAX_VALUES = 6  # of a frame
@@ -147,7 +147,24 @@ def _advice(error: BaseException, place: str, own: list[Line]) -> str:
         return FIT if " contains " not in str(error) else plain_words(error)
     if own and "NoneType" in str(error) and ".result()" in _lines_before(*own[-1]):
         return NO_RESULT
-    return _surroundings(error) or plain_words(error)
+    line = _lines_before(*own[-1], count=0) if own else ""
+    space = own[-1][0].f_locals if own else {}
+    nothing = _nothing(error, *own[-1]) if own else ""
+    return _surroundings(error) or nothing or field_of(error, space) or plain_words(error, line)
+
+
+def _nothing(error: BaseException, frame: FrameType, line: int) -> str:
+    """Say what is None in a line, where that is what an operator met."""
+    if not isinstance(error, TypeError) or "NoneType" not in str(error):
+        return ""
+    values = _values(frame, _lines_before(frame, line, count=0))
+    names = [name for value in values for name, _, is_ in [value.partition(" = ")] if is_ == "None"]
+    if len(names) != 1 or "not callable" in str(error):
+        return ""
+    return (
+        f"{names[0]} is None here: ask `if {names[0]} is None` before. If it never should be, does "
+        "what made it `return` a value on every path, and has the first message come?"
+    )
 
 
 def _advice_on_service(said: str) -> str:
