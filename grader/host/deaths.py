@@ -48,6 +48,7 @@ RCLPY = ("rclpy", "executors.py")
 NAMES = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 BUILT_IN = re.compile(r"<built-in method (\w+) of [^<>]*>")
+SIGNATURES = " The following argument types are supported:"  # of C++, pages of them
 SILENT = (ModuleType, FunctionType, MethodType, type, CodeType)
 MISSING = object()
 NO_RESPONSE = "a service's callback has to end with `return response`, on every path"
@@ -357,7 +358,7 @@ def _said(error: BaseException) -> str:
         text = "".join(traceback.format_exception_only(error))
     except Exception:
         text = type(error).__name__
-    return readable(" ".join(text.split()))[:MAX_SAID]
+    return readable(" ".join(text.split()).partition(SIGNATURES)[0])[:MAX_SAID]
 
 
 def readable(text: str) -> str:

@@ -127,7 +127,7 @@ def _hiding(file: PurePath) -> str:
 def missing_package(name: str) -> str:
     """Say where a module of ROS that is not installed comes from; "" if it isn't one of ROS."""
     if name in OF_ROS_1:
-        return f"{name} belongs to ROS 1; in ROS 2 it is {OF_ROS_1[name]}"
+        return f"`{name}` belongs to ROS 1; in ROS 2 it is {OF_ROS_1[name]}"
     if name in INSTEAD:
         return ""  # it is said by `plain_words`
     if name in ONLY_APT:

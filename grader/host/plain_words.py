@@ -273,6 +273,8 @@ def _words(error: BaseException, line: str) -> str:
 
 def words_for(names: Sequence[str], text: str) -> str:
     """Return what to try, by the names of an exception's classes and its text."""
+    if said := rule_for(tuple(names), text, text):
+        return said
     for name, fits, advice in FITS:
         if name in names and fits.search(text):
             return advice

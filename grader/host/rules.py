@@ -52,8 +52,8 @@ WRONG_ORDER = (  # of arguments; what Python says of them
 )
 
 OWNED = (
-    "\\1 is a name of Node's own: give yours another, such as self.my_\\1 (Node also owns "
-    "executor, handle, context, publishers, subscriptions, timers, services and clients)"
+    "a Node has a \\1 of its own: give yours another name, such as self.my_\\1 (executor, handle, "
+    "context, publishers, subscriptions, timers, services and clients are the Node's)"
 )
 RCLPY_IN_ROS_1 = {  # name: what became of it
     "init_node": "rclpy.init(), then a class that is a Node: super().__init__('my_node')",
@@ -104,7 +104,7 @@ RULES = (
     Rule("TypeError", r"^Expected <class .*got <class '[\w.]*\.Metaclass_(\w+)'>", "",
          "\\1 is the class; \\1() is a message: publish one that you made", NODES),
     Rule("TypeError", r"'property' object is not iterable", r"\b(spin|spin_once|add_node)\s*\(",
-         "spin takes a node, not its class: node = MyNode(), then rclpy.spin(node)", API),
+         "spin() takes a node, not its class: node = MyNode(), then rclpy.spin(node)", API),
     Rule("TypeError", r"^spin(?:_once)?\(\) missing .*'node'", "",
          "there is no global node in ROS 2: node = MyNode(), then rclpy.spin(node)", MIGRATION),
     Rule("NotImplementedError", r"Service classes can not be instantiated", "",
@@ -127,10 +127,10 @@ RULES = (
          "queue_size is ROS 1's: in ROS 2 the depth is the last argument, as in "
          "create_publisher(Twist, '/cmd_vel', 10)", MIGRATION),
     Rule("TypeError", r"unexpected keyword argument 'latch'", "",
-         "latch is ROS 1's: in ROS 2 a QoSProfile(depth=1, durability="
+         "there was a latch in ROS 1: in ROS 2 a QoSProfile(depth=1, durability="
          "DurabilityPolicy.TRANSIENT_LOCAL) takes the depth's place", MIGRATION),
     Rule("TypeError", r"unexpected keyword argument '(tcp_nodelay|buff_size|anonymous|oneshot)'",
-         "", "\\1 is ROS 1's, and ROS 2 has none: leave it out", MIGRATION),
+         "", "ROS 1 alone has \\1: leave it out", MIGRATION),
     # time
     Rule("AttributeError", r"'(Time|Duration)' object has no attribute '(?:to_n?secs?|secs|nsecs|"
          r"toSec|seconds)' \(a message\)", "",
@@ -151,9 +151,10 @@ RULES = (
     Rule("TypeError", r"Duration\.__init__\(\) takes 1 positional", "",
          "name its unit: Duration(seconds=0.5)", TIMES),
     Rule("TypeError", r"'int' object is not callable", r"\.nanoseconds\s*\(",
-         "nanoseconds is no method: leave its brackets out", TIMES),
+         "it is no method: leave the brackets after nanoseconds out", TIMES),
     Rule("AttributeError", r"'Header' object has no attribute '(seq)'", "",
-         "seq was ROS 1's: a header has stamp and frame_id; count messages yourself", MIGRATION),
+         "a header has stamp and frame_id, and no seq as in ROS 1: count messages yourself",
+         MIGRATION),
     # parameters
     Rule("TypeError", r"ParameterValue", "",
          "get_parameter_value() holds a field for each type: .double_value, .integer_value, …; "
@@ -171,11 +172,15 @@ RULES = (
     Rule("TypeError", r"'Future'", "", "this is a future, not yet the answer: future.result() is, "
          "in a function given to future.add_done_callback(…)", DEADLOCKS),
     Rule("RuntimeError", r"no (running|current) event loop", "",
-         "rclpy runs callbacks without a loop of asyncio, so nothing of asyncio works in them: let "
-         "a thread do the slow work, such as ThreadPoolExecutor(1).submit(…), or a timer", ASYNC),
+         "callbacks of rclpy run without a loop of asyncio, so nothing of asyncio works in them: "
+         "let a thread do the slow work, such as ThreadPoolExecutor(1).submit(…), or a timer",
+         ASYNC),
     Rule("TypeError", r"coroutine", "",
          "a function with async def returns a coroutine: await it, in an async def, or make it a "
          "plain def", ASYNC),
+    Rule("AttributeError", r"'numpy.ndarray' object has no attribute 'keys'", "",
+         "a session takes a dict of its inputs: session.run(None, {name: array}), with the name of "
+         "session.get_inputs()[0]", "https://onnxruntime.ai/docs/api/python/api_summary.html"),
     # messages
     Rule("TypeError", r"^'(\w+)' object is not (?:iterable|subscriptable)|"
          r"^object of type '(?:\w+)' has no len", r"\bscan\b(?!\.)",
@@ -184,7 +189,7 @@ RULES = (
     Rule("TypeError", r"RcutilsLogger\.\w+\(\) takes 2 positional arguments|rclpy_logging_rcutils",
          "", "a logger takes one text: info(f'speed {speed:.2f}')", NODES),
     Rule("TypeError", r"Publisher\.publish\(\) takes 2 positional", "",
-         "publish takes one message: make it, fill its fields, publish it", NODES),
+         "publish() takes one message: make it, fill its fields, publish it", NODES),
     Rule("AttributeError", r"has no attribute 'get_num_connections'", "",
          "in ROS 2 it is get_subscription_count()", MIGRATION),
     # Python
@@ -208,7 +213,7 @@ RULES = (
          "it belongs to math: `import math`, then math.…", PYTHON),
     Rule("NameError", r"name '(raw_input|xrange|unicode|unichr|long)'", "",
          "\\1 is Python 2's: input, range, str, chr and int took its place", PYTHON),
-    Rule("NameError", r"name 'rospy'", "", "rospy is ROS 1's; in ROS 2 it is rclpy", MIGRATION),
+    Rule("NameError", r"name 'rospy'", "", "that is ROS 1; in ROS 2 it is rclpy", MIGRATION),
     Rule("NameError", r"name '(math|time|threading|json|random|statistics|rclpy|os|sys)'", "",
          "an import is missing: import \\1", PYTHON),
     Rule("NameError", r"name 'np'", "", "an import is missing: import numpy as np", PYTHON),
@@ -267,7 +272,7 @@ def wait_for_good(line: str) -> str:
 def of_ros_1(owner: str, name: str) -> str:
     """Say what became of a name that was ROS 1's; `owner`: "rclpy" or "Node"."""
     if owner == "rclpy" and name in RCLPY_IN_ROS_1:
-        return f"{name} is rospy's; in ROS 2 it is {RCLPY_IN_ROS_1[name]}"
+        return f"rospy.{name} was ROS 1; in ROS 2 it is {RCLPY_IN_ROS_1[name]}"
     if owner == "Node" and name in NODE_IN_ROS_1:
         return f"in ROS 2 it is self.{NODE_IN_ROS_1[name]}{' ' + name if name == 'publish' else ''}"
     return ""

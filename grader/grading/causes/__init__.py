@@ -7,8 +7,9 @@ that fits is given, and none where there is no evidence:
 2. `commands`: there are none, or they are garbage, backwards, in a wrong field, too seldom.
 3. `exercise`: what the exercise's own `causes.py` sees, such as the beams that a node reacts to.
 4. `rhythm`: bursts of commands, early and late ones, two for each scan.
-5. `own_words`: an error of Python's that the node logs again and again.
-6. `commands` again: the node only ever stands, and its log or its model shows more.
+5. `answers`: late by a scan, silent where nothing is new, kept, filtered, from two publishers.
+6. `own_words`: an error of Python's that the node logs again and again.
+7. `commands` again: the node only ever stands, and its log or its model shows more.
 
 It explains; it never decides anything.
 """
@@ -18,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from grader.course.exercises import Exercise
+from grader.grading.causes.answers import cause_of_answers
 from grader.grading.causes.cause import Cause, Failed
 from grader.grading.causes.commands import cause_of_commands, cause_of_standing
 from grader.grading.causes.ends import cause_of_end
@@ -33,6 +35,7 @@ LOOKS = (
     cause_of_commands,
     cause_of_exercise,
     cause_of_rhythm,
+    cause_of_answers,
     logged_error,
     cause_of_standing,
 )

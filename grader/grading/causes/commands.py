@@ -63,7 +63,7 @@ def cause_of_standing(_: Exercise, failed: Sequence[Failed], trials: ByName) -> 
     recording = trials.get(failed[0].scenario or "")
     if recording is None or not len(recording.twists().t):
         return None
-    text = _why_it_stands(recording) if never_moves(trials) else _unmoved(recording)
+    text = (never_moves(trials) and _why_it_stands(recording)) or _unmoved(recording)
     return _cause(text, failed) if text else None
 
 
@@ -101,8 +101,8 @@ def _unmoved(recording: Recording) -> str:
         return ""
     return (
         f"every command is {speeds[0]:.2f} m/s, and the model says {min(said):.2f} to "
-        f"{max(said):.2f} m/s. Is its answer used, and is it clipped to both sides: "
-        "min(max(speed, 0.0), self.max_speed)?"
+        f"{max(said):.2f} m/s. Is its answer used, is it clipped to both sides, "
+        "min(max(speed, 0.0), self.max_speed), and not cut by int(…)?"
     )
 
 
