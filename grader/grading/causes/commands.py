@@ -24,6 +24,7 @@ STEADY = 0.01  # of a period
 FEW = 3  # commands, to see a period
 LEAST = 6  # predictions, to see that they differ
 APART = 0.1  # [m/s]
+SLOW = 0.05  # [m/s] and below says nothing
 ROBOTS_OWN = (0, 5)  # linear.x and angular.z
 
 NO_FEATURES = (
@@ -63,6 +64,8 @@ def cause_of_standing(_: Exercise, failed: Sequence[Failed], trials: ByName) -> 
     recording = trials.get(failed[0].scenario or "")
     if recording is None or not len(recording.twists().t):
         return None
+    if text := _cut(trials):
+        return _cause(text, failed)
     text = (never_moves(trials) and _why_it_stands(recording)) or _unmoved(recording)
     return _cause(text, failed) if text else None
 
@@ -103,6 +106,26 @@ def _unmoved(recording: Recording) -> str:
         f"every command is {speeds[0]:.2f} m/s, and the model says {min(said):.2f} to "
         f"{max(said):.2f} m/s. Is its answer used, is it clipped to both sides, "
         "min(max(speed, 0.0), self.max_speed), and not cut by int(…)?"
+    )
+
+
+def _cut(trials: ByName) -> str:
+    """Every prediction between 0 and 1 becomes 0."""
+    pairs = []
+    for run in trials.values():
+        commands = run.twists()
+        for each in run.inferences:
+            at = int(np.searchsorted(commands.t, each.answered / 1e9 - STEADY))
+            if not each.is_load and len(each.said) == 1 and at < len(commands.t):
+                pairs.append((each.said[0], float(commands.linear_x[at])))
+    telling = [said for said, speed in pairs if SLOW < said < 1.0 and abs(speed) <= ZERO]
+    kept = [said for said, speed in pairs if SLOW < said < 1.0 and abs(speed) > ZERO]
+    if len(telling) < LEAST or kept or np.ptp(telling) <= APART:
+        return ""
+    return (
+        f"the model says {min(telling):.2f} to {max(telling):.2f} m/s, and each of these "
+        f"{len(telling)} times the command is 0.00 m/s. Is its answer cut to a whole number by "
+        "int(…) or //? Is it used at all? float(prediction[0]) keeps the decimals."
     )
 
 

@@ -14,6 +14,7 @@ from grader.host.plain_words import words_for
 from grader.link.log import LogLine
 
 OFTEN = 3  # times in a trial: once may be a model of ours that raises
+AT_ONCE = 0.05  # [s]
 MAX_LINE = 240  # [characters]
 # What a slip leads to
 SLIPS = re.compile(
@@ -41,6 +42,13 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
             seen = f"The node logs this error {times} times in {check.scenario}: {line}"
             same = [c.id for c in failed if _slips(_log_of(c, trials))[text] >= OFTEN]
             return Cause(seen + _advice(text), check.kind, explains=tuple(same), check=check.id)
+    for line in log:  # once, but just when it failed
+        if check.time is None or abs(line.t - check.time) > AT_ONCE or not _slips([line]):
+            continue
+        if advice := _advice(line.text):
+            seen = f"At {line.t:.2f} s, where the check failed, the node logs: "
+            text = f"{seen}{' '.join(line.text.split())[:MAX_LINE]}{advice}"
+            return Cause(text, check.kind, explains=(check.id,), check=check.id)
     return None
 
 
