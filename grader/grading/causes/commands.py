@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from grader.checks.ahead import front_distance
 from grader.checks.commands import FIELDS, ZERO
 from grader.course.exercises import Exercise
 from grader.exercises import contract_of
@@ -24,6 +25,7 @@ STEADY = 0.01  # of a period
 FEW = 3  # commands, to see a period
 LEAST = 6  # predictions, to see that they differ
 APART = 0.1  # [m/s]
+FAR = 1.5  # [m]
 SLOW = 0.05  # [m/s] and below says nothing
 ROBOTS_OWN = (0, 5)  # linear.x and angular.z
 
@@ -86,6 +88,8 @@ def _why_it_stands(recording: Recording) -> str:
         seen = f"every command is zero, and the node's log says {times}: “{quoted}”."
         if words:
             return f"{seen} Perhaps: {words}."
+        if not recording.inferences and (free := _free(recording)):
+            return f"{seen} {free}"
         return seen if asks or not recording.inferences else f"{seen} {NO_FEATURES}"
     if asks or not recording.inferences:
         return ""
@@ -93,6 +97,19 @@ def _why_it_stands(recording: Recording) -> str:
         "every command is zero, and the node never asks its model, though it has loaded it. Is the "
         "model kept in an attribute (self.model = …), is a thread that should ask it started "
         "(start()), and does the callback get as far as predict?"
+    )
+
+
+def _free(recording: Recording) -> str:
+    """Say that a node stands that sees a free way."""
+    ahead = [front_distance(scan) for scan in recording.scans()]
+    far = sum(distance is not None and distance > FAR for distance in ahead)
+    if far < LEAST:
+        return ""
+    return (
+        f"{far} of the {len(ahead)} scans have readings ahead, and none nearer than {FAR:g} m. "
+        "Does an `except` hide an error of its own (let it through once, and see), or does a "
+        "comparison leave good readings out?"
     )
 
 
