@@ -163,7 +163,7 @@ def _nothing(error: BaseException, frame: FrameType, line: int) -> str:
     if len(names) != 1 or "not callable" in str(error):
         return ""
     return (
-        f"{names[0]} is None here: ask `if {names[0]} is None` before. If it never should be, does "
+        f"here {names[0]} is None: ask `if {names[0]} is None` before. If it never should be, does "
         "what made it `return` a value on every path, and has the first message come?"
     )
 
