@@ -81,7 +81,9 @@ def _rows(cases: Sequence[Case]) -> tuple[str, list[Row]]:
     rows = []
     for case in sorted((case for case in cases if name in case.allowed), key=lambda case: case.at):
         said, allowed = case.said.get(name), case.allowed[name]
-        one = allowed[0][0] if len(allowed) == 1 and allowed[0][0] == allowed[0][1] else math.nan
+        one = math.nan
+        if not isinstance(allowed, frozenset) and len({n for pair in allowed for n in pair}) == 1:
+            one = allowed[0][0]
         rows.append(Row(case, float(said) if isinstance(said, float | int) else math.nan, one))
     return name, rows
 

@@ -58,12 +58,12 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
             seen = f"The node logs this error {times} times in {check.scenario}: {line}"
             same = [c.id for c in failed if _slips(_log_of(c, trials))[text] >= OFTEN]
             return Cause(seen + _advice(text), check.kind, explains=tuple(same), check=check.id)
-    for line in log:  # once, but just when it failed
-        if check.time is None or abs(line.t - check.time) > AT_ONCE or not _slips([line]):
+    for said in log:  # once, but just when it failed
+        if check.time is None or abs(said.t - check.time) > AT_ONCE or not _slips([said]):
             continue
-        if advice := _advice(line.text):
-            seen = f"At {line.t:.2f} s, where the check failed, the node logs: "
-            text = f"{seen}{' '.join(line.text.split())[:MAX_LINE]}{advice}"
+        if advice := _advice(said.text):
+            seen = f"At {said.t:.2f} s, where the check failed, the node logs: "
+            text = f"{seen}{' '.join(said.text.split())[:MAX_LINE]}{advice}"
             return Cause(text, check.kind, explains=(check.id,), check=check.id)
     return None
 
