@@ -23,6 +23,7 @@ from grader.cli import (
     release,
     report,
     search,
+    why,
 )
 from grader.cli.results import FAULT, LESS
 from grader.errors import GraderError, InputError
@@ -42,6 +43,7 @@ for _command in (
     begin.start,
     grade.grade,
     begin.next_,
+    why.why,
     drive.drive,
     search.search,
     delay.delay,

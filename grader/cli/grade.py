@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,6 +12,9 @@ from grader.cli.results import JSON_STDOUT, check_writable, show
 from grader.cli.start import portable_option, start_forkserver
 from grader.course.students import Seed
 from grader.errors import InputError
+
+if TYPE_CHECKING:
+    from grader.grading.grading import Grading
 
 EXAMPLES = """\b
 Examples:
@@ -34,6 +38,7 @@ Examples:
 @click.option("--json", "json_", metavar="PATH|-", help="Write the result as JSON; -: to stdout.")
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML report.")
 @click.option("--bags", type=click.Path(path_type=Path), help="Save every trial as a bag here.")
+@click.option("--all", "everything", is_flag=True, help="Print the details of every check.")
 @portable_option
 def grade(
     exercise: str,
@@ -47,6 +52,7 @@ def grade(
     json_: str | None,
     report: Path | None,
     bags: Path | None,
+    everything: bool,
     portable: bool,
 ) -> int:
     """Grade a node: EXERCISE by name or number, FILE or a FOLDER that holds it, or a package.
@@ -77,8 +83,9 @@ def grade(
 
     waiting = Waiting(f"Exercise {chosen.number}, {file.name}", quiet=json_ == JSON_STDOUT)
     with waiting, start_forkserver(chosen.libraries, portable=portable) as forkserver:
-        from grader.grading.attempts import since_last  # noqa: PLC0415
+        from grader.grading.attempts import keep, since_last  # noqa: PLC0415
         from grader.grading.grading import grade_submission  # noqa: PLC0415
+        from grader.grading.onward import shown  # noqa: PLC0415
 
         grading = grade_submission(
             chosen,
@@ -93,7 +100,19 @@ def grade(
             on_progress=waiting,
         )
     changed = since_last(grading, file) if vary is None and tier == 1 else ""  # the same worlds
-    return show(grading, json_, report, changed)
+    keep(grading.as_dict())
+    todo = _todo(grading, f"{chosen.number} {shown(file)}")
+    return show(grading, json_, report, changed, everything=everything, todo=todo)
+
+
+def _todo(grading: Grading, what: str) -> str:
+    """Return what to type next."""
+    from grader.report.terminal import first_failure  # noqa: PLC0415
+
+    first = first_failure(grading.as_dict())
+    if first is None:
+        return "course next"
+    return f"course why CHECK says more; course grade {what} --only {first['id']}"
 
 
 def _student_key(student: str | None, secret: Path | None, slug: str, seed: int | None) -> str:

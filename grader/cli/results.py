@@ -36,10 +36,19 @@ def check_writable(report: Path | None, json_: str | None = None) -> None:
             target.unlink()
 
 
-def show(grading: Grading, json_: str | None, report: Path | None, changed: str = "") -> int:
+def show(
+    grading: Grading,
+    json_: str | None,
+    report: Path | None,
+    changed: str = "",
+    *,
+    everything: bool = False,
+    todo: str = "",
+) -> int:
     """Print a grading, write its JSON and its report, and return the exit code.
 
-    `changed`: what changed since the last attempt; it is printed, and in no file.
+    `changed`: what changed since the last attempt; it is printed, and in no file; `everything`:
+    each check with its details; `todo`: what to type next.
     """
     from grader.report.page import json_text, render_terminal  # noqa: PLC0415
 
@@ -49,7 +58,7 @@ def show(grading: Grading, json_: str | None, report: Path | None, changed: str 
     else:
         from grader.report.terminal import Console  # noqa: PLC0415
 
-        render_terminal(result, Console(), changed)
+        render_terminal(result, Console(), changed, everything=everything, todo=todo)
     if json_ and json_ != JSON_STDOUT:
         Path(json_).write_text(json_text(result), "utf-8")
     if report is not None:

@@ -1,4 +1,4 @@
-"""What changed since the last attempt: a small file in the user's state folder knows what passed.
+"""What changed since the last attempt, and the last grading: small files in the state folder.
 
 It is for the student's eyes only: no grading depends on it, and no result file quotes it. Nothing
 about it is ever an error: where it can't be read or written, nothing is said.
@@ -10,7 +10,9 @@ import contextlib
 import os
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import click
 import msgspec
@@ -21,7 +23,9 @@ from grader.grading.grading import Grading
 from grader.grading.plugin import PASS, UNJUDGED
 
 FOLDER, FILE = "rclpy-agents-course", "attempts.json"
+LAST = "last.json"  # the newest grading, for `course why`
 MAX_BYTES = 128 * 1024
+MAX_LAST = 4 * 1024 * 1024
 MAX_FILES = 60  # the oldest go
 MAX_NAMES = 8  # of checks in a line
 
@@ -87,6 +91,22 @@ def since_last(grading: Grading, file: Path) -> str:
     )
 
 
+def keep(result: Mapping[str, Any]) -> None:
+    """Remember a grading (its JSON object), in place of the one before."""
+    with contextlib.suppress(OSError, ValueError, TypeError):
+        content = msgspec.json.encode(result)
+        if len(content) <= MAX_LAST:
+            _replace(history().with_name(LAST), content)
+
+
+def last_grading() -> dict[str, Any] | None:
+    """Return the newest grading's JSON object; None if there is none that can be read."""
+    with contextlib.suppress(OSError, ValueError, RecursionError):
+        content = read_regular_file(history().with_name(LAST), MAX_LAST)
+        return msgspec.json.decode(content, type=dict[str, Any])
+    return None
+
+
 def _names(names: list[str]) -> str:
     more = len(names) - MAX_NAMES
     return ", ".join(names[:MAX_NAMES]) + (f" and {more} more" if more > 0 else "")
@@ -109,10 +129,13 @@ def _write(path: Path, attempts: dict[str, Passed]) -> None:
         It can't be written.
     """
     content = msgspec.json.encode(_History(attempts))
-    if len(content) > MAX_BYTES:
-        return
+    if len(content) <= MAX_BYTES:
+        _replace(path, content)
+
+
+def _replace(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    fd, name = tempfile.mkstemp(prefix=FILE, dir=path.parent)
+    fd, name = tempfile.mkstemp(prefix=path.name, dir=path.parent)
     try:
         with os.fdopen(fd, "wb") as file:
             file.write(content)

@@ -40,7 +40,7 @@ from grader.trial.progress import OnProgress, ignore
 from grader.trial.trials import NodeTrials, TrialFault, Trials
 
 ATTEMPTS = 2
-SEE_CAUSE = "See the cause, above all checks."
+SEE_CAUSE = "See the cause."
 REPORTED_PACKAGES = (
     "ros-jazzy-rclpy", "numpy", "pymunk", "rosbags", "pytest",
     "scikit-learn", "onnxruntime", "torch", "keras",

@@ -24,7 +24,7 @@ def onward(exercise: Exercise | None = None) -> list[str]:
     passed = attempts()[now.slug, file]
     checks = grade(now, SavedTrials([]), file=file.name, field=True).checks
     core = [check for check in checks if check.kind != "field"]
-    where = _shown(file)
+    where = shown(file)
     failed = [check for check in core if passed.get(check.id) is False]
     if left := failed + [check for check in core if check.id not in passed]:
         return _still(now, where, left, len(core))
@@ -63,7 +63,7 @@ def _another(every: Sequence[Exercise], now: Exercise) -> list[str]:
     return [f"Or go on: {later[0].title}.", f"  course start {later[0].number}"]
 
 
-def _shown(file: Path) -> str:
+def shown(file: Path) -> str:
     """Return a path as short as it can be typed from here."""
     here = Path.cwd()
     shown = str(file.relative_to(here)) if file.is_relative_to(here) else str(file)

@@ -34,7 +34,7 @@ from types import (
 from typing import Any
 
 from . import hints
-from .plain_words import plain_words
+from .plain_words import field_of, plain_words
 
 MAX_FRAMES = 4
 MAX_VALUES = 6  # of a frame
@@ -48,6 +48,7 @@ RCLPY = ("rclpy", "executors.py")
 NAMES = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 BUILT_IN = re.compile(r"<built-in method (\w+) of [^<>]*>")
+SIGNATURES = " The following argument types are supported:"  # of C++, pages of them
 SILENT = (ModuleType, FunctionType, MethodType, type, CodeType)
 MISSING = object()
 NO_RESPONSE = "a service's callback has to end with `return response`, on every path"
@@ -147,7 +148,24 @@ def _advice(error: BaseException, place: str, own: list[Line]) -> str:
         return FIT if " contains " not in str(error) else plain_words(error)
     if own and "NoneType" in str(error) and ".result()" in _lines_before(*own[-1]):
         return NO_RESULT
-    return _surroundings(error) or plain_words(error)
+    line = _lines_before(*own[-1], count=0) if own else ""
+    space = own[-1][0].f_locals if own else {}
+    nothing = _nothing(error, *own[-1]) if own else ""
+    return _surroundings(error) or nothing or field_of(error, space) or plain_words(error, line)
+
+
+def _nothing(error: BaseException, frame: FrameType, line: int) -> str:
+    """Say what is None in a line, where that is what an operator met."""
+    if not isinstance(error, TypeError) or "NoneType" not in str(error):
+        return ""
+    values = _values(frame, _lines_before(frame, line, count=0))
+    names = [name for value in values for name, _, is_ in [value.partition(" = ")] if is_ == "None"]
+    if len(names) != 1 or "not callable" in str(error):
+        return ""
+    return (
+        f"here {names[0]} is None: ask `if {names[0]} is None` before. If it never should be, does "
+        "what made it `return` a value on every path, and has the first message come?"
+    )
 
 
 def _advice_on_service(said: str) -> str:
@@ -340,7 +358,7 @@ def _said(error: BaseException) -> str:
         text = "".join(traceback.format_exception_only(error))
     except Exception:
         text = type(error).__name__
-    return readable(" ".join(text.split()))[:MAX_SAID]
+    return readable(" ".join(text.split()).partition(SIGNATURES)[0])[:MAX_SAID]
 
 
 def readable(text: str) -> str:

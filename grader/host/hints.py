@@ -18,6 +18,7 @@ from pathlib import PurePath
 from typing import Any
 
 from . import imports
+from .plain_words import INSTEAD
 from .sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES, MAX_MEMORY, MAX_PROCESSES
 
 DISTRO = "jazzy"
@@ -34,7 +35,12 @@ ONLY_APT = {name: name.replace("_", "-") for name in (
     "vision_msgs",
 )} | {"tf2_ros": "tf2-ros-py"}  # fmt: skip
 
-OF_ROS_1 = {"rospy": "rclpy", "roslib": "rclpy", "tf": "tf2_ros", "actionlib": "rclpy.action"}
+OF_ROS_1 = {
+    "rospy": "rclpy, and much has another form: a class that is a Node with create_publisher, "
+    "create_subscription and create_timer (for rospy.Rate), and rclpy.spin(node)",
+    "roslib": "rclpy", "tf": "tf2_ros", "actionlib": "rclpy.action",
+    "dynamic_reconfigure": "parameters of the node: declare_parameter",
+}  # fmt: skip
 INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
 
 PROCESSES = "a node is one process here and may start no other: let a thread do it, or do without"
@@ -128,11 +134,13 @@ def _hiding(file: PurePath) -> str:
 def missing_package(name: str) -> str:
     """Say where a module of ROS that is not installed comes from; "" if it isn't one of ROS."""
     if name in OF_ROS_1:
-        return f"{name} belongs to ROS 1; in ROS 2 it is {OF_ROS_1[name]}"
+        return f"`{name}` belongs to ROS 1; in ROS 2 it is {OF_ROS_1[name]}"
+    if name in INSTEAD:
+        return ""  # it is said by `plain_words`
     if name in ONLY_APT:
         return (
-            f"{name} is part of ROS 2, but pip has no package of it: on Ubuntu "
-            f"`sudo apt install ros-{DISTRO}-{ONLY_APT[name]}`, then "
+            f"{name} is part of ROS 2, but pip has no package of it: do without it, or, where ROS "
+            f"2 is installed on Ubuntu, `sudo apt install ros-{DISTRO}-{ONLY_APT[name]}`, then "
             f"`source /opt/ros/{DISTRO}/setup.bash` before `course`"
         )
     if INTERFACES.fullmatch(name):

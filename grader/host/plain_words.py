@@ -9,9 +9,12 @@ import difflib
 import dis
 import importlib.util
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import BuiltinMethodType, FunctionType, MethodType, ModuleType
 from typing import Any
+
+from .rules import of_ros_1, rule_for
+from .syntax_words import words_on_syntax
 
 FUNCTIONS = (FunctionType, MethodType, BuiltinMethodType)
 AXES = ("x", "y", "z")
@@ -32,6 +35,22 @@ ONNX_NAMES = (
 LIBRARIES = ("rclpy", "numpy", "sklearn", "onnxruntime", "onnx", "skl2onnx", "joblib", "scipy",
              "math", "time", "random", "threading", "collections", "statistics")  # fmt: skip
 SOMETIMES = ("sklearn", "onnxruntime", "torch", "keras")
+INSTEAD = {  # module: what does the same here
+    "cv2": "a scan is numbers, which NumPy takes", "pandas": "np.genfromtxt reads a CSV file",
+    "matplotlib": "`course drive FILE --report drive.html` shows the run",
+    "seaborn": "`course drive FILE --report drive.html` shows the run",
+    "tensorflow": "train elsewhere, export the model to ONNX and run it with onnxruntime",
+    "xgboost": "scikit-learn has GradientBoostingRegressor",
+    "tf_transformations": "math does: yaw = math.atan2(2 * (w*z + x*y), 1 - 2 * (y*y + z*z))",
+    "transforms3d": "math does: yaw = math.atan2(2 * (w*z + x*y), 1 - 2 * (y*y + z*z))",
+    "transformations": "math does: yaw = math.atan2(2 * (w*z + x*y), 1 - 2 * (y*y + z*z))",
+    "quaternion": "math does: yaw = math.atan2(2 * (w*z + x*y), 1 - 2 * (y*y + z*z))",
+    "filterpy": "a filter of a few lines needs NumPy only", "numba": "NumPy's own loops are fast",
+    "requests": "a node has no network here: what it needs lies in a file beside it",
+    "laser_geometry": "x = r * math.cos(angle) and y = r * math.sin(angle) make points of a scan",
+    "cv_bridge": "np.frombuffer(image.data, np.uint8) makes an array of an image",
+    "ros_numpy": "np.array(scan.ranges) makes an array of a scan",
+}  # fmt: skip
 THERE = (
     "Python's own modules, rclpy and ROS messages, numpy, scikit-learn and onnxruntime; a training "
     "script also onnx, skl2onnx and joblib"
@@ -222,34 +241,40 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         r"",
         "declare it in the constructor: self.declare_parameter('name', default)",
     ),
-    ("IndentationError", r"", "indent with four spaces, and the same in a whole block"),
-    ("TabError", r"", "indent with four spaces everywhere, never with tabs"),
-    ("SyntaxError", r"never closed|unmatched", "a bracket is missing, often in the line before"),
-    ("SyntaxError", r"expected ':'", "a line with if, for, while, def or class ends with a colon"),
-    ("SyntaxError", r"instead of '='|Maybe you meant '=='", "a comparison is written =="),
-    ("SyntaxError", r"", "look at the end of the line before, too"),
 )
 FITS = [(name, re.compile(text), advice) for name, text, advice in COMMON]
 
 
-def plain_words(error: BaseException) -> str:
-    """Return what most often leads to such an exception, and what to try; "" if unknown."""
+def plain_words(error: BaseException, line: str = "") -> str:
+    """Return what most often leads to such an exception, and what to try; "" if unknown.
+
+    `line` is the student's, in which it was raised.
+    """
     try:
-        return _words(error)
+        return _words(error, line)
     except Exception:  # the exception is the program's own, and may be anything
         return ""
 
 
-def _words(error: BaseException) -> str:
+def _words(error: BaseException, line: str) -> str:
     text = str(error)
+    if isinstance(error, SyntaxError):
+        return words_on_syntax(error.msg, line or error.text or "")
+    owner = getattr(error, "obj", None)
+    of_message = hasattr(type(owner), "_fields_and_field_types")
+    names = tuple(kind.__name__ for kind in type(error).__mro__)
+    if said := rule_for(names, f"{text} (a message)" if of_message else text, line):
+        return said
     special = SPECIAL.get(type(error).__name__)
     if special and (said := special(error)):
         return said
-    return words_for([kind.__name__ for kind in type(error).__mro__], text)
+    return words_for(names, text)
 
 
 def words_for(names: Sequence[str], text: str) -> str:
     """Return what to try, by the names of an exception's classes and its text."""
+    if said := rule_for(tuple(names), text, text):
+        return said
     for name, fits, advice in FITS:
         if name in names and fits.search(text):
             return advice
@@ -259,6 +284,8 @@ def words_for(names: Sequence[str], text: str) -> str:
 def _module(error: Any) -> str:
     """Say what there is instead of a module that is not installed."""
     name = str(error.name or "").partition(".")[0]
+    if name in INSTEAD:
+        return f"there is no {name} here; {INSTEAD[name]}"
     near = difflib.get_close_matches(name, LIBRARIES, n=1, cutoff=0.75)
     if near and near[0] != name:
         return f"is it {near[0]}?"
@@ -278,12 +305,16 @@ def _attribute(error: Any) -> str:
     owner, name = getattr(error, "obj", None), getattr(error, "name", None)
     if owner is None or not isinstance(name, str):
         return ""
+    if isinstance(owner, ModuleType) and (said := of_ros_1(owner.__name__, name)):
+        return said
+    if _is_node(owner) and (said := of_ros_1("Node", name)):
+        return said
     if isinstance(owner, ModuleType) and _has_module(owner, name):
         package = owner.__name__
         return f"`import {package}` does not bring it: write `import {package}.{name}`"
     fields = getattr(type(owner), "_fields_and_field_types", None)
     if isinstance(fields, dict):
-        return f"{_a(type(owner).__name__)} has no {name}; it has {', '.join(map(str, fields))}"
+        return _fields(type(owner).__name__, name, fields)
     if isinstance(owner, FUNCTIONS):
         method = getattr(owner, "__name__", "it")
         return f"brackets are missing: {method} is a function, so write {method}().{name}"
@@ -292,6 +323,41 @@ def _attribute(error: Any) -> str:
     if hasattr(type(owner), name.strip()) or isinstance(owner, type):
         return ""
     return _own_attribute(owner, name, by_itself=_self_in(error) is owner)
+
+
+def _is_node(owner: Any) -> bool:
+    return any(base.__module__ == "rclpy.node" for base in type(owner).__mro__)
+
+
+def _fields(kind: str, name: str, fields: Iterable[Any]) -> str:
+    """Say which fields a message has."""
+    there = [str(field) for field in fields if not str(field).startswith("_")]
+    near = difflib.get_close_matches(name, there, n=1)
+    return f"{_a(kind)} has no {name}" + (
+        f": is it {near[0]}?" if near else f"; it has {', '.join(there)}"
+    )
+
+
+def field_of(error: BaseException, space: Mapping[str, Any]) -> str:
+    """Say which fields a message has of which one was *set* that it lacks; "" if it is no message.
+
+    Python does not say then whose attribute it was, so it is found among a frame's variables.
+    """
+    match = re.match(r"'(\w+)' object has no attribute '(\w+)'", str(error))
+    if not isinstance(error, AttributeError) or error.name is not None or match is None:
+        return ""
+    for value in space.values():
+        for each in (value, *_parts(value)):
+            fields = getattr(type(each), "_fields_and_field_types", None)
+            if type(each).__name__ == match[1] and isinstance(fields, dict):
+                return _fields(match[1], match[2], fields)
+    return ""
+
+
+def _parts(message: Any) -> list[Any]:
+    """Return the messages in a message."""
+    fields = getattr(type(message), "_fields_and_field_types", None)
+    return [getattr(message, name) for name in fields] if isinstance(fields, dict) else []
 
 
 def _has_module(package: ModuleType, name: str) -> bool:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from nbformat import NotebookNode, v4
 
 from grader.nbgrader.marks import Mark
-from grader.report.terminal import OUTCOMES, facts_of, plain, points_of, with_details
+from grader.report.terminal import OUTCOMES, facts_of, in_order, plain, points_of, with_details
 
 COLOURS = {"pass": "#1a7f37", "fail": "#b42318", "error": "#8250df"}
 GREY = "#57606a"
@@ -46,7 +46,7 @@ def output_of(mark: Mark, max_points: float, remarks: Sequence[str] = ()) -> Not
 
 def _rows(mark: Mark) -> list[Row]:
     rows = []
-    for check, more in with_details(mark.checks):
+    for check, more in with_details(in_order(mark.checks)):
         outcome = check["outcome"] if check["outcome"] in OUTCOMES else "error"
         sign, _, word, _ = OUTCOMES[outcome]
         facts = [f"{name}: {text}" for name, text in facts_of(check)]

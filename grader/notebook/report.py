@@ -18,6 +18,7 @@ from grader.report.terminal import (
     facts_of,
     field_words,
     group_fact,
+    in_order,
     plain,
     points_by_question,
     points_of,
@@ -138,7 +139,7 @@ def grading_html(grading: Mapping[str, Any], changed: str = "") -> str:
 
     `changed`: what changed since the last attempt.
     """
-    checks: Sequence[Check] = grading.get("checks", [])
+    checks = in_order(grading.get("checks", []))
     groups = [
         _group(kind, group)
         for kind in ("core", "field")

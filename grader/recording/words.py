@@ -16,16 +16,19 @@ BEFORE, AFTER = 1.0, 0.05  # [s] around the moment
 MOST = 3  # lines
 MAX_TEXT = 300  # [characters] of one
 # the stacks of a node that hangs, for which the judge asked; and what a library grumbles
-NOISE = re.compile(r'  File ".*", line \d+ in |(Current t|T)hread 0x|.*\[[EW]:onnxruntime:')
+NOISE = re.compile(
+    r'  File ".*", line \d+ in |(Current t|T)hread 0x|.*\[[EW]:onnxruntime:'
+    r"|\w+: pip has no package of it"
+)
 URGENT = ("warn", "error", "fatal", "stderr")
 DIAGNOSTICS, DIAGNOSTIC_ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
 
 
 def words_of(recording: Recording, moment: float | None) -> list[str]:
     """Return what the node said around a moment [s]; of a whole run its last warnings."""
-    if moment is None:
-        return [_told(line) for line in recording.log if line.level in URGENT][-MOST:]
     said = [line for line in recording.log if not NOISE.match(line.text)]
+    if moment is None:
+        return [_told(line) for line in said if line.level in URGENT][-MOST:]
     near = [line for line in said if moment - BEFORE <= line.t <= moment + AFTER]
     urgent = [line for line in near if line.level in URGENT]
     told = [_told(line) for line in (_different(urgent) or near)[-MOST:]]

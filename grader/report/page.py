@@ -15,7 +15,7 @@ import numpy as np
 
 from grader.report.foreign import readable
 from grader.report.replay import moments_of, replay_payload
-from grader.report.terminal import render_terminal
+from grader.report.terminal import in_order, render_terminal
 
 if TYPE_CHECKING:
     from grader.recording import Recording
@@ -64,9 +64,9 @@ def page_payload(
 
     Without a grading the page opens at `opens_at` [s] of the first recording, if that is given.
     """
-    checks = grading["checks"] if grading else []
+    checks = in_order(grading["checks"]) if grading else []
     return {
-        "grading": dict(grading) if grading else None,
+        "grading": {**grading, "checks": checks} if grading else None,
         "replays": [
             replay_payload(recording, moments_of(checks, recording.scenario.name))
             for recording in recordings

@@ -1,11 +1,14 @@
-"""Show a grading in the terminal: a table, what went wrong, the score.
+"""Show a grading in the terminal: the checks, what went wrong first, the score, what to do next.
 
-Notebooks and nbgrader show the same words.
+What a student needs stands last, in the rows above the prompt: `ROWS` at most, whatever was said.
+Notebooks, reports and nbgrader show the same words, in the same order (`in_order`).
 """
 
 from __future__ import annotations
 
 import io
+import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -19,6 +22,7 @@ from rich.text import Text
 from grader.report.foreign import readable
 
 Check = Mapping[str, Any]
+Fact = tuple[str, Text, int]  # name, text, the most rows that it may take
 
 OUTCOMES = {  # outcome: sign, sign on an ASCII terminal, word, style
     "pass": ("✓", "+", "pass", "green"),
@@ -35,6 +39,9 @@ PROVISIONAL_WHY = ": a check could not be judged, so a person has to look"
 SINCE = "since the last attempt"
 MAX_WIDTH = 110  # longer lines are hard to read
 MAX_TEXT = 1200  # [characters] of one message; the page has all of it
+ROWS = 20  # of an 80-column terminal, from the cause to the prompt
+SIGN = 11  # [characters] of a check's sign and word
+SPARED = ("Log", "Change", "Field", "Seen")  # what gives way if there are more, in this order
 
 
 class Console(_Console):
@@ -52,46 +59,69 @@ class Console(_Console):
                 yield Segment(_encodable(readable(text), self), style)
 
 
-def render_terminal(grading: Mapping[str, Any], console: _Console, changed: str = "") -> None:
-    """Print the checks, of failed ones expected, actual, time and next step, and the score.
+def render_terminal(
+    grading: Mapping[str, Any],
+    console: _Console,
+    changed: str = "",
+    *,
+    everything: bool = False,
+    todo: str = "",
+) -> None:
+    """Print the checks, then the first failure with its cause, the score and what to do next.
 
-    `changed`: what changed since the last attempt.
+    `changed`: what changed since the last attempt; `everything`: the details of every check, not
+    one line each; `todo`: what to type next.
     """
-    checks: Sequence[Check] = grading.get("checks", [])
+    checks = in_order(grading.get("checks", []))
     width = min(console.width, MAX_WIDTH)
+    first = first_failure(grading)
     console.print()
     console.print(_heading(grading, console), width=width)
-    if told := cause_of(grading):
+    if everything or first is None:
+        _print_tables(checks, console, width)
+    else:
         console.print()
-        console.print(_cause(told, console), width=width)
-    for kind in ("core", "field"):
-        group = [check for check in checks if check.get("kind", "core") == kind]
-        if group:
-            console.print()
-            console.print(_group_title(kind, group, console), width=width)
-            console.print(Padding(_table(group, console), (0, 0, 0, 1)), width=width)
-    console.print()
-    console.print(_score_line(grading, console, width), width=width)
-    if asked := points_by_question(grading):
-        console.print(Text(f" Asked  {asked}", style="dim"), width=width)
-    if changed:
-        console.print(_change_line(changed, console), width=width)
-    for note in score_notes(grading):
+        _print_lines([check for check in checks if check is not first], console, width)
+    for note in _notes(grading):
         said = Text(printable(note, console), style="yellow")
-        console.print(Padding(said, (0, 0, 0, 8)), width=width)
-    console.print(_field_line(grading, console), width=width)
-    for note in grading.get("notes", ()):
-        console.print(
-            Padding(Text(printable(note, console), style="yellow"), (0, 0, 0, 8)), width=width
-        )
+        console.print(Padding(said, (0, 0, 0, 1)), width=width)
     console.print()
+    facts = _facts_of_failure(grading, first, console) if first is not None else []
+    if everything:  # the table has the others
+        facts = [fact for fact in facts if fact[0].lower() in dict(cause_of(grading))]
+    elif first is not None:
+        _print_signed(_head(first, console), console, width)
+    facts += _facts_of_score(grading, console, width, changed, todo)
+    for line in _last_rows(facts, width):
+        console.print(line, width=width)
+
+
+def render_check(grading: Mapping[str, Any], check: Check, console: _Console) -> None:
+    """Print all that is known of one check, with the cause if it was seen there."""
+    width = min(console.width, MAX_WIDTH)
+    table = Padding(_table([check], console), (0, 0, 0, 1))
+    console.print()
+    console.print(_heading(grading, console), width=width)
+    console.print()
+    console.print(table, width=width)
+    cause = grading.get("cause") or {}
+    if check["id"] != cause.get("check") and check["id"] not in cause.get("explains", ()):
+        return
+    facts = Table.grid(padding=(0, 2, 0, 0))
+    facts.add_column(no_wrap=True, style="bold")
+    facts.add_column(overflow="fold")
+    for name, text in cause_of(grading):
+        facts.add_row(name.capitalize(), Text(printable(text, console)))
+    if said := (cause.get("hint") or {}).get("text"):
+        facts.add_row("", Text(printable(said, console)))
+    console.print(Padding(facts, (0, 0, 0, 1)), width=width)
 
 
 def printed(grading: Mapping[str, Any], width: int) -> str:
     """Return what `render_terminal` prints on a terminal of this width, without colour."""
     text = io.StringIO()
     console = Console(file=text, width=width, color_system=None, force_terminal=False)
-    render_terminal(grading, console)
+    render_terminal(grading, console, everything=True)
     lines = [line.rstrip() for line in text.getvalue().strip("\n").splitlines()]
     return "\n".join(lines).replace("\n\n\n", "\n\n") + "\n"
 
@@ -118,6 +148,32 @@ def plain(text: Any) -> str:
 
 
 # --- words that notebooks and nbgrader use too ---------------------------------------------------
+
+
+def in_order(checks: Iterable[Check]) -> list[Check]:
+    """Return checks as they are shown: what failed first, by task, then the others by task.
+
+    Those about all tasks come after the tasks, and those without points last.
+    """
+    return sorted(checks, key=_place)
+
+
+def _place(check: Check) -> tuple[bool, int, float]:
+    rank = {"fail": 0, "error": 1, "inconclusive": 1, "pass": 3}.get(check["outcome"], 2)
+    return check.get("kind") == "field", rank, check.get("task") or math.inf
+
+
+def first_failure(grading: Mapping[str, Any]) -> Check | None:
+    """Return the check to begin with: that in which the cause was seen, or the first that failed.
+
+    One that could not be judged, if none failed; None if there is none either.
+    """
+    checks = in_order(grading.get("checks", []))
+    wrong = [check for check in checks if check["outcome"] == "fail"]
+    seen = (grading.get("cause") or {}).get("check")
+    unsure = (check for check in checks if check["outcome"] in ("error", "inconclusive"))
+    at_cause = (check for check in wrong if seen and check.get("id") == seen)
+    return next(at_cause, wrong[0] if wrong else next(unsure, None))
 
 
 def cause_of(grading: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -148,6 +204,23 @@ def points_of(check: Check) -> str:
     if check["outcome"] in UNJUDGED:
         return "-"
     return f"{spell_points(check['points'])}/{spell_points(check['max_points'])}"
+
+
+def seen_of(check: Check) -> str:
+    """Say in one sentence what was expected, what came, and when."""
+    time, scenario = check.get("time"), check.get("scenario")
+    parts = [
+        f"expected {check['expected']}" if check.get("expected") else "",
+        f"actual {check['actual']}" if check.get("actual") else "",
+        f"at {time:.2f} s" + (f" in {scenario}" if scenario else "") if time is not None else "",
+    ]
+    return "; ".join(filter(None, parts))
+
+
+def hint_of(check: Check) -> str:
+    """Say where the check's hint stands in hints.md."""
+    task, _, number = str(check.get("hint") or "").partition(".")
+    return f"hint {number} of task {task} in hints.md" if number else ""
 
 
 def facts_of(check: Check) -> list[tuple[str, str]]:
@@ -236,14 +309,148 @@ def _tier(grading: Mapping[str, Any]) -> str:
     return f"tier {grading['tier']}" if grading.get("tier") is not None else ""
 
 
-def _cause(told: Iterable[tuple[str, str]], console: _Console) -> Padding:
-    facts = Table.grid(padding=(0, 2, 0, 0))
-    facts.add_column(no_wrap=True, style="bold")
-    facts.add_column(overflow="fold")
-    for name, text in told:
-        style = "bold" if name == "cause" else ""
-        facts.add_row(name.capitalize(), Text(printable(text, console), style=style))
-    return Padding(facts, (0, 0, 0, 1))
+def _print_tables(checks: Sequence[Check], console: _Console, width: int) -> None:
+    for kind in ("core", "field"):
+        group = [check for check in checks if check.get("kind", "core") == kind]
+        if group:
+            console.print()
+            console.print(_group_title(kind, group, console), width=width)
+            console.print(Padding(_table(group, console), (0, 0, 0, 1)), width=width)
+
+
+def _print_lines(checks: Sequence[Check], console: _Console, width: int) -> None:
+    """Print a line for each failure, and above them what passed and what was not judged."""
+    passed = [check for check in checks if check["outcome"] == "pass"]
+    skipped = Counter(
+        str(check.get("message") or "not judged") for check in checks if check["outcome"] in SKIPPED
+    )
+    if passed:
+        names = ", ".join(str(check.get("id") or check["title"]) for check in passed)
+        line = _signed("pass", f"{len(passed)} passed: {printable(names, console)}", console)
+        _print_signed(line, console, width)
+    for reason, count in skipped.items():
+        line = _signed("skip", f"{count} {printable(reason, console)}", console)
+        _print_signed(line, console, width)
+    for check in checks:
+        if check["outcome"] not in ("pass", *SKIPPED):
+            console.print(_line(check, console, width), width=width)
+
+
+def _line(check: Check, console: _Console, width: int) -> Text:
+    """Return a check in one row: sign, task, name, title, points."""
+    task = f"task {check['task']}, " if check.get("task") else ""
+    said = f"{task}{check.get('id') or ''}: {check['title']}"
+    line = _signed(check["outcome"], printable(" ".join(said.split()), console), console)
+    points = points_of(check)
+    (first, *_) = _rows(line, width - len(points) - 3, 1)
+    first.pad_right(max(0, width - 1 - len(points) - first.cell_len))
+    return first.append(points, style="dim")
+
+
+def _signed(outcome: str, text: str, console: _Console) -> Text:
+    sign, ascii_sign, word, style = OUTCOMES.get(outcome, OUTCOMES["error"])
+    line = Text(f" {ascii_sign if is_ascii(console) else sign} {word:6}  ", style=style)
+    return line.append(text, style="not bold default")
+
+
+def _print_signed(line: Text, console: _Console, width: int) -> None:
+    """Print a sign and a text in at most two rows."""
+    sign, said = line.divide([SIGN])
+    rows = _rows(said, width - SIGN, 2)
+    for head, row in zip((sign, *[Text(" " * SIGN)] * (len(rows) - 1)), rows, strict=True):
+        console.print(head.copy().append_text(row), width=width)
+
+
+def _rows(line: Text, width: int, most: int) -> list[Text]:
+    """Return a text in rows, at most so many; the last ends with dots if there would be more."""
+    rows = list(line.wrap(_Console(width=width), max(width, 8), overflow="fold"))
+    for row in rows:
+        row.rstrip()
+    if len(rows) <= most:
+        return rows
+    last = rows[most - 1]
+    last.truncate(max(width, 8) - 4)
+    return [*rows[: most - 1], last.append(" ...")]
+
+
+def _head(check: Check, console: _Console) -> Text:
+    task = f"task {check['task']}, " if check.get("task") else ""
+    name = f"{task}{check.get('id') or ''}: "
+    points = f"  {points_of(check)}" if points_of(check) else ""
+    line = _signed(check["outcome"], "", console)
+    line.append(printable(name, console), style="not bold dim")
+    line.append(printable(" ".join(check["title"].split()), console), style="bold default")
+    return line.append(points, style="not bold dim")
+
+
+def _last_rows(facts: Iterable[Fact], width: int) -> list[Text]:
+    """Return what stands above the prompt, in at most `ROWS` rows."""
+    rows = [(name, _fact(name, text, width, most)) for name, text, most in facts]
+    for spared in SPARED:
+        if sum(len(lines) for _, lines in rows) > ROWS:
+            rows = [row for row in rows if row[0] != spared]
+    return [line for _, lines in rows for line in lines]
+
+
+def _facts_of_score(
+    grading: Mapping[str, Any], console: _Console, width: int, changed: str, todo: str
+) -> list[Fact]:
+    facts = [("", Text(""), 1), ("Score", _score(grading, console, width), 1)]
+    if grading.get("provisional"):
+        said = Text(PROVISIONAL, style="bold magenta").append(PROVISIONAL_WHY, style="not bold dim")
+        facts.append(("", said, 2))
+    if grading.get("cap"):
+        facts.append(("Cap", Text(printable(grading["cap"], console), style="yellow"), 2))
+    if changed:
+        said = Text(printable(changed, console), style="bold").append(f" ({SINCE})", "not bold dim")
+        facts.append(("Change", said, 1))
+    if grading.get("field_ready") is not None or first_failure(grading) is None:
+        facts.append(("Field", _field(grading, console), 1))
+    if todo:
+        facts.append(("Next", Text(printable(todo, console)), 3))
+    return facts
+
+
+def _facts_of_failure(grading: Mapping[str, Any], first: Check, console: _Console) -> list[Fact]:
+    known = dict(cause_of(grading))
+    said = known.get("cause") or str(first.get("message") or "")
+    dies = "cause" in known and bool(first.get("where"))  # the cause has the same words
+    log = str(first.get("log") or "").splitlines()
+    told = [
+        ("Cause", said, 5),
+        ("Line", known.get("line") or str(first.get("where") or "").split("\n")[0], 2),
+        ("Seen", "" if dies else seen_of(first), 2),
+        ("Log", log[-1] if log else "", 2),
+        ("Try", "" if "cause" in known else str(first.get("help") or ""), 3),
+        ("Hint", known.get("hint") or ("" if known else hint_of(first)), 2),
+    ]
+    return [
+        (name, Text(printable(" ".join(text.split()), console)), most)
+        for name, text, most in told
+        if text
+    ]
+
+
+def _fact(name: str, text: Text, width: int, most: int) -> list[Text]:
+    style = "bold" if name == "Cause" else ""
+    indent = 8
+    rows = _rows(text, width - indent, most)
+    heads = [f" {name}".ljust(indent), *[" " * indent] * (len(rows) - 1)]
+    for row in rows:
+        row.stylize(style)
+    told = zip(heads, rows, strict=True)
+    return [Text.assemble((head, "bold"), row) for head, row in told]
+
+
+def _notes(grading: Mapping[str, Any]) -> list[str]:
+    """Return what else there is to say; the cap stands beside the score."""
+    asked = points_by_question(grading)
+    capped = str(grading.get("cap") or "")
+    return [
+        *([f"Asked: {asked}"] if asked else []),
+        *(note for note in score_notes(grading) if note != capped),
+        *(str(note) for note in grading.get("notes", ())),
+    ]
 
 
 def _group_title(kind: str, group: Sequence[Check], console: _Console) -> Text:
@@ -290,36 +497,24 @@ def _add_details(table: Table, check: Check, console: _Console) -> None:
         table.add_row("", "", "")
 
 
-def _score_line(grading: Mapping[str, Any], console: _Console, width: int) -> Text:
+def _score(grading: Mapping[str, Any], console: _Console, width: int) -> Text:
     share = share_of(grading)
-    cells = min(40, max(10, width - 34))
+    cells = min(40, max(5, width - 34))
     full = round(share * cells)
     done, rest = ("#", ".") if is_ascii(console) else ("█", "░")
-    line = Text(" Score  ")
-    line.append(score_of(grading), style="bold")
+    line = Text(score_of(grading), style="bold")
     line.append("  ")
     line.append(done * full, style="green" if share >= 1 else "cyan")
     line.append(rest * (cells - full), style="dim")
-    if grading.get("provisional"):
-        line.append(f"\n        {PROVISIONAL}", style="bold magenta")
-        line.append(PROVISIONAL_WHY, style="dim")
     return line
 
 
-def _change_line(changed: str, console: _Console) -> Padding:
-    line = Text("Change ")
-    line.append(printable(changed, console), style="bold")
-    line.append(f" ({SINCE})", style="dim")
-    return Padding(line, (0, 0, 0, 1))
-
-
-def _field_line(grading: Mapping[str, Any], console: _Console) -> Text:
+def _field(grading: Mapping[str, Any], console: _Console) -> Text:
     word, rest = field_words(grading)
-    line = Text(" Field  ")
+    line = Text("")
     if word:
         line.append(("* " if is_ascii(console) else "★ ") + word, style="bold green")
-    line.append(rest, style="dim")
-    return line
+    return line.append(rest, style="dim")
 
 
 def _passed(checks: Sequence[Check]) -> int:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from grader.course.beside import PYTHON
 from grader.course.submission import Submission, read_regular_file
+from grader.host.rules import wait_for_good
 from grader.recording import Recording
 
 ENTRY = re.compile(r'  File "(?P<file>[^"\n]+)", line (?P<line>\d{1,6}) in (?P<function>.{1,80})')
@@ -23,6 +24,7 @@ KERNEL = "grader/host/virtual"  # a thread in there waits for its turn
 HALTS = {
     "hung": "the node did not come back from",
     "never_spun": "the node never spins: its program waits in",
+    "stuck": "the node waits for good in",
 }
 MAX_FRAMES = 4
 MAX_SOURCE = 160  # [characters] of a line
@@ -45,7 +47,10 @@ class _Entry(NamedTuple):
 def located(recording: Recording, submission: Submission) -> Recording:
     """Return the recording; if its node hung, the outcome tells the student's lines first."""
     outcome = recording.outcome
-    if outcome.kind not in HALTS or not (told := _account(outcome.detail, _sources(submission))):
+    if outcome.kind not in HALTS:
+        return recording
+    waits = outcome.kind == "stuck"  # every thread does
+    if not (told := _account(outcome.detail, _sources(submission), waits=waits)):
         return recording
     place, inner = told.splitlines()[:2]
     line = inner.partition(", ")[2]
@@ -54,7 +59,7 @@ def located(recording: Recording, submission: Submission) -> Recording:
     return replace(recording, outcome=outcome)
 
 
-def _account(stacks: str, sources: Sources) -> str:
+def _account(stacks: str, sources: Sources, *, waits: bool) -> str:
     thread = _hanging(list(_threads(stacks)))
     place, own = "the start-up", list[_Entry]()
     for entry in thread:
@@ -65,6 +70,7 @@ def _account(stacks: str, sources: Sources) -> str:
             own.append(entry)
     if not own:
         return ""
+    inner = next(iter(_quoted(sources, own[0].file, own[0].line)), "")
     if place == "the start-up" and any(entry.function == "__init__" for entry in own):
         place = "the constructor"
     lines = [f"in {place}"]
@@ -78,6 +84,8 @@ def _account(stacks: str, sources: Sources) -> str:
         lines.append("try: brackets after target call it here and now: write target=self.work")
     elif place == "the constructor":
         lines.append("try: the constructor has to end before anything can be called back")
+    elif waits and (said := wait_for_good(inner)):
+        lines.append(f"try: {said}")
     return "\n".join(lines)
 
 
@@ -98,7 +106,8 @@ def _hanging(threads: Sequence[list[_Entry]]) -> list[_Entry]:
     """Return the stack of the thread that runs the student's code, not of one that waits."""
     own = [thread for thread in threads if any(entry.own for entry in thread)]
     busy = [thread for thread in own if KERNEL not in thread[0].file]
-    return next(iter(busy or own), [])
+    called = [thread for thread in own if any(e.file.endswith(EXECUTORS) for e in thread)]
+    return next(iter(busy or called or own), [])
 
 
 def _loop(own: Sequence[_Entry], sources: Sources) -> str:

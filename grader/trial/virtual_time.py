@@ -196,7 +196,7 @@ class _Trial:
         if not self._spun:
             return self._outcome("never_spun", NEVER_SPUN, self._link.stacks())
         if self._stuck is not None:
-            return Outcome("stuck", STUCK, self._stuck)
+            return Outcome("stuck", STUCK, self._stuck, self._link.stacks())
         if self.interrupt:
             self._ending = yield from self._interrupt(END_LIMIT)
         return self._outcome(COMPLETED, "")

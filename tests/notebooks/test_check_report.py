@@ -58,7 +58,7 @@ def words(page: str) -> list[str]:
 def test_the_words_are_the_terminals(given: dict[str, Any]) -> None:
     console = Console(file=StringIO(), width=110)
     with console.capture() as said:
-        render_terminal(given, console)
+        render_terminal(given, console, everything=True)
     terminal = re.sub("[█░]+", "", said.get()).split()
 
     assert words(grading_html(given)) == sorted(terminal)

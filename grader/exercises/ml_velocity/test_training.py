@@ -79,7 +79,8 @@ def test_model_accuracy(runs: Runs) -> None:
     actual = f"{error:.3f} m/s; on average {said.mean():.3f}, the expert {right.mean():.3f} m/s"
     help = (
         "Are the features those that the controller computes, in the same order? Did it learn "
-        "from all scans? A neural network also wants scaled inputs, and enough units."
+        "from all scans? Where a scan is left out of X, is its speed left out of y, the same one? "
+        "A neural network also wants scaled inputs, and enough units."
     )
     wanted = f"an error of at most {ACCURACY} m/s over {len(right)} new scans"
     _need(runs, not error > ACCURACY, wanted, actual, help)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 import msgspec
@@ -58,6 +58,7 @@ class Cause(msgspec.Struct, frozen=True):
     where: str = ""  # the student's line, where it can be told
     hint: Hint | None = None
     explains: tuple[str, ...] = ()  # ids of checks whose own help would lead elsewhere
+    check: str = ""  # id of the one in which it was seen
 
     @classmethod
     def of(
@@ -69,16 +70,21 @@ class Cause(msgspec.Struct, frozen=True):
         where: str = "",
         hint: Hint | None = None,
         all_of_it: bool = False,
+        own_hint: bool = True,
     ) -> Cause:
-        """Return the cause of some failed checks; `all_of_it`: their own help leads elsewhere."""
+        """Return the cause of some failed checks; `all_of_it`: their own help leads elsewhere.
+
+        `own_hint`: without a hint it is the first failed check's.
+        """
         return cls(
             f"{text[0].upper()}{text[1:]}"
             if text.split(" ", maxsplit=1)[0].rstrip(",:").isalpha()
             else text,
             failed[0].kind,
             where,
-            hint or hint_for(exercise, failed),
+            hint or (hint_for(exercise, failed) if own_hint else None),
             tuple(check.id for check in failed) if all_of_it else (),
+            failed[0].id,
         )
 
 
@@ -89,21 +95,41 @@ class Place(NamedTuple):
     number: int  # from 1
 
 
+# exception, what it says, what the hint about it says
+EXCEPTIONS = (
+    ("TypeError", r"'NoneType' and|and 'NoneType'", "None"),
+    ("ValueError", r"min\(\)|max\(\)|empty|zero-size", "min("),
+    ("TypeError", r"not JSON serializable", "json.dumps"),
+    ("ZeroDivisionError", "", ""),
+    ("FileNotFoundError", "", ""),
+)
+
+
 def hint_at(exercise: Exercise, place: Place | None) -> Hint | None:
     """Return a hint of the exercise's own page; None if there is none there."""
-    path = exercise.folder / HINTS
-    if place is None or not path.is_file():
-        return None
-    text = path.read_text("utf-8")[:MAX_HINTS]
-    parts = _HEADING.split(text)
-    for title, body in zip(parts[1::2], parts[2::2], strict=True):
-        hints = list(_HINT.finditer(body))
-        number = re.search(r"\d+", title)
-        if int(number[0] if number else 0) == place.task and 0 < place.number <= len(hints):
-            found = hints[place.number - 1]
-            said = f"{title}. {found['title'].strip()}"
-            return Hint(said, anchor(title), _flowing(found["text"].strip()))
+    return next((hint for at, hint in _hints(exercise) if at == place), None)
+
+
+def hint_on(exercise: Exercise, said: str) -> Hint | None:
+    """Return the hint that names an exception, by Python's own words about it."""
+    for name, text, word in EXCEPTIONS:
+        if said.startswith(name) and re.search(text, said):
+            for _, hint in _hints(exercise):
+                about = f"{hint.title} {hint.text}"
+                if name in about and word in about:
+                    return hint
     return None
+
+
+def _hints(exercise: Exercise) -> Iterator[tuple[Place, Hint]]:
+    path = exercise.folder / HINTS
+    parts = _HEADING.split(path.read_text("utf-8")[:MAX_HINTS]) if path.is_file() else [""]
+    for title, body in zip(parts[1::2], parts[2::2], strict=True):
+        number = re.search(r"\d+", title)
+        for i, found in enumerate(_HINT.finditer(body), start=1):
+            said = f"{title}. {found['title'].strip()}"
+            hint = Hint(said, anchor(title), _flowing(found["text"].strip()))
+            yield Place(int(number[0] if number else 0), i), hint
 
 
 def _flowing(markdown: str) -> str:

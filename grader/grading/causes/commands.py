@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from grader.checks.ahead import front_distance
 from grader.checks.commands import FIELDS, ZERO
 from grader.course.exercises import Exercise
 from grader.exercises import contract_of
@@ -24,6 +25,8 @@ STEADY = 0.01  # of a period
 FEW = 3  # commands, to see a period
 LEAST = 6  # predictions, to see that they differ
 APART = 0.1  # [m/s]
+FAR = 1.5  # [m]
+SLOW = 0.05  # [m/s] and below says nothing
 ROBOTS_OWN = (0, 5)  # linear.x and angular.z
 
 NO_FEATURES = (
@@ -63,14 +66,17 @@ def cause_of_standing(_: Exercise, failed: Sequence[Failed], trials: ByName) -> 
     recording = trials.get(failed[0].scenario or "")
     if recording is None or not len(recording.twists().t):
         return None
-    text = _why_it_stands(recording) if never_moves(trials) else _unmoved(recording)
+    if text := _cut(trials):
+        return _cause(text, failed)
+    text = (never_moves(trials) and _why_it_stands(recording)) or _unmoved(recording)
     return _cause(text, failed) if text else None
 
 
 def _cause(text: str, failed: Sequence[Failed], hint: Hint | None = None) -> Cause:
     """Return a cause of all that failed, whose hints are about something else."""
     said = f"{text[0].upper()}{text[1:]}"
-    return Cause(said, failed[0].kind, hint=hint, explains=tuple(check.id for check in failed))
+    explains = tuple(check.id for check in failed)
+    return Cause(said, failed[0].kind, hint=hint, explains=explains, check=failed[0].id)
 
 
 def _why_it_stands(recording: Recording) -> str:
@@ -82,6 +88,8 @@ def _why_it_stands(recording: Recording) -> str:
         seen = f"every command is zero, and the node's log says {times}: “{quoted}”."
         if words:
             return f"{seen} Perhaps: {words}."
+        if not recording.inferences and (free := _free(recording)):
+            return f"{seen} {free}"
         return seen if asks or not recording.inferences else f"{seen} {NO_FEATURES}"
     if asks or not recording.inferences:
         return ""
@@ -89,6 +97,19 @@ def _why_it_stands(recording: Recording) -> str:
         "every command is zero, and the node never asks its model, though it has loaded it. Is the "
         "model kept in an attribute (self.model = …), is a thread that should ask it started "
         "(start()), and does the callback get as far as predict?"
+    )
+
+
+def _free(recording: Recording) -> str:
+    """Say that a node stands that sees a free way."""
+    ahead = [front_distance(scan) for scan in recording.scans()]
+    far = sum(distance is not None and distance > FAR for distance in ahead)
+    if far < LEAST:
+        return ""
+    return (
+        f"{far} of the {len(ahead)} scans have readings ahead, and none nearer than {FAR:g} m. "
+        "Does an `except` hide an error of its own (let it through once, and see), or does a "
+        "comparison leave good readings out?"
     )
 
 
@@ -100,8 +121,28 @@ def _unmoved(recording: Recording) -> str:
         return ""
     return (
         f"every command is {speeds[0]:.2f} m/s, and the model says {min(said):.2f} to "
-        f"{max(said):.2f} m/s. Is its answer used, and is it clipped to both sides: "
-        "min(max(speed, 0.0), self.max_speed)?"
+        f"{max(said):.2f} m/s. Is its answer used, is it clipped to both sides, "
+        "min(max(speed, 0.0), self.max_speed), and not cut by int(…)?"
+    )
+
+
+def _cut(trials: ByName) -> str:
+    """Every prediction between 0 and 1 becomes 0."""
+    pairs = []
+    for run in trials.values():
+        commands = run.twists()
+        for each in run.inferences:
+            at = int(np.searchsorted(commands.t, each.answered / 1e9 - STEADY))
+            if not each.is_load and len(each.said) == 1 and at < len(commands.t):
+                pairs.append((each.said[0], float(commands.linear_x[at])))
+    telling = [said for said, speed in pairs if SLOW < said < 1.0 and abs(speed) <= ZERO]
+    kept = [said for said, speed in pairs if SLOW < said < 1.0 and abs(speed) > ZERO]
+    if len(telling) < LEAST or kept or np.ptp(telling) <= APART:
+        return ""
+    return (
+        f"the model says {min(telling):.2f} to {max(telling):.2f} m/s, and each of these "
+        f"{len(telling)} times the command is 0.00 m/s. Is its answer cut to a whole number by "
+        "int(…) or //? Is it used at all? float(prediction[0]) keeps the decimals."
     )
 
 

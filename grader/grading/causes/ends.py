@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from grader.course.exercises import Exercise
-from grader.grading.causes.cause import ByName, Cause, Failed
-from grader.recording import Death, death_of
+from grader.grading.causes.cause import ByName, Cause, Failed, hint_on
+from grader.recording import Outcome, death_of
 
 WIRED = "wiring"  # in the names of the checks that every other one needs
 
@@ -16,7 +16,7 @@ def cause_of_end(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
     for check in failed:
         recording = trials.get(check.scenario or "")
         if recording is not None and not recording.outcome.completed and check.where:
-            return _cause_of(exercise, death_of(recording.outcome.detail), check)
+            return _cause_of(exercise, recording.outcome, check)
     first = failed[0]
     if WIRED in first.id or (first.kind == "core" and _ended(first, trials)):
         return Cause.of(exercise, _said(first), [first], where=first.where)
@@ -32,7 +32,8 @@ def _said(check: Failed) -> str:
     return f"{check.message.rstrip('.')}. {check.help}".strip()
 
 
-def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
+def _cause_of(exercise: Exercise, outcome: Outcome, check: Failed) -> Cause:
+    death = death_of(outcome.detail)
     if death is None:
         return Cause.of(exercise, _said(check), [check], where=check.where)
     where = str(death.frames[0]) if death.frames else ""
@@ -42,5 +43,9 @@ def _cause_of(exercise: Exercise, death: Death | None, check: Failed) -> Cause:
     else:
         known = not death.loop or death.loop in check.help
         loop = "" if known else f", in the loop of {death.loop}"
-        text = f"{subject} hangs in {death.place}{loop}"
-    return Cause(f"{text.rstrip('.')}. {check.help}".strip(), check.kind, where)
+        waits = outcome.kind == "stuck"
+        text = f"{subject} {'waits for good' if waits else 'hangs'} in {death.place}{loop}"
+    advice = "" if check.help.startswith("Look at line ") else check.help  # which stands beside it
+    said = f"{text.rstrip('.')}. {advice}".strip()
+    hint = None if "slice" in check.help else hint_on(exercise, death.said)
+    return Cause(said, check.kind, where, hint, check=check.id)

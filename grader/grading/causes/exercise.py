@@ -20,4 +20,6 @@ def cause_of_exercise(exercise: Exercise, failed: Sequence[Failed], trials: ByNa
         return None
     explained = [check for check in failed if check.id in found.explains]
     hint = hint_at(exercise, place_of(found.hint)) if found.hint else None
-    return Cause.of(exercise, found.text, explained or failed[:1], hint=hint, all_of_it=True)
+    return Cause.of(
+        exercise, found.text, explained or failed[:1], hint=hint, all_of_it=True, own_hint=False
+    )

@@ -14,6 +14,7 @@ from grader.host.plain_words import words_for
 from grader.link.log import LogLine
 
 OFTEN = 3  # times in a trial: once may be a model of ours that raises
+AT_ONCE = 0.05  # [s]
 MAX_LINE = 240  # [characters]
 # What a slip leads to
 SLIPS = re.compile(
@@ -22,10 +23,26 @@ SLIPS = re.compile(
 )
 ON_PURPOSE = re.compile(r"the model can't say|the model says|no model")  # our models' own words
 DEAD_THREAD = "Exception in thread "  # Python's own words
+TWICE = re.compile(
+    r"\w{1,80} defines \w{1,80} in line \d+ and again in line (?P<line>\d+), "
+    r"and the second one counts"
+)
 FRAME = re.compile(r'File "(?P<file>[^/"\n]{1,100})", line (?P<line>\d{1,6}), in (?P<function>\S+)')
 ENDS_WITH = re.compile(r"[A-Z]\w*(Error|Exception|Iteration|Interrupt)\b.*")
 NAMED = re.compile(r"\b([A-Z]\w*(?:Error|Exception|Argument))\b")
 SHAPE = re.compile(r"shape|rank|dimension|2D array|1D array|features|reshape|not defined|attribute")
+
+
+def defined_twice(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return that a method is defined twice, which its host saw in the file."""
+    for line in _log_of(failed[0], trials):
+        if line.level == "stderr" and (match := TWICE.fullmatch(line.text.strip())):
+            text = f"{match[0]}. Is one of them the skeleton's, or a copy? Keep one."
+            return Cause(
+                text, failed[0].kind, f"line {match['line']}",
+                explains=tuple(check.id for check in failed), check=failed[0].id,
+            )  # fmt: skip
+    return None
 
 
 def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
@@ -40,7 +57,14 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
             line = " ".join(text.split())[:MAX_LINE]
             seen = f"The node logs this error {times} times in {check.scenario}: {line}"
             same = [c.id for c in failed if _slips(_log_of(c, trials))[text] >= OFTEN]
-            return Cause(seen + _advice(text), check.kind, explains=tuple(same))
+            return Cause(seen + _advice(text), check.kind, explains=tuple(same), check=check.id)
+    for said in log:  # once, but just when it failed
+        if check.time is None or abs(said.t - check.time) > AT_ONCE or not _slips([said]):
+            continue
+        if advice := _advice(said.text):
+            seen = f"At {said.t:.2f} s, where the check failed, the node logs: "
+            text = f"{seen}{' '.join(said.text.split())[:MAX_LINE]}{advice}"
+            return Cause(text, check.kind, explains=(check.id,), check=check.id)
     return None
 
 
@@ -74,7 +98,7 @@ def _dead_thread(check: Failed, log: Sequence[LogLine]) -> Cause | None:
         elif begun and (said := ENDS_WITH.match(text)):
             seen = f"A thread of the node died at {line.t:.2f} s, and with it its work: {said[0]}"
             seen = f"{seen[:MAX_LINE].rstrip('.')}{_advice(text)}"
-            return Cause(seen, check.kind, where)
+            return Cause(seen, check.kind, where, check=check.id)
     return None
 
 

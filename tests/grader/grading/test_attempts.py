@@ -4,9 +4,21 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from grader.cli.why import why
 from grader.course.exercises import SOLUTIONS, find_exercise
-from grader.grading.attempts import MAX_BYTES, MAX_FILES, attempts, history, since_last
+from grader.errors import InputError
+from grader.grading.attempts import (
+    LAST,
+    MAX_BYTES,
+    MAX_FILES,
+    attempts,
+    history,
+    keep,
+    last_grading,
+    since_last,
+)
 from grader.grading.grading import Grading
 from grader.grading.plugin import CheckResult
 
@@ -113,3 +125,16 @@ def test_it_stays_small_and_away_from_the_students_folder(file: Path) -> None:
 def test_the_courses_own_solutions_are_nobodys_attempt() -> None:
     since_last(grading(wiring="fail"), SOLUTIONS / "obstacle_avoidance" / NAME)
     assert attempts() == {}
+
+
+def test_why_prints_one_check_of_the_last_grading_in_full(kept: Path) -> None:
+    said = CheckResult("slow_zone", "It is slow.", "core", 0, 10, "fail", message="It drove on.")
+    asked = CliRunner().invoke(why, ["slow_zone"])
+    assert isinstance(asked.exception, InputError)  # nothing has been graded
+    keep(Grading(EXERCISE, NAME, 1, (said,), ()).as_dict())
+    for arguments in (["slow_zone"], []):
+        assert "It drove on." in CliRunner().invoke(why, arguments).output
+    asked = CliRunner().invoke(why, ["slow_zon"])
+    assert "did you mean 'slow_zone'" in str(asked.exception)
+    kept.with_name(LAST).write_text("not JSON")
+    assert last_grading() is None

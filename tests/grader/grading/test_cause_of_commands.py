@@ -32,6 +32,9 @@ class Trial:
         speeds = {"linear_x": values[:, 0], "t": self.step * np.arange(len(values))}
         return SimpleNamespace(values=values, **speeds)
 
+    def scans(self) -> tuple[Any, ...]:
+        return ()
+
     def of(self, _: str) -> list[tuple[float, ...]]:
         return self.commands
 

@@ -6,8 +6,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from grader.report.foreign import readable
-from grader.report.terminal import render_terminal
+from grader.report.terminal import ROWS, in_order, readable, render_terminal
 
 
 def check(outcome: str = "pass", **parts: Any) -> dict[str, Any]:
@@ -33,10 +32,17 @@ def grading(*checks: dict[str, Any], **parts: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def render(graded: dict[str, Any], width: int = 80, encoding: str = "utf-8", **options: Any) -> str:
+def render(
+    graded: dict[str, Any],
+    width: int = 80,
+    encoding: str = "utf-8",
+    *,
+    everything: bool = False,
+    **options: Any,
+) -> str:
     stream = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
     console = Console(file=stream, width=width, legacy_windows=False, **options)
-    render_terminal(graded, console)
+    render_terminal(graded, console, everything=everything)
     stream.flush()
     stream.seek(0)
     return stream.read()
@@ -55,7 +61,7 @@ def test_no_line_is_wider_than_the_terminal(width: int) -> None:
 
 def test_a_failure_says_all_that_is_known() -> None:
     where = {"where": "line 3, in f:  go(None)", "log": "1.00 s  hello"}
-    shown = words(render(grading(failure(**where))))
+    shown = words(render(grading(failure(**where)), everything=True))
     for part in (
         "✗ FAIL",
         "The robot drove on.",
@@ -70,14 +76,37 @@ def test_a_failure_says_all_that_is_known() -> None:
         assert part in shown
 
 
-def test_the_cause_stands_above_the_table() -> None:
+def test_the_cause_stands_last_whatever_was_said() -> None:
     hint = {"title": "Task 2. Hint 1", "anchor": "hints.md#task-2", "text": "Not index 0."}
     cause = {"text": "It looks back.\x1b[31m", "where": "line 3", "kind": "core", "hint": hint}
     shown = words(render(grading(failure(), cause=cause)))
-    assert "Cause It looks back. Line line 3 Hint Task 2. Hint 1 (hints.md#task-2)" in shown
-    assert shown.index("Cause") < shown.index("FAIL")
+    assert "Cause It looks back. Line line 3 Seen expected 0.15 m/s; actual" in shown
+    assert "Hint Task 2. Hint 1 (hints.md#task-2) Score" in shown
+    assert shown.index("FAIL") < shown.index("Cause") < shown.index("Score")
     assert "\x1b" not in shown
-    assert "Cause" not in render(grading(failure(), cause=None))
+    assert "It looks" not in render(grading(failure(), cause=None))
+
+
+@pytest.mark.parametrize("width", [40, 80])
+def test_from_the_cause_to_the_prompt_no_more_rows_than_a_terminal_has(width: int) -> None:
+    long = "word " * 300
+    hint = {"title": long, "anchor": "hints.md#task-2", "text": ""}
+    said = failure(message=long, expected=long, actual=long, help=long, log=long, where=long)
+    many = [failure(id=f"other_{i}", title=long, message=long) for i in range(15)]
+    for cause in (None, {"text": long, "where": long, "kind": "core", "hint": hint}):
+        graded = grading(said, *many, cause=cause, cap=long, provisional=True, notes=[long])
+        lines = render(graded, width).rstrip("\n").split("\n")
+        (first,) = (i for i, line in enumerate(lines) if line.startswith(" Cause"))
+        assert len(lines) - first <= ROWS
+        assert sum("other_" in line for line in lines) == len(many)  # one line each
+
+
+def test_the_first_failing_task_comes_first_and_all_else_follows() -> None:
+    mixed = [check(id="a", task=1), failure(id="b", task=0), failure(id="c", task=3)]
+    mixed += [failure(id="d", task=2), check("skip", id="e", task=2), check(id="f", kind="field")]
+    assert "".join(each["id"] for each in in_order(mixed)) == "dcbeaf"
+    shown = render(grading(*mixed, cause={"text": "It is.", "kind": "core", "check": "c"}))
+    assert shown.index("task 2, d") < shown.index("b: ") < shown.index("task 3, c")
 
 
 def test_outcomes_can_be_told_without_colour() -> None:
@@ -100,7 +129,7 @@ def test_what_could_not_be_judged_is_not_counted() -> None:
     why = "skipped: PyTorch is not installed here; pip install torch"
     absent = [check("unavailable", message=why) for _ in range(2)]
     unsure = check("error"), check("inconclusive")
-    shown = words(render(grading(check(), *unsure, *absent), width=120))
+    shown = words(render(grading(check(), *unsure, *absent), width=120, everything=True))
     assert "10 of 10 points" in shown
     assert "0/10" not in shown.replace("10/10", "")
     assert (shown.count(why), shown.count("skip ")) == (1, 2)

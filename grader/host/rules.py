@@ -1,0 +1,278 @@
+"""Errors of rclpy, one rule an error: what was meant, and what it is called in ROS 2.
+
+A rule fits an exception by its class, its text and the student's line. Each names the page on which
+people ask about it, or which answers them. Where none fits, nothing is said.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+API = "https://docs.ros.org/en/jazzy/p/rclpy/"
+NODES = API + "rclpy.node.html"
+TIMES = API + "rclpy.time.html"
+MIGRATION = "https://docs.ros.org/en/jazzy/How-To-Guides/Migrating-from-ROS1.html"
+PARAMETERS = API + "rclpy.parameter.html"
+ASYNC = "https://github.com/ros2/rclpy/issues/962"
+DEADLOCKS = "https://karelics.fi/deadlocks-in-rclpy/"
+PYTHON = "https://docs.python.org/3/library/exceptions.html"
+
+
+class Rule(NamedTuple):
+    r"""What to say about one error; `\1` in `say` is the first group of `text`."""
+
+    kind: str  # of the exception
+    text: str  # what it says
+    line: str  # what the student's line holds
+    say: str
+    source: str
+
+
+CREATE = {  # method: how it is called
+    "create_publisher": "create_publisher(Twist, '/cmd_vel', 10)",
+    "create_subscription": "create_subscription(LaserScan, '/scan', self.scan_callback, 10)",
+    "create_timer": "create_timer(0.1, self.tick)",
+    "create_service": "create_service(Trigger, '/start', self.start_callback)",
+    "create_client": "create_client(Trigger, '/start')",
+}
+ORDER = {
+    "create_publisher": "the message type, the topic, the depth of its queue",
+    "create_subscription": "the message type, the topic, the callback, the depth of its queue",
+    "create_timer": "the period in seconds, the callback",
+    "create_service": "the service type, the name, the callback",
+    "create_client": "the service type, the name",
+}
+WRONG_ORDER = (  # of arguments; what Python says of them
+    ("TypeError", r"rclpy_resolve_name\(\): incompatible function arguments"),
+    ("TypeError", r"Expected QoSProfile or int, but received"),
+    ("TypeError", r"^float\(\) argument must be .* not '(method|function)'"),
+    ("TypeError", r"Node\.create_\w+\(\) (missing|takes)"),
+    ("AttributeError", r"type object 'str' has no attribute '_TYPE_SUPPORT'"),
+)
+
+OWNED = (
+    "a Node has a \\1 of its own: give yours another name, such as self.my_\\1 (executor, handle, "
+    "context, publishers, subscriptions, timers, services and clients are the Node's)"
+)
+RCLPY_IN_ROS_1 = {  # name: what became of it
+    "init_node": "rclpy.init(), then a class that is a Node: super().__init__('my_node')",
+    "Publisher": "self.create_publisher(Twist, '/cmd_vel', 10), in a node",
+    "Subscriber": "self.create_subscription(LaserScan, '/scan', self.scan_callback, 10), in a node",
+    "Service": "self.create_service(type, name, callback), in a node",
+    "ServiceProxy": "self.create_client(type, name), in a node, and call_async(request)",
+    "Timer": "self.create_timer(0.1, self.tick), in a node",
+    "Rate": "a timer, self.create_timer(0.1, self.tick): a loop with sleep() keeps callbacks away",
+    "is_shutdown": "not rclpy.ok()",
+    "sleep": "a timer: a callback that sleeps keeps the others away",
+    "get_param": "self.declare_parameter(name, default), then self.get_parameter(name).value",
+    "set_param": "self.set_parameters([Parameter(name, value=value)])",
+    "get_time": "self.get_clock().now().nanoseconds / 1e9, in a node",
+    "Time": "self.get_clock().now(), in a node; the class is rclpy.time.Time",
+    "Duration": "rclpy.duration.Duration(seconds=0.5)",
+    "wait_for_message": "a subscription that keeps the newest message in an attribute",
+    "wait_for_service": "client.wait_for_service(timeout_sec=1.0)",
+    **{name: f"self.get_logger().{name.removeprefix('log')}(…), in a node"
+       for name in ("loginfo", "logerr", "logwarn", "logdebug")},
+}  # fmt: skip
+RCLPY_IN_ROS_1["logerr"] = "self.get_logger().error(…), in a node"
+NODE_IN_ROS_1 = {
+    "subscribe": "create_subscription", "create_subscriber": "create_subscription",
+    "advertise": "create_publisher", "get_param": "get_parameter", "set_param": "set_parameters",
+    "loginfo": "get_logger().info", "get_time": "get_clock().now", "now": "get_clock().now",
+    "publish": "create_publisher(…), whose result has publish(message); Node has no",
+}  # fmt: skip
+
+RULES = (
+    *(
+        Rule(kind, text, rf"\b{name}\s*\(", f"the arguments are, in this order: {ORDER[name]}, "
+             f"as in self.{call}", NODES)
+        for name, call in CREATE.items()
+        for kind, text in WRONG_ORDER
+    ),
+    Rule("AttributeError", r"property '(subscriptions|publishers|timers|clients|services|guards|"
+         r"waitables|context|default_callback_group|handle)' of", "", OWNED, NODES),
+    Rule("AttributeError", r"^(handle) cannot be modified", "", OWNED, NODES),
+    Rule("AttributeError", r"has no attribute 'add_node'", r"self\.executor\s*=",
+         OWNED.replace("\\1", "executor"), NODES),
+    Rule("AttributeError", r"^property '(\w+)' of '\w+' object has no setter", "",
+         "\\1 is a property, which can't be given a value: give the attribute another name",
+         PYTHON),
+    Rule("AttributeError", r"^'(property|member_descriptor|getset_descriptor)' object has no", "",
+         "a class stands where one object of it belongs: brackets make one, as in twist = Twist()",
+         "https://docs.python.org/3/tutorial/classes.html#class-objects"),
+    Rule("TypeError", r"^Expected <class .*got <class '[\w.]*\.Metaclass_(\w+)'>", "",
+         "\\1 is the class; \\1() is a message: publish one that you made", NODES),
+    Rule("TypeError", r"'property' object is not iterable", r"\b(spin|spin_once|add_node)\s*\(",
+         "spin() takes a node, not its class: node = MyNode(), then rclpy.spin(node)", API),
+    Rule("TypeError", r"^spin(?:_once)?\(\) missing .*'node'", "",
+         "there is no global node in ROS 2: node = MyNode(), then rclpy.spin(node)", MIGRATION),
+    Rule("NotImplementedError", r"Service classes can not be instantiated", "",
+         "a service type has two messages: Trigger.Request() and Trigger.Response()", NODES),
+    Rule("TypeError", r"call_async\(\) missing|^$", r"\.call_async\(",
+         "call_async takes a request object: client.call_async(Trigger.Request())", NODES),
+    Rule("RuntimeError", r"Context\.init\(\) must only be called once", "",
+         "rclpy.init() is called twice: once in main() is enough", API),
+    Rule("RuntimeError", r"Executor is already spinning", "",
+         "this spins in a callback, which is run by a spin that waits for it: return, and let the "
+         "next callback go on", DEADLOCKS),
+    Rule("InvalidHandle", "", "", "what is used here was destroyed before: does something come "
+         "after destroy_node() or rclpy.shutdown()?", NODES),
+    Rule("InvalidTopicNameException", "", "",
+         "the name of a topic has letters, digits, _ and /, and no blanks or dashes", NODES),
+    Rule("InvalidNodeNameException", "", "",
+         "the name of a node has letters, digits and _, no blanks, dashes or /", NODES),
+    # queue_size, latch and other arguments of ROS 1
+    Rule("TypeError", r"unexpected keyword argument 'queue_size'", "",
+         "queue_size is ROS 1's: in ROS 2 the depth is the last argument, as in "
+         "create_publisher(Twist, '/cmd_vel', 10)", MIGRATION),
+    Rule("TypeError", r"unexpected keyword argument 'latch'", "",
+         "there was a latch in ROS 1: in ROS 2 a QoSProfile(depth=1, durability="
+         "DurabilityPolicy.TRANSIENT_LOCAL) takes the depth's place", MIGRATION),
+    Rule("TypeError", r"unexpected keyword argument '(tcp_nodelay|buff_size|anonymous|oneshot)'",
+         "", "ROS 1 alone has \\1: leave it out", MIGRATION),
+    # time
+    Rule("AttributeError", r"'(Time|Duration)' object has no attribute '(?:to_n?secs?|secs|nsecs|"
+         r"toSec|seconds)' \(a message\)", "",
+         "a stamp has the fields sec and nanosec: stamp.sec + stamp.nanosec / 1e9 are its seconds",
+         TIMES),
+    Rule("AttributeError", r"'(Time|Duration)' object has no attribute '(?:to_n?secs?|secs|nsecs|"
+         r"toSec|seconds|to_seconds|total_seconds|sec)'", "",
+         "a \\1 of rclpy counts nanoseconds: .nanoseconds / 1e9 are its seconds (a stamp in a "
+         "message has sec and nanosec)", TIMES),
+    Rule("AttributeError", r"type object 'Time' has no attribute '(now|get_rostime)'", "",
+         "in ROS 2 a node has the clock: self.get_clock().now()", TIMES),
+    Rule("TypeError", r"(?:for -|'[<>]=?' not supported).*'Time' and 'Time'", "",
+         "one is a stamp of a message: Time.from_msg(stamp), of rclpy.time, makes both alike",
+         TIMES),
+    Rule("TypeError", r"Can't (?:subtract|compare) times with different clock types", "",
+         "give both the node's clock: Time.from_msg(stamp) for stamps, and "
+         "Time(clock_type=self.get_clock().clock_type) instead of Time()", TIMES),
+    Rule("TypeError", r"Duration\.__init__\(\) takes 1 positional", "",
+         "name its unit: Duration(seconds=0.5)", TIMES),
+    Rule("TypeError", r"'int' object is not callable", r"\.nanoseconds\s*\(",
+         "it is no method: leave the brackets after nanoseconds out", TIMES),
+    Rule("AttributeError", r"'Header' object has no attribute '(seq)'", "",
+         "a header has stamp and frame_id, and no seq as in ROS 1: count messages yourself",
+         MIGRATION),
+    # parameters
+    Rule("TypeError", r"ParameterValue", "",
+         "get_parameter_value() holds a field for each type: .double_value, .integer_value, …; "
+         "get_parameter('…').value is the number itself", PARAMETERS),
+    Rule("ParameterAlreadyDeclaredException", "", "",
+         "the parameter is declared twice: once in the constructor is enough", PARAMETERS),
+    Rule("ParameterUninitializedException", "", "",
+         "it is declared without a default: declare_parameter('name', 0.5)", PARAMETERS),
+    Rule("InvalidParameterTypeException", "", "",
+         "a parameter keeps the type of its default: 1.0 for a float, not 1", PARAMETERS),
+    # futures and coroutines
+    Rule("AttributeError", r"'Future' object has no attribute '(\w+)'", "",
+         "this is a future, which will hold the answer: answer = future.result(), in a function "
+         "given to future.add_done_callback(…), then answer.\\1", DEADLOCKS),
+    Rule("TypeError", r"'Future'", "", "this is a future, not yet the answer: future.result() is, "
+         "in a function given to future.add_done_callback(…)", DEADLOCKS),
+    Rule("RuntimeError", r"no (running|current) event loop", "",
+         "callbacks of rclpy run without a loop of asyncio, so nothing of asyncio works in them: "
+         "let a thread do the slow work, such as ThreadPoolExecutor(1).submit(…), or a timer",
+         ASYNC),
+    Rule("TypeError", r"coroutine", "",
+         "a function with async def returns a coroutine: await it, in an async def, or make it a "
+         "plain def", ASYNC),
+    Rule("AttributeError", r"'numpy.ndarray' object has no attribute 'keys'", "",
+         "a session takes a dict of its inputs: session.run(None, {name: array}), with the name of "
+         "session.get_inputs()[0]", "https://onnxruntime.ai/docs/api/python/api_summary.html"),
+    # messages
+    Rule("TypeError", r"^'(\w+)' object is not (?:iterable|subscriptable)|"
+         r"^object of type '(?:\w+)' has no len", r"\bscan\b(?!\.)",
+         "a scan is a message with fields; its readings are scan.ranges",
+         "https://docs.ros.org/en/jazzy/p/sensor_msgs/msg/LaserScan.html"),
+    Rule("TypeError", r"RcutilsLogger\.\w+\(\) takes 2 positional arguments|rclpy_logging_rcutils",
+         "", "a logger takes one text: info(f'speed {speed:.2f}')", NODES),
+    Rule("TypeError", r"Publisher\.publish\(\) takes 2 positional", "",
+         "publish() takes one message: make it, fill its fields, publish it", NODES),
+    Rule("AttributeError", r"has no attribute 'get_num_connections'", "",
+         "in ROS 2 it is get_subscription_count()", MIGRATION),
+    # Python
+    Rule("ZeroDivisionError", "", r"\batan\(",
+         "math.atan2(dy, dx) takes both, knows all four quadrants and never divides",
+         "https://docs.python.org/3/library/math.html#math.atan2"),
+    Rule("ValueError", r"min\(\)|max\(\)|empty", r"\[\s*-\w+\s*:\s*\w+\s*\]",
+         "a slice from a negative index to a positive one is empty, for -90 counts from the end: "
+         "join two, ranges[-90:] and ranges[:90]",
+         "https://docs.python.org/3/library/stdtypes.html#common-sequence-operations"),
+    Rule("TypeError", r"list indices must be integers|array indices must be integers|"
+         r"'float' object cannot be interpreted as an integer", "",
+         "an index is an int: int(…), or // instead of /", PYTHON),
+    Rule("TypeError", r"unsupported operand type\(s\) for .*'(list|array\.array|tuple)'", "",
+         "arithmetic on a whole \\1 needs NumPy: np.array(scan.ranges)", PYTHON),
+    Rule("TypeError", r"can't multiply sequence by non-int", "",
+         "a list or a text can't be scaled: np.array(…) * factor, or float(text)", PYTHON),
+    Rule("NameError", r"name '(true|false|null|none)'", "",
+         "Python writes True, False and None", PYTHON),
+    Rule("NameError", r"name '(?:nan|inf|pi|sqrt|cos|sin|atan2|hypot|isnan|isfinite|isinf)'", "",
+         "it belongs to math: `import math`, then math.…", PYTHON),
+    Rule("NameError", r"name '(raw_input|xrange|unicode|unichr|long)'", "",
+         "\\1 is Python 2's: input, range, str, chr and int took its place", PYTHON),
+    Rule("NameError", r"name 'rospy'", "", "that is ROS 1; in ROS 2 it is rclpy", MIGRATION),
+    Rule("NameError", r"name '(math|time|threading|json|random|statistics|rclpy|os|sys)'", "",
+         "an import is missing: import \\1", PYTHON),
+    Rule("NameError", r"name 'np'", "", "an import is missing: import numpy as np", PYTHON),
+    Rule("NameError", r"name '(Twist|Pose|PoseStamped|Point|Quaternion|Vector3|TwistStamped)'", "",
+         "an import is missing: from geometry_msgs.msg import \\1", PYTHON),
+    Rule("NameError", r"name '(LaserScan|Imu|Image)'", "",
+         "an import is missing: from sensor_msgs.msg import \\1", PYTHON),
+    Rule("NameError", r"name '(Float64|Float32|Bool|String|Int32|Empty)'", "",
+         "an import is missing: from std_msgs.msg import \\1", PYTHON),
+    Rule("NameError", r"name '(Trigger|SetBool)'", "",
+         "an import is missing: from std_srvs.srv import \\1", PYTHON),
+    Rule("NameError", r"name '(Odometry)'", "",
+         "an import is missing: from nav_msgs.msg import \\1", PYTHON),
+    Rule("NameError", r"name '(Node)'", "",
+         "an import is missing: from rclpy.node import \\1", PYTHON),
+)  # fmt: skip
+_COMPILED = [(rule, re.compile(rule.text), re.compile(rule.line)) for rule in RULES]
+
+WAITS = (  # what a line that waits for good holds, and what to do
+    (r"\.sleep\(", r"rate", "a rate's sleep() waits for a timer, which only the executor that "
+     "runs this callback could fire: make a timer, self.create_timer(0.1, self.tick)"),
+    (r"\.call\(", "", "call() waits for an answer, which only the executor that runs this "
+     "callback could deliver: call_async(request), and add_done_callback on its future"),
+    (r"spin_until_future_complete|\.spin_once\(|\.spin\(", "", "a callback can't spin: it is run "
+     "by a spin that waits for it; go on in future.add_done_callback(…)"),
+    (r"wait_for_service", "", "wait for a service before spinning, not in a callback"),
+    (r"wait_for_message", "", "in a callback nothing else is called back: keep the newest "
+     "message in an attribute"),
+    (r"\.result\(", "", "result() waits here for work that can't go on meanwhile: ask done() "
+     "first, or use add_done_callback"),
+    (r"\.acquire\(|\bwith self\.\w*lock", "", "a lock is waited for that its holder can't "
+     "release: is it taken twice in one thread? Then an RLock, or one `with` less"),
+    (r"\.wait\(|\.get\(|\.join\(", "", "what it waits for would have to come from another "
+     "thread or callback, and none is running: does it need a timeout?"),
+)  # fmt: skip
+
+
+def rule_for(names: tuple[str, ...], text: str, line: str = "") -> str:
+    """Return what to say about an exception, by its classes, its text and the student's line."""
+    for rule, fits, stands in _COMPILED:
+        if rule.kind not in names or not stands.search(line):
+            continue
+        if match := fits.search(text):
+            return match.expand(rule.say) if match.re.groups else rule.say
+    return ""
+
+
+def wait_for_good(line: str) -> str:
+    """Return what to say about a line at which every thread of a node waits; "" if unknown."""
+    for code, also, said in WAITS:
+        if re.search(code, line) and re.search(also, line):
+            return said
+    return ""
+
+
+def of_ros_1(owner: str, name: str) -> str:
+    """Say what became of a name that was ROS 1's; `owner`: "rclpy" or "Node"."""
+    if owner == "rclpy" and name in RCLPY_IN_ROS_1:
+        return f"rospy.{name} was ROS 1; in ROS 2 it is {RCLPY_IN_ROS_1[name]}"
+    if owner == "Node" and name in NODE_IN_ROS_1:
+        return f"in ROS 2 it is self.{NODE_IN_ROS_1[name]}{' ' + name if name == 'publish' else ''}"
+    return ""

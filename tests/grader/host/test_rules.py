@@ -1,0 +1,206 @@
+"""What is said about errors of rclpy and of syntax: a row for each rule, with the real rclpy."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from grader.host.deaths import account_of_syntax
+from grader.host.rules import RULES, wait_for_good
+
+PRELUDE = """
+import json, math, sys
+import numpy as np
+import rclpy
+from builtin_interfaces.msg import Time as Stamp
+from geometry_msgs.msg import Twist
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.time import Time
+from sensor_msgs.msg import LaserScan
+from std_srvs.srv import Trigger
+from grader.host.plain_words import field_of, plain_words
+from grader.host.rules import RULES
+rclpy.init()
+class Agent(Node):
+    def tick(self): pass
+    async def coroutine(self): pass
+self = Agent('agent')
+self.declare_parameter('speed', 1.0)
+scan, stamp = LaserScan(), Stamp()
+rclpy.init_node = None
+del rclpy.init_node
+"""
+MEANT = {
+    "self.create_publisher(Twist, '/c')": "the message type, the topic, the depth",
+    "self.create_publisher('/c', Twist, 10)": "create_publisher(Twist, '/cmd_vel', 10)",
+    "self.create_publisher(Twist, 10, '/c')": "the message type, the topic, the depth",
+    "self.create_publisher('Twist', '/c', 10)": "the message type, the topic, the depth",
+    "self.create_subscription(LaserScan, '/s', self.tick)": "the callback, the depth",
+    "self.create_subscription('/s', LaserScan, self.tick, 10)": "the callback, the depth",
+    "self.create_subscription(LaserScan, '/s', 10, self.tick)": "the callback, the depth",
+    "self.create_timer(self.tick, 0.1)": "the period in seconds, the callback",
+    "self.create_timer(0.1)": "the period in seconds, the callback",
+    "self.create_service('/d', Trigger, self.tick)": "the service type, the name, the callback",
+    "self.create_client('/d', Trigger)": "the service type, the name",
+    "self.create_publisher(Twist, '/c', queue_size=10)": "queue_size is ROS 1's",
+    "self.create_publisher(Twist, '/c', 10, latch=True)": "TRANSIENT_LOCAL",
+    "self.create_subscription(LaserScan, '/s', self.tick, 10, tcp_nodelay=True)": "leave it out",
+    "self.create_publisher(Twist, '/my topic', 10)": "no blanks or dashes",
+    "Node('my node')": "no blanks, dashes",
+    "self.subscriptions = []": "self.my_subscriptions",
+    "self.handle = 3": "self.my_handle",
+    "self.executor = 3": "self.my_executor",
+    "Twist.linear.x = 1.0": "twist = Twist()",
+    "self.create_publisher(Twist, '/c', 10).publish(Twist)": "Twist() is a message",
+    "self.create_publisher(Twist, '/c', 10).publish(0.1, 0.2)": "publish() takes one message",
+    "self.create_publisher(Twist, '/c', 10).get_num_connections()": "get_subscription_count()",
+    "rclpy.spin(Agent)": "node = MyNode()",
+    "rclpy.spin()": "no global node",
+    "rclpy.init()": "once in main()",
+    "self.get_parameter('speed').get_parameter_value() < 1.0": ".double_value",
+    "float(self.get_parameter('speed').get_parameter_value())": ".double_value",
+    "self.declare_parameter('speed', 1.0)": "declared twice",
+    "Trigger()": "Trigger.Request()",
+    "self.create_client(Trigger, '/d').call_async()": "a request object",
+    "self.create_client(Trigger, '/d').call_async(Trigger.Request()).success": "answer.success",
+    "self.create_client(Trigger, '/d').call_async(Trigger.Request())['a']": "future.result() is",
+    "import asyncio; asyncio.get_running_loop()": "without a loop of asyncio",
+    "self.coroutine() + 1": "await it",
+    "self.get_clock().now().to_sec()": ".nanoseconds / 1e9 are its seconds (a stamp",
+    "(self.get_clock().now() - self.get_clock().now()).to_sec()": "A Duration of rclpy counts",
+    "stamp.to_sec()": "stamp.sec + stamp.nanosec / 1e9",
+    "stamp.secs": "stamp.sec + stamp.nanosec / 1e9",
+    "self.get_clock().now() - stamp": "Time.from_msg(stamp)",
+    "self.get_clock().now() < stamp": "Time.from_msg(stamp)",
+    "Time() - self.get_clock().now()": "give both the node's clock",
+    "Time.now()": "self.get_clock().now()",
+    "Duration(0.5)": "Duration(seconds=0.5)",
+    "self.get_clock().now().nanoseconds()": "leave the brackets after",
+    "scan.header.seq": "count messages yourself",
+    "len(scan)": "its readings are scan.ranges",
+    "min(scan)": "its readings are scan.ranges",
+    "self.get_logger().info('speed', 0.5)": "a logger takes one text",
+    "rclpy.Rate(10)": "self.create_timer(0.1, self.tick)",
+    "rclpy.loginfo('hello')": "self.get_logger().info(…)",
+    "rclpy.init_node('x')": "super().__init__('my_node')",
+    "self.get_param('speed')": "self.get_parameter",
+    "self.subscribe(LaserScan, '/scan', self.tick, 10)": "self.create_subscription",
+    "self.publish(Twist())": "whose result has publish(message)",
+    "t = Twist(); t.linearx = 1.0": "is it linear?",
+    "t = Twist(); t.linear.X = 1.0": "it has x, y, z",
+    "r = Trigger.Response(); r.sucess = True": "is it success?",
+    "math.atan(1.0 / 0.0)": "math.atan2(dy, dx)",
+    "min([1, 2, 3][-1:1])": "ranges[-90:] and ranges[:90]",
+    "[1, 2][0.5]": "an index is an int",
+    "[1.0] / 2.0": "np.array(scan.ranges)",
+    "[1.0] * 2.0": "np.array(…) * factor",
+    "true": "True, False and None",
+    "sqrt(2)": "import math",
+    "raw_input()": "Python 2's",
+    "statistics.median([1])": "import statistics",
+    "Odometry()": "from nav_msgs.msg import Odometry",
+    "rospy.Rate(10)": "it is rclpy",
+    "class P:\n    x = property(lambda self: 1)\nP().x = 2": "is a property",
+}  # fmt: skip
+SYNTAX = {
+    "```python\nimport math": "``` is Markdown",
+    "%%node agent.py\nimport math": "Python only",
+    "%matplotlib inline": "Python only",
+    "!pip install numpy": "into a terminal",
+    ">>> x = 1": "the prompt was copied",
+    "12 def f():\n    pass": "numbers of the lines",
+    "<<<<<<< HEAD\nx = 1": "Git left a conflict",
+    "x = \N{LEFT DOUBLE QUOTATION MARK}a\N{RIGHT DOUBLE QUOTATION MARK}": "word processor",
+    "x = 1 \N{EN DASH} 2": "type - for minus",
+    "x =\N{NO-BREAK SPACE}1": "invisible character",
+    "x = 2 \N{MULTIPLICATION SIGN} 3": "no such sign",
+    "print 'hello'": "write print(…)",
+    "try:\n    pass\nexcept TypeError, ValueError:\n    pass": "except X as error",
+    "if True:\n\tx = 1\n        y = 2": "never with tabs",
+    "if True:\n    x = 1\n  y = 2": "like none around",
+    "x = 1\n    y = 2": "indented more than the one before",
+    "def f():\nx = 1": "isn't indented by four spaces",
+    "if 1 > 0\n    pass": "ends with a colon",
+    "x = (1": "( that opens here is never closed",
+    "x = 1)": "closes what nothing opened",
+    "x = (1]": "brackets close in pairs",
+    "x = [1 2]": "a comma or an operator is missing",
+    "x = 'hello": "the quote that opened it",
+    'x = """hello': "three quotes",
+    "if x = 1:\n    pass": "a comparison is written ==",
+    "f() = 1": "left of =",
+    "x = 5m": "takes no unit",
+    "return 1": "isn't indented like",
+    "break": "belongs into a while or for",
+    "x = 1\nx++": "x += 1",
+    "if 1 && 2:\n    pass": "`and` and `or`",
+    "if 1:\n    pass\nelse if 2:\n    pass": "elif",
+    "f(a=1, 2)": "come after those without",
+    "int x = 1": "needs no type",
+    "function f() {}": "begins with `def`",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """What is said about each source, by one process with the real rclpy."""
+    script = tmp_path_factory.mktemp("rules") / "script.py"
+    script.write_text(f"""{PRELUDE}
+said = {{}}
+for source in json.loads(sys.stdin.read()):
+    space = dict(globals())
+    try:
+        exec(source, space)
+    except Exception as error:
+        said[source] = field_of(error, space) or plain_words(error, source)
+        if isinstance(error, NameError):
+            said[source] = plain_words(error, source)
+json.dump(said, open(sys.argv[1], 'w'))
+""")
+    out = script.with_suffix(".json")
+    subprocess.run(
+        [sys.executable, script, out], input=json.dumps(list(MEANT)), text=True, check=True,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])},
+        stderr=subprocess.DEVNULL, timeout=120,
+    )  # fmt: skip
+    found: dict[str, str] = json.loads(out.read_text())
+    return found
+
+
+@pytest.mark.parametrize("source", MEANT)
+def test_an_error_of_rclpy_has_its_rule(said: dict[str, str], source: str) -> None:
+    assert MEANT[source].lower() in said[source].lower()
+
+
+@pytest.mark.filterwarnings("ignore::SyntaxWarning")
+@pytest.mark.parametrize("source", SYNTAX)
+def test_a_syntax_error_is_explained_by_its_kind(tmp_path: Path, source: str) -> None:
+    file = tmp_path / "agent.py"
+    file.write_text(source, "utf-8")
+    with pytest.raises(SyntaxError) as caught:
+        compile(source, str(file), "exec", dont_inherit=True)
+    assert SYNTAX[source] in account_of_syntax(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("self.create_rate(10).sleep()", "create_timer"),
+        ("answer = self.client.call(request)", "call_async"),
+        ("rclpy.spin_until_future_complete(self, future)", "can't spin"),
+        ("with self._lock:", "RLock"),
+        ("self.done.wait()", "timeout"),
+        ("x = 1", ""),
+    ],
+)
+def test_a_wait_for_good_is_explained_by_its_line(line: str, word: str) -> None:
+    assert word in wait_for_good(line)
+    assert bool(word) == bool(wait_for_good(line))
+
+
+def test_every_rule_names_a_page() -> None:
+    assert all(rule.source.startswith("https://") for rule in RULES)

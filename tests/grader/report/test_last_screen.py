@@ -1,0 +1,58 @@
+"""The rows above the prompt, of real gradings of nodes with one mistake each."""
+
+import io
+from pathlib import Path
+
+import pytest
+
+from grader.course.exercises import SOLUTIONS, find_exercise
+from grader.course.submission import Submission
+from grader.grading.grading import grade_submission
+from grader.link.hosts import ForkServer
+from grader.report.terminal import ROWS, Console, render_terminal
+
+EXERCISE = find_exercise("obstacle_avoidance")
+REFERENCE = (SOLUTIONS / EXERCISE.slug / EXERCISE.files[0]).read_text("utf-8")
+SPEED = "twist.linear.x = speed"
+PUBLISHER = 'create_publisher(Twist, "/cmd_vel", 10)'
+MISTAKES = {  # what stands there, what stands instead: what the cause says
+    "a fence": ('"""Obstacle avoidance:', '```python\n"""Obstacle:', "``` is Markdown"),
+    "a magic": ('"""Obstacle avoidance:', '%%node a.py\n"""Obstacle:', "no line of a notebook"),
+    "a colon": ("def stop(self) -> None:", "def stop(self)", "ends with a colon"),
+    "ROS 1": ("import rclpy\n", "import rospy\n", "belongs to ROS 1"),
+    "queue_size": (PUBLISHER, PUBLISHER.replace("10", "queue_size=10"), "depth is the last"),
+    "the order": (PUBLISHER, 'create_publisher("/cmd_vel", Twist, 10)', "the message type, the t"),
+    "a class": ("twist = Twist()", "twist = Twist", "brackets make one"),
+    "an owned name": ("self.scan_subscription =", "self.subscriptions =", "self.my_subscriptions"),
+    "nothing": ("distance is None or ", "", "Here distance is None: ask"),
+    "a rate": (SPEED, f"{SPEED}\n        self.create_rate(10).sleep()", "make a timer"),
+    "asyncio": (SPEED, f"{SPEED}; import asyncio; asyncio.get_running_loop()", "a thread do"),
+    "a field": (SPEED, "twist.linear.X = speed", "it has x, y, z"),
+    "defined twice": (
+        "    def stop(self)",
+        "    def drive(self, speed):\n        pass\n\n    def stop(self)",
+        "defines drive in line",
+    ),
+    "a library": ("import rclpy\n", "import cv2\nimport rclpy\n", "There is no cv2 here"),
+}
+
+
+@pytest.mark.parametrize(("there", "instead", "said"), MISTAKES.values(), ids=MISTAKES)
+def test_a_student_sees_the_cause_beside_the_prompt(
+    forkserver: ForkServer, tmp_path: Path, there: str, instead: str, said: str
+) -> None:
+    file = tmp_path / EXERCISE.files[0]
+    assert there in REFERENCE
+    file.write_text(REFERENCE.replace(there, instead), "utf-8")
+    only = ("wiring", "slow_zone", "blind")
+    grading = grade_submission(EXERCISE, Submission(file), forkserver, file=file.name, only=only)
+
+    screen = io.StringIO()
+    render_terminal(grading.as_dict(), Console(file=screen, width=80), todo="course why")
+    rows = screen.getvalue().rstrip("\n").split("\n")
+    (first,) = (i for i, row in enumerate(rows) if row.startswith(" Cause"))
+
+    assert len(rows) - first <= ROWS
+    assert said in " ".join(" ".join(rows[first:]).split())
+    assert " Score" in "\n".join(rows[first:])
+    assert rows[-1].startswith(" Next")
