@@ -12,7 +12,9 @@ from typing import NamedTuple
 API = "https://docs.ros.org/en/jazzy/p/rclpy/"
 NODES = API + "rclpy.node.html"
 TIMES = API + "rclpy.time.html"
-MIGRATION = "https://docs.ros.org/en/jazzy/How-To-Guides/Migrating-from-ROS1.html"
+MIGRATION = (
+    "https://docs.ros.org/en/jazzy/How-To-Guides/Migrating-from-ROS1/Migrating-Python-Packages.html"
+)
 PARAMETERS = API + "rclpy.parameter.html"
 ASYNC = "https://github.com/ros2/rclpy/issues/962"
 DEADLOCKS = "https://karelics.fi/deadlocks-in-rclpy/"

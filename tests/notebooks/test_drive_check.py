@@ -80,7 +80,7 @@ def test_a_right_solution_gets_all_points_in_the_terminals_words(
     assert said.stderr == ""
     age, _, table = said.text.partition(" ago.\n")
     assert age.strip().startswith(f"{AGENT} was written ")
-    assert table.split() == expected.split()
+    assert table.split() == expected.partition("Next")[0].split()  # that is a command
     numbers = kernel.run("print(report.score, report.max_score, len(report.checks))")
     assert numbers.stdout.split()[:2] == ["100", "100"]
 

@@ -82,7 +82,7 @@ def test_a_blocking_call_in_a_callback_is_a_deadlock(run_node: RunNode) -> None:
     """).outcome
 
     assert outcome.kind == "stuck"
-    assert "call()" in outcome.text
+    assert "call()" in outcome.detail
 
 
 # --- what the judge gets to know -----------------------------------------------------------------
