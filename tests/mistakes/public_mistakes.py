@@ -25,6 +25,7 @@ class Mistake(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     address: str  # of the source
     edit: str  # docs/add-an-exercise.md
     base: str = ""  # the file that is edited, where it is not the list's
+    requires: tuple[str, ...] = ()  # modules without which it makes no difference
 
 
 class _List(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -34,4 +34,4 @@ def test_every_edit_fits_and_no_two_make_one_program(exercise: Exercise) -> None
 
 def test_the_list_is_as_long_as_when_it_was_fixed() -> None:
     lengths = [len(mistakes(exercise)) for exercise in all_exercises()]
-    assert lengths == [17, 16, 16, 16, 17, 17, 16, 15, 18]
+    assert lengths == [17, 16, 16, 16, 17, 17, 16, 18, 18]
