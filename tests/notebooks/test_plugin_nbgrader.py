@@ -135,9 +135,8 @@ def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Pat
     nbgrader(course, "generate_feedback", "07_quiz", "--student", "e_quiz")
 
     page = (course / "feedback" / "e_quiz" / "07_quiz" / "07_quiz.html").read_text("utf-8")
-    assert "steal()" in page
-    assert "<script>steal" not in page
-    assert 'href="javascript:' not in page
+    assert "Because." in page
+    assert "steal()" not in page
 
 
 def hand_in_oddities(course: Path, elsewhere: Path) -> None:
@@ -169,7 +168,7 @@ def test_every_student_has_worlds_of_their_own(
 ) -> None:
     seeds: list[int | None] = []
 
-    def note(exercise: Any, files: Any, *, seed: int | None = None) -> Verdict:
+    def note(*_: Any, seed: int | None = None, **__: Any) -> Verdict:
         seeds.append(seed)
         return Verdict(None, problem="only a test")
 
@@ -179,7 +178,7 @@ def test_every_student_has_worlds_of_their_own(
     step = autograde.JudgeNodes(secret=str(secret))
     plain = autograde.JudgeNodes()
     for name, judging in (("ann", step), ("bob", step), ("ann", plain)):
-        judging._verdict(SLUG, [], Place("", "01_loop", "01_loop", name))
+        judging._verdict(SLUG, [], Place("", "01_loop", "01_loop", name), tmp_path)
 
     key = secret.read_bytes()
     assert seeds == [student_key(key, "ann", SLUG), student_key(key, "bob", SLUG), None]
