@@ -120,6 +120,11 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         "a callback is handed over by its name, without brackets: create_timer(0.1, self.tick), "
         "not self.tick(), which calls it there and then and hands over None",
     ),
+    (
+        "TypeError",
+        r"unsupported operand type\(s\) for [|&]",
+        "| and & compute with bits, and before any comparison: a condition needs `or` and `and`",
+    ),
     ("TypeError", r"NoneType", NO_VALUE),
     ("AttributeError", r"^'NoneType' object", NO_VALUE),
     (
@@ -157,8 +162,8 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "UnboundLocalError",
         r"",
-        "the variable is only given a value on some paths (in an `if` that was not true, or in a "
-        "loop that never ran): give it one before",
+        "a name that a function assigns is its own: give it a value first, on every path. If the "
+        "module's is meant, it needs `global`, and is better kept in self",
     ),
     ("NameError", r"", "is it misspelt, or does it lack `self.` or an import?"),
     (

@@ -117,7 +117,8 @@ MEANT = {
     "5[0]": "square brackets",
     "open('velocity_model.pkl')": "model_path",
     "def f(): return f()\nf()": "calls itself",
-    "def f():\n    x += 1\nf()": "only given a value on some paths",
+    "def f():\n    x += 1\nf()": "it needs `global`",
+    "None | 1.0 == math.inf": "a condition needs `or`",
     "if 1 > 0\n    print(1)": "colon",
     "x = (1": "bracket",
 }
