@@ -11,7 +11,7 @@ from grader.course.exercises import find_exercise
 from grader.grading.withheld import for_students, hides_anything
 from grader.lms.book import Task
 from grader.lms.clean import one_line
-from grader.report.terminal import UNJUDGED
+from grader.report.facts import UNJUDGED
 
 Check = Mapping[str, Any]
 

@@ -107,7 +107,7 @@ def grade(
 
 def _todo(grading: Grading, what: str) -> str:
     """Return what to type next."""
-    from grader.report.terminal import first_failure  # noqa: PLC0415
+    from grader.report.facts import first_failure  # noqa: PLC0415
 
     first = first_failure(grading.as_dict())
     if first is None:

@@ -12,12 +12,8 @@ from grader.errors import InputError
 def why(check: str | None) -> None:
     """Print all that the last grading found about CHECK, or about what failed first."""
     from grader.grading.attempts import last_grading  # noqa: PLC0415
-    from grader.report.terminal import (  # noqa: PLC0415
-        Console,
-        first_failure,
-        in_order,
-        render_check,
-    )
+    from grader.report.facts import first_failure, in_order  # noqa: PLC0415
+    from grader.report.terminal import Console, render_check  # noqa: PLC0415
     from sim.toml_input import nearest  # noqa: PLC0415
 
     grading = last_grading()

@@ -85,6 +85,17 @@ NODE_IN_ROS_1 = {
     "publish": "create_publisher(…), whose result has publish(message); Node has no",
 }  # fmt: skip
 
+IMPORTS = {  # names: the line that brings them
+    "math|time|threading|json|random|statistics|rclpy|os|sys": r"import \1",
+    "np": "import numpy as np",
+    "Twist|Pose|PoseStamped|Point|Quaternion|Vector3|TwistStamped":
+        r"from geometry_msgs.msg import \1",
+    "LaserScan|Imu|Image": r"from sensor_msgs.msg import \1",
+    "Float64|Float32|Bool|String|Int32|Empty": r"from std_msgs.msg import \1",
+    "Trigger|SetBool": r"from std_srvs.srv import \1",
+    "Odometry": r"from nav_msgs.msg import \1",
+    "Node": r"from rclpy.node import \1",
+}  # fmt: skip
 RULES = (
     *(
         Rule(kind, text, rf"\b{name}\s*\(", f"the arguments are, in this order: {ORDER[name]}, "
@@ -216,21 +227,8 @@ RULES = (
     Rule("NameError", r"name '(raw_input|xrange|unicode|unichr|long)'", "",
          "\\1 is Python 2's: input, range, str, chr and int took its place", PYTHON),
     Rule("NameError", r"name 'rospy'", "", "that is ROS 1; in ROS 2 it is rclpy", MIGRATION),
-    Rule("NameError", r"name '(math|time|threading|json|random|statistics|rclpy|os|sys)'", "",
-         "an import is missing: import \\1", PYTHON),
-    Rule("NameError", r"name 'np'", "", "an import is missing: import numpy as np", PYTHON),
-    Rule("NameError", r"name '(Twist|Pose|PoseStamped|Point|Quaternion|Vector3|TwistStamped)'", "",
-         "an import is missing: from geometry_msgs.msg import \\1", PYTHON),
-    Rule("NameError", r"name '(LaserScan|Imu|Image)'", "",
-         "an import is missing: from sensor_msgs.msg import \\1", PYTHON),
-    Rule("NameError", r"name '(Float64|Float32|Bool|String|Int32|Empty)'", "",
-         "an import is missing: from std_msgs.msg import \\1", PYTHON),
-    Rule("NameError", r"name '(Trigger|SetBool)'", "",
-         "an import is missing: from std_srvs.srv import \\1", PYTHON),
-    Rule("NameError", r"name '(Odometry)'", "",
-         "an import is missing: from nav_msgs.msg import \\1", PYTHON),
-    Rule("NameError", r"name '(Node)'", "",
-         "an import is missing: from rclpy.node import \\1", PYTHON),
+    *(Rule("NameError", rf"name '({names})'", "", f"an import is missing: {line}", PYTHON)
+      for names, line in IMPORTS.items()),
 )  # fmt: skip
 _COMPILED = [(rule, re.compile(rule.text), re.compile(rule.line)) for rule in RULES]
 

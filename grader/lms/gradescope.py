@@ -23,7 +23,7 @@ from grader.errors import InputError
 from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
 from grader.lms.platform import Entry, Platform, Read, SetAside, Who
-from grader.report.terminal import UNJUDGED
+from grader.report.facts import UNJUDGED
 
 METADATA = "submission_metadata.yml"
 MAX_METADATA = 64 * 1024 * 1024  # [bytes]: it holds the results of every submission

@@ -10,7 +10,7 @@ from grader.course.exercises import find_exercise
 from grader.course.score import score_of
 from grader.nbgrader.cells import Wanted
 from grader.nbgrader.judge import Verdict
-from grader.report.terminal import UNJUDGED, cause_of
+from grader.report.facts import UNJUDGED, cause_of
 
 
 @dataclass(frozen=True)

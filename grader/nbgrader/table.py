@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from nbformat import NotebookNode, v4
 
 from grader.nbgrader.marks import Mark
-from grader.report.terminal import OUTCOMES, facts_of, in_order, plain, points_of, with_details
+from grader.report.facts import OUTCOMES, facts_of, in_order, plain, points_of, with_details
 
 COLOURS = {"pass": "#1a7f37", "fail": "#b42318", "error": "#8250df"}
 GREY = "#57606a"

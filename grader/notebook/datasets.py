@@ -16,7 +16,7 @@ from grader.notebook.child import environment
 from grader.notebook.program import run
 from grader.notebook.session import SESSION
 from grader.notebook.show import Progress, preformatted, tell
-from grader.report.terminal import plain
+from grader.report.facts import plain
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

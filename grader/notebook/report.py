@@ -9,11 +9,8 @@ from typing import Any
 
 from grader.notebook.frame import folded, frame_html
 from grader.notebook.show import Bundle, execution_count, show
-from grader.report.terminal import (
+from grader.report.facts import (
     OUTCOMES,
-    PROVISIONAL,
-    PROVISIONAL_WHY,
-    SINCE,
     cause_of,
     facts_of,
     field_words,
@@ -27,6 +24,7 @@ from grader.report.terminal import (
     share_of,
     with_details,
 )
+from grader.report.terminal import PROVISIONAL, PROVISIONAL_WHY, SINCE
 
 Check = Mapping[str, Any]
 

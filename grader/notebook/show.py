@@ -37,7 +37,7 @@ def execution_count() -> int | None:
 
 def tell(text: str) -> None:
     """Print a message without escape sequences, which a student's text in it may have."""
-    from grader.report.terminal import plain  # noqa: PLC0415
+    from grader.report.facts import plain  # noqa: PLC0415
 
     print("\n".join(plain(line) for line in text.split("\n")), flush=True)
 

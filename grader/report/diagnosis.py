@@ -9,7 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from grader.link import system
-from grader.report.terminal import MAX_WIDTH, OUTCOMES, Console, is_ascii, printable
+from grader.report.facts import OUTCOMES
+from grader.report.terminal import MAX_WIDTH, Console, is_ascii, printable
 
 if TYPE_CHECKING:
     from grader.link.doctor import Diagnosis

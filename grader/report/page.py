@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from grader.report.facts import in_order
 from grader.report.foreign import readable
 from grader.report.replay import moments_of, replay_payload
-from grader.report.terminal import in_order, render_terminal
+from grader.report.terminal import render_terminal
 
 if TYPE_CHECKING:
     from grader.recording import Recording

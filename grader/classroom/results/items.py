@@ -16,7 +16,7 @@ from grader.classroom.marks import Check, checks_of, points_of
 from grader.classroom.row import StoredResult
 from grader.lms.book import Task
 from grader.lms.clean import one_line
-from grader.report.terminal import UNJUDGED
+from grader.report.facts import UNJUDGED
 
 BINS = 10
 ENOUGH = 10  # submissions; with fewer, the indices are mostly chance

@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from grader.report.terminal import ROWS, in_order, readable, render_terminal
+from grader.report.facts import in_order
+from grader.report.terminal import ROWS, readable, render_terminal
 
 
 def check(outcome: str = "pass", **parts: Any) -> dict[str, Any]:
