@@ -135,6 +135,43 @@ def test_a_submission_has_a_time_for_all_its_trials(
     assert trials_module.HURRIED.total < Limits().total
 
 
+# --- what grows, and what fails after the end ------------------------------------------------
+
+
+GROWS = """
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+from sensor_msgs.msg import LaserScan
+class Agent(Node):
+    def __init__(self):
+        super().__init__("agent")
+        self.create_subscription(LaserScan, "/scan", self.on_scan, 10)
+    def on_scan(self, scan):
+        self.create_publisher(Twist, "/cmd_vel", 10).publish(Twist())
+rclpy.init()
+try:
+    rclpy.spin(Agent())
+finally:
+    raise OSError("the map could not be saved")
+"""
+
+
+def test_a_grading_notes_what_grows_and_what_fails_after_ctrl_c(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    file = tmp_path / "obstacle_avoidance_agent.py"
+    file.write_text(GROWS)
+    with NodeTrials(Submission(file), forkserver) as trials:
+        trials.prepare(["avoid_zones"])
+        assert trials.get("avoid_zones").outcome.completed
+        grown, after = trials.notes()
+    assert re.search(r"In avoid_zones, .*publishers", grown)
+    assert "avoid_zones" in after
+    assert "the map could not be saved" in after
+    assert "costs no points" in after
+
+
 # --- a node that hangs or never starts -------------------------------------------------------
 
 
