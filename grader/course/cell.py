@@ -37,6 +37,7 @@ MIB = 1024 * 1024
 USER = 65520  # behind those of nodes (grader/host/sandbox/users.py); systemd leaves it unused
 OPEN_FILES = 64
 PATIENCE = 60.0  # [s] of real time, more than SLOWNESS times the CPU time: a busy machine
+GLANCE = 0.2  # [s] a Ctrl-C between Python and a poll is only seen when that returns
 SLOWNESS = 5.0
 SAID = 300  # [characters] of an exception
 CODECS = ("cp437", "cp1252", "utf-8-sig", "utf-16", "latin-1", "iso8859-15", "idna")
@@ -208,9 +209,12 @@ class _Servers:
         ready.register(pipe, select.POLLIN)
         said = bytearray()
         while len(said) <= limits.answer:
-            if not ready.poll(max(0.0, deadline - time.monotonic()) * 1e3):
+            left = deadline - time.monotonic()
+            if left <= 0.0:
                 self.close()
                 raise Refused(f"reading it takes more than {PATIENCE + SLOWNESS * limits.cpu:g} s")
+            if not ready.poll(1e3 * min(left, GLANCE)):
+                continue
             chunk = os.read(pipe, MIB)
             if not chunk:
                 return bytes(said)
