@@ -78,6 +78,7 @@ def _print(plain: dict[str, str], inside: dict[str, str], result: Review) -> Non
     print("".join(f"{count:5}  {reason}\n" for reason, count in reasons.most_common()), end="")
     _print_list("not in the list", [_in_full(difference) for difference in result.unlisted])
     _print_list("in the list, but no longer different", result.stale)
+    _print_list("failed in plain Python only, where real time comes late", result.late)
 
 
 def _in_full(difference: Difference) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 import msgspec
@@ -19,11 +18,9 @@ ABSENT = "absent"  # a test that one of the two places does not have
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One reason, and the tests that differ for it."""
 
-    tests: tuple[str, ...]  # patterns of names: * stands for anything
+    tests: tuple[str, ...]
     reason: str
-    plain: str = "passed"  # how they end in plain Python; "*": however
-    inside: str = "failed"  # how they end in a host
-    flaky: bool = False  # they differ in some runs only: real time has a hand in it
+    inside: tuple[str, ...] = ("failed",)  # how they may end in a host; plain, they pass
 
 
 class Reviewed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -50,7 +47,8 @@ class Review:
 
     meant: list[tuple[Difference, Entry]] = field(default_factory=list)
     unlisted: list[Difference] = field(default_factory=list)
-    stale: list[str] = field(default_factory=list)  # patterns whose tests no longer differ
+    stale: list[str] = field(default_factory=list)  # listed tests that no longer differ
+    late: list[str] = field(default_factory=list)  # fail in plain Python only: real time came late
 
     @property
     def passed(self) -> bool:
@@ -87,33 +85,16 @@ def differences(
 def review(found: Iterable[Difference], ran: Iterable[str], reviewed: Reviewed) -> Review:
     """Compare the differences between two runs of the tests `ran` with the list."""
     result = Review()
-    used: set[str] = set()
+    entries = {test: entry for entry in reviewed.meant for test in entry.tests}
+    found = list(found)
     for difference in found:
-        entry, pattern = _find(difference, reviewed.meant)
-        used.add(pattern)
-        if entry is None:
-            result.unlisted.append(difference)
-        else:
+        entry = entries.get(difference.test)
+        if (difference.plain, difference.inside) == ("failed", "passed"):
+            result.late.append(difference.test)
+        elif entry and difference.plain == "passed" and difference.inside in entry.inside:
             result.meant.append((difference, entry))
-    names = list(ran)
-    result.stale = [
-        pattern
-        for entry in reviewed.meant
-        if not entry.flaky
-        for pattern in entry.tests
-        if pattern not in used and any(fnmatchcase(name, pattern) for name in names)
-    ]
+        else:
+            result.unlisted.append(difference)
+    same = set(ran) - {difference.test for difference in found}
+    result.stale = [test for test in entries if test in same]
     return result
-
-
-def _find(difference: Difference, entries: Iterable[Entry]) -> tuple[Entry | None, str]:
-    for entry in entries:
-        if entry.plain not in ("*", difference.plain) or entry.inside not in (
-            "*",
-            difference.inside,
-        ):
-            continue
-        for pattern in entry.tests:
-            if fnmatchcase(difference.test, pattern):
-                return entry, pattern
-    return None, ""

@@ -99,6 +99,15 @@ def on_plain_python(server: ForkServer | PracticeServer, file: Path) -> str:
     return done.stdout if done.returncode == 0 else done.stderr.strip().splitlines()[-1]
 
 
+def test_a_program_that_imports_datetime_alone_reads_virtual_time(
+    learned: ForkServer | PracticeServer, folder: Path
+) -> None:
+    file = folder / "node.py"
+    file.write_text("from datetime import datetime\nprint(datetime.now(), datetime.utcnow())\n")
+    ended, said = end_of(learned, file)
+    assert said[0].count("2023-11-14 22:13:") == 2, (ended, said)
+
+
 @pytest.mark.parametrize("lines", LINES.values(), ids=LINES)
 def test_the_names_that_a_program_reaches_are_those_of_plain_python(
     learned: ForkServer | PracticeServer, folder: Path, lines: str
