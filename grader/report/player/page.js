@@ -247,8 +247,8 @@ function buildPage(page, payload) {
   if (payload.embedded) page.classList.add('is-embedded'); // in a notebook, which says the rest
   const hidden = payload.framed === undefined ? 'hidden-text' : 'framed-title';
   const name = payload.embedded ? el('h1', { class: hidden, dir: 'auto' }, text(payload.title) || 'Replay') : null;
-  replaceChildren(page, payload.embedded ? null : buildTop(payload), grading ? buildScore(grading, checks) : null,
-    grading ? buildCause(grading.cause) : null,
+  replaceChildren(page, payload.embedded ? null : buildTop(payload), grading ? buildCause(grading.cause) : null,
+    grading ? buildScore(grading, checks) : null,
     el('div', { class: 'columns' },
       grading ? buildChecks(grading, checks, { runs: replays.map(toRun), show }) : null,
       grading ? el('aside', { class: 'replay-column', 'aria-label': 'Replay' }, root)
