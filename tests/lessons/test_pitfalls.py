@@ -117,8 +117,3 @@ def test_every_quoted_check_fails(mutant: str) -> None:
     said = (MADE / f"{Path(mutant).name}.grade.txt").read_text("utf-8")
     assert said.count("✗ FAIL") == len(quoted)
     assert said.count("expected  ") == len(quoted)
-
-
-def test_the_right_nodes_of_exercise_1_are_one() -> None:
-    right = [p.right for p in PITFALLS if p.exercise == "obstacle_avoidance"]
-    assert len({(NODES / f"{node}.py").read_text("utf-8") for node in right}) == 1
