@@ -73,7 +73,6 @@ wheel: $(VENV)/.course ## build the wheel for every system into dist (docs/porta
 bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lidar.py
 	$(BIN)/python benchmarks/lockstep.py
-	$(BIN)/python benchmarks/determinism.py obstacle_avoidance goal_seeking
 	$(BIN)/python benchmarks/runtimes.py
 	$(BIN)/python benchmarks/batch.py
 
