@@ -45,7 +45,6 @@ lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the s
 	$(BIN)/python -m grader.course.skeletons --check
 	$(BIN)/python -m grader.authoring.tables --check
 	$(BIN)/python -m grader.authoring.pitfalls --check
-	$(BIN)/python lessons/figures.py --check
 	$(BIN)/python -m grader.notebook.build --check
 
 format: $(VENV)/.dev ## let ruff format and fix what it can
@@ -74,7 +73,6 @@ wheel: $(VENV)/.course ## build the wheel for every system into dist (docs/porta
 bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lidar.py
 	$(BIN)/python benchmarks/lockstep.py
-	$(BIN)/python benchmarks/determinism.py obstacle_avoidance goal_seeking
 	$(BIN)/python benchmarks/runtimes.py
 	$(BIN)/python benchmarks/batch.py
 
@@ -94,11 +92,10 @@ notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seve
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to two hours)
 	COURSE_STUDENTS=200 $(PYTEST) tests/grader/authoring/test_fairness.py
 
-skeletons: $(VENV)/.dev ## make the skeletons, figures and notebooks anew
+skeletons: $(VENV)/.dev ## make the skeletons and notebooks anew
 	$(BIN)/python -m grader.course.skeletons
 	$(BIN)/python -m grader.authoring.tables
 	$(BIN)/python -m grader.authoring.pitfalls --made
-	$(BIN)/python lessons/figures.py
 	$(BIN)/python -m grader.notebook.build
 
 # soupsieve 3 wants Python 3.11.5, and Debian 12 has 3.11.2

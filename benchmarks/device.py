@@ -7,22 +7,19 @@ and a wider one over all 360 readings and the features. For each device and batc
 - the whole way, as a node pays for it: rows from numpy to the device, computing, the answer back.
 
 CUDA works in the background, so the clock is read only when the device has finished. Without
-PyTorch or without a GPU, what can't be measured is named and left out. `--keep FILE` writes the
-numbers, `--plot FILE` draws them; `--from FILE` draws what was measured on another machine.
+PyTorch or without a GPU, what can't be measured is named and left out.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib.util
-import json
-import math
 import os
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +29,6 @@ BATCHES = (1, 8, 64, 512)  # rows
 NETWORKS = {5: 64, 365: 512}  # inputs: width of each of the two hidden layers
 WARM_UP = 30  # calls that don't count: libraries are loaded, kernels compiled, caches filled
 LEAST_CALLS, MOST_CALLS = 50, 5000
-DEADLINE = 100.0  # [ms] what exercise 8's lidar leaves a callback
 
 Call = Callable[[], object]
 
@@ -44,7 +40,6 @@ class Row:
     device: str  # cpu or cuda
     inputs: int  # float32 a row
     batch: int  # rows a call
-    calls: int  # that were measured, of each kind
     first: float  # the very first call, the whole way [ms]
     compute: float  # median [ms]
     compute_p99: float  # [ms]
@@ -53,22 +48,13 @@ class Row:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Measure, print, keep and draw."""
+    """Measure and print."""
     options = _options(args)
-    if options.measured:
-        about, rows = read(options.measured)
-    elif importlib.util.find_spec("torch") is None:
+    if importlib.util.find_spec("torch") is None:
         print("skipped: PyTorch is not installed; pip install torch")
         return 0
-    else:
-        about, rows = measure(options.batches, options.seconds, options.threads)
+    about, rows = measure(options.batches, options.seconds, options.threads)
     print("\n".join(table(about, rows)))
-    if options.keep:
-        options.keep.write_text(
-            json.dumps({**about, "rows": [asdict(row) for row in rows]}, indent=1)
-        )
-    if options.plot:
-        print(plot(rows, options.plot))
     return 0
 
 
@@ -79,9 +65,6 @@ def _options(args: Sequence[str] | None) -> argparse.Namespace:
         "--threads", type=_count, help="of the CPU; PyTorch's own choice by default"
     )
     parser.add_argument("--seconds", type=float, default=2.0, help="for each measurement")
-    parser.add_argument("--keep", type=Path, help="write the numbers (JSON)")
-    parser.add_argument("--plot", type=Path, help="draw them (.svg or .png)")
-    parser.add_argument("--from", type=Path, dest="measured", help="a file that --keep wrote")
     return parser.parse_args(args)
 
 
@@ -166,11 +149,9 @@ def measure_row(network: Any, inputs: int, batch: int, device: str, seconds: flo
     first = time_call(whole, finished)
     answers = timed(compute, finished, seconds), timed(whole, finished, seconds)
     (alone, alone_p99), (way, way_p99) = (np.percentile(each, (50, 99)) for each in answers)
-    calls = min(len(each) for each in answers)
     return Row(
-        device, inputs, batch, calls, first, float(alone), float(alone_p99), float(way),
-        float(way_p99),
-    )  # fmt: skip
+        device, inputs, batch, first, float(alone), float(alone_p99), float(way), float(way_p99)
+    )
 
 
 def timed(call: Call, finished: Call, seconds: float) -> list[float]:
@@ -237,60 +218,6 @@ def table(about: dict[str, str], rows: Sequence[Row]) -> list[str]:
         if not any(row.device == "cuda" and row.inputs == inputs for row in rows):
             lines.append("cuda    skipped: PyTorch sees no CUDA device on this machine")
     return lines
-
-
-def plot(rows: Sequence[Row], file: Path) -> str:
-    """Draw the whole way over the batch, and computing alone; return what was done."""
-    if importlib.util.find_spec("matplotlib") is None:
-        return "plot skipped: matplotlib is not installed; --keep, and --from where it is"
-    import matplotlib as mpl  # noqa: PLC0415
-
-    mpl.use("agg")
-    from matplotlib import pyplot  # noqa: PLC0415
-
-    chosen = list(dict.fromkeys(row.inputs for row in rows))
-    figure, panels = pyplot.subplots(1, len(chosen), sharey=True, figsize=(9, 4), squeeze=False)
-    for panel, inputs in zip(panels[0], chosen, strict=True):
-        for device, colour in (("cpu", "tab:blue"), ("cuda", "tab:green")):
-            mine = [row for row in rows if (row.device, row.inputs) == (device, inputs)]
-            if not mine:
-                continue
-            batches = [row.batch for row in mine]
-            p99 = [row.whole_p99 for row in mine]
-            panel.plot(batches, [row.whole for row in mine], "o-", color=colour, label=device)
-            panel.plot(batches, [row.compute for row in mine], "s--", color=colour, alpha=0.6,
-                       label=f"{device}, without transfers")  # fmt: skip
-            panel.fill_between(batches, [row.whole for row in mine], p99, color=colour, alpha=0.15)
-        panel.axhline(DEADLINE, color="tab:red", lw=1)
-        panel.text(1, DEADLINE, "between two scans", color="tab:red", va="bottom")
-        panel.set(xscale="log", yscale="log", xlabel="batch [rows]", title=f"{inputs} inputs")
-        panel.set_xticks([row.batch for row in rows], [str(row.batch) for row in rows])
-        panel.minorticks_off()
-        panel.grid(alpha=0.3)
-    panels[0][0].set_ylabel("a call: median, up to p99 [ms]")
-    panels[0][0].legend(loc="lower right")
-    figure.tight_layout()
-    figure.savefig(file)
-    pyplot.close(figure)
-    return f"wrote {file}"
-
-
-def read(file: Path) -> tuple[dict[str, str], list[Row]]:
-    """Return what --keep wrote.
-
-    Raises
-    ------
-    SystemExit
-        The file is not there, or was not written by --keep.
-    """
-    try:
-        found = json.loads(file.read_text("utf-8"))
-        rows = [Row(**row) for row in found.pop("rows")]
-        if not rows or not all(math.isfinite(row.whole) for row in rows):
-            raise ValueError("no measurements")
-        return {key: found[key] for key in ("torch", "cpu", "cuda", "features")}, rows
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        sys.exit(f"{file}: expected a file that --keep wrote: {error}")
 
 
 if __name__ == "__main__":

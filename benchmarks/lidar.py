@@ -1,24 +1,17 @@
 """How fast the mock robot is: `python benchmarks/lidar.py`.
 
 In one run, so that the ratio does not depend on the machine, and in CPU time of this process, so
-that other programs count little: scans per second of our caster and of
-pymunk's own ray query (one call a beam); the greatest difference between our caster and the dense
-computation; and how many times faster than real time a whole simulation runs.
+that other programs count little: scans per second of our caster and of pymunk's own ray query (one
+call a beam), and how many times faster than real time a whole simulation runs.
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 from itertools import cycle
-from pathlib import Path
 
 import numpy as np
 import pymunk
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "sim"))
-
-from dense_oracle import dense_ranges
 
 from sim.caster import Caster, static_faces
 from sim.layout import Layout
@@ -54,7 +47,6 @@ def main() -> None:
     print(f"  angular sweep       {ours:10,.0f} scans/s")
     print(f"  pymunk, ray by ray  {theirs:10,.0f} scans/s")
     print(f"  ratio               {ours / theirs:10.1f}")
-    print(f"  max error against the dense computation {max_error(caster, layout, poses):.1e} m")
     print(f"simulation, demo_wall {real_time_factor('demo_wall'):,.0f} x real time")
 
 
@@ -90,18 +82,6 @@ def ray_queries(layout: Layout) -> Callable[[float, float, float], list[float]]:
         return ranges
 
     return scan
-
-
-def max_error(caster: Caster, layout: Layout, poses: list[list[float]]) -> float:
-    """Return the greatest difference between a cast and the dense computation [m]."""
-    segments, worst = layout.segments(), 0.0
-    for x, y, yaw in poses:
-        dense = dense_ranges(segments, (x, y), PROFILE.angles + yaw, PROFILE.range_max)
-        cast = caster.cast(x, y, yaw)
-        assert np.array_equal(np.isinf(cast), np.isinf(dense))
-        seen = np.isfinite(dense)
-        worst = max(worst, float(np.abs(cast[seen] - dense[seen]).max()))
-    return worst
 
 
 def real_time_factor(name: str) -> float:

@@ -1,4 +1,4 @@
-"""The lesson's numbers, read from contract.toml: one place for pages, figures and tests."""
+"""The lesson's numbers, read from contract.toml: one place for pages and tests."""
 
 from __future__ import annotations
 

@@ -27,7 +27,6 @@ from grader.link.hosts import ForkServer
 from grader.link.ros_environment import find_ros, portable_ros
 from grader.recording import Recording
 from grader.recording.training import ModelAnswers
-from grader.trial.kept import KeptRecordings
 from sim.messages import EPOCH_NS
 
 Digests = dict[str, dict[str, str]]  # claim → scenario → digest; and its verdict
@@ -45,18 +44,15 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE")
     parser.add_argument("--compare", action="store_true")
     parser.add_argument("--all", action="store_true", help="mutants and skeletons, too")
-    runs = parser.add_mutually_exclusive_group()
-    runs.add_argument("--recordings", type=Path, metavar="FOLDER", help="kept by the proof")
-    runs.add_argument("--portable", action="store_true", help="on the portable runtime")
+    parser.add_argument("--portable", action="store_true", help="on the portable runtime")
     options = parser.parse_args(arguments)
-    kept = KeptRecordings(options.recordings) if options.recordings else None
     found: Digests = {}
     for exercise in [find_exercise(name) for name in options.exercises] or all_exercises():
         for claim in claims(exercise):
             wanted = claim.stem not in UNSETTLED if options.all else claim.kind in RIGHT
             if wanted and not claim.lacks:
                 print(claim.name, file=sys.stderr, flush=True)
-                found[claim.name] = _digests(claim, kept, portable=options.portable)
+                found[claim.name] = _digests(claim, portable=options.portable)
     if not options.compare:
         options.file.parent.mkdir(parents=True, exist_ok=True)
         options.file.write_bytes(msgspec.json.format(msgspec.json.encode(found)))
@@ -66,11 +62,11 @@ def main(arguments: list[str]) -> int:
     return 1 if others else 0
 
 
-def _digests(claim: Claim, kept: KeptRecordings | None, *, portable: bool) -> dict[str, str]:
+def _digests(claim: Claim, *, portable: bool) -> dict[str, str]:
     ros = portable_ros() if portable else find_ros()
     with ForkServer(EPOCH_NS, ros, libraries=claim.exercise.libraries) as server:
         try:
-            grading = grade_claim(claim, server, kept=kept)
+            grading = grade_claim(claim, server)
         except GraderError as error:
             return {VERDICT: str(error)}
     said = ", ".join(f"{check.id} {check.outcome}" for check in grading.checks)

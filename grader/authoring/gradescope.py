@@ -16,7 +16,7 @@ from pathlib import Path
 
 from grader.authoring.leaks import leaks
 from grader.authoring.release import contents, pack
-from grader.course.exercises import ROOT, SOLUTIONS, all_exercises, find_exercise
+from grader.course.exercises import all_exercises, find_exercise
 from grader.errors import GraderError, InputError
 
 NAME = "autograder.zip"
@@ -96,7 +96,6 @@ def write_autograder(
     field: bool = False,
     hide: Sequence[str] = (),
     secret: Path | None = None,
-    root: Path = ROOT,
 ) -> Path:
     """Write Gradescope's autograder into `folder`; return the zip.
 
@@ -123,8 +122,8 @@ def write_autograder(
     chosen = [each for each in all_exercises() if not exercises or each.slug in exercises]
     slugs = [exercise.slug for exercise in chosen]
     deep = any(not {*DEEP}.isdisjoint(exercise.libraries) for exercise in chosen)
-    course = contents(slugs, root, rooms=ROOMS)
-    _check(course, root / SOLUTIONS.name)
+    course = contents(slugs, rooms=ROOMS)
+    _check(course)
     settings = {"exercises": slugs, "field": field, "hide": list(hide)}
     files = [
         ("setup.sh", setup(deep=deep).encode(), PROGRAM),
@@ -148,14 +147,14 @@ def setup(*, deep: bool) -> str:
     return SETUP.replace("{torch}", TORCH if deep else "").replace("{extras}", extras)
 
 
-def _check(course: dict[str, bytes], solutions: Path) -> None:
+def _check(course: dict[str, bytes]) -> None:
     """Make sure that no piece of a solution is in it: students' nodes run beside it."""
     with tempfile.TemporaryDirectory(prefix="course-autograder-") as name:
         for path, data in course.items():
             target = Path(name, path)
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(data)
-        wrong = [leak for leak in leaks(Path(name), solutions) if not leak.earlier]
+        wrong = [leak for leak in leaks(Path(name)) if not leak.earlier]
     if wrong:
         raise GraderError(f"no autograder was written: {wrong[0]}")
 

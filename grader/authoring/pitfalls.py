@@ -69,6 +69,10 @@ class Pitfall:
         """All of its nodes."""
         return (*self.wrong, self.right)
 
+    def replay_of(self, node: str) -> str:
+        """Return the name of a node's replay; pitfalls may share their right node."""
+        return f"{self.name}_right" if node == self.right else node
+
 
 def _read() -> tuple[Pitfall, ...]:
     table = tomllib.loads((FOLDER / "pitfalls.toml").read_text("utf-8"))
@@ -120,7 +124,9 @@ def write_replays(out: Path, forkserver: ForkServer) -> None:
     for pitfall in PITFALLS:
         for node in pitfall.nodes:
             recording = drive(pitfall, node, forkserver)
-            (out / f"{node}.html").write_text(replay(pitfall, recording), "utf-8")
+            (out / f"{pitfall.replay_of(node)}.html").write_text(
+                replay(pitfall, recording), "utf-8"
+            )
 
 
 def drive(pitfall: Pitfall, node: str, forkserver: ForkServer) -> Recording:
@@ -157,7 +163,7 @@ def made(
             yield MADE / f"{Path(mutant).name}.grade.txt", printed(grading.as_dict(), WIDTH)
         for node in pitfall.nodes:
             shown = frame(pitfall, drive(pitfall, node, forkserver), node)
-            yield MADE / f"{node}.frame.txt", shown
+            yield MADE / f"{pitfall.replay_of(node)}.frame.txt", shown
 
 
 def grade_mutant(mutant: str, forkserver: ForkServer, *, only: Iterable[str] = ()) -> Grading:
@@ -213,7 +219,7 @@ def frame(pitfall: Pitfall, recording: Recording, node: str) -> str:
     first = next(pitfall.moments(recording), None)
     what = "wrong" if node in pitfall.wrong else "right"
     title = f"Replay of {node}.py: {recording.scenario.title}"
-    source = f"{REPLAYS}/{node}.html"
+    source = f"{REPLAYS}/{pitfall.replay_of(node)}.html"
     said = "The node put right, from the start."
     if first is not None:
         said = (

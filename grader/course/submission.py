@@ -123,20 +123,20 @@ class Submission:
 
 
 def find_submission(
-    path: Path, expected: str | None = None, others: Sequence[str] = (), *, alone: bool = False
+    path: Path, expected: str | None = None, others: Sequence[str] = ()
 ) -> Submission:
     """Return the submission at `path`: a file, a folder that holds `expected`, a colcon package.
 
-    What lies in the file's folder comes along, unless it is `alone`; the exercise's other files
-    belong to the submission. If an exercise has several files (`expected` and `others`), `path` may
-    be any of them. `path` itself may be a link; what is found in a folder or beside it may not.
+    What lies in the file's folder comes along; the exercise's other files belong to the submission.
+    If an exercise has several files (`expected` and `others`), `path` may be any of them. `path`
+    itself may be a link; what is found in a folder or beside it may not.
 
     Raises
     ------
     InputError
         There is no such file, or one is a link.
     """
-    if (root := None if alone else _package_of(path, expected)) is not None:
+    if (root := _package_of(path, expected)) is not None:
         return _in_package(root, path, expected, others)
     if path.is_dir():
         path = _in_folder(path, expected)
@@ -151,8 +151,6 @@ def find_submission(
     path = path.resolve()
     problems = [_problem(file) for file in (path, *found)]
     problem = next(filter(None, problems), "")
-    if alone:
-        return Submission(path, problem, found)
     there = beside(path.parent)  # as Python has it, where a link leads
     mine = {path.name, *(file.name for file in found)}
     more = {name: file for name, file in there.files.items() if name not in mine}

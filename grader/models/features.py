@@ -17,7 +17,6 @@ readings below range_min are dropped.
 from __future__ import annotations
 
 import itertools
-import math
 from functools import lru_cache
 
 import numpy as np
@@ -93,11 +92,6 @@ def _possible_sectors(beams: int, first: float, increment: float) -> Sectors:
     ]
     ahead, left, right = np.split(np.unique(found, axis=0), 3, axis=1)
     return ahead, left, right
-
-
-def spell_features(values: Floats) -> str:
-    """Return features as text for a student."""
-    return "[" + ", ".join("?" if math.isnan(x) else f"{x:.3f}" for x in values.tolist()) + "] m"
 
 
 def _sectors(degrees: Floats, edges: tuple[float, float, float]) -> Sectors:

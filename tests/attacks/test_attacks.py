@@ -30,7 +30,6 @@ from grader.link.hosts import ForkServer
 from grader.report.page import page_html, page_payload
 from grader.report.terminal import render_terminal
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 from sim.scenario_files import load_scenario
 
 NEXT = load_scenario("avoid_zones")
@@ -42,12 +41,6 @@ QUICK = (  # in `make test`
 )
 QUICK_HONEST = ("asyncio_main", "latin_1", "much_output", "odd_classes", "slow_start")
 FEEDBACK = [trick for trick in HOSTILE if trick.path.stem == "feedback"]
-
-
-@pytest.fixture(scope="module")
-def forkserver() -> Iterator[ForkServer]:
-    with ForkServer(EPOCH_NS) as forkserver:
-        yield forkserver
 
 
 @pytest.fixture(scope="module")

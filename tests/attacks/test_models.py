@@ -3,7 +3,6 @@
 `make test` takes the short ones, `make test-long` all.
 """
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,6 @@ from grader.course.students import student_key
 from grader.course.submission import Submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
-from sim.messages import EPOCH_NS
 
 SLOW = Path(__file__).resolve().parent / "models" / "slow.py"
 SECRET = b"a secret of a course"
@@ -33,12 +31,6 @@ LIES = {
     "one batch": ("drive(asks_one_batch)", 35),
     "learns in start-up": ("drive(asks_one_batch, learns_in_start_up)", 35),
 }
-
-
-@pytest.fixture(scope="module")
-def forkserver() -> Iterator[ForkServer]:
-    with ForkServer(EPOCH_NS) as forkserver:
-        yield forkserver
 
 
 @pytest.mark.long

@@ -30,7 +30,6 @@ from grader.nbgrader.cells import Wanted
 from grader.nbgrader.judge import judge
 from grader.nbgrader.marks import mark_of
 from grader.nbgrader.table import output_of
-from sim.messages import EPOCH_NS
 
 NODE = Path(__file__).resolve().parent / "withheld" / "watermark.py"
 KEY = student_key(b"a secret of a course", "ada", EXERCISE.slug)
@@ -41,12 +40,6 @@ ENDS = {  # how its trials end
     "goes on": "completed",
 }  # fmt: skip
 DEEP = 4  # layers of encodings
-
-
-@pytest.fixture(scope="module")
-def forkserver() -> Iterator[ForkServer]:
-    with ForkServer(EPOCH_NS) as forkserver:
-        yield forkserver
 
 
 def graded(

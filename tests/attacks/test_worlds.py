@@ -2,7 +2,6 @@
 
 import json
 import zlib
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,6 @@ from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.trials import NodeTrials
-from sim.messages import EPOCH_NS
 
 KIT = Path(__file__).resolve().with_name("kit.py")
 WORLDS = KIT.parent / "worlds" / "worlds.py"
@@ -30,12 +28,6 @@ BENCH = (
     "clear_zone", "slow_zone", "stop_zone", "sees_sides", "infinite_readings", "invalid_readings",
 )  # fmt: skip
 ONLY = ("clear_zone", "slow_zone", "stop_zone", "invalid_readings")
-
-
-@pytest.fixture(scope="module")
-def forkserver() -> Iterator[ForkServer]:
-    with ForkServer(EPOCH_NS) as forkserver:
-        yield forkserver
 
 
 @pytest.fixture(scope="module")

@@ -32,17 +32,17 @@ def open_pitfall(open_file: Open, pages: Path) -> Open:
     return lambda name, **options: open_file(pages / f"{name}.html", **options)
 
 
-def open_frame(page: Any, node: str) -> Any:
+def open_frame(page: Any, name: str) -> Any:
     """Scroll to a replay, wait until it has made its frame fit, and return what is in it."""
-    source = f'.replay iframe[src="{REPLAYS}/{node}.html"]'
+    source = f'.replay iframe[src="{REPLAYS}/{name}.html"]'
     frame = page.locator(source)
     frame.scroll_into_view_if_needed()
     wait_until(page, f"document.querySelector('{source}').style.height")
     return frame.element_handle().content_frame()
 
 
-def payload_of(pages: Path, node: str) -> dict[str, Any]:
-    text = (pages / REPLAYS / f"{node}.html").read_text("utf-8")
+def payload_of(pages: Path, name: str) -> dict[str, Any]:
+    text = (pages / REPLAYS / f"{name}.html").read_text("utf-8")
     found = re.search(r'id="payload">(.*?)</script>', text, re.DOTALL)
     assert found
     replay: dict[str, Any] = json.loads(found[1])["replays"][0]
@@ -58,8 +58,9 @@ def test_replays_open_where_it_goes_wrong_and_play(
     assert len(titles) == len(set(titles)) == len(pitfall.nodes)
     for node in pitfall.nodes:
         assert any(f"{node}.py" in title for title in titles)
-        frame = open_frame(page, node)
-        moments = payload_of(pages, node)["moments"]
+        name = pitfall.replay_of(node)
+        frame = open_frame(page, name)
+        moments = payload_of(pages, name)["moments"]
         start = moments[0]["t"] if moments else 0.0
         assert bool(moments) == (node in pitfall.wrong)
         assert value(frame, "time") == pytest.approx(start)

@@ -7,21 +7,29 @@ from command_line import ROOT, SHORT, course
 
 from grader.recording import bag
 
-NODES = ROOT / "tests" / "nodes"
+BURGER = (ROOT / "tests" / "nodes" / "turtlebot3_burger.py").read_text("utf-8")
+STAMPED = (  # as TurtleBot 3 takes it from Jazzy on
+    BURGER.replace("Twist", "TwistStamped")
+    .replace("twist.linear", "twist.twist.linear")
+    .replace("TwistStamped()", "TwistStamped(header=msg.header)")
+)
 
 # --- drive ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("node", "type"),
+    ("text", "type"),
     [
-        pytest.param("turtlebot3_burger", "geometry_msgs/msg/Twist ", marks=pytest.mark.long),
-        ("turtlebot3_burger_stamped", "geometry_msgs/msg/TwistStamped "),
+        pytest.param(BURGER, "geometry_msgs/msg/Twist ", marks=pytest.mark.long, id="plain"),
+        pytest.param(STAMPED, "geometry_msgs/msg/TwistStamped ", id="stamped"),
     ],
 )
-def test_other_peoples_nodes_drive(node: str, type: str, tmp_path: Path) -> None:
+def test_other_peoples_nodes_drive(text: str, type: str, tmp_path: Path) -> None:
+    node = tmp_path / "burger" / "turtlebot3_burger.py"
+    node.parent.mkdir()
+    node.write_text(text, "utf-8")
     done = course(
-        "drive", NODES / f"{node}.py", "--scenario", "demo_wall", "--lidar", "lds01",
+        "drive", node, "--scenario", "demo_wall", "--lidar", "lds01",
         "--bag", tmp_path / "bag", "--report", tmp_path / "drive.html",
     )  # fmt: skip
     drive = bag.load(tmp_path / "bag")

@@ -8,7 +8,7 @@ from pitfall_runs import Runs
 from grader.course.exercises import ROOT
 from grader.link.hosts import ForkServer
 
-sys.path.append(str(ROOT / "lessons"))  # the modules of the site: contract, figures
+sys.path.append(str(ROOT / "lessons"))  # the site's module: contract
 
 
 @pytest.fixture(scope="session")

@@ -16,6 +16,7 @@ from contract import Number, read
 from lesson_pages import LESSONS, PAGES, ROOT, blocks, prose
 
 NUMBERS = read()
+FIGURES = tuple(sorted((LESSONS / "figures").glob("*.svg")))
 ROLE = re.compile(r"\{contract\}`([^`]+)`")
 UNIT = re.compile(
     r"(?<![\w.])[-±]?\d[\d.,]*(?:e\d+)?[\s\u00a0-]?"
@@ -134,10 +135,10 @@ def test_number_is_what_the_course_says(key: str) -> None:
 def test_every_number_is_shown_and_every_shown_number_exists() -> None:
     shown = {key for page in PAGES for key in ROLE.findall(page.read_text("utf-8"))}
     assert shown <= set(NUMBERS)
-    drawn = set(re.findall(r'says\("(\w+)"\)|\{says\(\'(\w+)\'\)\}|NUMBERS\["(\w+)"\]|"(\w+)"',
-                           (LESSONS / "figures.py").read_text("utf-8")))  # fmt: skip
+    drawn = " ".join(map(words_of, FIGURES))
     derived = " ".join(n.law for n in NUMBERS.values() if n.law.startswith("="))
-    used = shown | {key for keys in drawn for key in keys} | set(re.findall(r"\w+", derived))
+    used = shown | {key for key, number in NUMBERS.items() if number.text in drawn}
+    used |= set(re.findall(r"\w+", derived))
     used |= {key for rows in IN_PROGRAMS.values() for _, key, _ in rows}
     assert set(NUMBERS) - used == set()
 
@@ -151,6 +152,24 @@ def test_page_writes_no_number_of_the_contract_by_hand(page: Path) -> None:
         if found[0].strip() not in BY_HAND
     ]
     assert by_hand == [], "use {contract}`key`, or say in BY_HAND why not"
+
+
+def words_of(figure: Path) -> str:
+    return re.sub(r"<style>.*?</style>|<[^>]+>", " ", figure.read_text("utf-8"))
+
+
+@pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.stem)
+def test_figures_show_numbers_of_the_contract(figure: Path) -> None:
+    known = {number.text for number in NUMBERS.values()} | {"0°"}  # ahead
+    shown = re.findall(rf"{UNIT.pattern}|\d+(?= beams)", words_of(figure))
+    assert {number.lstrip("±-") for number in shown} <= known
+
+
+def test_figures_have_the_same_colours() -> None:
+    assert (
+        len({re.findall(r"<style>.*?</style>", file.read_text("utf-8"))[0] for file in FIGURES})
+        == 1
+    )
 
 
 def test_the_search_for_numbers_finds_them() -> None:

@@ -50,10 +50,10 @@ def test_what_is_made_is_up_to_date(forkserver: ForkServer, pitfall: Pitfall) ->
 
 
 def test_there_is_no_more_than_the_pages_show() -> None:
-    nodes = {node for _, node in EVERY}
+    nodes, replays = zip(*((node, pitfall.replay_of(node)) for pitfall, node in EVERY), strict=True)
     assert len(set(QUOTED)) == len(QUOTED)  # their texts have different names
-    assert {file.stem for file in NODES.glob("*.py")} == nodes
-    files = {f"{node}.frame.txt" for node in nodes} | {f"{name}.grade.txt" for name in QUOTED}
+    assert {file.stem for file in NODES.glob("*.py")} == set(nodes)
+    files = {f"{name}.frame.txt" for name in replays} | {f"{name}.grade.txt" for name in QUOTED}
     files |= {f"{pitfall.name}.diff" for pitfall in PITFALLS}
     assert {file.name for file in MADE.iterdir()} == files
     assert {file.stem for file in FOLDER.glob("*.md")} == {"index", *BY_NAME}
@@ -62,7 +62,7 @@ def test_there_is_no_more_than_the_pages_show() -> None:
 @each_pitfall
 def test_a_page_shows_all_of_its_parts(pitfall: Pitfall) -> None:
     page = page_of(pitfall)
-    parts = [f"made/{node}.frame.txt" for node in pitfall.nodes]
+    parts = [f"made/{pitfall.replay_of(node)}.frame.txt" for node in pitfall.nodes]
     parts += [f"made/{Path(mutant).name}.grade.txt" for mutant in pitfall.caught]
     parts += [f"made/{pitfall.name}.diff", f"nodes/{pitfall.name}_wrong.py", pitfall.right]
     parts += [f"replays/{name}" for name in FRAME]

@@ -60,7 +60,7 @@ def css_loads(css: str) -> list[str]:
 @cache
 def replays() -> set[str]:
     """Return the files that `python -m grader.authoring.pitfalls` writes."""
-    names = {f"{Path(node).stem}.html" for pitfall in PITFALLS for node in pitfall.nodes}
+    names = {f"{p.replay_of(node)}.html" for p in PITFALLS for node in p.nodes}
     return names | set(FRAME)
 
 

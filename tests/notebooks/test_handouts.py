@@ -43,7 +43,8 @@ def test_students_get_lesson_notebooks_skeletons_scenarios_and_grader(released: 
         assert f"lesson/exercises/{exercise.slug}/README.html" in there
     for pitfall in PITFALLS:
         assert f"lesson/pitfalls/{pitfall.name}.html" in there
-        assert {f"lesson/pitfalls/replays/{node}.html" for node in pitfall.nodes} <= there
+        replays = map(pitfall.replay_of, pitfall.nodes)
+        assert {f"lesson/pitfalls/replays/{name}.html" for name in replays} <= there
     sources = (ROOT / "notebooks" / "source").rglob("*.ipynb")
     assert {f"notebooks/{file.name}" for file in sources} <= there
     assert {

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -39,14 +39,14 @@ class Ran:
 def run_inside(
     forkserver: ForkServer,
     folder: Path,
-    programs: Sequence[ProgramStart],
+    program: ProgramStart,
     seconds: float,
     progress: Progress = lambda: 0,
 ) -> Ran:
-    """Run programs in a host, without a robot, until `seconds` [s] have gone by since progress."""
+    """Run a program in a host, without a robot, until `seconds` [s] have gone by since progress."""
     with forkserver.workplace(folder, limited=False) as place, forkserver.host(place) as link:
         try:
-            kind, text = _conduct(link, programs, round(seconds), progress)
+            kind, text = _conduct(link, program, round(seconds), progress)
         except HostHung as hung:
             kind, text = "hung", hung.stacks
         except HostDied:
@@ -57,9 +57,9 @@ def run_inside(
 
 
 def _conduct(
-    link: Link, programs: Sequence[ProgramStart], seconds: int, progress: Progress
+    link: Link, program: ProgramStart, seconds: int, progress: Progress
 ) -> tuple[str, str]:
-    start = Start(tuple(programs), EPOCH_NS, seed=1, offers=(), lead=1)
+    start = Start((program,), EPOCH_NS, seed=1, offers=(), lead=1)
     answer: object = link.run(start, STEP_LIMIT)[0]
     now, left, seen = 0, seconds, progress()
     while isinstance(answer, Settled):
@@ -76,28 +76,9 @@ def _conduct(
 
 
 def run_plain(
-    forkserver: ForkServer,
-    folder: Path,
-    commands: Sequence[Sequence[str]],
-    seconds: float = SILENCE,
-    progress: Progress = lambda: 0,
+    forkserver: ForkServer, folder: Path, command: Sequence[str], progress: Progress = lambda: 0
 ) -> Ran:
-    """Run programs as processes until the first ends, or until `seconds` [s] without progress."""
-    with contextlib.ExitStack() as stack:
-        log = stack.enter_context((folder / "plain.log").open("w+"))
-        processes = [
-            stack.enter_context(_process(forkserver, folder, command, log.fileno()))
-            for command in commands
-        ]
-        kind, text = _await(processes, seconds, progress)
-        log.seek(0)
-        return Ran(kind, text, log.read())
-
-
-@contextlib.contextmanager
-def _process(
-    forkserver: ForkServer, folder: Path, command: Sequence[str], log: int
-) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a program as a process until it ends, or until SILENCE without progress."""
     environment = {
         **forkserver.environment,
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
@@ -106,32 +87,32 @@ def _process(
         "HOME": str(folder),
         "PYTHONPATH": os.pathsep.join(map(str, forkserver.ros.python_path)),
     }
-    process = subprocess.Popen(
-        [sys.executable, "-s", "-B", "-X", "utf8", *command],
-        cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-        start_new_session=True,
-        # CPython's tests of time would set the machine's clock. No thread has been started.
-        preexec_fn=never_gain_capabilities,  # noqa: PLW1509
-    )  # fmt: skip
-    try:
-        yield process
-    finally:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+    with (folder / "plain.log").open("w+") as log:
+        process = subprocess.Popen(
+            [sys.executable, "-s", "-B", "-X", "utf8", *command],
+            cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+            start_new_session=True,
+            # CPython's tests of time would set the machine's clock. No thread has been started.
+            preexec_fn=never_gain_capabilities,  # noqa: PLW1509
+        )  # fmt: skip
+        try:
+            kind, text = _await(process, progress)
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        log.seek(0)
+        return Ran(kind, text, log.read())
 
 
-def _await(
-    processes: Sequence[subprocess.Popen[bytes]], seconds: float, progress: Progress
-) -> tuple[str, str]:
-    seen, end = progress(), time.monotonic() + seconds
+def _await(process: subprocess.Popen[bytes], progress: Progress) -> tuple[str, str]:
+    seen, end = progress(), time.monotonic() + SILENCE
     while time.monotonic() < end:
-        for process in processes:
-            status = process.poll()
-            if status is not None:
-                kind = "returned" if status == 0 else "exited" if status > 0 else "died"
-                return kind, str(status)
+        status = process.poll()
+        if status is not None:
+            kind = "returned" if status == 0 else "exited" if status > 0 else "died"
+            return kind, str(status)
         if progress() > seen:
-            seen, end = progress(), time.monotonic() + seconds
+            seen, end = progress(), time.monotonic() + SILENCE
         time.sleep(0.05)
-    return "time", f"{seconds} s have gone by"
+    return "time", f"{SILENCE} s have gone by"

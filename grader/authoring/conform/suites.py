@@ -102,11 +102,11 @@ def run_module(
 
     def plain(folder: Path, suite: str, module: str, progress: Callable[[], int]) -> Ran:
         command = [str(folder / RUNNER.name), suite, module]
-        return places.run_plain(forkserver, folder, [command], progress=progress)
+        return places.run_plain(forkserver, folder, command, progress)
 
     def inside(folder: Path, suite: str, module: str, progress: Callable[[], int]) -> Ran:
-        programs = [ProgramStart(str(folder / RUNNER.name), (suite, module))]
-        return places.run_inside(forkserver, folder, programs, VIRTUAL_SILENCE, progress)
+        program = ProgramStart(str(folder / RUNNER.name), (suite, module))
+        return places.run_inside(forkserver, folder, program, VIRTUAL_SILENCE, progress)
 
     real = _run(plain, suite, module, checkout)
     for _ in range(ATTEMPTS - 1):

@@ -19,6 +19,7 @@ import os
 import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from itertools import groupby
 from pathlib import Path
 
@@ -134,15 +135,14 @@ def _key(claim: Claim) -> str:
     return digest.hexdigest()
 
 
-def _judges(exercise: Exercise, known: dict[str, str] = {}) -> str:  # noqa: B006  (a cache)
-    if exercise.slug not in known:
-        digest = hashlib.sha256()
-        own = [path for path in exercise.judge.rglob("*") if path.suffix in (".py", ".toml")]
-        shared = [*(ROOT / "grader" / "checks").glob("*.py"), *(ROOT / "sim").glob("*.py")]
-        for path in sorted([*own, *shared]):
-            digest.update(path.read_bytes())
-        known[exercise.slug] = digest.hexdigest()
-    return known[exercise.slug]
+@cache
+def _judges(exercise: Exercise) -> str:
+    digest = hashlib.sha256()
+    own = [path for path in exercise.judge.rglob("*") if path.suffix in (".py", ".toml")]
+    shared = [*(ROOT / "grader" / "checks").glob("*.py"), *(ROOT / "sim").glob("*.py")]
+    for path in sorted([*own, *shared]):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 def summarise(exercise: Exercise, verdicts: Iterable[Verdict], *, whole: bool) -> list[str]:

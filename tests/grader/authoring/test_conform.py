@@ -65,14 +65,14 @@ def test_a_wait_without_end_is_said(source: str, kind: str, forkserver: ForkServ
     with tempfile.TemporaryDirectory() as name:  # not tmp_path, which is closed to a host
         program = Path(name) / "waits.py"
         program.write_text(source)
-        ran = places.run_inside(forkserver, Path(name), [ProgramStart(str(program))], 5)
+        ran = places.run_inside(forkserver, Path(name), ProgramStart(str(program)), 5)
     assert ran.kind == kind
 
 
 def test_nothing_of_it_has_rights_over_the_machine(tmp_path: Path, forkserver: ForkServer) -> None:
     program = tmp_path / "rights.py"
     program.write_text("print(*[s for s in open('/proc/self/status') if s.startswith('Cap')])")
-    ran = places.run_plain(forkserver, tmp_path, [[str(program)]])
+    ran = places.run_plain(forkserver, tmp_path, [str(program)])
     rights = dict(line.split() for line in ran.said.splitlines() if line.strip())
     assert {int(rights[kind], 16) for kind in ("CapPrm:", "CapEff:")} == {0}
 

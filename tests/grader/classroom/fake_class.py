@@ -88,6 +88,18 @@ def fair(unit: Unit) -> UnitResult:
     return UnitResult(grading(*MUTANT_FAILS) if unit.student == ".mutant" else grading())
 
 
+class Drifting:
+    """A judge that is wrong about the reference once, after the class: all are graded again."""
+
+    def __init__(self) -> None:
+        self.rounds = 0
+
+    def __call__(self, unit: Unit) -> UnitResult:
+        self.rounds += unit.student == ".reference"
+        wrong = unit.student == ".reference" and self.rounds == 2
+        return UnitResult(grading("stop_zone")) if wrong else fair(unit)
+
+
 @pytest.fixture
 def handed_in(tmp_path: Path) -> Path:
     for name in ("ann", "bob", "eve"):

@@ -1,11 +1,13 @@
-"""Files that were made to hurt whoever reads them, by what is tried; each is small on the disk."""
+"""Files that were made to hurt whoever reads them, by what is tried; each is small on the disk.
+
+Bombs, links, locked and broken archives of the plainest kind are in test_intake.py.
+"""
 
 from __future__ import annotations
 
 import gzip
 import io
 import json
-import stat
 import struct
 import tarfile
 import zipfile
@@ -69,15 +71,6 @@ def _overlapping() -> bytes:
     central = entry * 4_000
     end = struct.pack("<IHHHHIIH", 0x06054B50, 0, 0, 4_000, 4_000, len(central), len(local), 0)
     return local + central + end
-
-
-def _link() -> bytes:
-    file = io.BytesIO()
-    with zipfile.ZipFile(file, "w") as archive:
-        link = zipfile.ZipInfo(AGENT)
-        link.external_attr = (stat.S_IFLNK | 0o777) << 16
-        archive.writestr(link, "/etc/passwd")
-    return file.getvalue()
 
 
 def _broken_offset() -> bytes:
@@ -146,20 +139,12 @@ NODE = f"%%node {AGENT}\n"
 FILES: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "bzip2 bomb": (".zip", lambda: _bomb(zipfile.ZIP_BZIP2), "rare method"),
     "LZMA bomb": (".zip", lambda: _bomb(zipfile.ZIP_LZMA), "rare method"),
-    "deflate bomb": (".zip", lambda: _bomb(zipfile.ZIP_DEFLATED, 120), "far larger unpacked"),
     "bomb with another method inside": (".zip", _lying_method, "broken"),
     "a million entries": (".zip", lambda: _many_names(1_000_000), "CPU time|files; not"),
     "entries of long names": (".zip", lambda: _many_names(4_000, 60_000), "broken|512 MiB"),
     "overlapping entries": (".zip", _overlapping, ""),
-    "zip of a link": (".zip", _link, ""),
     "wild offset": (".zip", _broken_offset, "broken archive"),
     "nested zips": (".zip", lambda: _zip(("a.zip", _zip(("b.zip", _zip((AGENT, b"")))))), ""),
-    "half a zip": (".zip", lambda: _zip((AGENT, b"x"))[:-9], "broken archive"),
-    "locked": (".zip", lambda: _zip((AGENT, b"x")).replace(b"PK\x01\x02\x14\0\x14\0\0\0",
-               b"PK\x01\x02\x14\0\x14\0\x01\0").replace(b"PK\x01\x02\x14\x03\x14\0\0\0",
-               b"PK\x01\x02\x14\x03\x14\0\x01\0"), "password"),
-    "out of the folder": (".zip", lambda: _zip(("../../evil.py", b"x")), "points outside"),
-    "absolute": (".zip", lambda: _zip(("/tmp/evil.py", b"x")), "points outside"),
     "a drive of Windows": (".zip", lambda: _zip(("C:evil.py", b"x")), "points outside"),
     "bidi and escapes": (".zip", lambda: _zip((f"\u202e\x1b[2J/{AGENT}", b"x=1\n")), ""),
     "CRLF in a name": (".zip", lambda: _zip((f"a\r\nb: c/{AGENT}", b"x=1\n")), ""),
@@ -174,12 +159,9 @@ FILES: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "surrogate name": (".tgz", lambda: _tar((f"\udcff/{AGENT}", b"x=1\n")), ""),
     "thousands of headers": (".tgz", lambda: _headers(7_000), "files; not unpacked"),
     "empty gzip members": (".tgz", _endless_gzip, "broken|CPU"),
-    "gzip bomb": (".tgz", lambda: _tar(("x" + AGENT, bytes(300 * MIB))), "far larger"),
     "sparse terabyte": (".tgz", _sparse, "far larger"),
-    "hard link": (".tgz", lambda: _tar(_special(tarfile.LNKTYPE, "/etc/passwd")), ""),
     "symbolic link": (".tgz", lambda: _tar(_special(tarfile.SYMTYPE, "/etc/passwd")), ""),
     "device": (".tgz", lambda: _tar(_special(tarfile.CHRTYPE)), ""),
-    "no tar": (".tgz", lambda: b"\x1f\x8b" + bytes(100), "broken archive"),
     "deep JSON": (".ipynb", lambda: b'{"cells": ' + b"[" * 400_000, "not JSON"),
     "many brackets": (".ipynb", lambda: b'{"cells": [' + b"{}," * 600_000 + b"{}]}", "more parts"),
     "huge number": (".ipynb", lambda: b'{"cells": ' + b"1" * 1_000_000 + b"}", "not JSON"),

@@ -1,26 +1,18 @@
 """`course autograde`, as far as it grades nothing: what it takes in, and its exit code."""
 
-import os
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
 import pytest
-
-from grader.course.exercises import ROOT
+from command_line import course
 
 AGENT = "obstacle_avoidance_agent.py"
 
 
-def course(*arguments: object) -> tuple[int, str]:
-    done = subprocess.run(
-        [sys.executable, "-m", "grader.cli", "autograde", *map(str, arguments)],
-        capture_output=True, check=False, cwd=ROOT, text=True,
-        env={**os.environ, "COLUMNS": "200"}, timeout=120,
-    )  # fmt: skip
-    assert "Traceback" not in done.stderr
-    return done.returncode, done.stdout + done.stderr
+def look(*arguments: object) -> tuple[int, str]:
+    done = course("autograde", *arguments, COLUMNS="200")
+    assert "Traceback" not in done.err
+    return done.code, done.out + done.err
 
 
 @pytest.mark.long
@@ -31,14 +23,14 @@ def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
     roster = tmp_path / "class.csv"
     rows = ("Student,ID,SIS Login ID,Section", '"Lee, Carla",12345,clee,A', '"Ray, Bo",2,b,B')
     roster.write_text("\n".join(rows))
-    code, said = course(week, "--roster", roster, "--list")
+    code, said = look(week, "--roster", roster, "--list")
     assert code == 0
     assert "leecarla_12345 (Carla Lee, A): obstacle_avoidance" in said
     assert "Bo Ray (Bo Ray, B): nothing handed in" in said
     assert sorted(path.name for path in tmp_path.iterdir()) == ["class.csv", "week"]
 
     (week / "\x1b[31mevil.docx").write_text("nobody's\n")
-    code, said = course(week, "--list")
+    code, said = look(week, "--list")
     assert code == 1
     assert "not understood" in said
     assert "a file of nobody's" in said
@@ -48,20 +40,20 @@ def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
 def test_a_look_into_an_archive(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "week.zip", "w") as archive:
         archive.writestr(f"leecarla_12345_678901_{AGENT}", "# mine\n")
-    code, said = course(tmp_path / "week.zip", "--list")
+    code, said = look(tmp_path / "week.zip", "--list")
     assert code == 0
     assert "leecarla_12345: obstacle_avoidance\n" in said
     assert "held" not in said
 
 
 def test_wrong_usage(tmp_path: Path) -> None:
-    assert course(tmp_path)[0] == 2
-    code, said = course(tmp_path, "--list", "--column", "1")
+    assert look(tmp_path)[0] == 2
+    code, said = look(tmp_path, "--list", "--column", "1")
     assert code == 2
     assert "expected EXERCISE=TITLE" in said
-    code, said = course(tmp_path, "--out", tmp_path / "out", "--regrade", "--again", "ann")
+    code, said = look(tmp_path, "--out", tmp_path / "out", "--regrade", "--again", "ann")
     assert code == 2
     assert "expected one of them" in said
-    code, said = course(tmp_path / "nowhere.zip", "--list")
+    code, said = look(tmp_path / "nowhere.zip", "--list")
     assert code == 2
     assert "nowhere.zip: expected what the class has handed in; nothing is there" in said

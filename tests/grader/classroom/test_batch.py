@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fake_class import FILE, SLUG, fair, grading
+from fake_class import FILE, SLUG, Drifting, fair, grading
 
 from grader.classroom import candidates
 from grader.classroom.engine import DaskWorkers
@@ -150,16 +150,7 @@ def test_canaries_come_every_so_often(grade_class: Any) -> None:
 
 
 def test_a_drift_puts_what_came_before_in_quarantine(grade_class: Any, tmp_path: Path) -> None:
-    rounds: list[str] = []
-
-    def drifting(unit: Unit) -> UnitResult:
-        if unit.student == ".reference":
-            rounds.append("")
-            if len(rounds) == 2:  # after the class
-                return UnitResult(grading("stop_zone"))
-        return fair(unit)
-
-    results, workers, quiet = grade_class(drifting, canaries=25)
+    results, workers, quiet = grade_class(Drifting(), canaries=25)
     assert workers.students == ["ann", "bob", "eve"] * 2
     assert {r.state for r in results.values()} == {GRADED}
     (note,) = [line for line in quiet.lines if "quarantine" in line]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +11,7 @@ import click
 import pytest
 from click.testing import CliRunner
 from fake_class import FILE, SLUG, fair, grading
+from marked_class import points
 
 from grader.classroom import batch
 from grader.classroom.options import Options
@@ -42,12 +41,6 @@ def course(graded: Path) -> Course:
     return course
 
 
-def scores(out: Path) -> dict[str, str]:
-    text = (out / "scores.csv").read_text("utf-8-sig")
-    rows = csv.DictReader(io.StringIO(text, newline=""))
-    return {row["student"]: row["points"] for row in rows}
-
-
 def test_a_score_its_log_and_its_undo(course: Course, graded: Path) -> None:
     code, said = course("marks score", 85, "--student", "ann", "--why", "by e-mail", "--by", "Dr A")
     assert code == 0
@@ -65,7 +58,7 @@ def test_a_score_its_log_and_its_undo(course: Course, graded: Path) -> None:
     _, said = course("report", "--json", "-")
     first, second = json.loads(said)
     assert (first["what"]["kind"], second["what"]) == ("score", {"kind": "undo", "number": 1})
-    assert scores(graded) == dict.fromkeys(("ann", "bob", "eve"), "100")
+    assert points(graded) == dict.fromkeys(("ann", "bob", "eve"), "100")
 
 
 @pytest.mark.parametrize(
@@ -106,7 +99,7 @@ def test_students_called_like_an_option(
     grade_class()
     _, said = course("marks score", 1, "--student", "--all", "--why", "--by")
     assert "(--all)" in said
-    assert scores(graded) == {"'--all": "1", "ann": "100", "bob": "100", "eve": "100"}
+    assert points(graded) == {"'--all": "1", "ann": "100", "bob": "100", "eve": "100"}
 
 
 def test_a_note_is_said_once(course: Course) -> None:
@@ -183,10 +176,10 @@ def test_after_ctrl_c_what_is_there_is_complete(grade_class: Any, tmp_path: Path
     with pytest.raises(KeyboardInterrupt):
         grade_class(interrupted)
     out = tmp_path / "out"
-    assert scores(out) == {"ann": "100", "bob": "100", "eve": ""}
+    assert points(out) == {"ann": "100", "bob": "100", "eve": ""}
     assert "1 not graded yet" in (out / "class.html").read_text()
     for name in ("ann", "bob"):
         assert (out / "feedback" / name / f"{SLUG}.html").is_file()
     assert "ann,,ann,,100" in (out / "canvas" / f"{SLUG}.csv").read_text()
     grade_class()
-    assert scores(out) == dict.fromkeys(("ann", "bob", "eve"), "100")
+    assert points(out) == dict.fromkeys(("ann", "bob", "eve"), "100")

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from marked_class import payload
 
 from grader.authoring.mutants import find_mutant
 from grader.classroom.results.options import ResultOptions
@@ -63,13 +64,6 @@ def graded(
             )
         )
     return out, results
-
-
-def payload(page: Path) -> dict[str, object]:
-    text = page.read_text("utf-8")
-    start = text.index('id="payload">') + len('id="payload">')
-    found: dict[str, object] = json.loads(text[start : text.index("</script>", start)])
-    return found
 
 
 def test_a_class_gets_its_pages_with_replays(graded: tuple[Path, list[StoredResult]]) -> None:

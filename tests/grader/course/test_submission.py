@@ -37,7 +37,7 @@ def test_a_file_a_folder_or_a_link_of_ones_own(
     agent: Path, given: str, expected: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     agent.with_name("link.py").symlink_to(agent)
-    assert find_submission(agent.parent / given, expected, alone=True) == Submission(agent)
+    assert find_submission(agent.parent / given, expected).path == agent
     monkeypatch.chdir(agent.parent)
     assert find_submission(Path(given), expected).path == agent
 
@@ -234,7 +234,6 @@ def test_what_comes_along_has_limits(agent: Path, monkeypatch: pytest.MonkeyPatc
     assert submission.account()[0] == "With the node came helper.py, kit/__init__.py, kit/a.yaml."
     monkeypatch.setattr(beside, "MAX_FILES", 2)
     assert set(find_submission(agent).beside) == {"helper.py"}  # Python first, the node among it
-    assert find_submission(agent, alone=True).files == {"agent.py": agent}
 
 
 def test_of_several_packages_one_has_to_be_named(tmp_path: Path) -> None:

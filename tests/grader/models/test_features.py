@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from grader.models.features import features, possible_features, scan_features, spell_features
+from grader.models.features import features, possible_features, scan_features
 from grader.recording import Scan
 
 DEGREES = np.arange(-180.0, 180.0)
@@ -54,7 +54,6 @@ def test_a_blind_scan_has_no_features() -> None:
     half[0, DEGREES < -60] = math.nan
     found = features(half, DEGREES, 0.15, 12.0)[0]
     assert np.isnan(found).tolist() == [False] * 4 + [True]
-    assert spell_features(found) == "[2.000, 2.000, 0.000, 2.000, ?] m"
     ranges = np.full(360, math.nan, np.float32)
     scan = Scan(0.0, 0.0, -math.pi, math.radians(1), 0.15, 12.0, ranges)
     assert np.isnan(scan_features(scan)).all()
