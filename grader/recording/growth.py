@@ -74,14 +74,10 @@ def _said(note: Note, recording: Recording) -> str:
     long = lasted > lidar_period(recording)
     match note.kind:
         case "lost":
-            were = (
-                f"{many} messages on {note.about} were"
-                if many > 1
-                else (f"1 message on {note.about} was")
-            )
+            were = "1 message" if many == 1 else f"{many} messages"
             return (
-                f"{were} published before anybody had found the publisher, and lost: a constructor "
-                "is too early"
+                f"lost: {were} on {note.about}, published before anybody had found the publisher: "
+                "a constructor is too early"
             )
         case "lifecycle" if more in MANAGED:
             return (
@@ -89,20 +85,18 @@ def _said(note: Note, recording: Recording) -> str:
                 f"`ros2 lifecycle set {note.about} {MANAGED[more]}`"
             )
         case "lasts" if long:
-            times = f" (the longest of {many})" if many > 1 else ""
-            return (
-                f"{place} took {lasted:.1f} s from {at:.2f} s on{times}; meanwhile waited: {more}"
-            )
+            most = f" (the longest of {many})" if many > 1 else ""
+            return f"{place} took {lasted:.1f} s from {at:.2f} s on{most}; meanwhile waited: {more}"
         case "awaits" if long:
             return (
-                f"{place} has awaited something for {lasted:.1f} s from {at:.2f} s on; meanwhile these "
-                f"wait for its callback group: {more}"
+                f"{place} has awaited something for {lasted:.1f} s from {at:.2f} s on; meanwhile "
+                f"there waited for its callback group: {more}"
             )
         case "stuck":
             return (
-                f"{place} awaits the answer of {more} from {at:.2f} s on, but its own callback group, "
-                "which has to give or to take it, does nothing until the callback is over: give the "
-                "callback a group of its own (callback_group=MutuallyExclusiveCallbackGroup())"
+                f"{place} awaits the answer of {more} from {at:.2f} s on, but its own callback "
+                "group, which has to give or to take it, does nothing until the callback is over: "
+                "give the callback a group of its own, callback_group=MutuallyExclusive…()"
             )
         case "threads" if many > ENDS:
             return (

@@ -100,7 +100,7 @@ class Session(kernel_module.World):
         if self._in_a_row > FREE_MESSAGES:
             kernel.toll += said * PUBLISHING
         idle = not kernel.asleep and not self._asking
-        if self._starting and (kernel.looks or said or idle):
+        if self._starting and (kernel.looks or self.bridge.published or idle):
             self._end_start()
 
     def moved(self) -> None:

@@ -58,10 +58,10 @@ for thread in threads: thread.start()
 spin(node)
 """
 SAID = [
-    ("node.create_publisher(Twist, '/cmd_vel', 1).publish(Twist())\nspin(node)", "1 message on /"),
+    ("node.create_publisher(Twist, '/cmd_vel', 1).publish(Twist())\nspin(node)", "1 message on"),
     ("publisher = node.create_publisher(Twist, '/cmd_vel', 1)\n"
      "node.create_timer(0.1, lambda: publisher.publish(Twist()))\nspin(node)", ""),
-    (f"{LATE}timer = node.create_timer(0.5, say)\nspin(node)", "3 messages on /cmd_vel were"),
+    (f"{LATE}timer = node.create_timer(0.5, say)\nspin(node)", "3 messages on /cmd_vel"),
     ("managed = LifecycleNode('managed')\nspin(managed)",
      "/managed waits in the state unconfigured: .* `ros2 lifecycle set /managed configure`"),
     ("managed = LifecycleNode('managed')\nmanaged.trigger_configure()\nspin(managed)",
@@ -78,7 +78,7 @@ SAID = [
     (ASKS.format(client="", timer=f", callback_group={ALONE}"), ""),
     ("async def on_scan(scan): await rclpy.task.Future()\n"
      "node.create_subscription(LaserScan, '/scan', on_scan, 10)\nspin(node)",
-     r"on_scan \(node.py, line \d+\) has awaited something for 1.\d s from .*: /scan$"),
+     r"on_scan \(node.py, line \d+\) has awaited something for 2.0 s from .*: /scan$"),
     (THREADS.format(start="threading.Thread(target=work).start()"),
      r"tick \(node.py, line \d+\) started 1\d threads in 2 s"),
     (THREADS.format(start="pass"), ""),
