@@ -1,6 +1,6 @@
 """A stand-in for the package message_filters, which has no wheel.
 
-Here are its subscriber, cache and two synchronizers. Not here: chains, and `LatestTimeSync`.
+Here are its subscriber, cache and two synchronizers.
 """
 
 # ruff: noqa: N802  (names as message_filters has them)
@@ -48,10 +48,6 @@ class Subscriber(SimpleFilter):
         kwargs.setdefault("qos_profile", 10)
         self.sub = node.create_subscription(msg_type, topic, self.signalMessage, **kwargs)
 
-    def getTopic(self) -> str:
-        """Return the topic's name as it was given."""
-        return self.topic
-
 
 class Cache(SimpleFilter):
     """Keeps the last `cache_size` messages of a filter, and hands each on."""
@@ -83,16 +79,6 @@ class Cache(SimpleFilter):
         """Return the newest message that is not after a time; None if there is none."""
         return next((msg for time, msg in reversed(self._kept) if time <= stamp), None)
 
-    def getLatestTime(self) -> Time | None:
-        """Return the time of the newest message."""
-        return self._kept[-1][0] if self._kept else None
-
-    getLastestTime = getLatestTime
-
-    def getOldestTime(self) -> Time | None:
-        """Return the time of the oldest message."""
-        return self._kept[0][0] if self._kept else None
-
     def getLast(self) -> Any:
         """Return the newest message."""
         return self._kept[-1][1] if self._kept else None
@@ -122,27 +108,21 @@ class ApproximateTimeSynchronizer(SimpleFilter):
             for old in sorted(queue)[: -self.queue_size]:
                 del queue[old]
             near = [
-                [now] if each is queue else sorted(each, key=lambda stamp: abs(stamp - now))
+                sorted((s for s in each if abs(s - now) < self.slop), key=lambda s: abs(s - now))
                 for each in self.queues
             ]
-            for stamps in itertools.product(*near) if now in queue else ():
-                if self._fits(max(stamps) - min(stamps)):
+            for stamps in itertools.product(*near):
+                if now in stamps and max(stamps) - min(stamps) < self.slop:
                     pairs = zip(self.queues, stamps, strict=True)
                     self.signalMessage(*[each.pop(stamp) for each, stamp in pairs])
                     return
-
-    def _fits(self, apart: int) -> bool:
-        return apart < self.slop
 
 
 class TimeSynchronizer(ApproximateTimeSynchronizer):
     """Hands on sets of messages, one of each filter, with the same stamp."""
 
     def __init__(self, fs: Sequence[Any], queue_size: int) -> None:
-        super().__init__(fs, queue_size, 0.0)
-
-    def _fits(self, apart: int) -> bool:
-        return apart == 0
+        super().__init__(fs, queue_size, slop=1e-9)
 
 
 def _time_of(msg: Any, headerless: bool) -> Time | None:
