@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import yaml
 from geometry_msgs.msg import Point, PointStamped, PoseWithCovarianceStamped, TransformStamped
+from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.time import Time
@@ -215,10 +216,11 @@ def test_messages_are_put_together_by_their_stamps(packages: Any) -> None:
                      (right, 3.1), (right, 3.09), (right, 3.08)):  # fmt: skip
         side.signalMessage(transform("odom", "base", at=at))
     assert found == [("near", 1, 50), ("exact", 2, 0), ("near", 2, 0), ("near", 3, 90)]
-    two = Time(seconds=2)
-    assert [m.header.stamp.sec for m in kept.getInterval(Time(), Time(seconds=9))] == [2, 3]
+    two, then, nine = (Time(nanoseconds=n, clock_type=ClockType.ROS_TIME)
+                       for n in (2 * SECOND, 2 * SECOND + 1, 9 * SECOND))  # fmt: skip
+    assert [m.header.stamp.sec for m in kept.getInterval(two, nine)] == [2, 3]
     assert kept.getElemBeforeTime(two).header.stamp.sec == 2
-    assert kept.getElemAfterTime(Time(seconds=2, nanoseconds=1)) is kept.getLast()
+    assert kept.getElemAfterTime(then) is kept.getLast()
 
 
 # --- in a host ------------------------------------------------------------------------------------
