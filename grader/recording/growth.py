@@ -76,8 +76,8 @@ def _said(note: Note, recording: Recording) -> str:
         case "lost":
             were = "1 message" if many == 1 else f"{many} messages"
             return (
-                f"lost: {were} on {note.about}, published before anybody had found the publisher: "
-                "a constructor is too early"
+                f"lost: {were} on {note.about}, published before anybody had found the publisher; "
+                "for a program's first node that takes 0.1 s"
             )
         case "lifecycle" if more in MANAGED:
             return (
