@@ -21,6 +21,7 @@ NAMED = 6  # files in a sentence
 
 NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
 MADE = ("COLCON_IGNORE", "pyvenv.cfg")  # in colcon's build, install and log; in an environment
+CATALOGUES = {"mutants.toml", "equivalents.toml"}  # beside a solution of the course's own
 READ_BY_NOBODY = (".md", ".rst", ".pdf", ".html", ".ipynb", ".zip", ".tar", ".tgz", ".mcap", ".db3")
 PYTHON = (".py", ".pyw")
 
@@ -105,8 +106,11 @@ def _listed(top: Path, links: list[str]) -> Iterator[Lying]:
                 entries = sorted(found, key=lambda entry: entry.name)
         except OSError:
             continue
-        if prefix and not {entry.name for entry in entries}.isdisjoint(MADE):
+        names = {entry.name for entry in entries}
+        if prefix and not names.isdisjoint(MADE):
             continue
+        if names >= CATALOGUES:
+            entries = [entry for entry in entries if entry.name.endswith(PYTHON)]
         for entry in entries:
             seen += 1
             if seen > MAX_LISTED:

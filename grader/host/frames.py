@@ -15,6 +15,7 @@ import msgspec
 MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
 MAX_PUBLISHED = 4_000  # messages a node may publish between two events of the world
 MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
+MAX_NOTES = 100  # of a run
 MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_STDIN = 1024 * 1024  # [bytes]
@@ -182,6 +183,21 @@ class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
     mismatch: Text = ""  # why it and the robot's end of the topic can't talk; "" if they can
 
 
+class Note(msgspec.Struct, array_like=True, frozen=True):
+    """What a person should know of a run, and no message shows; nobody judges it."""
+
+    kind: Annotated[str, msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|threads)$")]
+    about: Name  # a topic, a node, or a function ...
+    line: Name = ""  # ... and where: "node.py, line 12"
+    count: Nanoseconds = 1
+    time: Nanoseconds = 0  # [ns] when it began, or the longest of them
+    lasted: Nanoseconds = 0  # [ns]
+    more: Name = ""  # a state, a service, what had to wait
+
+
+Notes = Annotated[list[Note], msgspec.Meta(max_length=MAX_NOTES)]
+
+
 class Settled(msgspec.Struct, frozen=True, tag="settled"):
     """All that the node has to do until `now` is done."""
 
@@ -192,6 +208,7 @@ class Settled(msgspec.Struct, frozen=True, tag="settled"):
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
     asked: Annotated[list[Question], msgspec.Meta(max_length=MAX_QUESTIONS)] = []
     starting: bool = False  # the program starts up, before the scenario, and waits for an answer
+    notes: Notes = []  # new or changed ones
 
 
 class Ended(msgspec.Struct, frozen=True, tag="ended"):
@@ -205,6 +222,7 @@ class Ended(msgspec.Struct, frozen=True, tag="ended"):
     detail: Text  # the traceback, with the student's frames
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
+    notes: Notes = []
 
 
 class TuneIn(msgspec.Struct, frozen=True, tag="tune_in"):

@@ -255,15 +255,15 @@ class Imports:
         top = _module_of(error).partition(".")[0]
         if top:
             file = str(getattr(self._find_elsewhere(top), "origin", ""))
-            if self._is_beside(file) and self._find_elsewhere(top, self._other_folders()):
+            if self.is_beside(file) and self._find_elsewhere(top, self._other_folders()):
                 return file
         before = ""
         for frame in _frames(error):
             file = frame.f_code.co_filename
             if file.startswith("<") or os.path.dirname(file) == OURS:  # noqa: PTH120
                 continue  # frozen, or what starts an entry point
-            runs = frame.f_code.co_name == "<module>" and self._is_beside(file)
-            if runs and before and not self._is_beside(before):
+            runs = frame.f_code.co_name == "<module>" and self.is_beside(file)
+            if runs and before and not self.is_beside(before):
                 return str(file)
             before = file
         return ""
@@ -326,7 +326,8 @@ class Imports:
         spec = self._find_elsewhere(name)
         return spec is not None and spec.origin != _origin(self._aside[name])
 
-    def _is_beside(self, file: str) -> bool:
+    def is_beside(self, file: str) -> bool:
+        """Return whether a file lies in a program's folder."""
         return any(file.startswith(os.path.join(folder, "")) for folder in self._folders)
 
     def _other_folders(self) -> list[str]:
@@ -382,6 +383,11 @@ class _Blind:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._finder, name)
+
+
+def place_of(code: Any, line: int) -> str:
+    """Return where a line of a program is."""
+    return f"{os.path.basename(code.co_filename)}, line {line}"  # noqa: PTH119
 
 
 def _named(module: Any, fromlist: Iterable[str] | None) -> Iterator[str]:

@@ -46,8 +46,7 @@ def costs_of(recording: Recording) -> Costs | None:
     costs = spent[np.isin(compute.time[begun:], sent)]
     if not len(costs):
         return None
-    lidar = recording.scenario.lidar
-    period = 1.0 / (lidar.rate or PROFILES[lidar.profile].rate)
+    period = lidar_period(recording)
     return Costs(
         p50=float(np.percentile(costs, 50)),
         p99=float(np.percentile(costs, 99)),
@@ -56,6 +55,12 @@ def costs_of(recording: Recording) -> Costs | None:
         period=period,
         load=float(spent.sum()) / recording.duration_s if recording.duration_s else 0.0,
     )
+
+
+def lidar_period(recording: Recording) -> float:
+    """Return the time from a scan to the next [s]."""
+    lidar = recording.scenario.lidar
+    return 1.0 / (lidar.rate or PROFILES[lidar.profile].rate)
 
 
 def account_of(recording: Recording) -> list[str]:

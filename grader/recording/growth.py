@@ -1,4 +1,4 @@
-"""What grows in a node while it runs, as the judge counted and measured it.
+"""What grows in a node while it runs, as the judge counted and measured it; what its host noted.
 
 A node that makes a publisher, a client or a timer for each message, or keeps all that it has seen,
 is right for minutes and too slow after an hour. Its answers don't show that; these numbers do.
@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from grader.host.frames import Note
+from grader.recording.costs import lidar_period
 from grader.recording.recording import Endpoint, Recording
 from grader.recording.views import Floats
 
@@ -18,6 +20,7 @@ PARTS, LEAST = 5, 40  # of a trial, and messages in each part
 TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the machine
 STEADY = -0.1, 0.6  # of the rise, at least and at most, from each part to the next
 ENDS = 10  # of one kind on one topic; more than anybody needs
+MANAGED = {"unconfigured": "configure", "inactive": "activate"}  # states: the way out
 FLOOD = 50.0  # lines of log a second: a robot's disk is full some day
 
 
@@ -64,9 +67,49 @@ def made_again(recording: Recording) -> list[tuple[Endpoint, str]]:
     ]
 
 
+def _said(note: Note, recording: Recording) -> str:
+    """Put a note of the host's in words; empty if it is not worth any."""
+    at, lasted, more = note.time / 1e9, note.lasted / 1e9, note.more
+    place, many = f"{note.about} ({note.line})", note.count
+    long = lasted > lidar_period(recording)
+    match note.kind:
+        case "lost":
+            were = "1 message" if many == 1 else f"{many} messages"
+            return (
+                f"lost: {were} on {note.about}, published before anybody had found the publisher; "
+                "for a program's first node that takes 0.1 s"
+            )
+        case "lifecycle" if more in MANAGED:
+            return (
+                f"{note.about} waits in the state {more}: in a drive nobody calls, as on a robot, "
+                f"`ros2 lifecycle set {note.about} {MANAGED[more]}`"
+            )
+        case "lasts" if long:
+            most = f" (the longest of {many})" if many > 1 else ""
+            return f"{place} took {lasted:.1f} s from {at:.2f} s on{most}; meanwhile waited: {more}"
+        case "awaits" if long:
+            return (
+                f"{place} has awaited something for {lasted:.1f} s from {at:.2f} s on; meanwhile "
+                f"there waited for its callback group: {more}"
+            )
+        case "stuck":
+            return (
+                f"{place} awaits the answer of {more} from {at:.2f} s on, but its own callback "
+                "group, which has to give or to take it, does nothing until the callback is over: "
+                "give the callback a group of its own, callback_group=MutuallyExclusive…()"
+            )
+        case "threads" if many > ENDS:
+            return (
+                f"{place} started {many} threads in {recording.duration_s:.0f} s: one that lives, "
+                "and a queue, or a timer, do the same"
+            )
+    return ""
+
+
 def growth_of(recording: Recording) -> list[str]:
     """Say what grew in a trial, a sentence each."""
-    said = [
+    said = [said for note in recording.notes if (said := _said(note, recording))]
+    said += [
         f"{end.node} made {many} in {recording.duration_s:.0f} s: make one in the constructor, and "
         "keep it"
         for end, many in made_again(recording)

@@ -16,7 +16,7 @@ from functools import cached_property
 import msgspec
 import numpy as np
 
-from grader.host.frames import ASKED_TO_END
+from grader.host.frames import ASKED_TO_END, Note
 from grader.link.log import LogLine
 from grader.recording import views
 from grader.recording.inferences import Inference
@@ -159,6 +159,7 @@ class Recording:
     inferences: tuple[Inference, ...] = ()  # of models that the judge keeps, in order
     charged: bool = False  # computing took virtual time, so another run differs
     ending: Ending | None = None  # what Ctrl-C did after all that, if it was asked for; not saved
+    notes: tuple[Note, ...] = ()  # the host's, for a person; no check sees them, and no bag
     bag: str | None = None  # where it is saved
 
     @property

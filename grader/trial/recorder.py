@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import msgspec
 import numpy as np
 
-from grader.host.frames import EndpointReport, Published
+from grader.host.frames import MAX_NOTES, EndpointReport, Note, Published
 from grader.link.exchange import HostForged
 from grader.link.log import LogLine
 from grader.link.output import Output
@@ -50,6 +50,7 @@ class Recorder:
         self.published: list[Message] = []
         self.endpoints: list[Endpoint] = []
         self.compute: list[tuple[float, float, float, float]] = []
+        self._notes: dict[tuple[str, str, str], Note] = {}
         self._stamped = stamped
         self._bytes = 0
 
@@ -58,6 +59,13 @@ class Recorder:
         self.endpoints += [Endpoint(*msgspec.structs.astuple(report)) for report in reports]
         if len(self.endpoints) > MAX_ENDPOINTS:
             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
+
+    def note(self, notes: Iterable[Note]) -> None:
+        """Keep what a person should know, the latest of each."""
+        for note in notes:
+            key = (note.kind, note.about, note.line)
+            if key in self._notes or len(self._notes) < MAX_NOTES:
+                self._notes[key] = note
 
     def hear(self, heard: Iterable[Published], began: int, reached: int) -> list[Command]:
         """Note messages of the node, sent between two times [ns]; return its commands.
@@ -107,6 +115,7 @@ class Recorder:
             live=live,
             inferences=tuple(asked),
             charged=charged,
+            notes=tuple(self._notes.values()),
         )
 
     def _message(self, published: Published, began: int, reached: int) -> Message:

@@ -286,6 +286,7 @@ class _Trial:
         reached = _reached(answer, began, agreed)
         self._at = reached / 1e9
         recorder.note_endpoints(answer.endpoints)
+        recorder.note(answer.notes)
         commands = recorder.hear(answer.published, began, reached)
         self._waited += cost.queued
         recorder.compute.append((began / 1e9, cost.wall, cost.cpu, cost.queued))

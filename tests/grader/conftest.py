@@ -1,15 +1,19 @@
 """The real thing for tests: a way to run a few lines of node."""
 
 import textwrap
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from node_runs import PREAMBLE, RunNode, short
 
 from grader.course.submission import Submission
+from grader.errors import InputError
 from grader.link.hosts import ForkServer
+from grader.link.ros_environment import portable_ros
 from grader.recording import Recording
 from grader.trial.virtual_time import Limits, run_trial
+from sim.messages import EPOCH_NS
 from sim.scenario import Scenario
 
 
@@ -17,6 +21,20 @@ from sim.scenario import Scenario
 def short_scenario() -> Scenario:
     """Two seconds of a lidar at 10 Hz; no odometry."""
     return short(2.0)
+
+
+@pytest.fixture(scope="module", params=["real", "portable"])
+def runtime(request: pytest.FixtureRequest, forkserver: ForkServer) -> Iterator[ForkServer]:
+    """Have a host with the real rclpy, and with the portable one."""
+    if request.param == "real":
+        yield forkserver
+        return
+    try:
+        portable = portable_ros()
+    except InputError as error:
+        pytest.skip(str(error))
+    with ForkServer(EPOCH_NS, portable) as server:
+        yield server
 
 
 @pytest.fixture

@@ -9,20 +9,21 @@ from __future__ import annotations
 import contextlib
 import functools
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import rclpy.context
 import rclpy.node
 from rclpy.duration import Duration
 from rclpy.exceptions import InvalidHandle
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import DurabilityPolicy
 
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
-from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Offer, Published
+from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Note, Offer, Published
 from ..robot_ends import Heard, RobotEnds
 from . import discovery as found
-from . import graph
+from . import graph, tasks
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
 
@@ -112,6 +113,16 @@ class Bridge:
         """Return the endpoints that the student created since the last call."""
         endpoints, self._endpoints = self._endpoints, []
         return endpoints
+
+    def notes(self, now: int) -> Iterator[Note]:
+        """Yield which callbacks wait at a time [ns], and the state of each lifecycle node."""
+        yield from tasks.waits(now)
+        for node in self.discovery.nodes():
+            machine = node.__dict__.get("_state_machine")
+            if isinstance(machine, rclpy_implementation.LifecycleStateMachine):
+                with contextlib.suppress(InvalidHandle):
+                    name, state = node.get_fully_qualified_name(), machine.current_state[1]
+                    yield Note("lifecycle", name, count=0, more=state)
 
     def contexts(self) -> list[Any]:
         """Return the contexts in which there are ends of topics."""

@@ -25,6 +25,7 @@ from rclpy.qos import DurabilityPolicy, QoSCompatibility, qos_check_compatible
 from rclpy.task import Future
 
 from .. import frames
+from ..endpoints import HIDDEN_TOPICS
 from .clock import real_time_ns
 from .kernel import Kernel
 
@@ -108,6 +109,10 @@ class Discovery:
                 party.known = min(party.known, self._kernel.now)
         self._settled = max(party.known for party in self._parties)
 
+    def nodes(self) -> Iterator[Any]:
+        """Yield the nodes of all programs, in the order in which they were made."""
+        yield from (node for party in self._parties for node in party.nodes)
+
     def leave(self, node: Any = None, context: Any = None) -> None:
         """Note that a node is gone, or a context with all of its own."""
         for party in self._parties:
@@ -155,7 +160,7 @@ class Discovery:
         """Return the names of topics or services that only such nodes have."""
         hidden = self.strangers(context)
         names: tuple[set[str], set[str]] = (set(), set())
-        for node in (node for party in self._parties for node in party.nodes if hidden):
+        for node in self.nodes() if hidden else ():
             found = names[(node.get_name(), node.get_namespace()) in hidden]
             found.update(_name(e) for kind in kinds for e in getattr(node, KINDS[kind]))
         return names[True] - names[False]
@@ -169,12 +174,14 @@ class Discovery:
         as a program would that comes later; the robot listens for nothing latched.
         """
         party: Party = publisher._course_party
-        latched, found = _latched(publisher), publisher._course_found
-        mark = self._send(_name(publisher), send, party, found, latched=latched)
-        read = latched and _name(publisher) not in ROBOT_LISTENS
-        read = read or _name(publisher).startswith(OURS)
+        latched, found, name = _latched(publisher), publisher._course_found, _name(publisher)
+        mark = self._send(name, send, party, found, latched=latched)
+        read = (latched and name not in ROBOT_LISTENS) or name.startswith(OURS)
         if self._kernel.now < max(party.known, found) and not read:
             unheard.append(mark)
+            own = any(end._course_party is party for end in self._ends("subscription", name))
+            if not own and name not in HIDDEN_TOPICS:
+                self._kernel.world.note(frames.Note("lost", name))
 
     def deliver(self, topic: str, send: Callable[[], None], *, latched: bool) -> None:
         """Send a message of the robot to those whom it has found."""
@@ -216,9 +223,8 @@ class Discovery:
         return self._random.randint(*span)
 
     def _ends(self, kind: str, name: str) -> Iterator[Any]:
-        for party in self._parties:
-            for node in party.nodes:
-                yield from (end for end in getattr(node, KINDS[kind]) if _name(end) == name)
+        for node in self.nodes():
+            yield from (end for end in getattr(node, KINDS[kind]) if _name(end) == name)
 
     def _sees(self, party: Party, end: Any) -> bool:
         other: Party = end._course_party

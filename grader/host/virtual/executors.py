@@ -165,6 +165,7 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
         )
         if found is None:
             raise TimeoutException
+        found[0]._course_entity = found[1]
         return found
 
     def nodes_in_order(self: Any) -> list[Any]:

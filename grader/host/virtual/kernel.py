@@ -16,6 +16,7 @@ import itertools
 from collections.abc import Callable, Iterator
 from typing import TypeVar
 
+from ..frames import Note
 from .charge import Meter
 
 Result = TypeVar("Result")
@@ -74,6 +75,9 @@ class World:
 
     def switched(self, before: object, after: object) -> None:
         """The baton has passed from a thread of one program to one of another."""
+
+    def note(self, note: Note) -> None:
+        """A person should know of this."""
 
     def exchange(self) -> None:
         """Time has come to `until`: let the world act and move `until` on."""

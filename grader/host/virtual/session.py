@@ -17,8 +17,11 @@ import msgspec
 
 from ..frames import (
     MAX_LEAD,
+    MAX_NAME,
+    MAX_NOTES,
     MAX_PUBLISHED,
     MAX_QUESTIONS,
+    Note,
     Question,
     ReadPackage,
     Run,
@@ -28,7 +31,7 @@ from ..frames import (
     Told,
 )
 from ..supplied.kept import desk
-from ..wire import Turns, Wire, ended
+from ..wire import Turns, Wire, ended, sendable
 from . import kernel as kernel_module
 from .charge import Meter
 
@@ -62,6 +65,8 @@ class Session(kernel_module.World):
         self._agreed = 0  # [ns] what `until` was when the first of them was asked
         self._asking: dict[int, kernel_module.Waiters] = {}  # by question
         self._told: dict[int, Told] = {}
+        self._notes: dict[tuple[str, str, str], Note] = {}
+        self._news: dict[tuple[str, str, str], Note] = {}  # notes of which the judge does not know
         desk.ask = self.ask
 
     def start(self) -> Start:
@@ -103,6 +108,20 @@ class Session(kernel_module.World):
         self.clocks.follow()
         self.mark()
 
+    def note(self, note: Note) -> None:
+        """Note something for a person; of several alike the longest, and how many there are."""
+        about, line, more = (
+            sendable(text)[:MAX_NAME] for text in (note.about, note.line, note.more)
+        )
+        note = msgspec.structs.replace(note, about=about, line=line, more=more)
+        key = (note.kind, about, line)
+        before = self._notes.get(key)
+        if before is not None:
+            longest = note if note.lasted >= before.lasted else before
+            note = msgspec.structs.replace(longest, count=before.count + note.count)
+        if note != before and (before or len(self._notes) < MAX_NOTES):
+            self._notes[key] = self._news[key] = note
+
     def switched(self, before: object, after: object) -> None:
         """Give each of several programs its own globals."""
         if self.programs is not None:
@@ -143,6 +162,7 @@ class Session(kernel_module.World):
                 published=bridge.take(),
                 endpoints=bridge.new_endpoints(),
                 asked=self._take_questions(),
+                notes=self._take_notes(),
             )
         )
         self._looks = self.kernel.looks
@@ -172,7 +192,10 @@ class Session(kernel_module.World):
             with contextlib.suppress(Exception):
                 self.bridge.collect(self._time())
             frame = msgspec.structs.replace(
-                frame, published=self.bridge.take(), endpoints=self.bridge.new_endpoints()
+                frame,
+                published=self.bridge.take(),
+                endpoints=self.bridge.new_endpoints(),
+                notes=self._take_notes(),
             )
         self._wire.send(frame)
 
@@ -201,6 +224,12 @@ class Session(kernel_module.World):
 
     def _take_questions(self) -> list[Question]:
         taken, self._questions = self._questions, []
+        return taken
+
+    def _take_notes(self) -> list[Note]:
+        for note in self.bridge.notes(self.kernel.now):
+            self.note(note)
+        taken, self._news = list(self._news.values()), {}
         return taken
 
     def _ask_in_start(self) -> None:

@@ -5,14 +5,30 @@ Written against rclpy 7.1 (Jazzy).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
+import msgspec
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.task import Future, Task
+from rclpy.timer import Timer
 
+from ..frames import Note
+from ..imports import host, place_of
 from .kernel import IDLE_STEP, Kernel
 
 YIELDS = 10  # of a coroutine at one moment, after which it costs time to give way
 YIELDED = object()
+SHORT = 50_000_000  # [ns] that a callback may last without a word
+PENDING = (  # where rclpy's clients keep the futures of their answers
+    "_pending_requests",
+    "_pending_goal_requests",
+    "_pending_result_requests",
+    "_pending_cancel_requests",
+)
+
+_waiting: dict[Any, int] = {}  # coroutines, and since when [ns]
 
 
 def install(kernel: Kernel) -> None:
@@ -22,8 +38,18 @@ def install(kernel: Kernel) -> None:
 
     def virtual_call(self: Any) -> Any:
         self._course_queued = False
+        if self in _waiting and (note := _wait(self, _waiting.pop(self), kernel.now)):
+            kernel.world.note(note)
+        thread, begin = kernel.me(), kernel.now
+        seen = thread.seen
         result = call(self)
-        if not self.done() and _waits_for(self) is YIELDED:
+        blocked = kernel.now - begin >= SHORT and thread.seen == seen  # nobody spun inside
+        if blocked and (note := _block(self, begin, kernel.now)):
+            kernel.world.note(note)
+        waits_for = None if self.done() else _waits_for(self)
+        if isinstance(waits_for, Future):
+            _waiting[self] = kernel.now
+        if waits_for is YIELDED:
             moment, count = getattr(self, "_course_yields", (kernel.now, 0))
             self._course_yields = (kernel.now, count + 1 if moment == kernel.now else 1)
             if count >= YIELDS:  # `while not done: await asyncio.sleep(0)` must end
@@ -40,6 +66,69 @@ def install(kernel: Kernel) -> None:
 
     cls.__call__ = virtual_call
     future._schedule_or_invoke_done_callbacks = virtual_notify
+
+
+def waits(now: int) -> Iterator[Note]:
+    """Yield which coroutines wait and keep others waiting, at a time [ns]."""
+    for task, since in _waiting.items():
+        if note := _wait(task, since, now):
+            yield msgspec.structs.replace(note, count=0)
+
+
+def _wait(task: Any, since: int, now: int) -> Note | None:
+    """Return a note about a coroutine whose callback group does nothing else while it waits."""
+    entity = task.__dict__.get("_course_entity")
+    group = getattr(entity, "callback_group", None)
+    steps = [each for each in _chain(task) if getattr(each, "cr_frame", None)]
+    own = [each for each in steps if host.is_beside(each.cr_code.co_filename)]
+    if now - since < SHORT or not isinstance(group, MutuallyExclusiveCallbackGroup) or not own:
+        return None
+    kind, more = "awaits", _kept_waiting(task, entity, group)
+    future = _waits_for(task)
+    members = [reference() for reference in group.entities]
+    for end in (*members, *_ends(task, "clients")):
+        if any(future in getattr(end, name, {}).values() for name in PENDING):
+            server = end.__dict__.get("_course_name") or end._action_name
+            if end in members or server in [getattr(e, "_course_name", "") for e in members]:
+                kind, more = "stuck", server
+    if not more:
+        return None
+    place = place_of(own[-1].cr_code, own[-1].cr_frame.f_lineno)
+    return Note(kind, own[0].cr_code.co_name, place, 1, max(0, since), now - since, more)
+
+
+def _block(task: Any, begin: int, now: int) -> Note | None:
+    """Return a note about a callback that has kept its executor's thread, or its group."""
+    entity = task.__dict__.get("_course_entity")
+    callback = getattr(entity, "callback", None)
+    code = getattr(getattr(callback, "func", callback), "__code__", None)
+    if code is None or not host.is_beside(code.co_filename):
+        return None
+    group = entity.callback_group if isinstance(task._executor(), MultiThreadedExecutor) else None
+    more = _kept_waiting(task, entity, group)
+    place = place_of(code, code.co_firstlineno)
+    return Note("lasts", code.co_name, place, 1, max(0, begin), now - begin, more) if more else None
+
+
+def _kept_waiting(task: Any, entity: Any, group: Any) -> str:
+    """Name what can't be called meanwhile: all of an exclusive group; None: of the executor."""
+    if group is not None and not isinstance(group, MutuallyExclusiveCallbackGroup):
+        return ""
+    names = set()
+    for end in _ends(task, "subscriptions", "services", "timers"):
+        name = end.__dict__.get("_course_name", "")
+        timer = isinstance(end, Timer)
+        if group in (None, end.callback_group) and not (timer and end is entity):
+            names.add(f"a timer of {name}" if timer else name)
+    return ", ".join(sorted(names - {""}))
+
+
+def _ends(task: Any, *kinds: str) -> Iterator[Any]:
+    """Yield the ends that the executor of a task knows."""
+    executor = task._executor()
+    for node in executor.get_nodes() if executor else ():
+        for kind in kinds:
+            yield from getattr(node, kind)
 
 
 def is_new(kernel: Kernel, task: Any) -> bool:
@@ -68,15 +157,20 @@ def _waits_for(task: Any) -> Any:
 
     `YIELDED` if it has given way of its own accord, as with `asyncio.sleep(0)`.
     """
-    waiting: Any = getattr(task, "_handler", None)
-    while True:
-        deeper = getattr(waiting, "cr_await", None) or getattr(waiting, "gi_yieldfrom", None)
-        if deeper is None:
-            break
-        waiting = deeper
+    waiting = _chain(task)[-1]
     code = getattr(waiting, "gi_code", None)
     if code is None:
         return None
     if code is not Future.__await__.__code__:
         return YIELDED
     return waiting.gi_frame.f_locals["self"]
+
+
+def _chain(task: Any) -> list[Any]:
+    """Return the coroutine of a task, that for which it waits, and so on."""
+    chain = [getattr(task, "_handler", None)]
+    while deeper := getattr(chain[-1], "cr_await", None) or getattr(
+        chain[-1], "gi_yieldfrom", None
+    ):
+        chain.append(deeper)
+    return chain

@@ -21,6 +21,8 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
+from ..frames import Note
+from ..imports import host, place_of
 from . import clock, descriptors
 from .kernel import Kernel, VirtualThread, Waiters
 
@@ -112,6 +114,7 @@ def _install_threads(kernel: Kernel) -> None:
     def virtual_start(self: Any) -> None:
         if not self._initialized or self._started.is_set():
             start(self)  # raises RuntimeError
+        _note_start(kernel)
         self._virtual = thread = kernel.add()
         try:
             start(self)
@@ -143,6 +146,7 @@ def _install_threads(kernel: Kernel) -> None:
     def virtual_start_new_thread(
         function: Callable[..., object], args: tuple[Any, ...] = (), kwargs: Any = None
     ) -> int:
+        _note_start(kernel)
         thread = kernel.add()
         keywords = kwargs or {}
 
@@ -163,6 +167,16 @@ def _install_threads(kernel: Kernel) -> None:
     cls.start, cls.join, cls.is_alive = virtual_start, virtual_join, virtual_is_alive
     cls._bootstrap = virtual_bootstrap
     _thread.start_new_thread = virtual_start_new_thread
+
+
+def _note_start(kernel: Kernel) -> None:
+    """Note the program's line that starts a thread while the robot drives."""
+    frame: Any = sys._getframe(1) if kernel.now > 0 else None
+    while frame is not None and not host.is_beside(frame.f_code.co_filename):
+        frame = frame.f_back
+    if frame is not None:
+        place = place_of(frame.f_code, frame.f_lineno)
+        kernel.world.note(Note("threads", frame.f_code.co_name, place))
 
 
 def _tell_unraisable(error: BaseException, function: Callable[..., object]) -> None:

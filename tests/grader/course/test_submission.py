@@ -236,6 +236,11 @@ def test_what_comes_along_has_limits(agent: Path, monkeypatch: pytest.MonkeyPatc
     assert set(find_submission(agent).beside) == {"helper.py"}  # Python first, the node among it
 
 
+def test_the_catalogues_of_a_solution_of_the_courses_own_stay_behind() -> None:
+    folder = Path(__file__).parents[3] / "solutions" / "obstacle_avoidance"
+    assert find_submission(folder / "obstacle_avoidance_agent.py").account() == []
+
+
 def test_of_several_packages_one_has_to_be_named(tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / "src" / name).mkdir(parents=True)

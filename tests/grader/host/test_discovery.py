@@ -1,6 +1,6 @@
 """Ends find each other as on DDS: each program here was measured on plain rclpy, too."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from textwrap import dedent
 
@@ -9,12 +9,9 @@ import pytest
 from node_runs import PREAMBLE, RunNode, short
 
 from grader.course.submission import Submission
-from grader.errors import InputError
 from grader.link.hosts import ForkServer
-from grader.link.ros_environment import portable_ros
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 from sim.scenario import Discovery, Faults, ProgramSpec, Transforms
 
 HEAD = f"""{PREAMBLE}
@@ -35,20 +32,6 @@ rclpy.init()
 EXACTLY = Discovery(program=(0.1, 0.1), late=1.0, end=(0.004, 0.004), latched=(0.01, 0.01))
 
 Run = Callable[..., list[str]]
-
-
-@pytest.fixture(scope="module", params=["real", "portable"])
-def runtime(request: pytest.FixtureRequest, forkserver: ForkServer) -> Iterator[ForkServer]:
-    """Have a host with the real rclpy, and with the portable one."""
-    if request.param == "real":
-        yield forkserver
-        return
-    try:
-        portable = portable_ros()
-    except InputError as error:
-        pytest.skip(str(error))
-    with ForkServer(EPOCH_NS, portable) as server:
-        yield server
 
 
 @pytest.fixture

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import yaml
 from geometry_msgs.msg import Point, PointStamped, PoseWithCovarianceStamped, TransformStamped
+from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.time import Time
@@ -102,6 +103,9 @@ def test_transforms_are_composed_and_inverted(packages: Any) -> None:
     assert back[:2] == pytest.approx((0.5, -2.0))
     assert math.remainder(back[2] - math.pi / 2, math.tau) == pytest.approx(0.0)
     assert x_y_yaw(buffer.lookup_transform("laser", "laser", Time())) == (0.0, 0.0, 0.0)
+    assert buffer._getFrameStrings() == ["odom", "base_link", "laser", "imu"]
+    assert (buffer._frameExists("/odom"), buffer._frameExists("map")) == (True, False)
+    assert isinstance(buffer, packages.tf2_ros.BufferInterface)
 
 
 def test_between_two_stamps_it_interpolates(packages: Any) -> None:
@@ -193,6 +197,32 @@ def test_a_coroutine_may_wait_for_a_transform(packages: Any) -> None:
     assert done.value.value.transform.translation.x == 3.0
 
 
+# --- filters of messages --------------------------------------------------------------------------
+
+
+def test_messages_are_put_together_by_their_stamps(packages: Any) -> None:
+    filters = importlib.import_module("message_filters")
+    left, right, found = filters.SimpleFilter(), filters.SimpleFilter(), []
+
+    def put_together(first: Any, second: Any, how: str) -> None:
+        found.append((how, first.header.stamp.sec, second.header.stamp.nanosec // 10**6))
+
+    exact = filters.TimeSynchronizer([left, right], 10)
+    exact.registerCallback(put_together, "exact")
+    near = filters.ApproximateTimeSynchronizer([left, right], 10, 0.1)
+    near.registerCallback(put_together, "near")
+    kept = filters.Cache(left, 2)
+    for side, at in ((left, 1.0), (right, 1.05), (left, 2.0), (right, 2.0), (left, 3.0),
+                     (right, 3.1), (right, 3.09), (right, 3.08)):  # fmt: skip
+        side.signalMessage(transform("odom", "base", at=at))
+    assert found == [("near", 1, 50), ("exact", 2, 0), ("near", 2, 0), ("near", 3, 90)]
+    two, then, nine = (Time(nanoseconds=n, clock_type=ClockType.ROS_TIME)
+                       for n in (2 * SECOND, 2 * SECOND + 1, 9 * SECOND))  # fmt: skip
+    assert [m.header.stamp.sec for m in kept.getInterval(two, nine)] == [2, 3]
+    assert kept.getElemBeforeTime(two).header.stamp.sec == 2
+    assert kept.getElemAfterTime(then) is kept.getLast()
+
+
 # --- in a host ------------------------------------------------------------------------------------
 
 LISTENS = """
@@ -263,6 +293,23 @@ def test_a_node_hears_the_robots_transforms(tmp_path: Path, forkserver: ForkServ
     assert "late rplidar_link" in said
     own = [m for m in recording.published if m.topic == "/from_node/tf_static"]
     assert decode(own[0].data, TF_MESSAGE).transforms[0].child_frame_id == "gripper"
+
+
+def test_a_scan_and_the_odometry_come_together(tmp_path: Path, forkserver: ForkServer) -> None:
+    together = """
+import rclpy
+from message_filters import ApproximateTimeSynchronizer, Subscriber
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+rclpy.init()
+node = rclpy.create_node("together")
+ends = [Subscriber(node, LaserScan, "/scan"), Subscriber(node, Odometry, "/odom", qos_profile=5)]
+both = ApproximateTimeSynchronizer(ends, 10, slop=0.1)
+both.registerCallback(lambda scan, odom: print("together", len(scan.ranges), odom.child_frame_id))
+rclpy.spin(node)
+"""
+    said = [line.text for line in listen(tmp_path, forkserver, together).log]
+    assert [line.rpartition(" ")[2] for line in said if "together" in line] == ["base_link"] * 5
 
 
 def test_a_volatile_subscription_does_not_hear_what_was_sent_once(

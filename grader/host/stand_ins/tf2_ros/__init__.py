@@ -8,7 +8,13 @@ listener and the broadcasters. Not here: `BufferClient`, `BufferServer` and the 
 import sys
 
 from .buffer import Buffer
-from .conversions import ConvertRegistration, TransformRegistration, TypeException, convert
+from .buffer_interface import (
+    BufferInterface,
+    ConvertRegistration,
+    TransformRegistration,
+    TypeException,
+    convert,
+)
 from .ends import StaticTransformBroadcaster, TransformBroadcaster, TransformListener
 from .exceptions import (
     ConnectivityException,
@@ -21,6 +27,7 @@ from .exceptions import (
 
 __all__ = [
     "Buffer",
+    "BufferInterface",
     "ConnectivityException",
     "ConvertRegistration",
     "ExtrapolationException",

@@ -20,7 +20,7 @@ from geometry_msgs.msg import TransformStamped
 from rclpy.duration import Duration
 from rclpy.time import Time
 
-from .conversions import TransformRegistration, convert
+from .buffer_interface import BufferInterface
 from .exceptions import (
     ConnectivityException,
     ExtrapolationException,
@@ -68,7 +68,7 @@ class _Frame:
         return between(self.poses[right - 1], self.poses[right], part)
 
 
-class Buffer:
+class Buffer(BufferInterface):
     """Keeps the transforms that a listener hears, and answers where one frame is in another.
 
     Parameters
@@ -80,11 +80,11 @@ class Buffer:
     """
 
     def __init__(self, cache_time: Duration | None = None, node: Any = None) -> None:
+        super().__init__()
         self._cache = CACHE if cache_time is None else cache_time.nanoseconds
         self._frames: dict[str, _Frame] = {}
         self._lock = threading.RLock()
         self._waiting: list[Callable[[], None]] = []  # looks of coroutines that wait
-        self.registration = TransformRegistration()
 
     def set_transform(self, transform: Any, authority: str) -> None:
         """Keep a TransformStamped.
@@ -240,44 +240,6 @@ class Buffer:
         """Return whether there is a transform between two times now, and why not."""
         return _tried(lambda: self.lookup_transform_full_core(*ends))
 
-    def transform(
-        self,
-        object_stamped: Any,
-        target_frame: str,
-        timeout: Duration = Duration(),  # noqa: B008
-        new_type: Any = None,
-    ) -> Any:
-        """Return a stamped message in another frame; `import tf2_geometry_msgs` for its types.
-
-        Raises
-        ------
-        TransformException
-            As `lookup_transform`; TypeException for a type that nothing is registered for.
-        """
-        do_transform = TransformRegistration().get(type(object_stamped))
-        header = object_stamped.header
-        found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
-        moved = do_transform(object_stamped, found)
-        return convert(moved, new_type) if new_type else moved
-
-    def transform_full(
-        self,
-        object_stamped: Any,
-        target_frame: str,
-        target_time: Any,
-        fixed_frame: str,
-        timeout: Duration = Duration(),  # noqa: B008
-        new_type: Any = None,
-    ) -> Any:
-        """Return a stamped message in another frame at another time; raises as `transform`."""
-        do_transform = TransformRegistration().get(type(object_stamped))
-        header = object_stamped.header
-        found = self.lookup_transform_full(
-            target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
-        )
-        moved = do_transform(object_stamped, found)
-        return convert(moved, new_type) if new_type else moved
-
     def get_latest_common_time(self, target_frame: str, source_frame: str) -> Time:
         """Return the newest time at which both frames are known; raises as `lookup_transform`."""
         with self._lock:
@@ -303,6 +265,14 @@ class Buffer:
         with self._lock:
             lines = [f"Frame {n} exists with parent {f.parent}." for n, f in self._frames.items()]
         return "\n".join(lines)
+
+    def _getFrameStrings(self) -> list[str]:  # noqa: N802  (as tf2_py calls it)
+        with self._lock:
+            pairs = [(frame.parent, name) for name, frame in self._frames.items()]
+        return list(dict.fromkeys(name for pair in pairs for name in pair))
+
+    def _frameExists(self, frame_id: str) -> bool:  # noqa: N802
+        return frame_id.lstrip("/") in self._getFrameStrings()
 
     def clear(self) -> None:
         """Forget everything but the static transforms."""
@@ -397,8 +367,7 @@ class Buffer:
         return stamp, up, down
 
     def _to_root(self, name: str, end: str) -> list[str]:
-        known = name in self._frames or any(f.parent == name for f in self._frames.values())
-        if not known:
+        if not self._frameExists(name):
             raise LookupException(
                 f'"{name}" passed to lookupTransform argument {end}_frame does not exist. '
             )

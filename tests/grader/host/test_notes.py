@@ -1,0 +1,97 @@
+"""What a host notes for a person: each node here does the same on plain rclpy."""
+
+import re
+from pathlib import Path
+
+import msgspec
+import pytest
+from node_runs import PREAMBLE, short
+
+from grader.course.submission import Submission
+from grader.link.hosts import ForkServer
+from grader.recording import growth_of
+from grader.trial.virtual_time import run_trial
+from sim.scenario import Discovery, Faults
+
+HEAD = f"""{PREAMBLE}
+from rclpy.lifecycle import LifecycleNode
+from std_srvs.srv import Trigger
+rclpy.init()
+node = Node('own')
+def yes(request, response):
+    return response
+def spin(*nodes, threads=1):
+    executor = SingleThreadedExecutor() if threads == 1 else MultiThreadedExecutor(threads)
+    for each in nodes:
+        executor.add_node(each)
+    executor.spin()
+"""
+ALONE = "MutuallyExclusiveCallbackGroup()"
+LATE = """
+def say():
+    timer.cancel()
+    publisher = node.create_publisher(Twist, '/cmd_vel', 10)
+    for _ in range(3):
+        publisher.publish(Twist())
+"""
+ASKS = """
+node.create_service(Trigger, '/detect', yes)
+client = node.create_client(Trigger, '/detect'{client})
+async def ask():
+    await client.call_async(Trigger.Request())
+node.create_timer(0.3, ask{timer})
+spin(node)
+"""
+SLEEPS = """
+def tick(): time.sleep(1.2)
+node.create_timer(0.5, tick, callback_group={group})
+node.create_subscription(LaserScan, '/scan', print, 10)
+spin(node, threads={threads})
+"""
+THREADS = """
+def work(): pass
+def tick():
+    {start}
+node.create_timer(0.1, tick)
+threads = [threading.Thread(target=work) for _ in range(20)]
+for thread in threads: thread.start()
+spin(node)
+"""
+SAID = [
+    ("node.create_publisher(Twist, '/cmd_vel', 1).publish(Twist())\nspin(node)", "1 message on"),
+    ("publisher = node.create_publisher(Twist, '/cmd_vel', 1)\n"
+     "node.create_timer(0.1, lambda: publisher.publish(Twist()))\nspin(node)", ""),
+    (f"{LATE}timer = node.create_timer(0.5, say)\nspin(node)", "3 messages on /cmd_vel"),
+    ("managed = LifecycleNode('managed')\nspin(managed)",
+     "/managed waits in the state unconfigured: .* `ros2 lifecycle set /managed configure`"),
+    ("managed = LifecycleNode('managed')\nmanaged.trigger_configure()\nspin(managed)",
+     "/managed waits in the state inactive: .* /managed activate`"),
+    ("managed = LifecycleNode('managed')\nmanaged.trigger_configure()\n"
+     "managed.trigger_activate()\nspin(managed)", ""),
+    (SLEEPS.format(group="None", threads=1),
+     r"tick \(node.py, line \d+\) took 1.2 s from 0.50 s on; meanwhile waited: /scan"),
+    (SLEEPS.format(group=ALONE, threads=1), "meanwhile waited: /scan"),
+    (SLEEPS.format(group=ALONE, threads=2), ""),
+    (ASKS.format(client="", timer=""),
+     r"ask \(node.py, line \d+\) awaits the answer of /detect from 0.30 s on, but its own"),
+    (ASKS.format(client=f", callback_group={ALONE}", timer=""), "the answer of /detect from"),
+    (ASKS.format(client="", timer=f", callback_group={ALONE}"), ""),
+    ("async def on_scan(scan): await rclpy.task.Future()\n"
+     "node.create_subscription(LaserScan, '/scan', on_scan, 10)\nspin(node)",
+     r"on_scan \(node.py, line \d+\) has awaited something for 2.0 s from .*: /scan$"),
+    (THREADS.format(start="threading.Thread(target=work).start()"),
+     r"tick \(node.py, line \d+\) started 1\d threads in 2 s"),
+    (THREADS.format(start="pass"), ""),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("source", "said"), SAID)
+def test_a_person_is_told(source: str, said: str, runtime: ForkServer, tmp_path: Path) -> None:
+    (tmp_path / "node.py").write_text(HEAD + source, "utf-8")
+    late = Discovery(program=(0.1, 0.1), late=1.0, end=(0.004, 0.004))
+    scenario = msgspec.structs.replace(short(2.0), faults=Faults(discovery=late))
+    recording = run_trial(Submission(tmp_path / "node.py"), scenario, runtime)
+    assert recording.outcome.completed, recording.outcome
+    found = growth_of(recording)
+    assert len(found) == bool(said), found
+    assert not said or re.search(said, found[0])
