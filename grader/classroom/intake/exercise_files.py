@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
@@ -16,6 +18,7 @@ from grader.lms.platform import Entry
 from grader.lms.unpack import is_archive, is_unread_archive
 
 WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name
+IMPORTED = re.compile(rb"^[ \t]*(?:from|import)\b[^\n(]*(?:\([^)]*\))?", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,19 @@ class Found:
     def every(self) -> dict[str, Path]:
         """All that is graded together, by its place."""
         return {**{name: file.path for name, file in self.beside.items()}, **self.files}
+
+    @property
+    def needed(self) -> list[HandedIn]:
+        """What comes along and is certainly of this work: a package's files, imported modules."""
+        if MANIFEST in self.beside:
+            return list(self.beside.values())
+        names: set[bytes] = set()
+        for path in self.python.values():
+            with contextlib.suppress(OSError):
+                for line in IMPORTED.findall(read_regular_file(path)):
+                    names.update(re.findall(rb"\w+", line))
+        modules = {name: PurePosixPath(name.removesuffix("/__init__.py")) for name in self.beside}
+        return [self.beside[name] for name, at in modules.items() if at.stem.encode() in names]
 
     @property
     def entry(self) -> Entry | None:

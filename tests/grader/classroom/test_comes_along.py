@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from grader.classroom.candidates import find_class
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.intake.students import take_in
+from grader.classroom.options import Options
 from grader.classroom.results.similarity import (
     own_code,
     parts_of,
@@ -67,6 +69,16 @@ def test_through_each_platforms_format(place: str, files: dict[str, bytes], tmp_
 
     assert {name: path.read_bytes() for name, path in found.every.items()} == files
     assert [path.name for path in found.files.values()] == [FILE]
+
+
+@pytest.mark.parametrize("files", [NODE, PACKAGE], ids=["beside", "package"])
+def test_what_a_work_needs_is_no_missing_exercise(files: dict[str, bytes], tmp_path: Path) -> None:
+    """Ben handed in another exercise, so Ann may have it under another name."""
+    lay(tmp_path / "in" / "ann" / "ws", files)
+    lay(tmp_path / "in" / "ann", {"goal.py": b"import goal_seeking"})
+    lay(tmp_path / "in" / "ben", {"goal_seeking_agent.py": b""})
+    account = find_class([tmp_path / "in"], tmp_path / "scratch", Options()).account
+    assert [line.file for line in account.faults] == ["goal.py"]
 
 
 def test_single_files_of_canvas_newest_first(tmp_path: Path) -> None:
