@@ -102,7 +102,7 @@ def _beside(
     """Return what comes along with a node, by its place in its folder; and if that is a package's.
 
     Of several files with one place the newest counts; a module's is its name without what a
-    platform adds to a second copy.
+    platform adds to a second copy, and other files have both names.
     """
     together = [file for file in student.files if _came_with(file, node)]
     folder, in_package = _root(PurePosixPath(node.name), {file.name for file in together})
@@ -110,6 +110,7 @@ def _beside(
     if folder.suffix == ".ipynb":  # a cell wrote it: what lies beside the notebook comes, too
         folders.append(folder.parent)
     found: dict[str, HandedIn] = {}
+    copies: dict[str, HandedIn] = {}
     for each in folders:
         for file in sorted(together, key=_age):
             name = PurePosixPath(file.name)
@@ -117,9 +118,12 @@ def _beside(
                 place = name.relative_to(each)
                 if name == each or any(above.suffix == ".ipynb" for above in place.parents):
                     continue  # of a notebook's cells, which are not this node's
-                if place.suffix == ".py" and file.path == file.entry.path:
-                    place = place.with_name(uncopied(place.name))
+                if file.path == file.entry.path:
+                    single = place.with_name(uncopied(place.name))
+                    place = single if place.suffix == ".py" else place
+                    copies.setdefault(single.as_posix(), file)
                 found.setdefault(place.as_posix(), file)
+    found = {**copies, **found}
     sizes = (Lying(name, file.path, _size(file.path)) for name, file in found.items())
     return {name: found[name] for name in chosen_of(sizes).files}, in_package
 
