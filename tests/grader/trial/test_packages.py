@@ -17,7 +17,7 @@ from grader.recording import Recording
 from grader.trial.kept import KeptRecordings
 from grader.trial.packages import _with_programs, unpacked
 from grader.trial.virtual_time import run_trial
-from sim.scenario import NodeSpec
+from sim.scenario import NodeSpec, ProgramSpec
 
 XML = "<package><name>mine</name></package>"
 SETUP = """
@@ -170,6 +170,13 @@ def test_without_a_launch_file_the_program_that_is_meant(
     submission = find_submission(lay(tmp_path, MINE) / given, "two.py")
     assert said(drive(submission, forkserver)) == ["mine.two node none 1"]
     assert submission.path == tmp_path / "mine" / "two.py"
+
+
+def test_a_scenario_names_a_program_of_a_package(forkserver: ForkServer, tmp_path: Path) -> None:
+    lay(tmp_path, MINE)
+    submission = unpacked(find_submission(tmp_path / "mine" / "one.py"), forkserver)
+    scenario = msgspec.structs.replace(short(0.3), program=(ProgramSpec(file="two.py"),))
+    assert said(run_trial(submission, scenario, forkserver)) == ["mine.two node none 1"]
 
 
 CONFIGURED = {
