@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.course.beside import MAX_BYTES, PYTHON, Lying
 from grader.course.beside import chosen as chosen_of
-from grader.course.submission import MANIFEST, read_regular_file
+from grader.course.submission import MANIFEST, SETUPS, read_regular_file
 from grader.lms.names import copy_number, plain, uncopied
 from grader.lms.platform import Entry
 from grader.lms.unpack import is_archive, is_unread_archive
@@ -139,10 +139,13 @@ def _root(node: PurePosixPath, names: Collection[str]) -> tuple[PurePosixPath, b
     folder = node.parent
     while str(folder) != "." and f"{folder}/__init__.py" in names:
         folder = folder.parent
-    if folder != node.parent:
-        for each in (folder, folder.parent):
-            if (each / MANIFEST).as_posix() in names:
-                return each, True
+    near = [folder, folder.parent]
+    if folder == node.parent:  # a package's modules need no __init__.py if setup.py names it
+        near = [folder.parent] if folder.name and folder.suffix != ".ipynb" else []
+    for each in near:
+        there = [name for name in (MANIFEST, *SETUPS) if (each / name).as_posix() in names]
+        if there[:1] == [MANIFEST] and len(there) > 1:
+            return each, True
     return node.parent, False
 
 

@@ -46,6 +46,7 @@ def zipped(path: Path, files: dict[str, bytes]) -> None:
             archive.writestr(name, data)
 
 
+BARE = {name: data for name, data in PACKAGE.items() if not name.endswith("__init__.py")}
 PLACES = {  # where a platform's download has what Ann handed in: a folder, or an archive of it
     "folders": "ann",
     "archives": "ann.zip",
@@ -57,13 +58,14 @@ PLACES = {  # where a platform's download has what Ann handed in: a folder, or a
 }
 
 
-@pytest.mark.parametrize("files", [NODE, PACKAGE], ids=["beside", "package"])
+@pytest.mark.parametrize("files", [NODE, PACKAGE, BARE], ids=["beside", "package", "bare"])
 @pytest.mark.parametrize("place", PLACES)
 def test_through_each_platforms_format(place: str, files: dict[str, bytes], tmp_path: Path) -> None:
     target = tmp_path / "in" / PLACES[place]
     if place == "nbgrader":
         (tmp_path / "in" / "source").mkdir(parents=True)
-    (zipped if target.suffix == ".zip" else lay)(target, files)
+    built = {"build/COLCON_IGNORE": b"", f"build/mine/{FILE}": b"old"}
+    (zipped if target.suffix == ".zip" else lay)(target, files | built)
     (student,) = take_in([tmp_path / "in"], tmp_path / "scratch").students
     found = find_files(student, [FILE])
 
