@@ -245,6 +245,7 @@ def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) 
     held = not student.problem and not any(each.used for each in found.values())
     if not held and any(not found[slug].files for slug in wanted):  # else the unit itself says it
         known = [f for f in student.files if id(f) in fates and fates[id(f)].state != EXTRA]
+        known += [file for each in found.values() for file in each.needed]
         line = Line(UNKNOWN, reason=SUSPECT, fault=True)
         fates |= {id(file): line for file in left_over(student, known)}
     return fates

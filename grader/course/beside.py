@@ -22,7 +22,9 @@ NAMED = 6  # files in a sentence
 NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
 MADE = ("COLCON_IGNORE", "pyvenv.cfg")  # in colcon's build, install and log; in an environment
 CATALOGUES = {"mutants.toml", "equivalents.toml"}  # beside a solution of the course's own
-READ_BY_NOBODY = (".md", ".rst", ".pdf", ".html", ".ipynb", ".zip", ".tar", ".tgz", ".mcap", ".db3")
+SETUP = "setup.py"
+MANUALS = (".md", ".rst")  # read by a setup.py beside them, for `long_description`
+READ_BY_NOBODY = (".pdf", ".html", ".ipynb", ".zip", ".tar", ".tgz", ".mcap", ".db3")
 PYTHON = (".py", ".pyw")
 
 
@@ -55,9 +57,11 @@ def chosen(there: Iterable[Lying], links: Iterable[str] = ()) -> Beside:
     files: dict[str, Path] = {}
     left = [f"{name} (a link, which is not followed)" for name in links if name.isprintable()]
     over, size = [], 0
-    for each in sorted(there, key=_rank):
+    there = sorted(there, key=_rank)
+    setups = {PurePosixPath(each.name).parent for each in there if each.name.endswith(SETUP)}
+    for each in there:
         python = each.name.endswith(PYTHON)
-        if not may_come(each.name):
+        if not may_come(each.name, manual=PurePosixPath(each.name).parent in setups):
             continue
         if len(files) == MAX_FILES or size + each.size > MAX_BYTES:
             over.append(each.name)
@@ -72,12 +76,12 @@ def chosen(there: Iterable[Lying], links: Iterable[str] = ()) -> Beside:
     return Beside(files, tuple(left[:NAMED]))
 
 
-def may_come(name: str) -> bool:
-    """Return whether a node may want a file of this path."""
+def may_come(name: str, *, manual: bool = False) -> bool:
+    """Return whether a node may want a file of this path; `manual`: also one to be read."""
     parts = PurePosixPath(name).parts
     if not name.isprintable() or len(name) > MAX_NAME or any(map(is_hidden, parts)):
         return False
-    return not name.lower().endswith(READ_BY_NOBODY)
+    return not name.lower().endswith(READ_BY_NOBODY if manual else (*MANUALS, *READ_BY_NOBODY))
 
 
 def is_hidden(name: str) -> bool:

@@ -265,6 +265,11 @@ def _in_package(root: Path, path: Path, expected: str | None, others: Sequence[s
 
 
 def _in_folder(folder: Path, expected: str | None) -> Path:
+    if (folder / MANIFEST).is_file():
+        raise InputError(
+            f"{folder}: a package without setup.py, which is needed here (CMakeLists.txt is not "
+            "read); give the node's file, or add one"
+        )
     if expected is None:
         raise InputError(f"{folder}: expected a Python file, but this is a folder")
     path = folder / expected

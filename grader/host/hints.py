@@ -38,6 +38,7 @@ ONLY_APT = {name: name.replace("_", "-") for name in (
 OF_ROS_1 = {
     "rospy": "rclpy, and much has another form: a class that is a Node with create_publisher, "
     "create_subscription and create_timer (for rospy.Rate), and rclpy.spin(node)",
+    "catkin_pkg": "a setup.py that calls setup(…, entry_points=…) itself",
     "roslib": "rclpy", "tf": "tf2_ros", "actionlib": "rclpy.action",
     "dynamic_reconfigure": "parameters of the node: declare_parameter",
 }  # fmt: skip
@@ -73,9 +74,21 @@ ARGUMENTS = (
     "a node has no arguments here but ROS's: take a ROS parameter, which "
     "`course drive --param NAME:=VALUE` sets"
 )
+PARAMETERS = (
+    "there is no such file here: `data_files` in setup.py has to install what a launch file reads; "
+    "another machine's folders, and what a link leads to, are not here"
+)
 OF_LINES = (  # kind of an exception, what it says, what stands in the line: what to do
     (TypeError, "context manager", "rclpy.init(", CONTEXT),
     (IndexError, "", "sys.argv[", ARGUMENTS),
+    (RuntimeError, "Error opening YAML file", "", PARAMETERS),
+    (
+        ImportError,
+        "(unknown location)",
+        "",
+        "a folder without __init__.py is imported as an empty "
+        "package: add that file, or import from a module in the folder",
+    ),
 )
 OF_OS = ("<frozen os>", os.__file__)  # where `os.environ[…]` raises
 NO_PACKAGE = "PackageNotFoundError"  # of ament_index_python; a KeyError

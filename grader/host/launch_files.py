@@ -240,6 +240,8 @@ class Node(_Action):
             raise Unknown(f"Node({odd[0]}=…) is not known here; leave it out")
         self._package, self._executable = package, executable
         self._name, self._namespace = name, namespace
+        if isinstance(parameters, str | Mapping | Substitution):  # launch_ros takes a list, too
+            raise Unknown("Node(parameters=…) takes a list: put square brackets around it")
         self._parameters, self._remappings = parameters or (), remappings or ()
         self._arguments, self._ros_arguments = arguments or (), ros_arguments or ()
 
@@ -251,9 +253,10 @@ class Node(_Action):
             context.notes.append(f"{executable} of the package {package} is not started here")
             return
         words = [_text(word, context) for word in self._ros_arguments]
-        for key, value in (("__node", self._name), ("__ns", self._namespace)):
-            if value is not None:
-                words += ["-r", f"{key}:={_text(value, context)}"]
+        if self._name is not None:
+            words += ["-r", f"__node:={_text(self._name, context)}"]
+        if self._namespace is not None:
+            words += ["-r", f"__ns:=/{_text(self._namespace, context).removeprefix('/')}"]
         for source, target in self._remappings:
             words += ["-r", f"{_text(source, context)}:={_text(target, context)}"]
         for given in self._parameters:

@@ -47,6 +47,10 @@ def read(launch: str) -> PackageRead:
         package = _Built(here, _settings(here))
         found = package.install()
         launched, notes = launch_files.read(launch, package.name) if launch else ([], [])
+        if launch and launch not in found.values():
+            notes.append(
+                f"{launch} by `data_files`: `ros2 launch` does not find it, though it runs here"
+            )
     except (Unbuildable, launch_files.Unknown) as error:
         return PackageRead(sendable(str(error)))
     except BaseException as error:  # students' files may raise anything
@@ -298,4 +302,6 @@ def _said(error: BaseException, here: Path) -> str:
     if type(error).__name__ == hints.NO_PACKAGE:
         return f"{where}{hints.no_package(str(error))}"
     text = " ".join(str(error).split()).replace(f"{here}/", "")
+    if isinstance(error, ModuleNotFoundError) and (more := hints.missing_package(error.name or "")):
+        text += f"; {more}"
     return f"{where}{type(error).__name__}: {text}"[:MAX_SAID]

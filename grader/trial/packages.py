@@ -6,7 +6,7 @@ folder, and which of them are run; every path in it is checked against what was 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
@@ -86,7 +86,7 @@ def _with_programs(
             raise LookupError(broken[0].entry)
         programs = tuple(Program(each.file, each.entry, words) for each, words in chosen)
     except LookupError as error:
-        return replace(submission, problem=_no_program(error, answer, launch))
+        return replace(submission, problem=_no_program(error, answer, launch, there))
     main = next((p for p in programs if p.file.endswith(f"/{package.main}")), programs[0])
     return replace(
         submission,
@@ -121,11 +121,19 @@ def _executable(
     return every[0]
 
 
-def _no_program(error: LookupError, answer: PackageRead, launch: str) -> str:
+def _no_program(
+    error: LookupError, answer: PackageRead, launch: str, there: Collection[str]
+) -> str:
     """Say that what is to be started is not there, and what is."""
     wanted = str(error.args[0])
     if wanted in (each.entry for each in answer.executables):
-        return f"the entry point {wanted} leads to no module that the package installs"
+        said = f"the entry point {wanted} leads to no module that the package installs"
+        file = PurePosixPath(f"{wanted.partition(':')[0].replace('.', '/')}.py")
+        if str(file) not in there:
+            return f"{said}: there is no {file}"
+        if str(file.parent / "__init__.py") not in there:
+            return f"{said}: {file.parent} has no __init__.py"
+        return f"{said}: setup.py's `packages` leave it out"
     if not answer.executables:
         return (
             "the package has no entry point, so there is no program to start: name one in setup.py "
@@ -137,9 +145,9 @@ def _no_program(error: LookupError, answer: PackageRead, launch: str) -> str:
     if not wanted:
         return (
             f"which program is to be started? The package's entry points are: {names}; give "
-            "`course` the file of one, or a launch file"
+            "`course` the file of one, or a launch file in Python, which alone is read here"
         )
-    return f"no entry point of the package leads to {wanted}; there are: {names}"
+    return f"no entry point of the package leads to {wanted}; setup.py has: {names}"
 
 
 def _is_inside(place: str) -> bool:

@@ -47,7 +47,8 @@ def missing_file(scenario: Scenario, submission: Submission) -> str:
     """Say which of the scenario's programs the submission lacks; empty if none."""
     there = [path.name for path in (submission.path, *submission.others)]
     for spec in scenario.program:
-        if spec.supplied or (spec.file in ("", *there) and submission.started(spec.file)):
+        known = submission.package is not None or spec.file in ("", *there)
+        if spec.supplied or (known and submission.started(spec.file)):
             continue
         if spec.file in there:
             return f"no entry point of the package leads to {spec.file}"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
@@ -10,12 +12,13 @@ from pathlib import Path, PurePosixPath
 from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.course.beside import MAX_BYTES, PYTHON, Lying
 from grader.course.beside import chosen as chosen_of
-from grader.course.submission import MANIFEST, read_regular_file
+from grader.course.submission import MANIFEST, SETUPS, read_regular_file
 from grader.lms.names import copy_number, plain, uncopied
 from grader.lms.platform import Entry
 from grader.lms.unpack import is_archive, is_unread_archive
 
 WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name
+IMPORTED = re.compile(rb"^[ \t]*(?:from|import)\b[^\n(]*(?:\([^)]*\))?", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,19 @@ class Found:
     def every(self) -> dict[str, Path]:
         """All that is graded together, by its place."""
         return {**{name: file.path for name, file in self.beside.items()}, **self.files}
+
+    @property
+    def needed(self) -> list[HandedIn]:
+        """What comes along and is certainly of this work: a package's files, imported modules."""
+        if MANIFEST in self.beside:
+            return list(self.beside.values())
+        names: set[bytes] = set()
+        for path in self.python.values():
+            with contextlib.suppress(OSError):
+                for line in IMPORTED.findall(read_regular_file(path)):
+                    names.update(re.findall(rb"\w+", line))
+        modules = {name: PurePosixPath(name.removesuffix("/__init__.py")) for name in self.beside}
+        return [self.beside[name] for name, at in modules.items() if at.stem.encode() in names]
 
     @property
     def entry(self) -> Entry | None:
@@ -86,7 +102,7 @@ def _beside(
     """Return what comes along with a node, by its place in its folder; and if that is a package's.
 
     Of several files with one place the newest counts; a module's is its name without what a
-    platform adds to a second copy.
+    platform adds to a second copy, and other files have both names.
     """
     together = [file for file in student.files if _came_with(file, node)]
     folder, in_package = _root(PurePosixPath(node.name), {file.name for file in together})
@@ -94,6 +110,7 @@ def _beside(
     if folder.suffix == ".ipynb":  # a cell wrote it: what lies beside the notebook comes, too
         folders.append(folder.parent)
     found: dict[str, HandedIn] = {}
+    copies: dict[str, HandedIn] = {}
     for each in folders:
         for file in sorted(together, key=_age):
             name = PurePosixPath(file.name)
@@ -101,9 +118,12 @@ def _beside(
                 place = name.relative_to(each)
                 if name == each or any(above.suffix == ".ipynb" for above in place.parents):
                     continue  # of a notebook's cells, which are not this node's
-                if place.suffix == ".py" and file.path == file.entry.path:
-                    place = place.with_name(uncopied(place.name))
+                if file.path == file.entry.path:
+                    single = place.with_name(uncopied(place.name))
+                    place = single if place.suffix == ".py" else place
+                    copies.setdefault(single.as_posix(), file)
                 found.setdefault(place.as_posix(), file)
+    found = {**copies, **found}
     sizes = (Lying(name, file.path, _size(file.path)) for name, file in found.items())
     return {name: found[name] for name in chosen_of(sizes).files}, in_package
 
@@ -119,10 +139,13 @@ def _root(node: PurePosixPath, names: Collection[str]) -> tuple[PurePosixPath, b
     folder = node.parent
     while str(folder) != "." and f"{folder}/__init__.py" in names:
         folder = folder.parent
-    if folder != node.parent:
-        for each in (folder, folder.parent):
-            if (each / MANIFEST).as_posix() in names:
-                return each, True
+    near = [folder, folder.parent]
+    if folder == node.parent:  # a package's modules need no __init__.py if setup.py names it
+        near = [folder.parent] if folder.name and folder.suffix != ".ipynb" else []
+    for each in near:
+        there = [name for name in (MANIFEST, *SETUPS) if (each / name).as_posix() in names]
+        if there[:1] == [MANIFEST] and len(there) > 1:
+            return each, True
     return node.parent, False
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from grader.classroom.intake import notebooks
 from grader.classroom.intake.handed_in import HandedIn, Student
+from grader.course.beside import MADE
 from grader.course.cell import Broken, Refused
 from grader.errors import InputError, is_disk_full
 from grader.lms import PLATFORMS
@@ -298,7 +299,7 @@ def _open_notebooks(student: Student, room: Path) -> None:
 def _files(folder: Path) -> tuple[list[Path], bool, list[str]]:
     """Return the ordinary files below a folder, sorted, if there are links, and closed folders.
 
-    Hidden files and links are left out.
+    Hidden files, links and what colcon has built are left out.
     """
     found: list[Path] = []
     closed: list[str] = []
@@ -309,6 +310,9 @@ def _files(folder: Path) -> tuple[list[Path], bool, list[str]]:
 
     for where, inner, files in os.walk(folder, onerror=note, followlinks=False):
         depth = len(Path(where).relative_to(folder).parts)
+        if depth and not set(files).isdisjoint(MADE):
+            inner[:] = []
+            continue
         links |= any(Path(where, name).is_symlink() for name in [*inner, *files])
         inner[:] = sorted(f for f in inner if may_enter(f)) if depth < MAX_DEPTH else []
         for name in sorted(files):

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from grader.classroom.candidates import find_class
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.intake.students import take_in
+from grader.classroom.options import Options
 from grader.classroom.results.similarity import (
     own_code,
     parts_of,
@@ -44,6 +46,7 @@ def zipped(path: Path, files: dict[str, bytes]) -> None:
             archive.writestr(name, data)
 
 
+BARE = {name: data for name, data in PACKAGE.items() if not name.endswith("__init__.py")}
 PLACES = {  # where a platform's download has what Ann handed in: a folder, or an archive of it
     "folders": "ann",
     "archives": "ann.zip",
@@ -55,18 +58,29 @@ PLACES = {  # where a platform's download has what Ann handed in: a folder, or a
 }
 
 
-@pytest.mark.parametrize("files", [NODE, PACKAGE], ids=["beside", "package"])
+@pytest.mark.parametrize("files", [NODE, PACKAGE, BARE], ids=["beside", "package", "bare"])
 @pytest.mark.parametrize("place", PLACES)
 def test_through_each_platforms_format(place: str, files: dict[str, bytes], tmp_path: Path) -> None:
     target = tmp_path / "in" / PLACES[place]
     if place == "nbgrader":
         (tmp_path / "in" / "source").mkdir(parents=True)
-    (zipped if target.suffix == ".zip" else lay)(target, files)
+    built = {"build/COLCON_IGNORE": b"", f"build/mine/{FILE}": b"old"}
+    (zipped if target.suffix == ".zip" else lay)(target, files | built)
     (student,) = take_in([tmp_path / "in"], tmp_path / "scratch").students
     found = find_files(student, [FILE])
 
     assert {name: path.read_bytes() for name, path in found.every.items()} == files
     assert [path.name for path in found.files.values()] == [FILE]
+
+
+@pytest.mark.parametrize("files", [NODE, PACKAGE], ids=["beside", "package"])
+def test_what_a_work_needs_is_no_missing_exercise(files: dict[str, bytes], tmp_path: Path) -> None:
+    """Ben handed in another exercise, so Ann may have it under another name."""
+    lay(tmp_path / "in" / "ann" / "ws", files)
+    lay(tmp_path / "in" / "ann", {"goal.py": b"import goal_seeking"})
+    lay(tmp_path / "in" / "ben", {"goal_seeking_agent.py": b""})
+    account = find_class([tmp_path / "in"], tmp_path / "scratch", Options()).account
+    assert [line.file for line in account.faults] == ["goal.py"]
 
 
 def test_single_files_of_canvas_newest_first(tmp_path: Path) -> None:
@@ -78,7 +92,9 @@ def test_single_files_of_canvas_newest_first(tmp_path: Path) -> None:
         lay(tmp_path / "in", {name: data})
     student = take_in([tmp_path / "in"], tmp_path / "scratch").students[-1]
     every = {name: path.read_bytes() for name, path in find_files(student, [FILE]).every.items()}
-    assert every == {FILE: b"new", "eyes.py": b"eyes", "model-2.onnx": b"m"}
+    assert every == {
+        FILE: b"new", "eyes.py": b"eyes", "model-2.onnx": b"m", "model.onnx": b"m"
+    }  # fmt: skip
 
 
 def test_a_notebooks_cells_and_what_lies_beside_it(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from grader.recording import Recording
 from grader.trial.kept import KeptRecordings
 from grader.trial.packages import _with_programs, unpacked
 from grader.trial.virtual_time import run_trial
-from sim.scenario import NodeSpec
+from sim.scenario import NodeSpec, ProgramSpec
 
 XML = "<package><name>mine</name></package>"
 SETUP = """
@@ -119,6 +119,7 @@ def said(recording: Recording) -> list[str]:
             "weights",
         ),
         ({"node.py": "from .helper import A", "helper.py": "A = 7"}, (), "leave the dot out"),
+        ({"node.py": "from kit import A", "kit/a.py": "A = 7"}, (), "add that file"),
         ({"node.py": "import helper", "helper.py": "1 / 0"}, (), "(helper.py, line 1, in"),
     ],
 )  # fmt: skip
@@ -148,6 +149,20 @@ def test_two_nodes_of_a_package_as_its_launch_file_says(
     assert said(drive(submission, forkserver)) == ["mine.one first shared 1", "mine.two node n7 1"]
 
 
+def test_a_setup_reads_its_manual_and_a_namespace_needs_no_slash(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    launch = INNER.replace('t("word")', 't("word", default_value="so")').replace(
+        "parameters=", 'namespace=LaunchConfiguration("word"), parameters='
+    )
+    setup = SETUP.replace('name="mine"', 'name="mine", long_description=open("README.md").read()')
+    lay(tmp_path, {**MINE, "setup.py": setup, "README.md": "mine", "a.launch.py": launch})
+    lay(tmp_path, {"mine/two.py": NODE.replace("get_name", "get_fully_qualified_name")})
+    submission = unpacked(find_submission(tmp_path), forkserver)
+    assert said(drive(submission, forkserver)) == ["mine.two /so/node nso 1"]
+    assert submission.left[-1].startswith("a.launch.py by `data_files`")
+
+
 @pytest.mark.parametrize("given", ["", "mine/two.py"])
 def test_without_a_launch_file_the_program_that_is_meant(
     given: str, forkserver: ForkServer, tmp_path: Path
@@ -155,6 +170,13 @@ def test_without_a_launch_file_the_program_that_is_meant(
     submission = find_submission(lay(tmp_path, MINE) / given, "two.py")
     assert said(drive(submission, forkserver)) == ["mine.two node none 1"]
     assert submission.path == tmp_path / "mine" / "two.py"
+
+
+def test_a_scenario_names_a_program_of_a_package(forkserver: ForkServer, tmp_path: Path) -> None:
+    lay(tmp_path, MINE)
+    submission = unpacked(find_submission(tmp_path / "mine" / "one.py"), forkserver)
+    scenario = msgspec.structs.replace(short(0.3), program=(ProgramSpec(file="two.py"),))
+    assert said(run_trial(submission, scenario, forkserver)) == ["mine.two node none 1"]
 
 
 CONFIGURED = {
@@ -184,11 +206,32 @@ BROKEN = {
     "no entry": ({"setup.py": "import setuptools\nsetuptools.setup()"}, "has no entry point"),
     "no such data": ({"setup.py": SETUP.replace('glob("config/*.yaml")', '["c.yaml"]')}, "c.yaml"),
     "raises": ({"setup.py": "import os\n1 / 0"}, "setup.py, line 2: ZeroDivisionError"),
+    "of ROS 1": ({"setup.py": "import catkin_pkg"}, "belongs to ROS 1"),
     "no setup": ({"setup.py": "pass"}, "does not call setup"),
     "no module": (
         {"setup.py": "import setuptools\nsetuptools.setup(packages=['mine'], entry_points="
                      "'[console_scripts]\\none=mine.gone:main')"},
-        "mine.gone:main leads to no module",
+        "mine.gone:main leads to no module that the package installs: there is no mine/gone.py",
+    ),
+    "no init": (
+        {"setup.py": "import setuptools\nsetuptools.setup(packages=setuptools.find_packages(), "
+                     "entry_points='[console_scripts]\\none=bare.one:main')", "bare/one.py": ""},
+        "bare has no __init__.py",
+    ),
+    "left out": (
+        {"setup.py": "import setuptools\nsetuptools.setup(packages=['mine'], entry_points="
+                     "'[console_scripts]\\none=kit.one:main')",
+         "kit/one.py": "", "kit/__init__.py": ""},
+        "`packages` leave it out",
+    ),
+    "no list": (
+        {"a.launch.py": INNER.replace("parameters=[{", "parameters={").replace("}]", "}")},
+        "Node(parameters=…) takes a list",
+    ),
+    "no file": (
+        {"a.launch.py": INNER.replace('t("word")', 't("word", default_value="")').replace(
+            "parameters=[", "parameters=['share/mine/c.yaml', ")},
+        "`data_files` in setup.py has to install",
     ),
     "which": ({}, "entry points are: one, two"),
     "unknown": (
