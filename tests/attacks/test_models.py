@@ -196,6 +196,7 @@ AT_ITS_OWN_TIME = """self.scan = scan
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("asks", [NOTES, OWN_ANSWERS], ids=["notes", "own answers"])
 def test_a_client_that_answers_itself_asked_nobody(
     asks: str, forkserver: ForkServer, tmp_path: Path
