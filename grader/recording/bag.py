@@ -141,7 +141,8 @@ def messages_in(file: IO[bytes], suffix: str) -> list[Message]:
     """Return the messages in a bag's one file, in this process."""
     from rosbags.rosbag2 import Reader  # noqa: PLC0415
 
-    with Reader(_Opened(file, suffix)) as reader:
+    opened: Any = _Opened(file, suffix)  # it has what is asked of it
+    with Reader(opened) as reader:
         return [
             Message(connection.topic, connection.msgtype, stamp, bytes(data))
             for connection, stamp, data in reader.messages()
