@@ -35,7 +35,6 @@ FLOAT64 = "std_msgs/msg/Float64"
 BOOL = "std_msgs/msg/Bool"
 STRING = "std_msgs/msg/String"
 UINT32 = "std_msgs/msg/UInt32"
-EMPTY = "std_msgs/msg/Empty"
 TF_MESSAGE = "tf2_msgs/msg/TFMessage"
 
 OFFERED = {  # what a scenario can have the robot send: topic → type
@@ -111,11 +110,6 @@ def canonical(data: bytes, type: str) -> bytes:
         return encode(decode(data, type), type)
     except ValueError:
         return data
-
-
-def empty() -> bytes:
-    """Return the CDR bytes of an Empty, which is one byte of padding."""
-    return encode(typestore().types[EMPTY](), EMPTY)
 
 
 def with_epoch(message: Message, epoch: int) -> Message:

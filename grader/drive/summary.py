@@ -6,7 +6,6 @@ import math
 from collections import Counter
 
 import numpy as np
-from rich.console import Console
 from rich.markup import escape
 from rich.padding import Padding
 
@@ -15,7 +14,7 @@ from grader.host.frames import NO_NODE
 from grader.recording import Recording, account_of, growth_of
 from grader.recording.deaths import told_first
 from grader.recording.words import told_lines
-from grader.report.terminal import printable
+from grader.report.terminal import Console
 from sim.messages import CMD_VEL_TOPIC
 from sim.simulation import Truth
 
@@ -45,18 +44,18 @@ def print_summary(
     say("[bold]Topics[/]")
     for line in topic_lines(recording):
         text = line.lstrip()
-        say(Padding(escape(printable(text, console)), (0, 0, 0, 2 + len(line) - len(text))))
+        say(Padding(escape(text), (0, 0, 0, 2 + len(line) - len(text))))
     say()
     say("[bold]What happened[/]")
     for line in event_lines(recording):
-        say(f"  {escape(printable(line, console))}")
+        say(f"  {escape(line)}")
     detail = recording.outcome.detail
     for line in told_first(detail) or detail.splitlines()[-LAST_LINES:]:
-        say(f"    {escape(printable(line, console))}", style="dim")
+        say(f"    {escape(line)}", style="dim")
     for line in account_of(recording):
-        say(f"  {line}")
+        say(f"  {escape(line)}")
     for line in growth_of(recording):
-        say(f"  {escape(printable('WARNING: ' + line, console))}")
+        say(f"  WARNING: {escape(line)}")
     _print_words(recording, console, most)
     if practice:
         say(f"  {practice}", style="yellow")
@@ -75,7 +74,7 @@ def _print_words(recording: Recording, console: Console, most: int | None) -> No
     more = f", the last {len(kept)} of {len(words)} lines (--log all shows them all)"
     console.print(f"[bold]What the node said[/]{more if left else ''}")
     for line in kept:
-        console.print(f"  {escape(printable(line, console))}", soft_wrap=most is None)
+        console.print(f"  {escape(line)}", soft_wrap=most is None)
     if recording.log_truncated:
         console.print("  It said more than is kept.", style="yellow")
 

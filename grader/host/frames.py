@@ -94,14 +94,16 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
 
 
 class Question(msgspec.Struct, array_like=True, frozen=True):
-    """Something that a model is asked whose answers the judge has."""
+    """Something that a model is asked whose answers the judge has, or a program of the grader's."""
 
     number: Nanoseconds  # the host's own, to find who asked
-    method: Annotated[str, msgspec.Meta(pattern="^(load|predict|predict_proba)$")]
-    file: Name  # of the model
-    load: Nanoseconds = 0  # which load of it answers; 0 while it is loaded
-    rows: Annotated[int, msgspec.Meta(ge=0, le=MAX_ROWS)] = 0
-    features: bytes = b""  # (rows, columns) float64
+    method: Annotated[
+        str, msgspec.Meta(pattern="^(load|predict|predict_proba|request|turn|answer)$")
+    ]
+    file: Name  # of the model, or the service
+    load: Nanoseconds = 0  # which load of it answers; 0 while it is loaded; of answers: which turn
+    rows: Annotated[int, msgspec.Meta(ge=0, le=MAX_ROWS)] = 0  # of answers: 1 with success
+    features: bytes = b""  # (rows, columns) float64; of answers: the message
 
 
 class Told(msgspec.Struct, array_like=True, frozen=True):

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from grader.host.frames import Question, Told
+from grader.host.frames import MAX_QUESTIONS, Question, Told
 from grader.models.files import is_kept, probe
+from grader.models.partners import SERVICE, TURN, Partners
 from grader.recording.inferences import Inference
 from sim.faults import sensor_rng
 from sim.scenario import Scenario
@@ -38,10 +39,13 @@ class ModelService:
     ----------
     scenario, seed
         Which models there are; with a seed that is not the scenario's own, their times differ.
+    began
+        What the clock [ns] says at the scenario's start; None: it begins later.
     """
 
     scenario: Scenario
     seed: int
+    began: int | None = 0
     inferences: list[Inference] = field(default_factory=list)
     _owed: list[tuple[int, int, Any, Told]] = field(default_factory=list)  # due [ns], …, to whom
 
@@ -53,7 +57,9 @@ class ModelService:
         }
         self._loads = dict.fromkeys(self._models, 0)
         self._sequence = itertools.count()
-        self._began = 0
+        self._partners = Partners(self.scenario, self.seed)
+        self._early: list[tuple[Question, Any]] = []  # turns that wait for the scenario's start
+        self._count = 0  # of questions
         self._rows = 0
 
     # --- asked while time goes by ----------------------------------------------------------------
@@ -66,6 +72,11 @@ class ModelService:
         TooManyQuestions
             There were more than MOST, or more than MOST_ROWS of features.
         """
+        if question.method == TURN and self.began is None:
+            if len(self._early) == MAX_QUESTIONS:
+                raise TooManyQuestions(f"more than {MAX_QUESTIONS} programs that wait to ask")
+            self._early.append((question, who))
+            return
         told, took = self._answer(question, now)
         heapq.heappush(self._owed, (now + took, next(self._sequence), who, told))
 
@@ -86,13 +97,16 @@ class ModelService:
 
     def begin(self, now: int) -> None:
         """Say what that clock [ns] says at the scenario's start."""
-        self._began = now
+        self.began = now
+        for question, who in self._early:
+            self.ask(question, now, who)
 
     def since_begin(self) -> list[Inference]:
         """Return what was asked, with times since the scenario's start."""
+        began = self.began or 0
         return [
-            replace(i, asked=max(IN_START_UP, i.asked - self._began),
-                    answered=max(IN_START_UP, i.answered - self._began))
+            replace(i, asked=max(IN_START_UP, i.asked - began),
+                    answered=max(IN_START_UP, i.answered - began))
             for i in self.inferences
         ]  # fmt: skip
 
@@ -108,10 +122,16 @@ class ModelService:
     def _answer(self, question: Question, now: int) -> tuple[Told, int]:
         """Return the answer, and how long the model takes for it [ns]; note both."""
         self._rows += question.rows
-        if len(self.inferences) >= MOST:
+        self._count += 1
+        if self._count > MOST:
             raise TooManyQuestions(f"more than {MOST:,} questions to its models")
         if self._rows > MOST_ROWS:
             raise TooManyQuestions(f"more than {MOST_ROWS:,} rows of features for its models")
+        if question.file == SERVICE:
+            began = now + 1 if self.began is None else self.began
+            told, took, notes = self._partners.ask(question, now, began)
+            self.inferences += notes
+            return told, took
         told, seconds = self._said(question)
         took = round(seconds * 1e9)
         numbers = np.frombuffer(told.numbers).reshape(told.shape) if told.numbers else np.empty(0)

@@ -3,21 +3,26 @@
 The bag holds what a robot's own bag would (the topics, the log as `/rosout`), the simulator's
 ground truth as ordinary topics, so that Foxglove and `ros2 bag play` show it, and one JSON document
 with what has no message type (scenario, seed, endpoints, outcome).
+
+Somebody else's bag may be made to harm its reader: its file is parsed in a cell, and nothing else
+of it (metadata.yaml) is read.
 """
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import msgspec
 import numpy as np
 
-from grader.errors import InputError
+from grader.course.cell import MIB, Limits, read_in_cell
+from grader.errors import GraderError, InputError
 from grader.link.log import LogLine
 from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording, Training
 from sim.bag_qos import profile
@@ -54,6 +59,9 @@ LEVELS = {"debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 FORMAT = 2
 MAX_TOPICS, MAX_TOPIC = 8, 60  # of a bag that is not of a trial; [characters]
 MAX_REASON = 300  # [characters] of why a bag can't be read
+STORAGES = (".mcap", ".db3")
+LIMITS = Limits(cpu=20, answer=96 * MIB)  # a node may publish 64 MiB
+MAX_DOCUMENT = 16 * MIB  # [bytes] of JSON; what is made of it takes many times as much
 
 
 class _Document(msgspec.Struct, frozen=True):
@@ -109,22 +117,64 @@ def load(path: Path) -> Recording:
     InputError
         It isn't such a bag.
     """
-    from rosbags.rosbag2 import Reader  # noqa: PLC0415
-
     folder = path.parent if path.suffix == ".mcap" else path
     if not (folder / METADATA).is_file():
         raise InputError(f"{path}: expected a bag (a folder with metadata.yaml), found none")
+    files = sorted(file for file in folder.iterdir() if file.suffix in STORAGES)[:1]
     messages: list[Message] = []
     try:
-        with Reader(folder) as reader:
-            for connection, stamp, data in reader.messages():
-                messages.append(Message(connection.topic, connection.msgtype, stamp, bytes(data)))
+        for file in files:
+            messages = read_in_cell(
+                messages_in, file.suffix, file=file, returns=list[Message], limits=LIMITS
+            )
         if any(message.topic == TRIAL_TOPIC for message in messages):
             return _assemble(messages, str(folder))
-    except Exception as error:  # rosbags raises whatever the broken bytes lead to
+    except GraderError:
+        raise
+    except Exception as error:  # whatever the broken bytes lead to
         said = " ".join(str(error).split())[:MAX_REASON]
         raise InputError(f"{path}: not a bag that this course has recorded ({said})") from error
     raise InputError(_lacking(path, messages))
+
+
+def messages_in(file: IO[bytes], suffix: str) -> list[Message]:
+    """Return the messages in a bag's one file, in this process."""
+    from rosbags.rosbag2 import Reader  # noqa: PLC0415
+
+    opened: Any = _Opened(file, suffix)  # it has what is asked of it
+    with Reader(opened) as reader:
+        return [
+            Message(connection.topic, connection.msgtype, stamp, bytes(data))
+            for connection, stamp, data in reader.messages()
+        ]
+
+
+def warm_up() -> None:
+    """Import what reads bags, before a cell is closed."""
+    import rosbags.rosbag2  # noqa: F401, PLC0415
+
+
+class _Opened:
+    """An open file as rosbags asks a path for it."""
+
+    def __init__(self, file: IO[bytes], suffix: str) -> None:
+        self.suffix = suffix
+        self._file = file
+
+    def __str__(self) -> str:
+        return f"bag{self.suffix}"
+
+    def exists(self) -> bool:
+        return True
+
+    def is_dir(self) -> bool:
+        return False
+
+    def open(self, mode: str) -> IO[bytes]:
+        return os.fdopen(os.dup(self._file.fileno()), mode)
+
+    def stat(self) -> os.stat_result:
+        return os.fstat(self._file.fileno())
 
 
 def _lacking(path: Path, messages: list[Message]) -> str:
@@ -146,6 +196,8 @@ def _printable(topic: str) -> str:
 
 def _assemble(messages: list[Message], folder: str) -> Recording:
     (head,) = [m for m in messages if m.topic == TRIAL_TOPIC]
+    if len(head.data) > MAX_DOCUMENT:
+        raise ValueError(f"a description of {len(head.data):,} bytes")
     document = msgspec.json.decode(decode(head.data, STRING).data, type=_Document)
     if document.format != FORMAT:
         raise ValueError(f"format {document.format}, expected {FORMAT}")

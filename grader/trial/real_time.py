@@ -91,7 +91,7 @@ def run_live_trial(
             stage(submission, scenario, files=files) as staged,
             own_domain() as domain,
         ):
-            models = ModelService(scenario, simulation.seed)
+            models = ModelService(scenario, simulation.seed, began=None)
             hosts = LiveHosts(forkserver.live, staged, domain, simulation.seed, models)
             trial = _LiveTrial(simulation, Recorder(), hosts, staged, models)
             recording = located(trial.run(reason), submission)

@@ -27,7 +27,6 @@ from grader.host.frames import (
     EndpointReport,
     HeardNow,
     Meet,
-    Offer,
     ProgramStart,
     Published,
     Pulse,
@@ -54,9 +53,8 @@ from grader.trial.endings import NEVER_SPUN
 from grader.trial.recorder import MAX_ENDPOINTS, Flood
 from grader.trial.staging import Stage
 from grader.trial.virtual_time import Limits
-from sim.messages import EMPTY, OFFERED, empty
+from sim.messages import OFFERED
 
-GO = Offer("/probe/go", EMPTY, True)  # tells programs of ours that time begins
 SEND_LIMIT = 5.0  # [s] for a frame to a host
 START_LIMIT = Limits.start  # [s] for a program to begin to spin: imports, models
 LEAST_WORK = 0.01  # [s] of CPU time: a program that starts up takes more
@@ -196,7 +194,7 @@ class LiveHosts:
         self._radio_host = self._all.enter_context(self._forkserver.host_process(Path(place)))
         self.radio = LiveLink(self._radio_host, decode_from_radio)
         self._register(self.radio)
-        self._tell_radio(TuneIn(self._domain, (*self._stage.offers, GO)))
+        self._tell_radio(TuneIn(self._domain, self._stage.offers))
         self._place = self._all.enter_context(self._forkserver.workplace(self._stage.folder))
         self.start_programs(0)
 
@@ -251,7 +249,6 @@ class LiveHosts:
             prefer(host.pid)
         self.epoch = real_clock.time_ns()
         self._models.begin(real_clock.monotonic_ns())
-        self.transmit([Delivery(GO.topic, empty())])
         self._heard = [said for said in self._heard if self._counts(said)]
 
     def _all_met(self) -> bool:
@@ -259,7 +256,7 @@ class LiveHosts:
             return False
         wanted: dict[str, int] = {}
         for end in self.endpoints:
-            served = end.kind == "subscription" and end.topic in (*OFFERED, GO.topic)
+            served = end.kind == "subscription" and end.topic in OFFERED
             if end.kind == "publisher" or served:
                 name = f"{end.kind} {end.topic}"
                 if not end.mismatch:

@@ -62,7 +62,7 @@ def test_three_clients_need_one_load_whatever_the_server_forgets(
     text = wrong.replace("class DetectionServer", f"{FORGETS}class DetectionServer")
     found = graded(forkserver, tmp_path, "model_server", text, ("one_load",))
     assert found["one_load"][0] == "fail"
-    assert "was loaded" in found["one_load"][1]
+    assert "loads of the model" in found["one_load"][1]
 
 
 def test_a_model_that_forgets_its_loads_was_loaded_all_the_same(
@@ -78,10 +78,10 @@ def test_a_model_that_forgets_its_loads_was_loaded_all_the_same(
     assert found["loads_once"][0] == "fail"
 
 
-def edited(name: str, old: str, new: str) -> str:
-    """Return an exercise's reference with one line replaced."""
+def edited(name: str, old: str, new: str, file: str = "") -> str:
+    """Return an exercise's reference (of several: a file) with one line replaced."""
     exercise = find_exercise(name)
-    text = (exercise.solutions / exercise.files[0]).read_text()
+    text = (exercise.solutions / (file or exercise.files[0])).read_text()
     assert old in text
     return text.replace(old, new)
 
@@ -93,13 +93,14 @@ def graded(
     text: str,
     only: tuple[str, ...],
     seed: str = "",
+    file: str = "",
 ) -> dict[str, tuple[str, str]]:
     """Return outcome and message of each check for a node; other files are the reference's."""
     exercise = find_exercise(name)
-    path, *others = (folder / file for file in exercise.files)
-    path.write_text(text)
-    for other in others:
-        other.write_bytes((exercise.solutions / other.name).read_bytes())
+    path, *others = (folder / each for each in exercise.files)
+    for each in (path, *others):
+        each.write_bytes((exercise.solutions / each.name).read_bytes())
+    (folder / file if file else path).write_text(text)
     submission = Submission(path, others=tuple(others))
     grading = grade_submission(
         exercise, submission, forkserver, file=path.name, only=only, seed=seed or None
@@ -157,3 +158,51 @@ def test_what_no_model_said_is_worth_nothing(
     found = graded(forkserver, tmp_path, name, edited(name, old, new), (check,))
     assert found[check][0] == "fail"
     assert message in found[check][1]
+
+
+CLIENT = "detection_client.py"
+ASKS = """self.request = self.detect_client.call_async(Trigger.Request())
+        self.request.add_done_callback(self.answer_callback)"""
+NOTES = """import json
+        if not hasattr(self, "probe"):
+            self.probe = self.create_publisher(String, "/probe/served", 10)
+        for note in ({"type": "asked", "kind": "fine"}, {"type": "answered", "success": True}):
+            note.update(life=1, number=self.beats, message=f"{self.beats}")
+            self.probe.publish(String(data=json.dumps(note)))
+        self.detection_publisher.publish(String(data=f"{self.beats}"))"""
+OWN_ANSWERS = f"""from grader.host.frames import Told
+        from grader.host.supplied.kept import desk
+        desk.ask = lambda _: Told(0, labels=("box",))
+        {ASKS}"""
+AT_ITS_OWN_TIME = """self.scan = scan
+        import gc
+        from grader.host.frames import Question
+        from grader.host.supplied.kept import desk
+        from rclpy.task import Future
+        for each in gc.get_objects():
+            if type(each).__name__ == "DetectionAsker":
+                each.client.call_async = lambda _: Future()
+        said = json.dumps(self.detect()).encode()
+        for turn in range(9):
+            desk.ask(Question(0, "answer", "/detect", turn, 1, said))
+"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("asks", [NOTES, OWN_ANSWERS], ids=["notes", "own answers"])
+def test_a_client_that_answers_itself_asked_nobody(
+    asks: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    text = edited("model_server", ASKS, asks, CLIENT)
+    checks = ("never_blocks", "malformed")
+    found = graded(forkserver, tmp_path, "model_server", text, checks, file=CLIENT)
+    assert [found[check][0] for check in checks] == ["fail", "skip"]
+    assert "seconds to the first request" in found["never_blocks"][1]
+
+
+def test_a_server_is_asked_when_the_judge_says_so(forkserver: ForkServer, tmp_path: Path) -> None:
+    text = edited("model_server", "if age > MAX_SCAN_AGE:", "if False:")
+    text = text.replace("self.scan = scan\n", AT_ITS_OWN_TIME)
+    found = graded(forkserver, tmp_path, "model_server", text, ("old_scan",))
+    assert found["old_scan"][0] == "fail"
+    assert "success" in found["old_scan"][1]

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise, zip_longest
 
 import numpy as np
@@ -21,12 +21,12 @@ import numpy as np
 from grader.checks.case import Case, exactly
 from grader.checks.commands import published
 from grader.checks.words import every, logs
-from grader.exercises.model_server.notes import NEAR, SERVED, START_UP, notes
+from grader.exercises.model_server.notes import NEAR, START_UP, Request, requests
+from grader.models.partners import DOUBLE, WELL_FORMED
 from grader.recording import Recording
 from sim.messages import STRING, UINT32
 
 ROLES = ("navigation", "manipulation", "logging")
-DOUBLE = "detection_double.py"
 ASK_PERIOD = 0.5  # [s] from one request to the next
 PATIENCE = 1.0  # [s] after a request: if there is no answer, it is given up ...
 NEXT_REQUEST = 1.5  # [s] ... and the next goes out by this time
@@ -36,45 +36,15 @@ BEAT_DRIFT = 0.008  # [s] by which the mean may differ
 LONGEST_GAP = 0.15  # [s] between two heartbeats
 TICK = 1e-6  # [s] of rounding
 QUOTED = 200  # characters of a message
-WELL_FORMED = ("fine", "same")  # kinds of answers
 WARNINGS = ("warn", "error", "fatal")
 WAIT, FIRST = "seconds to the next request", "seconds to the first request"
 MEAN, PAUSE = "seconds from one to the next, on average", "seconds to the next"
-
-
-@dataclass(frozen=True)
-class Request:
-    """A request that reached the grader's server, and its answer."""
-
-    at: float  # [s]
-    kind: str = ""  # of the answer
-    answered: float = math.inf  # [s]; inf: never
-    success: bool = False
-    message: str = ""
-
-    @property
-    def took(self) -> float:
-        """How long the answer took [s]."""
-        return self.answered - self.at
 
 
 def roles(recording: Recording) -> list[str]:
     """Return the roles of the clients in the scenario."""
     words = {word for program in recording.scenario.program for word in program.arguments}
     return [role for role in ROLES if f"role:={role}" in words] or [ROLES[0]]
-
-
-def requests(recording: Recording) -> list[Request]:
-    """Return the requests that reached the grader's server, in order."""
-    found: dict[tuple[int, int], Request] = {}  # by life of a server, and number
-    for at, note in notes(recording, SERVED):
-        key = note.life, note.number
-        if note.type == "asked":
-            found[key] = Request(at, note.kind)
-        elif key in found:  # in real time clients also ask before the recording begins
-            asked = found[key]
-            found[key] = Request(asked.at, asked.kind, at, note.success, note.message)
-    return list(found.values())
 
 
 def cases(recording: Recording) -> Iterator[Case]:
@@ -129,7 +99,7 @@ def _publications(recording: Recording, asked: list[Request]) -> Iterator[Case]:
             soon = request.message if request.message in texts else "".join(texts[-1:])[:QUOTED]
             right = {"data": frozenset({request.message})}
             yield Case(request.answered, "the server answered", tags, right, {"data": soon})
-    sent = Counter(note.message for _, note in notes(recording, SERVED) if note.success)
+    sent = Counter(request.message for request in asked if request.success)
     for time, text in heard:
         sent[text] -= 1
         if sent[text] < 0:

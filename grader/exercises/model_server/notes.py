@@ -1,56 +1,59 @@
-"""What the grader's own programs, which run beside the student's, noted for the judge.
-
-In virtual time they share a process with the student's nodes, in real time a user account. So a
-student's node could forge their notes, and they are read with that in mind.
-"""
+"""What passed between a student's nodes and the grader's own server or client, by the judge."""
 
 from __future__ import annotations
 
-from contextlib import suppress
+import math
+from dataclasses import dataclass
 
-import msgspec
+from grader.models.partners import ANSWER, REFUSED, REQUEST, UNSURE, turns
+from grader.recording import Inference, Recording
 
-from grader.checks.commands import published
-from grader.checks.verdict import fail
-from grader.recording import Recording
-from sim.messages import STRING
-
-ASKED, TOLD = "/probe/asked", "/probe/told"  # of grader/host/supplied/detection_asker.py
-SERVED = "/probe/served"  # of detection_double.py
 START_UP = 1.0  # [s] a program takes, in real time, to start and to be discovered
 NEAR = 0.051  # [s] ages and waits within 50 ms of a limit may fall on either side
 
 
-class Note(msgspec.Struct, frozen=True):
-    """A request came in, or was answered."""
+@dataclass(frozen=True)
+class Request:
+    """A request and its answer."""
 
-    type: str  # asked or answered
-    number: int
-    life: int = 0  # of the server that was asked
-    kind: str = ""  # of the answer that a request will get: fine, never, half, …
+    at: float  # [s]
+    kind: str = ""  # of the answer, if the server is the grader's: fine, never, half, …
+    answered: float = math.inf  # [s]; inf: never
     success: bool = False
     message: str = ""
 
+    @property
+    def took(self) -> float:
+        """How long the answer took [s]."""
+        return self.answered - self.at
 
-def notes(recording: Recording, topic: str) -> list[tuple[float, Note]]:
-    """Return the notes of a grader's program on a topic: time [s] and note."""
-    require_ours(recording, topic)
+
+def requests(recording: Recording) -> list[Request]:
+    """Return the requests that reached the grader's server, in order."""
     found = []
-    for at, value in published(recording, topic, STRING):
-        with suppress(ValueError, RecursionError):
-            found.append((at, msgspec.json.decode(value.data, type=Note)))
+    for each in recording.inferences:
+        if each.method == REQUEST:
+            at, answered, (message, kind) = each.asked / 1e9, each.answered / 1e9, _words(each)
+            success = kind not in (REFUSED, UNSURE)
+            came = answered <= recording.duration_s
+            request = Request(at, kind, answered, success, message) if came else Request(at, kind)
+            found.append(request)
     return found
 
 
-def require_ours(recording: Recording, topic: str) -> None:
-    """Fail if any other than the grader's programs publishes on a topic of theirs."""
-    ends = [e for e in recording.endpoints if e.topic == topic and e.kind == "publisher"]
-    if len(ends) > sum(program.supplied for program in recording.scenario.program):
-        fail(
-            f"{topic} is a topic of the grader's, and one of your nodes publishes on it",
-            expected="only the topics of the exercise",
-            actual=", ".join(end.node for end in ends),
-            at=0.0,
-            recording=recording,
-            help="Choose another name for your topic.",
-        )
+def _words(each: Inference) -> tuple[str, str]:
+    """Return an answer's message and kind; a bag may lack them."""
+    message, kind, *_ = (*each.labels, "", "")
+    return message, kind
+
+
+def asked(recording: Recording) -> list[Request]:
+    """Return the requests of the grader's client, with what the student's server answered."""
+    found = {at: Request(at / 1e9) for at in turns(recording.scenario)}
+    for each in recording.inferences:
+        if each.method == ANSWER:
+            message, success = _words(each)
+            found[each.asked] = Request(
+                each.asked / 1e9, "", each.answered / 1e9, success == "true", message
+            )
+    return [each for each in found.values() if each.at < recording.duration_s]

@@ -17,21 +17,11 @@ import msgspec
 import numpy as np
 
 from grader.checks.case import Allowed, Case, Said, exactly
-from grader.checks.commands import published
 from grader.checks.predictions import loads, questions
 from grader.checks.words import TOLERANCE
-from grader.exercises.model_server.notes import (
-    ASKED,
-    NEAR,
-    START_UP,
-    TOLD,
-    Note,
-    notes,
-    require_ours,
-)
+from grader.exercises.model_server.notes import NEAR, START_UP, Request, asked
 from grader.models.features import NAMES, possible_features
 from grader.recording import Inference, Recording, Scan
-from sim.messages import UINT32
 
 MAX_SCAN_AGE = 1.0  # [s] an older scan gives no detection
 FEATURE_TOLERANCE = 1e-3  # [m]
@@ -59,8 +49,7 @@ class Ask:
 
     at: float  # [s]
     what: str
-    said: Note | None
-    until: float  # [s] when its answer came
+    said: Request | None  # with its answer
     scan: Scan | None  # the newest that the server had
     stamp: float  # of that scan [s]; NaN: there is none
     right: frozenset[str]  # values of success
@@ -88,19 +77,19 @@ def cases(recording: Recording) -> Iterator[Case]:
             yield Case(ask.at, ask.what, frozenset({"reason"}), right, {"message": given})
         if ask.right == DETECTS and ask.scan is not None:
             since = ask.scan.t - (0.0 if recording.live is None else UNDER_WAY)
-            predict, proba = (questions(recording, m, since, ask.until) for m in METHODS)
+            until = ask.said.answered if ask.said else ask.at
+            predict, proba = (questions(recording, m, since, until) for m in METHODS)
             yield _detection(ask, predict, proba)
             yield from _features(ask, ask.scan, [*predict, *proba])
 
 
 def asks(recording: Recording) -> Iterator[Ask]:
     """Yield each request of the grader's client to the server, with its answer."""
-    require_ours(recording, ASKED)
-    answers = {note.number: (at, note) for at, note in notes(recording, TOLD)}
     scans, live = recording.scans(), recording.live is not None
     near = UNDER_WAY + recording.slack if live else -1.0
     starts = [each.start for each in recording.scenario.program if not each.supplied]
-    for at, asked in published(recording, ASKED, UINT32):
+    for request in asked(recording):
+        at, said = request.at, request if math.isfinite(request.answered) else None
         if live and any(start and 0.0 < at - start < START_UP for start in starts):
             continue  # it reached no server
         newest = sum(scan.t <= at for scan in scans) - 1
@@ -109,12 +98,11 @@ def asks(recording: Recording) -> Iterator[Ask]:
             places.append(newest - 1)
         if newest + 1 < len(scans) and scans[newest + 1].t - at <= near:
             places.append(newest + 1)
-        until, said = answers.get(int(asked.data), (at, None))
-        found = [_ask(recording, at, place, said, until) for place in places]
+        found = [_ask(recording, at, place, said) for place in places]
         yield next((ask for ask in found if ask.fits), found[0])
 
 
-def _ask(recording: Recording, at: float, newest: int, said: Note | None, until: float) -> Ask:
+def _ask(recording: Recording, at: float, newest: int, said: Request | None) -> Ask:
     """Return a request, and what is right if this scan is the newest (-1: there is none)."""
     scan = recording.scans()[newest] if newest >= 0 else None
     spec = recording.scenario.bench_scans[newest:][:1] if scan else ()
@@ -136,7 +124,6 @@ def _ask(recording: Recording, at: float, newest: int, said: Note | None, until:
         at=at,
         what=what + reason + answer,
         said=said,
-        until=until,
         scan=scan,
         stamp=recording.epoch / 1e9 + scan.stamp if scan else math.nan,
         right=REFUSES if reason else DETECTS | REFUSES if may_refuse else DETECTS,

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from grader.exercises.model_server import server
-from grader.exercises.model_server.notes import Note
+from grader.exercises.model_server.notes import Request
 from grader.exercises.model_server.server import Ask, Detection, asks, read
 
 EPOCH = 1_700_000_000_000_000_000  # [ns]
 LIVE = object()
 SCANS = tuple(SimpleNamespace(t=i / 2, stamp=i / 2) for i in range(4))  # at 0, 0.5, 1 and 1.5 s
 DETECTION = Detection("free", 0.9, 1.0)
+Said = tuple[bool, str]  # success, message
 
 
 def test_a_detection_is_read() -> None:
@@ -39,13 +40,11 @@ def test_anything_else_is_said_to_be_none(message: str) -> None:
 
 
 def asked(
-    monkeypatch: pytest.MonkeyPatch, live: object, at: float, said: Note | None, **scenario: Any
+    monkeypatch: pytest.MonkeyPatch, live: object, at: float, said: Said | None, **scenario: Any
 ) -> list[Ask]:
     """Return the one request of a recording, asked at this time [s]."""
-    heard = [] if said is None else [(at + 0.01, said)]
-    monkeypatch.setattr(server, "require_ours", lambda *_: None)
-    monkeypatch.setattr(server, "notes", lambda *_: heard)
-    monkeypatch.setattr(server, "published", lambda *_: [(at, SimpleNamespace(data=0))])
+    request = Request(at) if said is None else Request(at, "", at + 0.01, *said)
+    monkeypatch.setattr(server, "asked", lambda _: [request])
     monkeypatch.setattr(server, "possible_features", lambda _: np.zeros((1, 5)))
     monkeypatch.setattr(server, "_has_model", lambda *_: True)
     recording: Any = SimpleNamespace(
@@ -58,9 +57,8 @@ def asked(
     return list(asks(recording))
 
 
-def stamped(stamp: float) -> Note:
-    detection = Detection("free", 0.9, EPOCH / 1e9 + stamp)
-    return Note("answered", 0, success=True, message=msgspec.json.encode(detection).decode())
+def stamped(stamp: float) -> Said:
+    return True, msgspec.json.encode(Detection("free", 0.9, EPOCH / 1e9 + stamp)).decode()
 
 
 @pytest.mark.parametrize(
@@ -72,17 +70,13 @@ def stamped(stamp: float) -> Note:
         (1.25, stamped(0.5), 2),  # too long ago: that answer is wrong
         (0.75, stamped(1.0), 1),  # from the future: wrong too
         (1.03, stamped(0.0), 2),  # neither of the two
-        (
-            0.03,
-            Note("answered", 0, success=False, message="no scan"),
-            -1,
-        ),  # rightly: it had none yet
-        (1.03, Note("answered", 0, success=True, message="{}"), 2),  # no stamp at all
+        (0.03, (False, "no scan"), -1),  # rightly: it had none yet
+        (1.03, (True, "{}"), 2),  # no stamp at all
         (1.25, None, 2),  # no answer at all
     ],
 )
 def test_the_scan_that_a_server_had_is_one_that_it_can_have_had(
-    monkeypatch: pytest.MonkeyPatch, at: float, said: Note | None, newest: int
+    monkeypatch: pytest.MonkeyPatch, at: float, said: Said | None, newest: int
 ) -> None:
     (ask,) = asked(monkeypatch, LIVE, at, said)
     assert ask.scan is (SCANS[newest] if newest >= 0 else None)

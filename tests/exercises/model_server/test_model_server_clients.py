@@ -7,8 +7,9 @@ import pytest
 
 from grader.checks.case import Case
 from grader.exercises.model_server import clients
-from grader.exercises.model_server.clients import DOUBLE, FIRST, PAUSE, Request
-from grader.exercises.model_server.notes import Note
+from grader.exercises.model_server.clients import FIRST, PAUSE
+from grader.exercises.model_server.notes import Request
+from grader.models.partners import DOUBLE
 
 
 def recording() -> Any:
@@ -24,25 +25,6 @@ def recording() -> Any:
     )
 
 
-def noted(monkeypatch: pytest.MonkeyPatch, *found: tuple[float, Note]) -> None:
-    monkeypatch.setattr(clients, "notes", lambda *_: list(found))
-
-
-def test_a_request_from_before_the_beginning_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    noted(
-        monkeypatch,
-        (0.1, Note("answered", 0, 7, success=True, message="early")),  # its request was not noted
-        (0.2, Note("asked", 1, 7)),
-        (0.3, Note("asked", 0, 9)),  # another server, which counts anew
-        (0.4, Note("answered", 0, 9, success=True, message="new")),
-        (0.5, Note("answered", 1, 7, success=False, message="late")),
-    )
-    assert clients.requests(recording()) == [
-        Request(0.2, "", 0.5, success=False, message="late"),
-        Request(0.3, "", 0.4, success=True, message="new"),
-    ]
-
-
 @pytest.mark.parametrize(
     ("took", "waits", "right"),
     [
@@ -56,13 +38,8 @@ def test_a_request_from_before_the_beginning_is_none(monkeypatch: pytest.MonkeyP
 def test_the_next_request_waits_for_the_answer_but_not_for_ever(
     monkeypatch: pytest.MonkeyPatch, took: float, waits: float, right: bool
 ) -> None:
-    asked = Note("asked", 0), Note("asked", 1)
-    noted(
-        monkeypatch,
-        (1.0, asked[0]),
-        (1.0 + waits, asked[1]),
-        (1.0 + took, Note("answered", 0)),
-    )
+    asked = [Request(1.0, answered=1.0 + took), Request(1.0 + waits)]
+    monkeypatch.setattr(clients, "requests", lambda _: asked)
     monkeypatch.setattr(clients, "published", lambda *_: [])
     found: list[Case] = [c for c in clients.cases(recording()) if "patience" in c.tags]
     assert (not found[0].wrong()) is right

@@ -43,8 +43,7 @@ TYPES = (
     "no_such_msgs/msg/Type",
     "",
 )
-ODD_TOPICS = ("", "/", "cmd_vel", "//", "/probe/told", "/probe/asked", "/probe/served",
-              "/navigation/detection", "/x" * 200)  # fmt: skip
+ODD_TOPICS = ("", "/", "cmd_vel", "//", "/navigation/detection", "/x" * 200)
 
 
 def replaced(recording: Recording, **changes: Any) -> Recording:

@@ -1,13 +1,18 @@
 """What is no bag is refused, and what is not a bag of ours is kept."""
 
+import contextlib
 import shutil
+import sqlite3
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
+from backports import zstd
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from grader.errors import InputError
 from grader.recording import Recording, bag
@@ -36,10 +41,7 @@ def test_what_is_no_bag(tmp_path: Path) -> None:
 def test_a_bag_of_another_recorder_is_told_what_it_lacks(
     tmp_path: Path, storage: StoragePlugin
 ) -> None:
-    with Writer(tmp_path / "foreign", version=9, storage_plugin=storage) as writer:
-        kind = "std_msgs/msg/Bool"
-        connection = writer.add_connection("/e_stop", kind, typestore=typestore())
-        writer.write(connection, EPOCH_NS, b"\0\1\0\0\1")
+    foreign(tmp_path / "foreign", storage)
     said = refused(tmp_path / "foreign")
     assert "it has /e_stop (1)" in said
     assert "lacks /course/trial" in said
@@ -54,10 +56,63 @@ def test_truncated_bags(saved: Path) -> None:
     refused(saved)
 
 
-def test_broken_metadata(saved: Path) -> None:
-    for content in ("", "a: [", "- 1", "3", "rosbag2_bagfile_information: 3", "\0"):
-        (saved / "metadata.yaml").write_text(content)
-        refused(saved)
+def test_metadata_is_not_read(saved: Path) -> None:
+    (saved / "metadata.yaml").write_text("a: [")
+    assert isinstance(bag.load(saved), Recording)
+
+
+def foreign(
+    folder: Path, storage: StoragePlugin, spoil: Callable[[Writer], object] = lambda _: None
+) -> Path:
+    """Write a bag of another recorder, with one message; return its file."""
+    writer = Writer(folder, version=9, storage_plugin=storage)
+    if storage is StoragePlugin.MCAP:
+        writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    with writer:
+        spoil(writer)
+        connection = writer.add_connection("/e_stop", "std_msgs/msg/Bool", typestore=typestore())
+        writer.write(connection, EPOCH_NS, b"\0\1\0\0\1")
+    return next(file for file in folder.iterdir() if file.suffix != ".yaml")
+
+
+def test_a_bomb_costs_only_its_reader(tmp_path: Path) -> None:
+    """80 kB of MCAP that unpack to 1.5 GiB."""
+
+    def pack(writer: Any) -> None:
+        frame = zstd.compress(bytes(2**20))
+        writer.storage.compressor = lambda _: 1_500 * frame
+
+    foreign(tmp_path / "bag", StoragePlugin.MCAP, pack)
+    assert "more than 512 MiB of memory" in refused(tmp_path / "bag")
+
+
+def test_a_record_of_any_length_is_refused(tmp_path: Path) -> None:
+    file = foreign(tmp_path / "bag", StoragePlugin.MCAP)
+    content = bytearray(file.read_bytes())
+    at = content.index(b"ros2") - 12
+    for length in (3 * 2**30, 2**62, 2**64 - 1):
+        content[at : at + 8] = length.to_bytes(8, "little")
+        file.write_bytes(content)
+        refused(tmp_path / "bag")
+
+
+def test_a_table_that_computes_its_blobs_costs_only_its_reader(tmp_path: Path) -> None:
+    """32 kB of SQLite that hold two messages of 900 MB."""
+    file = foreign(tmp_path / "bag", StoragePlugin.SQLITE3)
+    columns = "id INTEGER, topic_id INTEGER, timestamp INTEGER"
+    with contextlib.closing(sqlite3.connect(file)) as database, database:
+        database.execute("ALTER TABLE messages RENAME TO old")
+        blob = "data BLOB AS (zeroblob(900000000))"
+        database.execute(f"CREATE TABLE messages ({columns}, {blob})")
+        for _ in range(2):
+            database.execute("INSERT INTO messages SELECT id, topic_id, timestamp FROM old")
+    assert "out of memory" in refused(tmp_path / "bag")
+
+
+def test_a_file_that_is_a_link_is_not_read(saved: Path) -> None:
+    (saved / "bag.mcap").rename(saved / "other")
+    (saved / "bag.mcap").symlink_to("other")
+    refused(saved)
 
 
 @settings(derandomize=True, deadline=None, max_examples=25)
