@@ -142,6 +142,10 @@ def _notebook(source: object, **more: object) -> bytes:
 
 
 NODE = f"%%node {AGENT}\n"
+# each key merges the one before it twice
+MERGED = b"a0: &a0 {x: 1}\n" + b"".join(
+    b"a%d: &a%d {<<: [*a%d, *a%d]}\n" % (n, n, n - 1, n - 1) for n in range(1, 40)
+)
 # name: suffix, what is in it, the problem that is told ("": none; its work is taken as it is)
 FILES: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "bzip2 bomb": (".zip", lambda: _bomb(zipfile.ZIP_BZIP2), "rare method"),
@@ -154,6 +158,10 @@ FILES: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "zip of a link": (".zip", _link, ""),
     "wild offset": (".zip", _broken_offset, "broken archive"),
     "nested zips": (".zip", lambda: _zip(("a.zip", _zip(("b.zip", _zip((AGENT, b"")))))), ""),
+    "Gradescope's metadata, endless": (
+        ".zip", lambda: _zip((AGENT, b"x"), ("a/submission_metadata.yml", MERGED)), ""),
+    "the same, above all": (
+        ".zip", lambda: _zip((AGENT, b"x"), ("submission_metadata.yml", MERGED)), "of several"),
     "half a zip": (".zip", lambda: _zip((AGENT, b"x"))[:-9], "broken archive"),
     "locked": (".zip", lambda: _zip((AGENT, b"x")).replace(b"PK\x01\x02\x14\0\x14\0\0\0",
                b"PK\x01\x02\x14\0\x14\0\x01\0").replace(b"PK\x01\x02\x14\x03\x14\0\0\0",
