@@ -81,16 +81,20 @@ class Roster:
     def find(self, system: str, name: str, id_: str = "", email: str = "") -> Person | None:
         """Return the person a download means; None if nobody or more than one can be meant.
 
-        The platform's own id counts before all, then other ids, then names.
+        The platform's own key counts alone where the roster has it: students choose their names,
+        on GitHub their logins, and on Gradescope they type their number. Else ids, then names.
         """
+        kind, key = {
+            "canvas": (CANVAS, id_), "github": (GITHUB, id_), "gradescope": (EMAIL, email)
+        }.get(system, ("", ""))  # fmt: skip
+        if key and any(person.ids.get(kind) for person in self.people):
+            return self._one(kind, key)
         named = self._one("name", folded(name))
-        if system == "canvas" and id_ and any(person.ids.get(CANVAS) for person in self.people):
-            return self._one(CANVAS, id_)
         if system == "moodle" and id_ and (found := self._one(PARTICIPANT, id_)) is not None:
             same = folded(found.name) == folded(name) or name.casefold() == "participant"
-            return found if same or named is None else named
+            return found if same or named is None else None  # renamed like another: who is it?
         words = [id_, email] if system in ("gradescope", "nbgrader", "github") else []
-        words += [name] if system in ("folder", "nbgrader", "github", "gradescope") else []
+        words += [name] if system in ("folder", "nbgrader", "github") else []
         for word in filter(None, words):
             for kind in STRONG:
                 if (found := self._one(kind, word)) is not None:

@@ -46,15 +46,15 @@ LANGUAGES = (
 # --- what may be on a page -----------------------------------------------------------------------
 
 MATHML = {
-    "math", "menclose", "merror", "mfrac", "mi", "mn", "mo", "mover", "mpadded", "mphantom",
+    "math", "menclose", "merror", "mfrac", "mi", "mn", "mo", "mover", "mphantom",
     "mroot", "mrow", "mspace", "msqrt", "mstyle", "msub", "msubsup", "msup", "mtable", "mtd",
     "mtext", "mtr", "munder", "munderover",
 }  # fmt: skip
-LAYOUT = {
-    "accent", "accentunder", "columnalign", "columnspacing", "depth", "display", "displaystyle",
-    "fence", "form", "height", "linebreak", "linethickness", "lspace", "mathvariant", "maxsize",
+LAYOUT = {  # nothing that moves a formula up, over what is the page's own
+    "accent", "accentunder", "columnalign", "columnspacing", "display", "displaystyle",
+    "fence", "form", "linebreak", "linethickness", "lspace", "mathvariant", "maxsize",
     "minsize", "movablelimits", "notation", "rowspacing", "rspace", "scriptlevel", "separator",
-    "stretchy", "symmetric", "voffset", "width",
+    "stretchy", "symmetric", "width",
 }  # fmt: skip
 TAGS = (nh3.ALLOWED_TAGS - {"area", "map"}) | MATHML
 ATTRIBUTES = {
@@ -70,6 +70,7 @@ CLASSES = {
 }
 EMPTY = {"br", "col", "hr", "img", "wbr"}  # without an end
 PREFIX = "answer-"  # of ids: none is one of the page's own
+SPACE = re.compile(r"-?\d?(\.\d+)?em")  # as TeX's, less than ten letters
 LINK = re.compile(r"https?://|mailto:", re.IGNORECASE)
 PASTED = tuple(f"data:{kind};base64," for kind in PICTURES)
 
@@ -118,6 +119,8 @@ def _kept(tag: str, name: str, value: str) -> str | None:
         if value.startswith("#"):
             return f"#{PREFIX}{value[1:]}"
         return value if LINK.match(value) else None
+    if tag in MATHML and name in ("width", "lspace"):
+        return value if SPACE.fullmatch(value) else None
     return None if name == "cite" else value
 
 

@@ -18,6 +18,7 @@ from grader.link.launcher import Launcher
 from grader.link.workplace import Excess
 
 LIMIT = 20.0  # [s] for setup.py and a launch file
+MAX_ARGUMENTS = 1024 * 1024  # [bytes] of all programs, half of what Linux takes
 
 
 def unpacked(submission: Submission, launcher: Launcher) -> Submission:
@@ -74,6 +75,12 @@ def _with_programs(
     }
     data = {name: path for name, path in there.items() if not name.endswith(PYTHON)}
     files = {**data, **installed}
+    words = [word for each in answer.launched for word in each.arguments]
+    if sum(len(word.encode()) for word in words) > MAX_ARGUMENTS:
+        return replace(submission, problem=f"{launch} gives more arguments than a program can have")
+    above = {str(each) for place in files for each in PurePosixPath(place).parents}
+    if clash := sorted(above & files.keys()):
+        return replace(submission, problem=f"{clash[0]} would be a file and a folder")
     known = {each.name: each for each in answer.executables}
     every = tuple(Program(e.file, e.entry) for e in known.values() if e.file in installed)
     try:
@@ -152,4 +159,5 @@ def _no_program(
 
 def _is_inside(place: str) -> bool:
     path = PurePosixPath(place)
-    return not path.is_absolute() and ".." not in path.parts and ":" not in place
+    plain = str(path) == place != "." and all(len(part.encode()) < 256 for part in path.parts)
+    return plain and not path.is_absolute() and ".." not in path.parts and ":" not in place

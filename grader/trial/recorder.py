@@ -43,15 +43,17 @@ class Recorder:
     ----------
     stamped
         The robot takes TwistStamped as well as Twist.
+    most
+        What the node may publish [bytes].
     """
 
-    def __init__(self, *, stamped: bool = False) -> None:
+    def __init__(self, *, stamped: bool = False, most: int = MAX_BYTES) -> None:
         self.delivered: list[Message] = []
         self.published: list[Message] = []
         self.endpoints: list[Endpoint] = []
         self.compute: list[tuple[float, float, float, float]] = []
         self._notes: dict[tuple[str, str, str], Note] = {}
-        self._stamped = stamped
+        self._stamped, self._most = stamped, most
         self._bytes = 0
 
     def note_endpoints(self, reports: Iterable[EndpointReport]) -> None:
@@ -127,8 +129,8 @@ class Recorder:
             raise Flood(f"more than {MAX_MESSAGES:,} messages")
         names = len(published.topic) + len(published.type)
         self._bytes += len(published.data) + names + MESSAGE_BYTES
-        if self._bytes > MAX_BYTES:
-            raise Flood(f"more than {MAX_BYTES:,} bytes of messages")
+        if self._bytes > self._most:
+            raise Flood(f"more than {self._most:,} bytes of messages")
         topic = published.topic
         if topic in OFFERED or topic.startswith(OURS):  # a node that speaks in the robot's name
             topic = f"/from_node{topic}"

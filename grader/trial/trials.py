@@ -35,6 +35,7 @@ NOT_RUN = "The node {ended} in the run {name}, so {count} were left out."
 AFTER = "After the run {name} the node was sent Ctrl-C: {what}. This costs no points."
 PATIENCE = 300.0  # [s] of wall time that the virtual trials of a submission may take in all
 HURRIED = Limits(total=20.0)  # once they have
+MUCH, LITTLE = 128 * 2**20, 2**20  # [bytes] published in all trials; then in each that is left
 SLOW = (
     f"The node's trials took more than {PATIENCE:.0f} s, far longer than any solution's: from then "
     f"on each had to end within {HURRIED.total:.0f} s."
@@ -123,6 +124,7 @@ class NodeTrials(Trials):
         self._counting = threading.Lock()
         self._halted = False  # it hung or never started: what no check asks for doesn't run
         self._took: list[float] = []  # [s] of wall time by each virtual trial
+        self._published = 0  # [bytes] in them
         self._interrupted: str | None = None  # the scenario at whose end Ctrl-C is tried
         self._second_look = threading.Lock()  # at a node that hung in virtual time
         self._why_real: str | None = None  # the node can't run in virtual time
@@ -307,6 +309,8 @@ class NodeTrials(Trials):
             return self._run_in_real_time(scenario, self._why_real or "")
         limits = HURRIED if self._slow else self.limits
         limits = IMPATIENT if self._hung else limits
+        if self._published > MUCH:  # all is kept until the last check, and in bags for good
+            limits = replace(limits, published=LITTLE)
         began = real_clock.perf_counter()
         recording = run_trial(
             self.submission,
@@ -318,6 +322,7 @@ class NodeTrials(Trials):
             interrupt=scenario.name == self._interrupted,
         )
         self._took.append(real_clock.perf_counter() - began)
+        self._published += sum(len(message.data) for message in recording.published)
         if self.forkserver.practice:
             return recording  # there is no real time: the node hangs, or can't run
         if recording.outcome.kind == "real_time":

@@ -34,7 +34,7 @@ from grader.trial.endings import (
     without_folder,
 )
 from grader.trial.hangs import located
-from grader.trial.recorder import Flood, Recorder
+from grader.trial.recorder import MAX_BYTES, Flood, Recorder
 from grader.trial.staging import stage
 from sim.messages import EPOCH_NS, SENSORS, Message
 from sim.scenario import Scenario
@@ -54,6 +54,7 @@ class Limits:
     start: float = 20.0  # importing libraries, constructing nodes, loading models
     step: float = 5.0  # between one message and the node's being done with it
     total: float = 120.0
+    published: int = MAX_BYTES  # [bytes]
 
 
 def run_trial(
@@ -103,6 +104,7 @@ def run_trial(
     problem = not_runnable(submission, scenario)
     if problem is not None:
         return not_run(Simulation(scenario, seed), problem)
+    limits = limits or Limits()
     lead = 0
     while True:
         simulation = Simulation(scenario, seed)
@@ -110,7 +112,8 @@ def run_trial(
             stage(submission, scenario, arguments, files) as staged,
             forkserver.host(staged.folder) as link,
         ):
-            trial = _Trial(simulation, Recorder(stamped=stamped), link, charged=charge_compute)
+            recorder = Recorder(stamped=stamped, most=limits.published)
+            trial = _Trial(simulation, recorder, link, charged=charge_compute)
             trial.interrupt = interrupt
             start = Start(
                 staged.programs,
@@ -125,7 +128,7 @@ def run_trial(
                 env=tuple(env),
             )
             try:
-                outcome = link.converse(trial.conversation(start, limits or Limits()))
+                outcome = link.converse(trial.conversation(start, limits))
             except _Early as early:
                 lead = early.lead
                 continue

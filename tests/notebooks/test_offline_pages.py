@@ -123,6 +123,14 @@ def test_an_odd_formula_harms_nobody(render: Render, formula: str) -> None:
     assert not re.search(r"<[^>]*(href|onerror|javascript)", shown)
 
 
+def test_no_formula_is_drawn_over_the_pages_own_words() -> None:
+    moved = "<mpadded voffset='300px' height='0' lspace='-99em'><mtext>20/20</mtext></mpadded>"
+    spaces = "<mspace width='-500em'/><mspace width='-0.1667em'/>"
+    assert offline.sanitised(f"<math>{moved}{spaces}</math>") == (
+        '<math><mtext>20/20</mtext><mspace></mspace><mspace width="-0.1667em"></mspace></math>'
+    )
+
+
 # --- what a page would run -----------------------------------------------------------------------
 
 EVIL = [

@@ -15,6 +15,7 @@ from grader.course.beside import MADE
 from grader.course.cell import Broken, Refused
 from grader.errors import InputError, is_disk_full
 from grader.lms import PLATFORMS
+from grader.lms.gradescope import METADATA
 from grader.lms.names import may_enter, student_id, unique
 from grader.lms.people import NOBODY, Roster, folded
 from grader.lms.platform import Entry, Read, SetAside, Who
@@ -113,12 +114,24 @@ def _wrapped(room: Path) -> Path | None:
 
 
 def _is_class(folder: Path) -> bool:
-    """Return whether a folder is a download, which people put into another and name that."""
+    """Return whether a folder is a download, which people put into another and name that.
+
+    Gradescope's metadata are not read: a class's may take minutes, which a student's file may not.
+    """
     try:
+        if (_innermost(folder) / METADATA).exists():
+            return True
         people = [entry.who for entry in _entries(_unwrapped(folder)).entries]
     except (InputError, OSError):
         return False
     return len({who.id or who.name for who in people if who.system != "folder"}) > 1
+
+
+def _innermost(folder: Path) -> Path:
+    """Return the first folder that holds more than one other."""
+    while len(there := list(folder.iterdir())) == 1 and there[0].is_dir():
+        folder = there[0]
+    return folder
 
 
 def _entries(folder: Path, roster: Roster = NOBODY, scratch: Path | None = None) -> Read:

@@ -109,6 +109,9 @@ CALLS = {  # name: number on x86_64, on arm64
     "io_uring_enter": (426, 426), "io_uring_register": (427, 427), "io_uring_setup": (425, 425),
     "ioperm": (173, NONE), "iopl": (172, NONE),
     "kcmp": (312, 272), "kexec_file_load": (320, 294), "kexec_load": (246, 104),
+    # more layers: rules are memory that nobody counts, and a filter may fill the machine's log
+    "landlock_add_rule": (445, 445), "landlock_create_ruleset": (444, 444),
+    "landlock_restrict_self": (446, 446), "seccomp": (317, 277),
     "keyctl": (250, 219), "listen": (50, 201), "listmount": (458, 458),
     "lookup_dcookie": (212, 18), "mbind": (237, 235), "memfd_create": (319, 279),
     "memfd_secret": (447, 447),  # memory that neither RLIMIT_DATA nor the judge's looks count
@@ -141,7 +144,9 @@ PRETENDED = {  # to work: they reach what is others' past Landlock, and librarie
     "lremovexattr": (198, 15), "lsetxattr": (189, 6), "removexattr": (197, 14),
     "removexattrat": (466, 466), "sched_setaffinity": (203, 122), "sched_setattr": (314, 274),
     "sched_setparam": (142, 118), "sched_setscheduler": (144, 119), "setpriority": (141, 140),
-    "setxattr": (188, 5), "setxattrat": (463, 463), "utime": (132, NONE), "utimensat": (280, 88),
+    "setxattr": (188, 5), "setxattrat": (463, 463),
+    "sync": (162, 81), "syncfs": (306, 267),  # of everybody's disk
+    "utime": (132, NONE), "utimensat": (280, 88),
     "utimes": (235, NONE),
 }  # fmt: skip
 PRLIMIT = (302, 261)
@@ -222,6 +227,7 @@ def _filter(datagrams: bool, reserving: bool) -> list[Instruction]:
     program += _only_if(PRLIMIT[column], JUMP_EQUAL, 0)  # its own
     program += _only_counted_memory(MMAP[column])
     program += _unless_first(PRCTL[column], PR_SET_PDEATHSIG)  # it ends with its judge
+    program += _unless_first(PRCTL[column], PR_SET_SECCOMP)
     for place, numbers in OPENING:
         if numbers[column] != NONE:
             program += _unless_it_empties(numbers[column], place)

@@ -10,13 +10,14 @@ import contextlib
 import resource
 from pathlib import Path
 
-from .amounts import MAX_FILE, MAX_MEMORY, MAX_OPEN_FILES
+from .amounts import MAX_ADDRESSES, MAX_FILE, MAX_MEMORY, MAX_OPEN_FILES
 
 RESOURCE_LIMITS = {
     resource.RLIMIT_CORE: 0,
     resource.RLIMIT_FSIZE: MAX_FILE,
     resource.RLIMIT_NOFILE: MAX_OPEN_FILES,
-    resource.RLIMIT_DATA: MAX_MEMORY,  # not of addresses: CUDA's libraries map gigabytes
+    resource.RLIMIT_DATA: MAX_MEMORY,
+    resource.RLIMIT_AS: MAX_ADDRESSES,  # much more: CUDA's libraries map gigabytes
 }
 
 

@@ -140,6 +140,14 @@ def memory():
     gained("maps 6.4 GB")
 
 
+@trick()
+def page_tables():
+    """Map a terabyte that may only be read: its tables are memory that no limit counts."""
+    with attempt():
+        mmap.mmap(-1, 2**40, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, prot=mmap.PROT_READ)
+        gained("maps a terabyte")
+
+
 @trick("died", "exception", "hung", score=0)
 def recursion(node, scan):
     """Recur without end, with Python's own limit lifted."""

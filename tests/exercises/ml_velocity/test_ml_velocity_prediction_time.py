@@ -1,4 +1,4 @@
-"""Whose fault a late prediction is: the model's, or the machine's where it was busy."""
+"""Training checks: whose fault a late prediction is, and a model that says no number."""
 
 import contextlib
 import importlib
@@ -10,7 +10,7 @@ import pytest
 
 from grader.checks.case import Runs
 from grader.checks.verdict import CheckFailed, Inconclusive
-from grader.recording.training import Training
+from grader.recording.training import ModelAnswers, Training
 
 
 @pytest.mark.parametrize(
@@ -36,3 +36,13 @@ def test_late_predictions(
     judge = importlib.import_module("grader.exercises.ml_velocity.test_training")
     with pytest.raises(verdict) if verdict else contextlib.nullcontext():
         judge.test_prediction_time(Runs([recording], lambda _: []))
+
+
+def test_a_model_that_says_nan_is_not_accurate(pytestconfig: pytest.Config) -> None:
+    nan, speeds = (np.full(9, value).tobytes() for value in (np.nan, 0.3))
+    made = Training("train.py", pickle=ModelAnswers("", True, (9,), nan), labels=speeds)
+    recording: Any = SimpleNamespace(name="ml_training", training=made)
+    pytestconfig.addinivalue_line("markers", "check: a check of the grader")
+    judge = importlib.import_module("grader.exercises.ml_velocity.test_training")
+    with pytest.raises(CheckFailed):
+        judge.test_model_accuracy(Runs([recording], lambda _: []))

@@ -135,6 +135,10 @@ def _notebook(source: object, **more: object) -> bytes:
 
 
 NODE = f"%%node {AGENT}\n"
+# each key merges the one before it twice
+MERGED = b"a0: &a0 {x: 1}\n" + b"".join(
+    b"a%d: &a%d {<<: [*a%d, *a%d]}\n" % (n, n, n - 1, n - 1) for n in range(1, 40)
+)
 # name: suffix, what is in it, the problem that is told ("": none; its work is taken as it is)
 FILES: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "bzip2 bomb": (".zip", lambda: _bomb(zipfile.ZIP_BZIP2), "rare method"),
@@ -145,6 +149,10 @@ FILES: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "overlapping entries": (".zip", _overlapping, ""),
     "wild offset": (".zip", _broken_offset, "broken archive"),
     "nested zips": (".zip", lambda: _zip(("a.zip", _zip(("b.zip", _zip((AGENT, b"")))))), ""),
+    "Gradescope's metadata, endless": (
+        ".zip", lambda: _zip((AGENT, b"x"), ("a/submission_metadata.yml", MERGED)), ""),
+    "the same, above all": (
+        ".zip", lambda: _zip((AGENT, b"x"), ("submission_metadata.yml", MERGED)), "of several"),
     "a drive of Windows": (".zip", lambda: _zip(("C:evil.py", b"x")), "points outside"),
     "bidi and escapes": (".zip", lambda: _zip((f"\u202e\x1b[2J/{AGENT}", b"x=1\n")), ""),
     "CRLF in a name": (".zip", lambda: _zip((f"a\r\nb: c/{AGENT}", b"x=1\n")), ""),

@@ -59,8 +59,9 @@ def test_moodle_and_its_worksheets_are_one_roster(tmp_path: Path) -> None:
     assert roster.people[0].participants == {"4711", "5822"}
     assert name_of(roster, "moodle", "Participant", "4712") == "Zoë Müller"
     assert name_of(roster, "moodle", "Carla Lee", "1") == "Carla Lee"
-    # another assignment's number says nothing against the name
-    assert name_of(roster, "moodle", "Zoë Müller", "4711") == "Zoë Müller"
+    # who renames herself like another after the worksheet was made is neither: a person decides
+    assert name_of(roster, "moodle", "Zoë Müller", "4711") == ""
+    assert name_of(roster, "moodle", "Zoë Müller", "9999") == "Zoë Müller"
 
 
 def test_sheets_of_two_platforms(tmp_path: Path) -> None:
@@ -70,6 +71,23 @@ def test_sheets_of_two_platforms(tmp_path: Path) -> None:
     assert name_of(roster, "github", "carla-l", "carla-l") == "Carla Lee"
     assert name_of(roster, "gradescope", "?", "4001") == "Carla Lee"
     assert name_of(roster, "gradescope", "?", "", "CARLA@uni.edu") == "Carla Lee"
+
+
+@pytest.mark.parametrize(
+    ("asked", "who"),
+    [
+        (("gradescope", "Eve", "4001", "eve@uni.edu"), "Eve Roe"),  # another's number, typed
+        (("gradescope", "Carla Lee", "", "eve@home.org"), ""),
+        (("gradescope", "4001", "", "eve@home.org"), ""),
+        (("gradescope", "4001", ""), ""),
+        (("github", "s1", "s1"), ""),  # a login like another's id
+        (("github", "4001", "4001"), ""),
+        (("github", "Carla Lee", "carla lee"), ""),
+    ],
+)
+def test_nobody_takes_another_place(asked: tuple[str, ...], who: str, tmp_path: Path) -> None:
+    eve = GRADESCOPE + "Eve,Roe,4002,eve@uni.edu,A\n"
+    assert name_of(read(tmp_path, eve, GITHUB), *asked) == who
 
 
 @pytest.mark.parametrize(

@@ -135,6 +135,18 @@ def test_a_submission_has_a_time_for_all_its_trials(
     assert trials_module.HURRIED.total < Limits().total
 
 
+def test_a_submission_may_publish_so_much_in_all_its_trials(
+    forkserver: ForkServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(trials_module, "MUCH", 100)
+    monkeypatch.setattr(trials_module, "LITTLE", 1_000)
+    with NodeTrials(Submission(REFERENCE), forkserver) as trials:
+        assert trials.get("avoid_zones").outcome.completed
+        second = trials.get("avoid_infinity")
+    assert second.outcome.kind == "flooded"
+    assert sum(len(message.data) for message in second.published) < 1_000
+
+
 # --- what grows, and what fails after the end ------------------------------------------------
 
 
