@@ -27,7 +27,6 @@ from grader.classroom.results.scores import mark_of
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.classroom.work import Unit, UnitResult, grade_unit, unjudged
 from grader.course.beside import MAX_BYTES
-from grader.course.cell import CLASS, Refused, read_in_cell
 from grader.course.exercises import Exercise, find_exercise
 from grader.course.students import read_secret, student_key
 from grader.course.submission import MAX_SIZE, read_regular_file
@@ -35,6 +34,7 @@ from grader.errors import GraderError, InputError
 from grader.grading.handed_in import layers_here
 from grader.grading.trying import why_none_runs
 from grader.host.sandbox.layers import FILES, USER
+from grader.link.cell import CLASS, Refused, read_in_cell
 from grader.link.scratch import fresh_folder
 from grader.lms.gradescope import SEEN, results_json
 from grader.lms.names import student_id

@@ -8,18 +8,15 @@ line may be a link, since it is that person's own.
 from __future__ import annotations
 
 import contextlib
-import os
 import re
-import stat
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
-from typing import BinaryIO
 
 from grader.course.beside import MAX_BYTES, beside, listed
 from grader.course.untouched import untouched
 from grader.errors import InputError
-from grader.link.scratch import fresh_folder
+from grader.link.scratch import fresh_folder, open_regular_file
 
 MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
 SHARE = "share/"  # what a package installs there lies elsewhere in it, too
@@ -184,21 +181,6 @@ def read_regular_file(path: Path, limit: int = MAX_SIZE) -> bytes:
     """
     with open_regular_file(path) as file:
         return file.read(limit + 1)
-
-
-def open_regular_file(path: Path) -> BinaryIO:
-    """Open a file that somebody handed in, or that a student's program wrote.
-
-    Raises
-    ------
-    OSError
-        It can't be read, is a link, or is not a regular file.
-    """
-    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    if not stat.S_ISREG(os.fstat(fd).st_mode):
-        os.close(fd)
-        raise OSError(0, "not an ordinary file", str(path))
-    return open(fd, "rb")
 
 
 def _package_of(path: Path, expected: str | None) -> Path | None:

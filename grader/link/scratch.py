@@ -10,6 +10,7 @@ import stat
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 MIN_SPACE = 16 * 1024 * 1024  # [bytes] that a grading needs; the recordings of one take 1 to 5 MiB
 MIN_FILES = 200  # that a grading makes
@@ -79,3 +80,18 @@ def remove(top: Path) -> None:
         if folder != top:
             folder.rmdir()
     top.rmdir()
+
+
+def open_regular_file(path: Path) -> BinaryIO:
+    """Open a file that somebody handed in, or that a student's program wrote.
+
+    Raises
+    ------
+    OSError
+        It can't be read, is a link, or is not a regular file.
+    """
+    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    if not stat.S_ISREG(os.fstat(fd).st_mode):
+        os.close(fd)
+        raise OSError(0, "not an ordinary file", str(path))
+    return open(fd, "rb")

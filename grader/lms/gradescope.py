@@ -18,8 +18,8 @@ from typing import IO, Any
 
 import yaml
 
-from grader.course.cell import CLASS, Refused, read_in_cell
 from grader.errors import InputError
+from grader.link.cell import CLASS, Refused, read_in_cell
 from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
 from grader.lms.platform import Entry, Platform, Read, SetAside, Who

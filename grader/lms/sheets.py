@@ -17,8 +17,8 @@ from itertools import islice
 from pathlib import Path
 from typing import IO
 
-from grader.course.cell import CLASS, Broken, Refused, read_in_cell
 from grader.errors import InputError
+from grader.link.cell import CLASS, Broken, Refused, read_in_cell
 from grader.lms import PLATFORMS
 from grader.lms.people import (
     CANVAS,

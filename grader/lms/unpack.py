@@ -1,6 +1,6 @@
 """Unpack a zip or a tar that somebody handed in, and nothing outside of the folder given.
 
-It happens in a process with limits (`grader/course/cell.py`): a tar's header, for one, can take
+It happens in a process with limits (`grader/link/cell.py`): a tar's header, for one, can take
 tarfile hours (CVE-2024-6232).
 """
 
@@ -17,8 +17,8 @@ from collections.abc import Generator, Iterable
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
-from grader.course.cell import CLASS, ONE, Limits, Refused, read_in_cell
 from grader.errors import is_disk_full
+from grader.link.cell import CLASS, ONE, Limits, Refused, read_in_cell
 from grader.lms.names import may_enter
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")

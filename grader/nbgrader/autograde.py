@@ -18,11 +18,11 @@ from nbgrader.converters.base import NbGraderException
 from nbgrader.preprocessors import NbGraderPreprocessor
 from traitlets import Bool, Unicode
 
-from grader.course.cell import Refused
 from grader.course.exercises import find_exercise
 from grader.course.students import read_secret, student_key
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
+from grader.link.cell import Refused
 from grader.nbgrader.cells import Wanted, last_definitions, made_files, modules, wanted
 from grader.nbgrader.gradebook import Place, trusted_cells, write_comment, write_mark
 from grader.nbgrader.intake import read_cells

@@ -13,8 +13,8 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
-from grader.course.cell import MIB, Limits, Refused, read_in_cell
 from grader.course.submission import MAX_SIZE
+from grader.link.cell import MIB, Limits, Refused, read_in_cell
 
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000

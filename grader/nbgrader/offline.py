@@ -4,7 +4,7 @@ nbgrader's templates load MathJax from a CDN whatever `HTMLExporter.mathjax_url`
 call their macro without it. In `templates/` that macro is empty, and formulas become MathML, which
 every browser renders. Tables in lists, which nbconvert leaves as typed, become tables.
 
-Markdown and code are rendered in a process with limits (`grader/course/cell.py`), and what comes
+Markdown and code are rendered in a process with limits (`grader/link/cell.py`), and what comes
 out is sanitised there by nh3: no scripts, forms or styles, links to the web only, and no pictures
 but those that were pasted. What takes too long is shown as it was typed.
 """
@@ -28,7 +28,7 @@ from nbconvert.filters import Highlight2HTML
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 from pygments.token import STANDARD_TYPES
 
-from grader.course.cell import MIB, Limits, Refused, read_in_cell
+from grader.link.cell import MIB, Limits, Refused, read_in_cell
 from grader.nbgrader.intake import PICTURES
 
 TEMPLATES = Path(__file__).parent / "templates"

@@ -6,8 +6,9 @@ import os
 import time
 from pathlib import Path
 
-from grader.course.cell import Refused
-from grader.course.submission import MAX_SIZE, open_regular_file, read_regular_file
+from grader.course.submission import MAX_SIZE, read_regular_file
+from grader.link.cell import Refused
+from grader.link.scratch import open_regular_file
 from grader.nbgrader.cells import last_definitions
 from grader.nbgrader.intake import cells_in
 from grader.notebook.cells import MAGIC

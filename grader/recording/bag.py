@@ -21,8 +21,8 @@ from typing import IO, Any
 import msgspec
 import numpy as np
 
-from grader.course.cell import MIB, Limits, read_in_cell
 from grader.errors import GraderError, InputError
+from grader.link.cell import MIB, Limits, read_in_cell
 from grader.link.log import LogLine
 from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording, Training
 from sim.bag_qos import profile

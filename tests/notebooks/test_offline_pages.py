@@ -13,7 +13,7 @@ from nbconvert.exporters import HTMLExporter
 from nbformat import NotebookNode, v4
 from traitlets.config import Config
 
-from grader.course.cell import Refused
+from grader.link.cell import Refused
 from grader.nbgrader import configure, offline
 from grader.nbgrader.intake import Cell
 from grader.nbgrader.offline import MAX_FORMULA, highlighted, page_of

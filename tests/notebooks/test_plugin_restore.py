@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grader.course.cell import Refused
 from grader.course.submission import MAX_SIZE
+from grader.link.cell import Refused
 from grader.nbgrader import intake
 from grader.nbgrader.cells import definition
 from grader.nbgrader.intake import Cell, read_cells

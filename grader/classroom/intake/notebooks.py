@@ -7,8 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import IO
 
-from grader.course.cell import MIB, Limits, Refused, read_in_cell
 from grader.course.exercises import all_exercises
+from grader.link.cell import MIB, Limits, Refused, read_in_cell
 from grader.nbgrader.cells import last_definitions, modules
 from grader.nbgrader.intake import cells_in
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from grader.classroom.intake import notebooks
 from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.course.beside import MADE
-from grader.course.cell import Broken, Refused
 from grader.errors import InputError, is_disk_full
+from grader.link.cell import Broken, Refused
 from grader.lms import PLATFORMS
 from grader.lms.gradescope import METADATA
 from grader.lms.names import may_enter, student_id, unique

@@ -23,7 +23,6 @@ from typing import TypeAlias
 
 import msgspec
 
-from grader.course.cell import Refused, read_in_cell
 from grader.course.exercises import (
     EXERCISES,
     JUDGE,
@@ -32,6 +31,7 @@ from grader.course.exercises import (
     all_exercises,
     find_exercise,
 )
+from grader.link.cell import Refused, read_in_cell
 
 RUN = 20  # tokens: shorter matches are chance
 MOST = 20_000  # tokens of a student that are compared; the longest program here has 1,323

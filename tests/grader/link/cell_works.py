@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 from typing import IO
 
-from grader.course.cell import Refused
+from grader.link.cell import Refused
 
 
 def size(file: IO[bytes]) -> int:

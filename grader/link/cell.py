@@ -29,9 +29,9 @@ from typing import Any, Literal, TypeVar
 
 import msgspec
 
-from grader.course.submission import open_regular_file
 from grader.errors import DiskFull, GraderError, is_disk_full
 from grader.link.interpreter import with_needs
+from grader.link.scratch import open_regular_file
 
 MIB = 1024 * 1024
 USER = 65520  # behind those of nodes (grader/host/sandbox/users.py); systemd leaves it unused
@@ -41,7 +41,7 @@ GLANCE = 0.2  # [s] a Ctrl-C between Python and a poll is only seen when that re
 SLOWNESS = 5.0
 SAID = 300  # [characters] of an exception
 CODECS = ("cp437", "cp1252", "utf-8-sig", "utf-16", "latin-1", "iso8859-15", "idna")
-BOOT = "import sys; sys.path[:] = sys.argv[2:]; from grader.course.cell import serve; serve()"
+BOOT = "import sys; sys.path[:] = sys.argv[2:]; from grader.link.cell import serve; serve()"
 
 T = TypeVar("T")
 
