@@ -26,7 +26,7 @@ SAID = {  # slip: the sentence, with names for {}
     "tuple": "the comma at the end makes a tuple of the value: delete it",  # R1707
     "or": "{} stands behind `or` uncompared, and counts as true: compare it, too",  # R1726
     "uncalled": "{} has no brackets: the function itself always counts as true",  # W0126
-    "hides": "self.{} gets a value here, which hides the method {}: give one another name",  # E0202
+    "hides": "self.{} gets a value here and hides the method {}: give one another name",  # E0202
     "nothing": "{} returns None only, though its result is used here: is a `return` missing?",  # E1111
     "called": "{} is called here, and its None handed over: hand it over without brackets",
     "unused": "{} defines {} here and neither calls nor returns it",  # W0612
@@ -99,8 +99,8 @@ def _statements(tree: ast.AST) -> Found:
             elif name := _dotted(value):
                 yield _said(node, "bare", name)
         elif isinstance(value, ast.Tuple) and len(value.elts) == 1:
-            if value.col_offset == value.elts[0].col_offset:
-                yield _said(node, "tuple")
+            bare = value.col_offset == value.elts[0].col_offset  # no bracket before it
+            yield from [_said(node, "tuple")] * bare
 
 
 def _comparisons(tree: ast.AST) -> Found:
@@ -161,9 +161,9 @@ def _functions(tree: ast.AST) -> Found:
         for inner in each.body:
             if isinstance(inner, FUNCTIONS) and not inner.decorator_list and inner.name not in read:
                 yield _said(inner, "unused", each.name, inner.name)
-        own = each.args.posonlyargs + each.args.args
+        own, named = each.args.posonlyargs + each.args.args, each.args.kwonlyargs
         defaults = [*zip(own[::-1], each.args.defaults[::-1], strict=False)]
-        for parameter, default in [*defaults, *zip(each.args.kwonlyargs, each.args.kw_defaults)]:
+        for parameter, default in [*defaults, *zip(named, each.args.kw_defaults, strict=True)]:
             clock = isinstance(default, ast.Call) and _last(default.func) in CLOCKS
             if clock or (_is_collection(default) and parameter.arg in _collected(each)):
                 yield _said(each, "once", parameter.arg)
@@ -185,9 +185,9 @@ def _classes(tree: ast.AST) -> Found:
         at_first = {node.attr for node in given.pop("__init__", ())}
         later = [node for nodes in given.values() for node in nodes]
         for node in _all(each, ast.Attribute):
-            if isinstance(node.ctx, ast.Store) and _dotted(node) == f"self.{node.attr}":
-                if node.attr in lines:
-                    yield _said(node, "hides", node.attr, node.attr)
+            given_here = isinstance(node.ctx, ast.Store) and _dotted(node) == f"self.{node.attr}"
+            if given_here and node.attr in lines:
+                yield _said(node, "hides", node.attr, node.attr)
         only = sorted((at_first & read) - {node.attr for node in later})
         for node in later:
             if node.attr not in read | at_first:

@@ -31,10 +31,16 @@ SHAPE = re.compile(r"shape|rank|dimension|2D array|1D array|features|reshape|not
 
 
 def slip_in_file(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
-    """Return the first line of the program that can't mean what it says, as its host saw it."""
-    recording = next(iter(trials.values()), None)
-    said = [line.text for line in recording.log if line.level == "stderr"] if recording else []
+    """Return the first line of the program that can't mean what it says, as its host saw it.
+
+    Where the node died, only if it is one of the lines of which it died, or what they call.
+    """
+    log = (line for recording in trials.values() for line in recording.log)
+    said = (line.text for line in log if line.level == "stderr")
+    where = failed[0].where
     for slip in filter(None, map(said_in, said)):
+        if where and f"line {slip.line} " not in where and f"{slip.text.split()[0]}(" not in where:
+            continue
         return Cause(
             f"{slip.text[0].upper()}{slip.text[1:]}.", failed[0].kind, f"line {slip.line}",
             explains=tuple(check.id for check in failed), check=failed[0].id,

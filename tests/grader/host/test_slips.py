@@ -21,12 +21,15 @@ SLIPS = {  # a program: what is said
     "class R:\n    OK = 'ok'\n    NO = 'no'\nx = 1 if r == R.OK or R.NO else 2": "R.NO stands",
     "while rclpy.ok: pass": "rclpy.ok has no brackets",
     "if x and not np.isnan: pass": "np.isnan has no brackets",
-    "class A:\n    def near(self): return 1\n    def f(self):\n        if self.near: pass": "self.near",
-    "class A:\n    def stop(self): return 1\n    def f(self): self.stop = True": "hides the method",
+    "class A:\n    def near(self): return 1\n    def f(self):\n        if self.near: pass":
+    "self.near",
+    "class A:\n    def stop(self): return 1\n    def f(self): self.stop = True": "and hides the method",
     "def f(x):\n    y = x + 1\nspeed = f(2)": "f returns None only",
-    "class A:\n    def f(self):\n        return\n    def g(self): return 1 + self.f()": "f returns None",
+    "class A:\n    def f(self):\n        return\n    def g(self): return 1 + self.f()":
+    "f returns None",
     "def f(x):\n    y = x\nThread(target=f(2)).start()": "f is called here",
-    "def load(p):\n    def predict(x):\n        return 1\n    p = 2\n    return p": "nor returns it",
+    "def load(p):\n    def predict(x):\n        return 1\n    p = 2\n    return p":
+    "nor returns it",
     "class A:\n    def __init__(self): self.e_stop = False\n    def f(self, m): self.estop = m\n"
     "    def tick(self): return self.e_stop": "is self.e_stop meant",
     "def f(start=time.monotonic()): pass": "default of start is made once",
@@ -44,7 +47,8 @@ NONE = (  # what may be meant
     "if x is None | y == math.inf: pass",
     "x, = y\nx = (1,)\nfor x in 1, 2: pass",
     "while math.pi and self.ready: pass",
-    "class A:\n    @property\n    def x(self): return 1\n    @x.setter\n    def x(self, v): self._x = v",
+    "class A:\n    @property\n    def x(self): return 1"
+    "\n    @x.setter\n    def x(self, v): self._x = v",
     "def f():\n    raise NotImplementedError\nx = f()",
     "def f():\n    yield 1\nx = f()",
     "def f(): ...\nx = f()",
