@@ -136,7 +136,7 @@ RULES = (
          "next callback go on", DEADLOCKS),
     Rule("InvalidHandle", "", "", "what is used here was destroyed before: does something come "
          "after destroy_node() or rclpy.shutdown()?", NODES),
-    Rule("InvalidTopicNameException", r"'.*\{", "",
+    Rule("ValueError", r"name '.*\{.*unknown substitution", "",
          "the braces are still in the name: f before the text puts values in their place", PYTHON),
     Rule("InvalidTopicNameException", "", "",
          "the name of a topic has letters, digits, _ and /, and no blanks or dashes", NODES),
@@ -160,6 +160,8 @@ RULES = (
     Rule("TypeError", r"unexpected keyword argument '(tcp_nodelay|buff_size|anonymous|oneshot)'",
          "", "ROS 1 alone has \\1: leave it out", MIGRATION),
     # time
+    Rule("AttributeError", r"'Time' object has no attribute '(?:sec|nanosec)'", r"publish\(",
+         "a stamp takes a message: self.get_clock().now().to_msg()", TIMES),
     Rule("AttributeError", r"'(Time|Duration)' object has no attribute '(?:to_n?secs?|secs|nsecs|"
          r"toSec|seconds)' \(a message\)", "",
          "a stamp has the fields sec and nanosec: stamp.sec + stamp.nanosec / 1e9 are its seconds",
@@ -210,6 +212,15 @@ RULES = (
          "a session takes a dict of its inputs: session.run(None, {name: array}), with the name of "
          "session.get_inputs()[0]", "https://onnxruntime.ai/docs/api/python/api_summary.html"),
     # messages
+    Rule("RuntimeError", r"service type provided is not valid", "",
+         "a service's type is the whole of it, such as Trigger, which has Request and Response",
+         NODES),
+    Rule("AttributeError", r"'(?:float|int)' object has no attribute '[xyz]'", r"publish\(",
+         "a number stands where a vector belongs: twist.linear.x = …, not twist.linear = …", NODES),
+    Rule("TypeError", r"^expected a sequence in '(\w+)'", "",
+         "\\1 takes a list, also of one: \\1=[…]", NODES),
+    Rule("TypeError", r"^dict is not a sequence", "", "a list of messages takes no dict: "
+         "[KeyValue(key=key, value=text) for key, text in texts.items()]", NODES),
     Rule("TypeError", r"^'(\w+)' object is not (?:iterable|subscriptable)|"
          r"^object of type '(?:\w+)' has no len", r"\bscan\b(?!\.)",
          "a scan is a message with fields; its readings are scan.ranges",

@@ -27,7 +27,7 @@ SAID = {  # slip: the sentence, with names for {}
     "or": "{} stands behind `or` uncompared, and counts as true: compare it, too",  # R1726
     "uncalled": "{} has no brackets: the function itself always counts as true",  # W0126
     "hides": "self.{} gets a value here and hides the method {}: give one another name",  # E0202
-    "nothing": "{} returns None only, though its result is used here: is a `return` missing?",  # E1111
+    "nothing": "{} returns None only, and its result is used here: is a `return` missing?",  # E1111
     "called": "{} is called here, and its None handed over: hand it over without brackets",
     "unused": "{} defines {} here and neither calls nor returns it",  # W0612
     "misspelt": "self.{} gets a value here and is never read: is self.{} meant?",

@@ -15,13 +15,20 @@ from typing import NamedTuple
 
 from grader.checks.case import Case, Said, among, spell_allowed
 from grader.checks.commands import spell
+from grader.checks.predictions import CALLED, OTHERWISE, PREDICT
 from grader.course.exercises import Exercise
 from grader.exercises import oracle_of
 from grader.grading.causes.cause import ByName, Cause, Failed, hint_for
 
-TOLERANCE = 0.01  # of a factor, and [m/s] and the like of a number
+TOLERANCE = 0.01  # of a factor
+NEAR = 2e-3  # [m/s] and the like
 LEAST = 6  # answers
 TOPIC = re.compile(r"/(\w+)")
+MODEL = {  # how it was asked: what is said of it
+    f"not {CALLED}": "not asked about the scan. Does the callback get as far as predict?",
+    OTHERWISE: "asked about other features than the scan's. Log the five, and compare each with "
+    "its definition: which beams, which order, which unit?",
+}
 LOG = "Log what you decide on. Is it the same each time? Then look at where it is made from what "
 LOG += "comes in. If not: does the decision use it, and is the result published?"
 
@@ -35,7 +42,7 @@ class _Row(NamedTuple):
 
     @property
     def wrong(self) -> bool:
-        return not among(self.said, next(iter(self.case.allowed.values())), TOLERANCE)
+        return not among(self.said, next(iter(self.case.allowed.values())), NEAR)
 
 
 def cause_of_several(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
@@ -74,6 +81,11 @@ def in_common(rows: Sequence[_Row], field: str) -> str:
     wrong = [row for row in rows if row.wrong]
     if len(rows) < LEAST or not wrong:
         return ""
+    asked_of_model = {str(row.case.said.get(PREDICT, CALLED)) for row in wrong}
+    if len(asked_of_model) == 1 and (how := asked_of_model.pop()) != CALLED:
+        return (
+            f"in all {len(wrong)} answers that are wrong, of {len(rows)}, the model is {MODEL[how]}"
+        )
     said = Counter(_shown(row.said) for row in rows)
     (usual, times), *others = said.most_common()
     if not others:

@@ -12,12 +12,13 @@ from grader.host.deaths import account_of_syntax
 from grader.host.rules import RULES, wait_for_good
 
 PRELUDE = """
-import io, json, math, pickle, sys
+import json, math, pickle, sys
 import numpy as np
 from collections import deque, namedtuple
 from dataclasses import dataclass
 import rclpy
 from builtin_interfaces.msg import Time as Stamp
+from diagnostic_msgs.msg import DiagnosticStatus as Status
 from geometry_msgs.msg import Twist
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -110,6 +111,12 @@ MEANT = {
     "class P:\n    x = property(lambda self: 1)\nP().x = 2": "is a property",
     "self.create_publisher(Twist, '/c', QoSPresetProfiles.SERVICES_DEFAULT)": "its value is",
     "self.create_publisher(Twist, '/{side}/c', 10)": "f before the text",
+    "self.create_service(Trigger.Response, '/d', self.tick)": "the whole of it",
+    "t = Twist(); t.angular = 1; self.create_publisher(Twist, '/c', 10).publish(t)": "a vector",
+    "self.create_publisher(LaserScan, '/c', 10).publish(LaserScan(ranges=1.0))": "=[…]",
+    "h = LaserScan(); h.header.stamp = Time()\nself.create_publisher(LaserScan, 's', 9).publish(h)":
+    "now().to_msg()",
+    "self.create_publisher(Status, '/st', 10).publish(Status(values={'a': 'b'}))": "takes no dict",
     "QoSProfile(durability=DurabilityPolicy.VOLATILE)": "depth=10",
     "QoSProfile(5)": "settings by name",
     "rclpy.init(None)": "args=args",
@@ -123,7 +130,7 @@ MEANT = {
     "dataclass(frozen=True)(type('P', (), {'__annotations__': {'x': int}}))(1).x = 2": "be changed",
     "pickle.load('model.pkl')": "'rb'",
     "pickle.dump(1, 'model.pkl')": "'wb'",
-    "pickle.dump(1, io.StringIO())": "'wb'",
+    "pickle.dump(1, open('/dev/null', 'w'))": "'wb'",
     "(lambda: [math := math.pi])()": "hides the module",
     "def f():\n try: 1\n except ValueError as err: 2\n return err\nf()": "inside its `except … as",
     "from std_msgs.msg import LaserScan": "from sensor_msgs.msg import LaserScan",

@@ -23,7 +23,7 @@ SLIPS = {  # a program: what is said
     "if x and not np.isnan: pass": "np.isnan has no brackets",
     "class A:\n    def near(self): return 1\n    def f(self):\n        if self.near: pass":
     "self.near",
-    "class A:\n    def stop(self): return 1\n    def f(self): self.stop = True": "and hides the method",
+    "class A:\n    def stop(self): return 1\n    def f(self): self.stop = True": "hides the",
     "def f(x):\n    y = x + 1\nspeed = f(2)": "f returns None only",
     "class A:\n    def f(self):\n        return\n    def g(self): return 1 + self.f()":
     "f returns None",
