@@ -13,6 +13,7 @@ from grader.host.rules import RULES, wait_for_good
 
 PRELUDE = """
 import json, math, pickle, sys
+import diagnostic_msgs.msg as d
 import numpy as np
 from collections import deque, namedtuple
 from dataclasses import dataclass
@@ -113,7 +114,8 @@ MEANT = {
     "self.create_publisher(Twist, '/{side}/c', 10)": "f before the text",
     "self.create_service(Trigger.Response, '/d', self.tick)": "the whole of it",
     "t = Twist(); t.angular = 1; self.create_publisher(Twist, '/c', 10).publish(t)": "a vector",
-    "self.create_publisher(LaserScan, '/c', 10).publish(LaserScan(ranges=1.0))": "=[…]",
+    "p = self.create_publisher(d.DiagnosticArray, '/da', 10).publish\n"
+    "p(d.DiagnosticArray(status=Status()))": "status=[…]",
     "h = LaserScan(); h.header.stamp = Time()\nself.create_publisher(LaserScan, 's', 9).publish(h)":
     "now().to_msg()",
     "self.create_publisher(Status, '/st', 10).publish(Status(values={'a': 'b'}))": "takes no dict",
