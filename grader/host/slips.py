@@ -13,6 +13,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 MOST = 3  # sentences
@@ -64,7 +65,10 @@ def slips(source: bytes) -> list[str]:
     """
     tree = ast.parse(source)
     looks = (_statements, _comparisons, _conditions, _functions, _classes, _loops)
-    found = sorted({said for look in looks for said in look(tree)})
+    try:
+        found = sorted({said for look in looks for said in look(tree)})
+    except RecursionError:  # a name of a thousand dots
+        return []
     return [f"line {line}: {text}" for line, text in found[:MOST]]
 
 
@@ -86,7 +90,12 @@ def _said(node: ast.AST, slip: str, *names: object) -> tuple[int, str]:
 
 
 def _all(tree: ast.AST, *kinds: type) -> Iterator[ast.AST]:
-    return (node for node in ast.walk(tree) if isinstance(node, kinds))
+    return (node for node in _nodes(tree) if isinstance(node, kinds))
+
+
+@lru_cache(maxsize=256)
+def _nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(tree))
 
 
 def _statements(tree: ast.AST) -> Found:

@@ -42,7 +42,7 @@ def slip_in_file(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
         if where and f"line {slip.line} " not in where and f"{slip.text.split()[0]}(" not in where:
             continue
         return Cause(
-            f"{slip.text[0].upper()}{slip.text[1:]}.", failed[0].kind, f"line {slip.line}",
+            f"Line {slip.line}: {slip.text}.", failed[0].kind,
             explains=tuple(check.id for check in failed), check=failed[0].id,
         )  # fmt: skip
     return None
