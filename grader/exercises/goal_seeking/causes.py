@@ -5,16 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from grader.checks.verdict import Evidence, Trials
 from grader.exercises.goal_seeking.contract import TURNS, UNSURE, Pose, Quest, bench_turns
+from grader.recording import Recording
 
 BENCH = "goal_turns"
 LEAST = 6  # turns
+MANY, FAR = 20, 0.5  # commands, and [m] driven with them
 EXPLAINS = ("turns_short_way", "reaches_goal", "reaches_any_goal", "new_goal", "path_efficiency")
 
 
 def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
-    """Return to which side the robot turns in all poses, where nothing has to be wrapped, too."""
+    """Return that the commands never change, or what the robot's turns have in common."""
+    if text := next(filter(None, map(_frozen, trials.values())), ""):
+        return Evidence(text, explains=failed)
     run = trials.get(BENCH)
     if run is None or not run.outcome.completed or "turns_short_way" not in failed:
         return None
@@ -32,6 +38,19 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
             f"{pose.yaw:.2f} rad. Log both: are they the same in your node?"
         )
     return Evidence(text, hint="3.1", explains=EXPLAINS)
+
+
+def _frozen(run: Recording) -> str:
+    """Say that all commands are the same, though the robot's pose is another at each."""
+    twists, odom = run.twists().values, run.odometry()
+    same = len(twists) >= MANY and np.ptp(twists, axis=0).max() == 0.0 and twists.any()
+    if not same or not run.outcome.completed or np.ptp(odom.x) + np.ptp(odom.y) < FAR:
+        return ""
+    return (
+        f"all {len(twists)} commands of {run.name} are the same to the last digit, though each "
+        "message on /odom had another pose. Does a loop or a sleep in one callback keep the others "
+        "from being called? Return, and let the timer call again; or is the pose kept nowhere?"
+    )
 
 
 def _in_common(turns: Sequence[tuple[Quest, Pose, float]]) -> str:

@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from grader.checks.case import Case, exactly
@@ -79,12 +80,31 @@ def test_what_all_turns_share_is_said(
 ) -> None:
     turns = [(goal, pose, turn(goal, pose)) for goal in GOALS for pose in POSES]
     monkeypatch.setattr(causes, "bench_turns", lambda run: turns)
-    run: Any = SimpleNamespace(outcome=SimpleNamespace(completed=True))
+    run: Any = _run(np.zeros((0, 6)))
 
     found = causes.seen({causes.BENCH: run}, ["turns_short_way"])
 
     assert said in (found.text if found else "")
     assert bool(said) == bool(found)
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_commands_that_never_change_are_said_to_be_so(same: bool) -> None:
+    twists = np.tile([0.3, 0.0, 0.0, 0.0, 0.0, 0.4], (30, 1))
+    twists[-1, 5] += 0.0 if same else 1e-9
+
+    found = causes.seen({"goal_far": _run(twists)}, ["warns"])
+
+    assert (found is not None and "the same to the last digit" in found.text) is same
+
+
+def _run(twists: Any) -> Any:
+    x = np.linspace(0.0, 3.0, 50)
+    return SimpleNamespace(
+        name="goal_far", outcome=SimpleNamespace(completed=True),
+        twists=lambda: SimpleNamespace(values=twists),
+        odometry=lambda: SimpleNamespace(x=x, y=x),
+    )  # fmt: skip
 
 
 def _said(value: float | None) -> dict[str, float]:
