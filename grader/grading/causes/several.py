@@ -1,8 +1,8 @@
 """What the failures of several checks on one answer have in common.
 
-A check's help is about its own subject, such as what is behind the robot. If checks of other tasks
-fail on the same field of the same answers, it is not that subject that went wrong. Then what the
-answers have in common is said, or the help of the check that is named after the field.
+A check's help is about its own subject, such as what is behind the robot. If the check that is
+named after the wrong field fails, too, its help is given instead. If checks of other tasks fail on
+that field, the subject is not what went wrong: what the answers have in common is said.
 """
 
 from __future__ import annotations
@@ -49,16 +49,16 @@ def cause_of_several(exercise: Exercise, failed: Sequence[Failed], trials: ByNam
     """Return what the checks of several tasks that fail on one field of the answers show."""
     field = asked(failed[0])
     same = [check for check in failed if field and asked(check) == field]
-    if len({check.task for check in same}) < 2:
-        return None
     names = {field, *TOPIC.findall(failed[0].message)}
-    for check in same:
-        if check.id in names or check.id.removesuffix("s") in names:
-            others = [each for each in same if each is not check]
-            return Cause.of(
-                exercise, f"{check.message}. {check.help}", [check, *others],
-                hint=hint_for(exercise, [check]), all_of_it=True,
-            )  # fmt: skip
+    named = [c for c in failed if same and {c.id, c.id.removesuffix("s")} & names]
+    if named and failed[0] not in named:
+        check = named[0]
+        return Cause.of(
+            exercise, f"{check.message}. {check.help}", [check, *same],
+            hint=hint_for(exercise, [check]), all_of_it=True,
+        )  # fmt: skip
+    if named or len({check.task for check in same}) < 2:
+        return None
     runs = [trials[check.scenario] for check in same if check.scenario in trials]
     rows = []
     for run in dict.fromkeys(runs):

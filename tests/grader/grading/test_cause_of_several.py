@@ -49,6 +49,15 @@ def test_the_check_that_is_named_after_the_field_gives_its_help() -> None:
     assert set(cause.explains) == {check.id for check in failed}
 
 
+def test_that_check_may_fail_on_another_field() -> None:
+    failed = [_failed("looks_ahead", 2), _failed("closing_speed", 3, "count = “1”")]
+
+    cause = cause_of_several(EXERCISE, failed, {})
+
+    assert cause is not None and cause.check == "closing_speed"
+    assert cause_of_several(EXERCISE, failed[::-1], {}) is None
+
+
 def test_checks_of_one_task_keep_their_help() -> None:
     assert cause_of_several(EXERCISE, [_failed("looks_ahead", 2), _failed("x", 2)], {}) is None
     other = _failed("blind", 4, "linear.x = 0.00 m/s")
