@@ -14,7 +14,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 MOST = 3  # sentences
 NAME = r"[\w.]{1,80}"
@@ -89,7 +89,7 @@ def _said(node: ast.AST, slip: str, *names: object) -> tuple[int, str]:
     return getattr(node, "lineno", 0), SAID[slip].format(*names)
 
 
-def _all(tree: ast.AST, *kinds: type) -> Iterator[ast.AST]:
+def _all(tree: ast.AST, *kinds: type) -> Iterator[Any]:
     return (node for node in _nodes(tree) if isinstance(node, kinds))
 
 
@@ -152,7 +152,7 @@ def _conditions(tree: ast.AST) -> Found:
             yield _said(test, "uncalled", _dotted(test))
 
 
-def _functions(tree: ast.AST) -> Found:
+def _functions(tree: Any) -> Found:
     functions = list(_all(tree, *FUNCTIONS))
     names = Counter(each.name for each in functions)
     silent = {
@@ -237,9 +237,10 @@ def _used_calls(tree: ast.AST) -> Iterator[tuple[ast.Call, ast.AST]]:
         yield from ((part, node) for part in parts if isinstance(part, ast.Call))
 
 
-def _says_nothing(function: ast.AST) -> bool:
+def _says_nothing(function: Any) -> bool:
     """Return whether a function returns nothing, and is neither a generator nor abstract."""
-    own, stack = [], list(function.body)
+    own: list[Any] = []
+    stack = list(function.body)
     while stack:
         node = stack.pop()
         own.append(node)
@@ -256,9 +257,9 @@ def _is_none(node: ast.AST | None) -> bool:
     return node is None or (isinstance(node, ast.Constant) and node.value is None)
 
 
-def _constants(tree: ast.AST) -> set[str]:
+def _constants(tree: Any) -> set[str]:
     """Return the names of a module's numbers and texts, and of those of its classes."""
-    found = set()
+    found: set[str] = set()
     for of in (tree, *_all(tree, ast.ClassDef)):
         for node in of.body:
             if isinstance(node, ast.Assign) and _is_true(node.value):
@@ -301,7 +302,7 @@ def _is_collection(node: ast.AST | None) -> bool:
 
 def _last(node: ast.AST | None) -> str:
     """Return the last name of `a.b.c`."""
-    return getattr(node, "attr", "") or getattr(node, "id", "")
+    return str(getattr(node, "attr", "") or getattr(node, "id", ""))
 
 
 def _dotted(node: ast.AST) -> str:

@@ -59,9 +59,9 @@ def cause_of_several(exercise: Exercise, failed: Sequence[Failed], trials: ByNam
         )  # fmt: skip
     if named or len({check.task for check in same}) < 2:
         return None
-    runs = [trials[check.scenario] for check in same if check.scenario in trials]
-    rows = []
-    for run in dict.fromkeys(runs):
+    names = {check.scenario or "" for check in same}
+    rows: list[_Row] = []
+    for run in (run for name, run in trials.items() if name in names):
         try:
             rows += _rows(oracle_of(exercise)(run), field)
         except Exception:  # what the node sent can't be read: the check says so
@@ -124,8 +124,10 @@ def _rows(cases: Sequence[Case], field: str) -> list[_Row]:
     for case in cases:
         if next(iter(case.allowed), "") == field:
             allowed = case.allowed[field]
-            one = not isinstance(allowed, frozenset) and len({n for p in allowed for n in p}) == 1
-            rows.append(_Row(case, case.said.get(field), allowed[0][0] if one else math.nan))
+            right = math.nan
+            if not isinstance(allowed, frozenset) and len({n for p in allowed for n in p}) == 1:
+                right = allowed[0][0]
+            rows.append(_Row(case, case.said.get(field), right))
     return rows
 
 
