@@ -24,6 +24,8 @@ class Check:
 
     id: str
     message: str = ""
+    expected: str = ""
+    task: int = 0
     actual: str = ""
     time: float | None = None
     scenario: str | None = None
@@ -184,7 +186,7 @@ def test_a_thread_that_died_is_named_with_its_line(run_node: RunNode) -> None:
 @pytest.mark.parametrize("help_", ["It has to end.", "Does the loop of line 5, `while True:` end?"])
 def test_a_hang_names_its_loop_once(help_: str) -> None:
     detail = "in the constructor\nagent.py, line 6, in work\n    pass\nloop: line 5, `while True:`"
-    trial = SimpleNamespace(name="x", outcome=Outcome("hung", "hung", 0.0, detail))
+    trial = SimpleNamespace(name="x", log=(), outcome=Outcome("hung", "hung", 0.0, detail))
     failed = [Check("wiring", scenario="x", where="line 6", help=help_)]
 
     cause = find_cause(EXERCISE, failed, [trial])  # type: ignore[list-item]
