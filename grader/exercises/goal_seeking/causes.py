@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from grader.checks.verdict import Evidence, Trials
-from grader.exercises.goal_seeking.contract import TURNS, UNSURE, Pose, Quest, bench_turns
+from grader.exercises.goal_seeking.contract import CONTRACT, TURNS, UNSURE, Pose, Quest, bench_turns
 from grader.recording import Recording
 
 BENCH = "goal_turns"
@@ -44,7 +44,12 @@ def _frozen(run: Recording) -> str:
     """Say that all commands are the same, though the robot's pose is another at each."""
     twists, odom = run.twists().values, run.odometry()
     same = len(twists) >= MANY and np.ptp(twists, axis=0).max() == 0.0 and twists.any()
-    if not same or not run.outcome.completed or np.ptp(odom.x) + np.ptp(odom.y) < FAR:
+    if (
+        not same
+        or abs(twists[0, 5]) >= CONTRACT.limits.turning
+        or not run.outcome.completed
+        or np.ptp(odom.x) + np.ptp(odom.y) < FAR
+    ):
         return ""
     return (
         f"all {len(twists)} commands of {run.name} are the same to the last digit, though each "
