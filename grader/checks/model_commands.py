@@ -7,7 +7,7 @@ from functools import partial
 
 from grader.checks.case import Case, Runs
 from grader.checks.contract import free_from
-from grader.checks.predictions import CALLED, PREDICT, loads, model_file
+from grader.checks.predictions import CALLED, OTHERWISE, PREDICT, loads, model_file
 from grader.checks.verdict import fail
 from grader.checks.words import TOLERANCE, answers_once, follows, keeps_distance, logs
 from grader.recording import Recording
@@ -85,6 +85,8 @@ def _explain(recording: Recording, case: Case) -> str:
     for line in reversed(recording.log):
         if line.level in ERRORS and (case.at <= line.t < later or line.t < first):
             return f"The node's log says: {line.text.strip()[:300]}"
+    if case.said.get(PREDICT) == OTHERWISE:
+        return "The model was asked, but about other features than this scan has: log all five."
     if case.said.get(PREDICT, CALLED) != CALLED:
         return "Ask the model about the features of each scan, and publish what it says."
     if not case.wrong(HALF_A_CENTIMETRE):

@@ -28,6 +28,7 @@ TOLERANCE = 5e-5  # [m/s] of a prediction
 BROKEN = ("garbage", "empty", "pickled", "foreign")  # in files that hold no model of their format
 SPEED, PREDICT = "linear.x", "predict"
 CALLED = "called"  # about this scan
+OTHERWISE = f"{CALLED} with other features"
 
 # models that brake in good time, for drives
 SCALE, OFFSET = 0.5, -0.35  # of the distance [m]: 0 at 0.7 m, 0.5 m/s at 1.7 m
@@ -127,7 +128,7 @@ def _of_kept(
     """Return the case with what the model was asked: the right speed may be computed without it."""
     said = [_clip(s, limit) for question in asked for s in question.said if math.isfinite(s)]
     fits = {speed for speed in (0.0, *said) if among(speed, right, TOLERANCE)} if asked else set()
-    called = CALLED if fits or not said else f"{CALLED} with other features"
+    called = CALLED if fits or not said else OTHERWISE
     return replace(
         case,
         allowed={SPEED: exactly(*sorted(fits)) or right, PREDICT: frozenset({CALLED})},

@@ -9,6 +9,7 @@ import difflib
 import dis
 import importlib.util
 import re
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import BuiltinMethodType, FunctionType, MethodType, ModuleType
 from typing import Any
@@ -22,9 +23,12 @@ NO_VALUE = (
     "something is None: does every path of the function that made it `return` a value, also at "
     "the limits, and has the first message come?"
 )
+HANDED = (
+    "ROS hands a timer's callback nothing, a topic's the message, a service's request, response"
+)
 CALLED = (
-    "is a method called where it should only be named? Write self.scan_callback, without brackets: "
-    "ROS calls it. A method's first parameter is self"
+    f"{HANDED}. Or is a method called where it should only be named, self.scan_callback without "
+    "brackets?"
 )
 PARAMETER = "get_parameter('…') gives a Parameter; its value is get_parameter('…').value"
 
@@ -109,7 +113,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "TypeError",
         r"takes \d+ positional arguments? but \d+ (was|were) given",
-        "does the method's first parameter say self? Python hands over the object itself, too",
+        f"does the method's first parameter say self? And {HANDED}",
     ),
     ("TypeError", r"for \^", "`^` is not a power in Python: write x**2"),
     ("TypeError", r"'Parameter'", PARAMETER),
@@ -186,7 +190,8 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "ValueError",
         r"truth value of an array",
-        "a comparison of an array gives many answers: use .any(), .all() or a mask",
+        "an array is many answers: `is None` asks whether there is one, & and | combine two "
+        "(each in brackets), .any() or .all() makes one of them",
     ),
     (
         "ValueError",
@@ -427,12 +432,22 @@ def _self_in(error: Any) -> Any:
 def _name(error: Any) -> str:
     """Say that `self.` is missing, where the object has an attribute of that name."""
     name, owner = getattr(error, "name", None), _self_in(error)
+    if name == "self":
+        return "only a method has self, as its first parameter: hand a function what it needs"
     if isinstance(name, str) and owner is not None and name in {*vars(owner), *dir(type(owner))}:
         return f"is it self.{name}?"
     return ""
 
 
+def _import(error: Any) -> str:
+    """Say which name of a module is nearest to one that it lacks."""
+    module, name = sys.modules.get(str(error.name)), re.search(r"import name '(\w+)'", str(error))
+    near = difflib.get_close_matches(name[1], dir(module), n=1) if module and name else []
+    return f"is it {near[0]}?" if near else ""
+
+
 SPECIAL: dict[str, Callable[[Any], str]] = {
+    "ImportError": _import,
     "AttributeError": _attribute,
     "NameError": _name,
     "ModuleNotFoundError": _module,

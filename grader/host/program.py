@@ -16,7 +16,8 @@ from pathlib import Path
 
 from . import deaths, hints, imports, randomness
 from .frames import ASKED_TO_END, NO_NODE, ProgramStart, Start
-from .source import compiled, defined_twice
+from .slips import slips
+from .source import compiled
 from .virtual import signals
 from .virtual.session import Session
 
@@ -89,7 +90,7 @@ def run_file(
         code = compiled(program.file)
         if program.entry:
             code = compile(_starter(program.entry), "<ros2 run>", "exec", dont_inherit=True)
-        for said in defined_twice(program.file):
+        for said in slips(Path(program.file).read_bytes()):
             print(said, file=sys.stderr)
     except (SyntaxError, ValueError) as error:  # ValueError: null bytes
         return "syntax_error", _syntax_error_text(error), _detail(error, program)

@@ -96,10 +96,15 @@ IMPORTS = {  # names: the line that brings them
     "Odometry": r"from nav_msgs.msg import \1",
     "Node": r"from rclpy.node import \1",
 }  # fmt: skip
+FROM = {names: line for names, line in IMPORTS.items() if line.startswith("from")}
+MODULES = "math|time|json|random|statistics|threading|pickle|onnxruntime|numpy|torch|keras|joblib"
+QOS = API + "rclpy.qos.html"
 RULES = (
+    Rule("TypeError", r"Expected QoSProfile or int.*QoSPresetProfiles", "",
+         "a preset is not yet a profile, its value is: QoSPresetProfiles.SENSOR_DATA.value", QOS),
     *(
         Rule(kind, text, rf"\b{name}\s*\(", f"the arguments are, in this order: {ORDER[name]}, "
-             f"as in self.{call}", NODES)
+             f"as in self.{call}; any others are named", NODES)
         for name, call in CREATE.items()
         for kind, text in WRONG_ORDER
     ),
@@ -131,10 +136,20 @@ RULES = (
          "next callback go on", DEADLOCKS),
     Rule("InvalidHandle", "", "", "what is used here was destroyed before: does something come "
          "after destroy_node() or rclpy.shutdown()?", NODES),
+    Rule("ValueError", r"name '.*\{.*unknown substitution", "",
+         "the braces are still in the name: f before the text puts values in their place", PYTHON),
     Rule("InvalidTopicNameException", "", "",
          "the name of a topic has letters, digits, _ and /, and no blanks or dashes", NODES),
     Rule("InvalidNodeNameException", "", "",
          "the name of a node has letters, digits and _, no blanks, dashes or /", NODES),
+    Rule("InvalidQoSProfileException", r"[Dd]epth", "",
+         "give the profile a depth: QoSProfile(depth=10, …)", QOS),
+    Rule("TypeError", r"QoSProfile.*takes 1 positional", "",
+         "a profile takes its settings by name: QoSProfile(depth=10)", QOS),
+    Rule("TypeError", r"\binit\(\) takes 0 positional", r"rclpy\.init",
+         "rclpy.init takes its arguments by name: rclpy.init(args=args)", API),
+    Rule("TypeError", r"^$", r"\bspin\w*\(",
+         "a callback of a service has to give its answer back: `return response`", NODES),
     # queue_size, latch and other arguments of ROS 1
     Rule("TypeError", r"unexpected keyword argument 'queue_size'", "",
          "queue_size is ROS 1's: in ROS 2 the depth is the last argument, as in "
@@ -145,6 +160,8 @@ RULES = (
     Rule("TypeError", r"unexpected keyword argument '(tcp_nodelay|buff_size|anonymous|oneshot)'",
          "", "ROS 1 alone has \\1: leave it out", MIGRATION),
     # time
+    Rule("AttributeError", r"'Time' object has no attribute '(?:sec|nanosec)'", r"publish\(",
+         "a stamp takes a message: self.get_clock().now().to_msg()", TIMES),
     Rule("AttributeError", r"'(Time|Duration)' object has no attribute '(?:to_n?secs?|secs|nsecs|"
          r"toSec|seconds)' \(a message\)", "",
          "a stamp has the fields sec and nanosec: stamp.sec + stamp.nanosec / 1e9 are its seconds",
@@ -195,6 +212,15 @@ RULES = (
          "a session takes a dict of its inputs: session.run(None, {name: array}), with the name of "
          "session.get_inputs()[0]", "https://onnxruntime.ai/docs/api/python/api_summary.html"),
     # messages
+    Rule("RuntimeError", r"service type provided is not valid", "",
+         "a service's type is the whole of it, such as Trigger, which has Request and Response",
+         NODES),
+    Rule("AttributeError", r"'(?:float|int)' object has no attribute '[xyz]'", r"publish\(",
+         "a number stands where a vector belongs: twist.linear.x = …, not twist.linear = …", NODES),
+    Rule("TypeError", r"^expected a sequence in '(\w+)'", "",
+         "\\1 takes a list, also of one: \\1=[…]", NODES),
+    Rule("TypeError", r"^dict is not a sequence", "", "a list of messages takes no dict: "
+         "[KeyValue(key=key, value=text) for key, text in texts.items()]", NODES),
     Rule("TypeError", r"^'(\w+)' object is not (?:iterable|subscriptable)|"
          r"^object of type '(?:\w+)' has no len", r"\bscan\b(?!\.)",
          "a scan is a message with fields; its readings are scan.ranges",
@@ -205,7 +231,40 @@ RULES = (
          "publish() takes one message: make it, fill its fields, publish it", NODES),
     Rule("AttributeError", r"has no attribute 'get_num_connections'", "",
          "in ROS 2 it is get_subscription_count()", MIGRATION),
+    Rule("IndexError", "", r"\branges\s*\[\s*-?\d+", "which beam that is, and whether there is "
+         "one, the scan says: beam i looks at angle_min + i * angle_increment, for i in "
+         "range(len(scan.ranges))", "https://docs.ros.org/en/jazzy/p/sensor_msgs/msg/LaserScan.html"),
+    Rule("TypeError", r"type ndarray is not JSON", "",
+         "an array is several numbers: take the one that is meant, such as float(array.max())",
+         "https://docs.python.org/3/library/json.html"),
+    Rule("TypeError", r"type (Time|Duration) is not JSON", "",
+         "JSON has no \\1: make seconds of it, stamp.sec + stamp.nanosec / 1e9",
+         "https://docs.python.org/3/library/json.html"),
     # Python
+    Rule("TypeError", r"must be integer, not 'slice'", "", "a deque has no slices: "
+         "list(memory)[-10:], or let deque(maxlen=10) keep the last ten by itself",
+         "https://docs.python.org/3/library/collections.html#collections.deque"),
+    Rule("AttributeError", r"'maxlen' of 'collections.deque' objects is not writable", "",
+         "a deque gets its length when it is made: deque(maxlen=10)",
+         "https://docs.python.org/3/library/collections.html#collections.deque"),
+    Rule("AttributeError", r"^can't set attribute|cannot assign to field", "", "a NamedTuple or a "
+         "frozen dataclass can't be changed: make a new one, or give the value a name of its own",
+         "https://docs.python.org/3/library/collections.html#collections.somenamedtuple._replace"),
+    Rule("TypeError", r"must have 'read' and 'readline'", "",
+         "pickle.load takes an open file: with open(path, 'rb') as file: pickle.load(file)",
+         "https://docs.python.org/3/library/pickle.html#pickle.load"),
+    Rule("TypeError", r"must have a 'write' attribute|must be str, not bytes$", "",
+         "a pickle is bytes: with open(path, 'wb') as file: pickle.dump(model, file)",
+         "https://docs.python.org/3/library/pickle.html#pickle.dump"),
+    Rule("UnboundLocalError", rf"'({MODULES})'", "",
+         "\\1 is given a value in this function, and so hides the module: rename one", PYTHON),
+    Rule("UnboundLocalError", r"'(e|ex|exc|err|error|exception)'", "",
+         "\\1 is there only inside its `except … as \\1:`, and nothing was caught here", PYTHON),
+    *(Rule(kind, rf"(?:cannot import name|module '[\w.]+' has no attribute) '({names})'", "",
+           f"it is elsewhere: {line}", PYTHON)
+      for names, line in FROM.items() for kind in ("ImportError", "AttributeError")),
+    Rule("NameError", r"name '(onnxruntime|numpy|torch|keras|joblib|pickle)'", "",
+         "`import \\1` is missing, or `import \\1 as …` has given it another name", PYTHON),
     Rule("ZeroDivisionError", "", r"\batan\(",
          "math.atan2(dy, dx) takes both, knows all four quadrants and never divides",
          "https://docs.python.org/3/library/math.html#math.atan2"),
@@ -229,6 +288,8 @@ RULES = (
     Rule("NameError", r"name 'rospy'", "", "that is ROS 1; in ROS 2 it is rclpy", MIGRATION),
     *(Rule("NameError", rf"name '({names})'", "", f"an import is missing: {line}", PYTHON)
       for names, line in IMPORTS.items()),
+    Rule("Exception", "", r"^\s*raise\b", "this line raises it, and what leaves a callback ends "
+         "the node: catch it there, and say what happened", PYTHON),
 )  # fmt: skip
 _COMPILED = [(rule, re.compile(rule.text), re.compile(rule.line)) for rule in RULES]
 

@@ -9,7 +9,6 @@ Source: CPython 3.11, Parser/tokenizer.c, `tok_underflow_file` and `check_coding
 
 from __future__ import annotations
 
-import ast
 import codecs
 import re
 from pathlib import Path
@@ -18,7 +17,6 @@ from types import CodeType
 DECLARED = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")  # PEP 263
 EMPTY = re.compile(rb"[ \t\f]*(?:#|$)")  # or a comment: the declaration may be in the next line
 LINE = re.compile(rb"\r\n|\r|\n")
-MOST = 3  # sentences
 ADVICE = "but no encoding declared; see https://peps.python.org/pep-0263/ for details"
 
 
@@ -33,27 +31,6 @@ def compiled(file: str) -> CodeType:
     source = Path(file).read_bytes()
     _check_encoding(source, file)
     return compile(source, file, "exec", dont_inherit=True)
-
-
-def defined_twice(file: str) -> list[str]:
-    """Return a sentence for each method that a class defines twice: the second one counts.
-
-    Those with decorators may have reasons (`@property` and its setter).
-    """
-    found = []
-    for each in ast.walk(ast.parse(Path(file).read_bytes())):
-        if not isinstance(each, ast.ClassDef):
-            continue
-        lines: dict[str, int] = {}
-        for part in each.body:
-            if isinstance(part, ast.FunctionDef) and not part.decorator_list:
-                if part.name in lines:
-                    found.append(
-                        f"{each.name} defines {part.name} in line {lines[part.name]} and again in "
-                        f"line {part.lineno}, and the second one counts"
-                    )
-                lines[part.name] = part.lineno
-    return found[:MOST]
 
 
 def _check_encoding(source: bytes, file: str) -> None:

@@ -29,6 +29,8 @@ LINES = (
     (r"^(public|private|void|int|float|double|auto|const|var|let)\s+\w+", "a name needs no type "
      "before it: x = 0"),
     (r"^(function|func|fn)\s", "a function begins with `def`"),
+    (r"^(if|elif|while)\b([^=()]|[=!<>]=|\([^()]*\))*(?<![=!<>:])=(?!=)",
+     "a comparison is written ==: a single = gives a value"),
     (r"<>", "Python writes `!=`"),
 )  # fmt: skip
 

@@ -110,6 +110,17 @@ def seeking(recording: Recording) -> Iterator[tuple[float, float]]:
             begin = quest.end
 
 
+def bench_turns(recording: Recording) -> list[tuple[Quest, Pose, float]]:
+    """Return each pose of a bench at which the side is sure, and the turn rate there [rad/s]."""
+    run = _Run(recording)
+    return [
+        (quest, pose, said.get("angular.z", 0.0))
+        for quest in run.quests
+        for pose, said in run.held(quest)
+        if UNSURE < abs(quest.heading_error(pose)) < math.pi - UNSURE
+    ]
+
+
 class _Run:
     """What a node was sent in a trial, what it said, and the occasions that follow from it."""
 
@@ -133,13 +144,17 @@ class _Run:
 
     def bench(self, quest: Quest) -> Iterator[Case]:
         """Yield the speed and the turn for each pose that held for a tick or longer."""
+        for pose, said in self.held(quest):
+            straight = abs(quest.heading_error(pose)) < STRAIGHT
+            yield _speed(quest, pose.t, pose, said, straight=straight)
+            yield from _turn(quest, pose, said)
+
+    def held(self, quest: Quest) -> Iterator[tuple[Pose, Said]]:
+        """Yield each pose that held for a tick or longer, and the last command by its end."""
         for pose in self.poses:
             until = min(pose.end, quest.end)
             if quest.begin <= pose.t < min(until - REACTION, self.arrival(quest)):
-                said = self.said(pose.t, until)
-                straight = abs(quest.heading_error(pose)) < STRAIGHT
-                yield _speed(quest, pose.t, pose, said, straight=straight)
-                yield from _turn(quest, pose, said)
+                yield pose, self.said(pose.t, until)
 
     def way(self, quest: Quest) -> Iterator[Case]:
         """Yield the speed of each command on the way, for the farther of the last two poses."""

@@ -26,6 +26,7 @@ FEW = 3  # commands, to see a period
 LEAST = 6  # predictions, to see that they differ
 APART = 0.1  # [m/s]
 FAR = 1.5  # [m]
+QUOTED = 160  # [characters] of the log, beside which there are words
 SLOW = 0.05  # [m/s] and below says nothing
 ROBOTS_OWN = (0, 5)  # linear.x and angular.z
 
@@ -84,6 +85,7 @@ def _why_it_stands(recording: Recording) -> str:
     asks = any(not each.is_load for each in recording.inferences)
     for line, often in said.most_common(1):
         quoted, words = " ".join(line.split()), plain_words_on(line)
+        quoted = quoted if len(quoted) <= QUOTED else f"{quoted[:QUOTED]} …"
         times = "once" if often == 1 else f"{often} times"
         seen = f"every command is zero, and the node's log says {times}: “{quoted}”."
         if words:

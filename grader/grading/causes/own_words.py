@@ -11,6 +11,7 @@ import msgspec
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed
 from grader.host.plain_words import words_for
+from grader.host.slips import said_in
 from grader.link.log import LogLine
 
 OFTEN = 3  # times in a trial: once may be a model of ours that raises
@@ -23,25 +24,27 @@ SLIPS = re.compile(
 )
 ON_PURPOSE = re.compile(r"the model can't say|the model says|no model")  # our models' own words
 DEAD_THREAD = "Exception in thread "  # Python's own words
-TWICE = re.compile(
-    r"\w{1,80} defines \w{1,80} in line \d+ and again in line (?P<line>\d+), "
-    r"and the second one counts"
-)
 FRAME = re.compile(r'File "(?P<file>[^/"\n]{1,100})", line (?P<line>\d{1,6}), in (?P<function>\S+)')
 ENDS_WITH = re.compile(r"[A-Z]\w*(Error|Exception|Iteration|Interrupt)\b.*")
 NAMED = re.compile(r"\b([A-Z]\w*(?:Error|Exception|Argument))\b")
 SHAPE = re.compile(r"shape|rank|dimension|2D array|1D array|features|reshape|not defined|attribute")
 
 
-def defined_twice(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
-    """Return that a method is defined twice, which its host saw in the file."""
-    for line in _log_of(failed[0], trials):
-        if line.level == "stderr" and (match := TWICE.fullmatch(line.text.strip())):
-            text = f"{match[0]}. Is one of them the skeleton's, or a copy? Keep one."
-            return Cause(
-                text, failed[0].kind, f"line {match['line']}",
-                explains=tuple(check.id for check in failed), check=failed[0].id,
-            )  # fmt: skip
+def slip_in_file(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return the first line of the program that can't mean what it says, as its host saw it.
+
+    Where the node died, only if it is one of the lines of which it died, or what they call.
+    """
+    log = (line for recording in trials.values() for line in recording.log)
+    said = (line.text for line in log if line.level == "stderr")
+    where = failed[0].where
+    for slip in filter(None, map(said_in, said)):
+        if where and f"line {slip.line} " not in where and f"{slip.text.split()[0]}(" not in where:
+            continue
+        return Cause(
+            f"Line {slip.line}: {slip.text}.", failed[0].kind,
+            explains=tuple(check.id for check in failed), check=failed[0].id,
+        )  # fmt: skip
     return None
 
 

@@ -45,6 +45,8 @@ class Check:
 
     id: str = "clear_zone"
     message: str = "wrong speed"
+    expected: str = ""
+    task: int = 0
     actual: str = "0.0"
     time: float | None = 0.01
     scenario: str = "trial"

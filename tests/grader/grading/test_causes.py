@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from node_runs import RunNode
@@ -10,6 +11,7 @@ from node_runs import RunNode
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.grading.causes import find_cause
 from grader.grading.causes.cause import hint_for
+from grader.grading.causes.own_words import slip_in_file
 from grader.grading.grading import grade
 from grader.recording import Outcome, Recording
 from grader.trial.trials import SavedTrials
@@ -24,6 +26,8 @@ class Check:
 
     id: str
     message: str = ""
+    expected: str = ""
+    task: int = 0
     actual: str = ""
     time: float | None = None
     scenario: str | None = None
@@ -181,10 +185,29 @@ def test_a_thread_that_died_is_named_with_its_line(run_node: RunNode) -> None:
     assert cause.where.endswith("in work")
 
 
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [
+        ("", True),
+        ("line 7 of agent.py, in f: self.report", True),
+        ("line 9 of agent.py, in f: self.report(speed)", True),  # which line 7 hides
+        ("line 9 of agent.py, in f: 1 / 0", False),
+    ],
+)
+def test_a_slip_is_a_cause_unless_the_node_died_of_another_line(where: str, said: bool) -> None:
+    text = "line 7: self.report gets a value here and hides the method report: "
+    lines = [SimpleNamespace(level="stderr", text=f"{text}give one another name")]
+    trial: Any = SimpleNamespace(log=lines)
+
+    cause = slip_in_file(EXERCISE, [Check("wiring", where=where)], {"x": trial})
+
+    assert (cause is not None and cause.text.startswith("Line 7: self.report")) is said
+
+
 @pytest.mark.parametrize("help_", ["It has to end.", "Does the loop of line 5, `while True:` end?"])
 def test_a_hang_names_its_loop_once(help_: str) -> None:
     detail = "in the constructor\nagent.py, line 6, in work\n    pass\nloop: line 5, `while True:`"
-    trial = SimpleNamespace(name="x", outcome=Outcome("hung", "hung", 0.0, detail))
+    trial = SimpleNamespace(name="x", log=(), outcome=Outcome("hung", "hung", 0.0, detail))
     failed = [Check("wiring", scenario="x", where="line 6", help=help_)]
 
     cause = find_cause(EXERCISE, failed, [trial])  # type: ignore[list-item]

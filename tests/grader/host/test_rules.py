@@ -12,13 +12,18 @@ from grader.host.deaths import account_of_syntax
 from grader.host.rules import RULES, wait_for_good
 
 PRELUDE = """
-import json, math, sys
+import json, math, pickle, sys
+import diagnostic_msgs.msg as d
 import numpy as np
+from collections import deque, namedtuple
+from dataclasses import dataclass
 import rclpy
 from builtin_interfaces.msg import Time as Stamp
+from diagnostic_msgs.msg import DiagnosticStatus as Status
 from geometry_msgs.msg import Twist
 from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSPresetProfiles, QoSProfile
 from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Trigger
@@ -105,6 +110,35 @@ MEANT = {
     "Odometry()": "from nav_msgs.msg import Odometry",
     "rospy.Rate(10)": "it is rclpy",
     "class P:\n    x = property(lambda self: 1)\nP().x = 2": "is a property",
+    "self.create_publisher(Twist, '/c', QoSPresetProfiles.SERVICES_DEFAULT)": "its value is",
+    "self.create_publisher(Twist, '/{side}/c', 10)": "f before the text",
+    "self.create_service(Trigger.Response, '/d', self.tick)": "the whole of it",
+    "t = Twist(); t.angular = 1; self.create_publisher(Twist, '/c', 10).publish(t)": "a vector",
+    "p = self.create_publisher(d.DiagnosticArray, '/da', 10).publish\n"
+    "p(d.DiagnosticArray(status=Status()))": "status=[…]",
+    "h = LaserScan(); h.header.stamp = Time()\nself.create_publisher(LaserScan, 's', 9).publish(h)":
+    "now().to_msg()",
+    "self.create_publisher(Status, '/st', 10).publish(Status(values={'a': 'b'}))": "takes no dict",
+    "QoSProfile(durability=DurabilityPolicy.VOLATILE)": "depth=10",
+    "QoSProfile(5)": "settings by name",
+    "rclpy.init(None)": "args=args",
+    "def spin_once(): raise TypeError\nspin_once()": "`return response`",
+    "scan.ranges[-1]": "angle_min + i * angle_increment",
+    "json.dumps({'c': np.zeros(3)})": "float(array.max())",
+    "json.dumps([self.get_clock().now()])": "JSON has no Time",
+    "deque([1, 2])[:1]": "deque(maxlen=10)",
+    "deque([1]).maxlen = 3": "when it is made",
+    "namedtuple('P', 'x')(1).x = 2": "can't be changed",
+    "dataclass(frozen=True)(type('P', (), {'__annotations__': {'x': int}}))(1).x = 2": "be changed",
+    "pickle.load('model.pkl')": "'rb'",
+    "pickle.dump(1, 'model.pkl')": "'wb'",
+    "pickle.dump(1, open('/dev/null', 'w'))": "'wb'",
+    "(lambda: [math := math.pi])()": "hides the module",
+    "def f():\n try: 1\n except ValueError as err: 2\n return err\nf()": "inside its `except … as",
+    "from std_msgs.msg import LaserScan": "from sensor_msgs.msg import LaserScan",
+    "rclpy.Node('n')": "from rclpy.node import Node",
+    "del pickle; pickle.dumps(1)": "`import pickle` is missing",
+    "raise ValueError('no scan')": "catch it there",
 }  # fmt: skip
 SYNTAX = {
     "```python\nimport math": "``` is Markdown",
@@ -132,6 +166,7 @@ SYNTAX = {
     "x = 'hello": "the quote that opened it",
     'x = """hello': "three quotes",
     "if x = 1:\n    pass": "a comparison is written ==",
+    "if f(a=1) >= 2 and y = 3:\n    pass": "a comparison is written ==",
     "f() = 1": "left of =",
     "x = 5m": "takes no unit",
     "return 1": "isn't indented like",

@@ -1,0 +1,135 @@
+"""What the failures of several checks on one answer have in common.
+
+A check's help is about its own subject, such as what is behind the robot. If the check that is
+named after the wrong field fails, too, its help is given instead. If checks of other tasks fail on
+that field, the subject is not what went wrong: what the answers have in common is said.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from grader.checks.case import Case, Said, among, spell_allowed
+from grader.checks.commands import spell
+from grader.checks.predictions import CALLED, OTHERWISE, PREDICT
+from grader.course.exercises import Exercise
+from grader.exercises import oracle_of
+from grader.grading.causes.cause import ByName, Cause, Failed, hint_for
+
+TOLERANCE = 0.01  # of a factor
+NEAR = 2e-3  # [m/s] and the like
+LEAST = 6  # answers
+TOPIC = re.compile(r"/(\w+)")
+MODEL = {  # how it was asked: what is said of it
+    f"not {CALLED}": "not asked about the scan. Does the callback get as far as predict?",
+    OTHERWISE: "asked about other features than the scan's. Log the five, and compare each with "
+    "its definition: which beams, which order, which unit?",
+}
+LOG = "Log what you decide on. Is it the same each time? Then look at where it is made from what "
+LOG += "comes in. If not: does the decision use it, and is the result published?"
+
+
+class _Row(NamedTuple):
+    """An answer in one field."""
+
+    case: Case
+    said: Said | None
+    right: float  # nan: it is no one number
+
+    @property
+    def wrong(self) -> bool:
+        return not among(self.said, next(iter(self.case.allowed.values())), NEAR)
+
+
+def cause_of_several(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return what the checks of several tasks that fail on one field of the answers show."""
+    field = asked(failed[0])
+    same = [check for check in failed if field and asked(check) == field]
+    names = {field, *TOPIC.findall(failed[0].message)}
+    named = [c for c in failed if same and {c.id, c.id.removesuffix("s")} & names]
+    if named and failed[0] not in named:
+        check = named[0]
+        return Cause.of(
+            exercise, f"{check.message}. {check.help}", [check, *same],
+            hint=hint_for(exercise, [check]), all_of_it=True,
+        )  # fmt: skip
+    if named or len({check.task for check in same}) < 2:
+        return None
+    names = {check.scenario or "" for check in same}
+    rows: list[_Row] = []
+    for run in (run for name, run in trials.items() if name in names):
+        try:
+            rows += _rows(oracle_of(exercise)(run), field)
+        except Exception:  # what the node sent can't be read: the check says so
+            continue
+    text = in_common(rows, field)
+    return Cause.of(exercise, text, same, all_of_it=True, own_hint=False) if text else None
+
+
+def asked(check: Failed) -> str:
+    """Return the field whose answer a check found wrong; "" if it asks something else."""
+    field, equals, _ = check.expected.partition(" = ")
+    return field if equals else ""
+
+
+def in_common(rows: Sequence[_Row], field: str) -> str:
+    """Return what the wrong answers have in common, in a sentence or two."""
+    wrong = [row for row in rows if row.wrong]
+    if len(rows) < LEAST or not wrong:
+        return ""
+    asked_of_model = {str(row.case.said.get(PREDICT, CALLED)) for row in wrong}
+    if len(asked_of_model) == 1 and (how := asked_of_model.pop()) != CALLED:
+        return (
+            f"in all {len(wrong)} answers that are wrong, of {len(rows)}, the model is {MODEL[how]}"
+        )
+    said = Counter(_shown(row.said) for row in rows)
+    (usual, times), *others = said.most_common()
+    if not others:
+        return f"{field} is {usual} in all {times} answers, whatever comes. {LOG}"
+    if text := _scaled(rows, field):
+        return text
+    pairs = Counter(
+        (_shown(row.said), spell_allowed(next(iter(row.case.allowed.values())))) for row in wrong
+    )
+    kinds = [f"{n} times {is_} where {right} is right" for (is_, right), n in pairs.most_common(2)]
+    rest = "; the others are right" if len(pairs) == len(kinds) else ""
+    first = wrong[0].case
+    return (
+        f"{len(wrong)} of {len(rows)} answers have a wrong {field}: {', '.join(kinds)}{rest}. The "
+        f"first is at {first.at:.2f} s, to {first.what}."
+    )
+
+
+def _scaled(rows: Sequence[_Row], field: str) -> str:
+    """Say that all answers are wrong by one factor."""
+    telling = [row for row in rows if abs(row.right) > TOLERANCE and isinstance(row.said, float)]
+    factors = [row.said / row.right for row in telling if isinstance(row.said, float)]
+    if len(factors) < LEAST or len({round(row.right, 2) for row in telling}) < 3:
+        return ""
+    least, most = min(factors), max(factors)
+    if not most - least <= TOLERANCE * abs(most) or abs(most - 1.0) <= TOLERANCE:
+        return ""
+    what = "has the wrong sign" if abs(most + 1.0) <= TOLERANCE else f"is {most:.4g} times too big"
+    return f"each of {len(factors)} answers {what}: {field} is {_shown(telling[0].said)}, not " + (
+        f"{spell(telling[0].right)}. Is there a slip of units, or of a sign?"
+    )
+
+
+def _rows(cases: Sequence[Case], field: str) -> list[_Row]:
+    rows = []
+    for case in cases:
+        if next(iter(case.allowed), "") == field:
+            allowed = case.allowed[field]
+            right = math.nan
+            if not isinstance(allowed, frozenset) and len({n for p in allowed for n in p}) == 1:
+                right = allowed[0][0]
+            rows.append(_Row(case, case.said.get(field), right))
+    return rows
+
+
+def _shown(said: Said | None) -> str:
+    return "nothing" if said is None else spell(said) if isinstance(said, float) else f"“{said}”"

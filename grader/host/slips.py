@@ -1,0 +1,313 @@
+"""Lines of a program that can't mean what they say, as linters know them: one rule a slip.
+
+Each is a fact about the file, whatever the node does: most have a number in flake8-bugbear, pylint
+or Ruff. What may be meant, such as `x or 5` for a default, is none. The host says them on stderr,
+and the judge takes no other sentence for one (`said_in`): a node may print what it likes.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import math
+import re
+from collections import Counter
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+MOST = 3  # sentences
+NAME = r"[\w.]{1,80}"
+SAID = {  # slip: the sentence, with names for {}
+    "twice": "{} defines {} in line {} and again here, and the second one counts",  # F811
+    "bare": "{} is only named here: brackets call a function",  # B018
+    "compares": "this compares, and nothing uses the answer: a single = gives a value",  # B015
+    "nan": "nothing equals NaN, not even NaN: math.isnan or math.isfinite asks",  # PLW0177
+    "is": "`is` asks for the same object: numbers and texts are compared by ==",  # F632
+    "tuple": "the comma at the end makes a tuple of the value: delete it",  # R1707
+    "or": "{} stands behind `or` uncompared, and counts as true: compare it, too",  # R1726
+    "uncalled": "{} has no brackets: the function itself always counts as true",  # W0126
+    "hides": "self.{} gets a value here and hides the method {}: give one another name",  # E0202
+    "nothing": "{} returns None only, and its result is used here: is a `return` missing?",  # E1111
+    "called": "{} is called here, and its None handed over: hand it over without brackets",
+    "unused": "{} defines {} here and neither calls nor returns it",  # W0612
+    "misspelt": "self.{} gets a value here and is never read: is self.{} meant?",
+    "once": "the default of {} is made once, when the file is read, and all calls share it",  # B008
+    "any": "{} is True or False, and no number: put the comparison inside",  # W0143
+    "bits": "& and | bind tighter than < and >: brackets belong around the comparison",
+    "in_loop": "this returns in the loop's first round what the loop collects: indent it less",
+}
+SENTENCE = re.compile(
+    r"line (?P<line>\d+): (?P<said>"
+    + "|".join(re.escape(text).replace(r"\{\}", NAME) for text in SAID.values())
+    + ")"
+)
+NUMBERS = ("inf", "pi", "nan")
+CLOCKS = ("time", "perf_counter", "perf_counter_ns", "monotonic", "time_ns", "now", "today")
+HANDED = ("add_done_callback", "create_timer", "create_subscription", "create_service", "submit",
+          "Thread", "Timer", "add_on_set_parameters_callback")  # fmt: skip
+COLLECTS = ("append", "appendleft", "add", "extend", "update", "insert")
+CALLABLE = {"np": ("isnan", "isfinite", "isinf", "any", "all"), "rclpy": ("ok",),
+            "math": tuple(name for name in dir(math) if callable(getattr(math, name)))}  # fmt: skip
+ALIKE = 0.8  # of two names
+FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+ORDER = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
+Found = Iterator[tuple[int, str]]
+
+
+def slips(source: bytes) -> list[str]:
+    """Return a sentence for each slip of a program, with its line, in their order; at most `MOST`.
+
+    Raises
+    ------
+    SyntaxError, ValueError
+        Python does not accept it.
+    """
+    tree = ast.parse(source)
+    looks = (_statements, _comparisons, _conditions, _functions, _classes, _loops)
+    try:
+        found = sorted({said for look in looks for said in look(tree)})
+    except RecursionError:  # a name of a thousand dots
+        return []
+    return [f"line {line}: {text}" for line, text in found[:MOST]]
+
+
+class Slip(NamedTuple):
+    """A sentence of `slips`, read again."""
+
+    line: int
+    text: str
+
+
+def said_in(text: str) -> Slip | None:
+    """Return the slip that a line of the log says; None if it says something else."""
+    match = SENTENCE.fullmatch(text.strip())
+    return Slip(int(match["line"]), match["said"]) if match else None
+
+
+def _said(node: ast.AST, slip: str, *names: object) -> tuple[int, str]:
+    return getattr(node, "lineno", 0), SAID[slip].format(*names)
+
+
+def _all(tree: ast.AST, *kinds: type) -> Iterator[Any]:
+    return (node for node in _nodes(tree) if isinstance(node, kinds))
+
+
+@lru_cache(maxsize=256)
+def _nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(tree))
+
+
+def _statements(tree: ast.AST) -> Found:
+    tried = {id(each) for node in _all(tree, ast.Try) for each in node.body}
+    for node in _all(tree, ast.Expr, ast.Assign):
+        value = node.value
+        if isinstance(node, ast.Expr) and id(node) not in tried:
+            if isinstance(value, ast.Compare):
+                yield _said(node, "compares")
+            elif name := _dotted(value):
+                yield _said(node, "bare", name)
+        elif isinstance(value, ast.Tuple) and len(value.elts) == 1:
+            bare = value.col_offset == value.elts[0].col_offset  # no bracket before it
+            yield from [_said(node, "tuple")] * bare
+
+
+def _comparisons(tree: ast.AST) -> Found:
+    for node in _all(tree, ast.Compare):
+        sides = [node.left, *node.comparators]
+        ordered = any(isinstance(op, ORDER) for op in node.ops)
+        for op, *pair in zip(node.ops, sides, node.comparators, strict=False):
+            if any(map(_is_nan, pair)) and not isinstance(op, ORDER):
+                yield _said(node, "nan")
+            elif any(map(_is_value, pair)) and isinstance(op, ast.Is | ast.IsNot):
+                yield _said(node, "is")
+        for side in sides if ordered else ():
+            if isinstance(side, ast.Call) and _dotted(side.func) in ("any", "all"):
+                yield _said(node, "any", _dotted(side.func))
+            if isinstance(side, ast.BinOp) and isinstance(side.op, ast.BitAnd | ast.BitOr):
+                yield _said(node, "bits")
+
+
+def _conditions(tree: ast.AST) -> Found:
+    constants = _constants(tree)
+    for node in _all(tree, ast.BoolOp):
+        compared = False
+        for each in node.values if isinstance(node.op, ast.Or) else ():
+            name = _dotted(each) or ("it" if isinstance(each, ast.Constant) else "")
+            if compared and (name in constants or (name == "it" and _is_true(each))):
+                yield _said(node, "or", name)
+            compared = compared or isinstance(each, ast.Compare)
+    methods = {
+        (f"self.{part.name}") for each in _all(tree, ast.ClassDef) for part in _methods(each)
+    }
+    known = methods | {f"{of}.{name}" for of, names in CALLABLE.items() for name in names}
+    tests = [node.test for node in _all(tree, ast.If, ast.While, ast.IfExp)]
+    while tests:
+        test = tests.pop()
+        if isinstance(test, ast.BoolOp):
+            tests += test.values
+        elif isinstance(test, ast.UnaryOp):
+            tests.append(test.operand)
+        elif _dotted(test) in known and not isinstance(getattr(math, _last(test), 0), float):
+            yield _said(test, "uncalled", _dotted(test))
+
+
+def _functions(tree: Any) -> Found:
+    functions = list(_all(tree, *FUNCTIONS))
+    names = Counter(each.name for each in functions)
+    silent = {
+        f"self.{each.name}" if isinstance(of, ast.ClassDef) else each.name
+        for of in (tree, *_all(tree, ast.ClassDef))
+        for each in of.body
+        if isinstance(each, FUNCTIONS) and names[each.name] == 1 and _says_nothing(each)
+    }
+    for used, by in _used_calls(tree):
+        if _dotted(used.func) in silent:
+            slip = "called" if _last(getattr(by, "func", None)) in HANDED else "nothing"
+            yield _said(used, slip, _last(used.func))
+    for each in functions:
+        read = {node.id for node in _all(each, ast.Name)}
+        for inner in each.body:
+            if isinstance(inner, FUNCTIONS) and not inner.decorator_list and inner.name not in read:
+                yield _said(inner, "unused", each.name, inner.name)
+        own, named = each.args.posonlyargs + each.args.args, each.args.kwonlyargs
+        defaults = [*zip(own[::-1], each.args.defaults[::-1], strict=False)]
+        for parameter, default in [*defaults, *zip(named, each.args.kw_defaults, strict=True)]:
+            clock = isinstance(default, ast.Call) and _last(default.func) in CLOCKS
+            if clock or (_is_collection(default) and parameter.arg in _collected(each)):
+                yield _said(each, "once", parameter.arg)
+
+
+def _classes(tree: ast.AST) -> Found:
+    read = {node.attr for node in _all(tree, ast.Attribute) if isinstance(node.ctx, ast.Load)}
+    for each in _all(tree, ast.ClassDef):
+        lines: dict[str, int] = {}
+        for part in _methods(each):
+            if part.name in lines:
+                yield _said(part, "twice", each.name, part.name, lines[part.name])
+            lines[part.name] = part.lineno
+        given = {
+            part.name: [n for n in _all(part, ast.Attribute)
+                        if isinstance(n.ctx, ast.Store) and _dotted(n) == f"self.{n.attr}"]
+            for part in _methods(each)
+        }  # fmt: skip
+        at_first = {node.attr for node in given.pop("__init__", ())}
+        later = [node for nodes in given.values() for node in nodes]
+        for node in _all(each, ast.Attribute):
+            given_here = isinstance(node.ctx, ast.Store) and _dotted(node) == f"self.{node.attr}"
+            if given_here and node.attr in lines:
+                yield _said(node, "hides", node.attr, node.attr)
+        only = sorted((at_first & read) - {node.attr for node in later})
+        for node in later:
+            if node.attr not in read | at_first:
+                for near in difflib.get_close_matches(node.attr, only, 1, ALIKE):
+                    yield _said(node, "misspelt", node.attr, near)
+
+
+def _loops(tree: ast.AST) -> Found:
+    for node in _all(tree, ast.For):
+        last = node.body[-1]
+        if isinstance(last, ast.Return) and last.value is not None:
+            added = {id(each.target) for each in _all(node, ast.AugAssign)}
+            names = [each for each in _all(node, ast.Name) if id(each) not in added]
+            anew = {each.id for each in names if isinstance(each.ctx, ast.Store)}
+            if (_collected(node) - anew) & {each.id for each in _all(last.value, ast.Name)}:
+                yield _said(last, "in_loop")
+
+
+def _methods(node: ast.ClassDef) -> list[ast.FunctionDef]:
+    """Return a class's methods without decorators, which may have reasons to be there twice."""
+    return [p for p in node.body if isinstance(p, ast.FunctionDef) and not p.decorator_list]
+
+
+def _collected(tree: ast.AST) -> set[str]:
+    """Return the names of what something is added to."""
+    calls = [node.func for node in _all(tree, ast.Call)]
+    added = [f.value for f in calls if isinstance(f, ast.Attribute) and f.attr in COLLECTS]
+    added += [node.target for node in _all(tree, ast.AugAssign)]
+    return {node.id for node in added if isinstance(node, ast.Name)}
+
+
+def _used_calls(tree: ast.AST) -> Iterator[tuple[ast.Call, ast.AST]]:
+    """Yield the calls whose result is given a name, computed with or handed over, and by what."""
+    for node in _all(tree, ast.Assign, ast.AnnAssign, ast.Compare, ast.BinOp, ast.Call):
+        parts = [getattr(node, name, None) for name in ("value", "left", "right")]
+        parts += [*getattr(node, "comparators", ()), *getattr(node, "args", ())]
+        parts += [each.value for each in getattr(node, "keywords", ())]
+        yield from ((part, node) for part in parts if isinstance(part, ast.Call))
+
+
+def _says_nothing(function: Any) -> bool:
+    """Return whether a function returns nothing, and is neither a generator nor abstract."""
+    own: list[Any] = []
+    stack = list(function.body)
+    while stack:
+        node = stack.pop()
+        own.append(node)
+        if not isinstance(node, (*FUNCTIONS, ast.Lambda, ast.ClassDef)):
+            stack += ast.iter_child_nodes(node)
+    returned = [node.value for node in own if isinstance(node, ast.Return)]
+    odd = isinstance(function, ast.AsyncFunctionDef) or function.decorator_list
+    odd = odd or any(isinstance(node, ast.Yield | ast.YieldFrom | ast.Raise) for node in own)
+    empty = all(isinstance(node, ast.Expr | ast.Pass) for node in function.body[:2])
+    return not (odd or (empty and len(function.body) <= 2)) and all(map(_is_none, returned))
+
+
+def _is_none(node: ast.AST | None) -> bool:
+    return node is None or (isinstance(node, ast.Constant) and node.value is None)
+
+
+def _constants(tree: Any) -> set[str]:
+    """Return the names of a module's numbers and texts, and of those of its classes."""
+    found: set[str] = set()
+    for of in (tree, *_all(tree, ast.ClassDef)):
+        for node in of.body:
+            if isinstance(node, ast.Assign) and _is_true(node.value):
+                start = f"{of.name}." if isinstance(of, ast.ClassDef) else ""
+                found |= {start + each.id for each in node.targets if isinstance(each, ast.Name)}
+    return found
+
+
+def _is_true(node: ast.AST) -> bool:
+    """Return whether this is a number or a text that counts as true."""
+    return (
+        isinstance(node, ast.Constant)
+        and isinstance(node.value, int | float | str | bytes)
+        and not isinstance(node.value, bool)
+        and bool(node.value)
+    )
+
+
+def _is_nan(node: ast.AST) -> bool:
+    name = _last(node).lower()
+    if isinstance(node, ast.Call) and _dotted(node.func) == "float" and node.args:
+        return isinstance(node.args[0], ast.Constant) and str(node.args[0].value).lower() == "nan"
+    return name == "nan"
+
+
+def _is_value(node: ast.AST) -> bool:
+    """Return whether this is a number or a text, for which `is` asks in vain."""
+    node = node.operand if isinstance(node, ast.UnaryOp) else node
+    return _last(node) in NUMBERS or (
+        isinstance(node, ast.Constant)
+        and isinstance(node.value, int | float | str)
+        and not isinstance(node.value, bool)
+    )
+
+
+def _is_collection(node: ast.AST | None) -> bool:
+    called = _last(node.func) if isinstance(node, ast.Call) else ""
+    return isinstance(node, ast.List | ast.Dict | ast.Set) or called in ("list", "dict", "deque")
+
+
+def _last(node: ast.AST | None) -> str:
+    """Return the last name of `a.b.c`."""
+    return str(getattr(node, "attr", "") or getattr(node, "id", ""))
+
+
+def _dotted(node: ast.AST) -> str:
+    """Return `a.b.c` as it is written; "" if it is something else."""
+    if isinstance(node, ast.Attribute):
+        start = _dotted(node.value)
+        return f"{start}.{node.attr}" if start else ""
+    return node.id if isinstance(node, ast.Name) else ""

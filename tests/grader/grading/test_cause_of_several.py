@@ -1,0 +1,131 @@
+"""Several tasks' checks that fail on one field: what the answers share is said, and no help."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from grader.checks.case import Case, exactly
+from grader.checks.predictions import CALLED, PREDICT
+from grader.course.exercises import find_exercise
+from grader.exercises.goal_seeking import causes
+from grader.exercises.goal_seeking.contract import Pose, Quest
+from grader.grading.causes.several import _rows, cause_of_several, in_common
+
+EXERCISE = find_exercise("trend_memory")
+RIGHT = (0.5, 0.15, 0.0, 0.5, 0.3, -0.2, 0.15, 0.0)
+ANSWERS = {  # what is said where so much is right: what is said of it
+    lambda right: 0.0: "data is 0.00 in all 8 answers",
+    lambda right: None: "data is nothing in all 8 answers",
+    lambda right: -right: "has the wrong sign: data is -0.50, not 0.50",
+    lambda right: 1000.0 * right: "is 1000 times too big",
+    lambda right: right or 0.15: "2 of 8 answers have a wrong data: 2 times 0.15 where 0.00 is",
+    lambda right: min(right, 0.1): "5 of 8 answers",
+    lambda right: right: "",
+}
+
+
+@pytest.mark.parametrize(("answer", "said"), ANSWERS.items(), ids=list(ANSWERS.values()))
+def test_what_wrong_answers_share_is_said(answer: Any, said: str) -> None:
+    cases = [
+        Case(float(i), "a scan", allowed={"data": exactly(right)}, said=_said(answer(right)))
+        for i, right in enumerate(RIGHT)
+    ]
+
+    text = in_common(_rows(cases, "data"), "data")
+
+    assert said in text
+    assert bool(said) == bool(text)
+
+
+def test_the_check_that_is_named_after_the_field_gives_its_help() -> None:
+    failed = [_failed("looks_ahead", 2), _failed("forgets_old", 2), _failed("closing_speed", 3)]
+
+    cause = cause_of_several(EXERCISE, failed, {})
+
+    assert cause is not None
+    assert (cause.check, cause.text) == ("closing_speed", "Wrong data on /closing_speed. help 3")
+    assert set(cause.explains) == {check.id for check in failed}
+
+
+def test_that_check_may_fail_on_another_field() -> None:
+    failed = [_failed("looks_ahead", 2), _failed("closing_speed", 3, "count = “1”")]
+
+    cause = cause_of_several(EXERCISE, failed, {})
+
+    assert cause is not None and cause.check == "closing_speed"
+    assert cause_of_several(EXERCISE, failed[::-1], {}) is None
+
+
+def test_checks_of_one_task_keep_their_help() -> None:
+    assert cause_of_several(EXERCISE, [_failed("looks_ahead", 2), _failed("x", 2)], {}) is None
+    other = _failed("blind", 4, "linear.x = 0.00 m/s")
+    assert cause_of_several(EXERCISE, [_failed("looks_ahead", 2), other], {}) is None
+
+
+GOALS = [Quest(0.0, 9.0, x, y) for x, y in ((2.0, 1.0), (-2.0, 1.0), (1.0, -2.0), (-1.0, -2.0))]
+POSES = [Pose(float(i), i + 1.0, 0.0, 0.0, yaw) for i, yaw in enumerate((0.9, -2.0, 2.8, -2.9))]
+TURNS = {  # the turn rate at a goal and a pose: what is said of it
+    Quest.heading_error: "",
+    causes._bearing: "as if it looked along x",
+    lambda goal, pose: -goal.heading_error(pose): "to the wrong side. Bearing minus",
+    lambda goal, pose: 1.0: "turns left. Can the angle",
+    causes._raw: "",  # the check's help is about wrapping
+    lambda goal, pose: causes.math.atan2(goal.x, goal.y) - pose.yaw: "Log both",
+}
+
+
+def test_a_model_that_is_asked_something_else_is_said_to_be() -> None:
+    said = {"linear.x": 0.1, PREDICT: f"{CALLED} with other features"}
+    case = Case(1.0, "a scan", allowed={"linear.x": exactly(0.3)}, said=said)
+
+    assert "other features than" in in_common(_rows([case] * 8, "linear.x"), "linear.x")
+
+
+@pytest.mark.parametrize(("turn", "said"), TURNS.items())
+def test_what_all_turns_share_is_said(
+    monkeypatch: pytest.MonkeyPatch, turn: Any, said: str
+) -> None:
+    turns = [(goal, pose, turn(goal, pose)) for goal in GOALS for pose in POSES]
+    monkeypatch.setattr(causes, "bench_turns", lambda run: turns)
+    run: Any = _run(np.zeros((0, 6)))
+
+    found = causes.seen({causes.BENCH: run}, ["turns_short_way"])
+
+    assert said in (found.text if found else "")
+    assert bool(said) == bool(found)
+
+
+@pytest.mark.parametrize(
+    ("rate", "more", "same"),
+    [(0.4, 0.0, True), (0.4, 1e-9, False), (-1.9, 0.0, False)],  # at its limit it may be right
+)
+def test_commands_that_never_change_are_said_to_be_so(rate: float, more: float, same: bool) -> None:
+    twists = np.tile([0.3, 0.0, 0.0, 0.0, 0.0, rate], (30, 1))
+    twists[-1, 5] += more
+
+    found = causes.seen({"goal_far": _run(twists)}, ["warns"])
+
+    assert (found is not None and "the same to the last digit" in found.text) is same
+
+
+def _run(twists: Any) -> Any:
+    x = np.linspace(0.0, 3.0, 50)
+    return SimpleNamespace(
+        name="goal_far", outcome=SimpleNamespace(completed=True),
+        twists=lambda: SimpleNamespace(values=twists),
+        odometry=lambda: SimpleNamespace(x=x, y=x),
+    )  # fmt: skip
+
+
+def _said(value: float | None) -> dict[str, float]:
+    return {} if value is None else {"data": value}
+
+
+def _failed(name: str, task: int, expected: str = "data = 0.50") -> Any:
+    message = "wrong data on /closing_speed"
+    return SimpleNamespace(
+        id=name, task=task, kind="core", message=message, expected=expected, help=f"help {task}",
+        where="", scenario=None, hint="", time=None,
+    )  # fmt: skip
