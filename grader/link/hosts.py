@@ -24,6 +24,7 @@ from grader.host.kinds import LIVE, NODES, SCRIPTS
 from grader.host.sandbox.kernel_filters import NEWEST, hide_memory
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
 from grader.host.sandbox.users import USERS, closed_ancestor, prefer
+from grader.link import real_clock
 from grader.link.host_process import HostProcess
 from grader.link.interpreter import left_out, with_needs
 from grader.link.link import Link
@@ -53,7 +54,8 @@ LIVE_DDS = {  # it never leaves the machine
 }
 SILENT = "it said nothing; if the machine is very busy, try again"
 SHARED_OBJECT = "shared object file"  # the dynamic linker's words for a library it can't find
-FORK_SERVER_START = 60.0  # [s] for the imports of a cold machine
+FORK_SERVER_START = 60.0  # [s] for the imports of a cold machine; anew while they get on
+GETS_ON = 0.1  # [s] of CPU time
 
 
 class ForkServer:
@@ -278,13 +280,24 @@ class ForkServer:
                 return
             self._control.settimeout(FORK_SERVER_START)
             try:
-                hello = msgspec.json.decode(self._control.recv(4096), type=Hello)
+                hello = msgspec.json.decode(self._hear(), type=Hello)
             except (OSError, msgspec.DecodeError) as error:
                 raise GraderError(f"no host for students' nodes: {self._why()}") from error
             self._means = hello
             self._ready = True
             if self._kind == LIVE:  # it forks hosts while a trial in real time is running
                 prefer(self._process.pid)
+
+    def _hear(self) -> bytes:
+        """Return the first words of the fork server, for which a busy machine may need minutes."""
+        used = 0.0
+        while True:
+            try:
+                return self._control.recv(4096)
+            except TimeoutError:
+                before, used = used, real_clock.cpu_time(self._process.pid)
+                if not used - before >= GETS_ON:  # nan where the system doesn't tell
+                    raise
 
     def _why(self) -> str:
         """Say why there is none: its last words, and what may help."""

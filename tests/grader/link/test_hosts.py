@@ -15,6 +15,7 @@ from grader.course.submission import Submission
 from grader.errors import GraderError
 from grader.host.sandbox.layers import CALLS, LAYERS
 from grader.host.sandbox.users import USERS
+from grader.link import hosts
 from grader.link.hosts import ForkServer
 from grader.link.ros_environment import RosEnvironment
 from grader.trial.virtual_time import run_trial
@@ -169,6 +170,24 @@ def test_ros_that_can_not_be_imported_is_the_graders_fault(
         assert faulty(forkserver, echo).startswith("no host for students' nodes: ")
 
 
+@pytest.mark.parametrize("used, heard", [([1.0, 2.0], True), ([1.0, 1.0], False)])
+def test_a_start_may_take_long_as_long_as_it_gets_on(
+    monkeypatch: pytest.MonkeyPatch, used: list[float], heard: bool
+) -> None:
+    monkeypatch.setattr(hosts, "FORK_SERVER_START", 1e-9)  # [s]
+    with ForkServer(EPOCH_NS) as forkserver:
+        control = forkserver._control
+
+        def cpu_time(pid: int) -> float:
+            if len(used) == 1:
+                control.settimeout(60.0)
+            return used.pop(0)
+
+        monkeypatch.setattr(hosts.real_clock, "cpu_time", cpu_time)
+        with contextlib.nullcontext() if heard else pytest.raises(GraderError, match="very busy"):
+            assert forkserver.layers
+
+
 @root_only
 def test_a_closed_folder_for_temporary_files_is_the_machines_fault(
     forkserver: ForkServer, echo: Submission, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -228,6 +247,7 @@ import json, os, tempfile
 from pathlib import Path
 from node_runs import PREAMBLE, short
 from grader.host.sandbox.layers import CALLS, LAYERS
+from grader.link import hosts
 from grader.link.hosts import ForkServer
 from grader.course.submission import Submission
 from grader.trial.virtual_time import run_trial
