@@ -26,10 +26,12 @@ class Arrived:
     def instead_of(self, rows: Floats) -> Floats:
         """Return the (n, columns) features given, if each row is that of a scan that has come.
 
-        If not, n times those of the newest scan; if none has come, zeros.
+        If not, n times those of the newest scan, once there is one.
         """
         self._catch_up()
-        if rows.shape[1] == len(NAMES) and self._least:
+        if not self._least:
+            return rows
+        if rows.shape[1] == len(NAMES):
             fits = (rows[:, None] >= self._least) & (rows[:, None] <= self._most)
             if fits.all(axis=2).any(axis=1).all():
                 return rows
