@@ -33,7 +33,7 @@ def test_silent_until_ready(runs: Runs) -> None:
     follows(runs, "ready")
 
 
-@check(points=10, asks=TIMING, task=1, scenarios=(FIRST, "goal_changes"), hint="1.2")
+@check(points=10, asks=TIMING, task=4, scenarios=(FIRST, "goal_changes"), hint="1.2")
 def test_control_rate(runs: Runs) -> None:
     """On the way to a goal one command comes every 0.1 s."""
     follows(runs, "ready")
