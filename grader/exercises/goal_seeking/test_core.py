@@ -116,7 +116,7 @@ def test_near_goal(runs: Runs) -> None:
             announces(recording, quest)
 
 
-@check(points=5, asks=SAFETY, task=2, scenarios=("goal_bad_input",), hint="2.2")
+@check(points=5, asks=SAFETY, task=4, scenarios=("goal_bad_input",), hint="2.2")
 def test_bad_input(runs: Runs) -> None:
     """Goals and poses that are not finite are ignored, and the node goes on."""
     help = "Test x, y and yaw with math.isfinite before you keep them, each as it comes."
