@@ -50,7 +50,8 @@ def latency_statistics(latencies: list[float], deadline: float) -> dict[str, flo
     everything is 0.0.
     """
     # TODO(task 3): numpy.mean, numpy.percentile, max, and a count.
-    return {}
+    names = ("mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "missed")
+    return dict.fromkeys(names, 0.0)
 
 
 def level_of(count: int, missed: float, p95: float, deadline: float) -> bytes:

@@ -32,8 +32,9 @@ class Arrived:
         if not self._least:
             return rows
         if rows.shape[1] == len(NAMES):
-            fits = (rows[:, None] >= self._least) & (rows[:, None] <= self._most)
-            if fits.all(axis=2).any(axis=1).all():
+            least, most = np.array(self._least), np.array(self._most)  # (scans, 5)
+            fits = np.all((rows[:, None] >= least) & (rows[:, None] <= most), axis=2)
+            if bool(np.all(np.any(fits, axis=1))):
                 return rows
         return np.tile(self._newest, (len(rows), 1))
 
