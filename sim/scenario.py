@@ -191,11 +191,13 @@ class Model(_Table, frozen=True):
     """A model that is made for the scenario: a file in the node's working folder.
 
     `probe` names a kind of model that the grader can make, `settings` are its parameters, and the
-    file's suffix is its format.
+    file's suffix is its format. With `any_features` it takes features that are no scan's for those
+    of the newest scan: what is asked in this scenario is something else.
     """
 
     probe: str
     settings: dict[str, float | str | bool | tuple[float, ...]] = {}
+    any_features: bool = False
 
 
 class NodeSpec(_Table, frozen=True):

@@ -39,7 +39,8 @@ def extract_features(scan: LaserScan) -> np.ndarray | None:
     readings below ``range_min`` are dropped. ``None``: a sector has no usable reading.
     """
     # TODO(task 1): paste extract_features from your exercise 2; it fits as it is.
-    return None
+    # Until then the model is asked about zeros, and only the checks of features fail.
+    return np.zeros((1, 5), dtype=np.float32)
 
 
 def latency_statistics(latencies: list[float], deadline: float) -> dict[str, float]:
@@ -49,7 +50,8 @@ def latency_statistics(latencies: list[float], deadline: float) -> dict[str, flo
     everything is 0.0.
     """
     # TODO(task 3): numpy.mean, numpy.percentile, max, and a count.
-    return {}
+    names = ("mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "missed")
+    return dict.fromkeys(names, 0.0)
 
 
 def level_of(count: int, missed: float, p95: float, deadline: float) -> bytes:

@@ -44,7 +44,8 @@ def extract_features(scan: LaserScan) -> np.ndarray | None:
     readings below ``range_min`` are dropped. ``None``: a sector has no usable reading.
     """
     # TODO(task 1): paste extract_features from your exercise 2; it fits as it is.
-    return None
+    # Until then the model is asked about zeros, and only the checks of features fail.
+    return np.zeros((1, 5), dtype=np.float32)
 
 
 class DecoupledController(Node):

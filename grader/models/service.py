@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import heapq
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,10 +16,13 @@ import numpy as np
 from msgspec.structs import replace
 
 from grader.host.frames import MAX_QUESTIONS, Question, Told
+from grader.host.supplied.kept import WRONG_SHAPE
+from grader.models.arrived import Arrived
 from grader.models.files import is_kept, probe
 from grader.models.partners import SERVICE, TURN, Partners
 from grader.recording.inferences import Inference
 from sim.faults import sensor_rng
+from sim.messages import Message
 from sim.scenario import Scenario
 
 MOST = 20_000  # questions in one trial
@@ -39,12 +43,15 @@ class ModelService:
     ----------
     scenario, seed
         Which models there are; with a seed that is not the scenario's own, their times differ.
+    delivered
+        What the node was sent, to date: models that take any features look at its scans.
     began
         What the clock [ns] says at the scenario's start; None: it begins later.
     """
 
     scenario: Scenario
     seed: int
+    delivered: Sequence[Message] = ()
     began: int | None = 0
     inferences: list[Inference] = field(default_factory=list)
     _owed: list[tuple[int, int, Any, Told]] = field(default_factory=list)  # due [ns], …, to whom
@@ -55,6 +62,7 @@ class ModelService:
             for name, model in self.scenario.node.models.items()
             if is_kept(name, model)
         }
+        self._arrived = Arrived(self.delivered)
         self._loads = dict.fromkeys(self._models, 0)
         self._sequence = itertools.count()
         self._partners = Partners(self.scenario, self.seed)
@@ -170,8 +178,12 @@ class ModelService:
             return Told(number, f"{question.file} was not loaded"), 0.0
         rows = np.frombuffer(question.features[: len(question.features) // 8 * 8])
         if not question.rows or not len(rows) or len(rows) % question.rows:
-            return Told(number, "expected features of shape (n, 5)", error="ValueError"), 0.0
+            return Told(number, WRONG_SHAPE, error="ValueError"), 0.0
         rows = rows.reshape(question.rows, -1)
+        if self.scenario.node.models[question.file].any_features:
+            rows = self._arrived.instead_of(rows)
+        if rows.shape[1] == 1:  # a row, where a table is asked for
+            return Told(number, WRONG_SHAPE, error="ValueError"), 0.0
         seconds = self._seconds(model, rows) if question.method == "predict" else 0.0
         try:
             with np.errstate(all="ignore"):

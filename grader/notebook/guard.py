@@ -38,7 +38,7 @@ class SpinGuard:
         """
         defined = {node.name for node in tree.body if isinstance(node, LATER[:2])}
         self._spinning = (self._spinning - defined) | _spinning(tree, self._spinning - defined)
-        if any(_spins(node, self._spinning) for node in _run_now(tree)):
+        if _is_a_program(tree) or any(_spins(node, self._spinning) for node in _run_now(tree)):
             raise _refusal(tree)
         return tree
 
@@ -94,12 +94,31 @@ def _run_now(tree: ast.Module) -> Iterator[ast.AST]:
             todo += ast.iter_child_nodes(node)
 
 
+def _is_a_program(tree: ast.Module) -> bool:
+    """Return whether a cell is a node's file as it stands: it uses ROS, and starts itself."""
+    names = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)
+             for alias in node.names}  # fmt: skip
+    names |= {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    starts = any(isinstance(node, ast.If) and "__main__" in ast.dump(node.test)
+                 for node in tree.body)  # fmt: skip
+    return starts and any(name.partition(".")[0] == "rclpy" for name in names)
+
+
 def _spins(node: ast.AST, spinning: set[str]) -> bool:
+    if isinstance(node, ast.While):  # as long as ROS, or for ever
+        for_ever = isinstance(node.test, ast.Constant) or "ok" in set(_words(node.test))
+        return for_ever and any(word.startswith(SPIN) for word in _words(node))
     if not isinstance(node, ast.Call):
         return False
     if isinstance(node.func, ast.Attribute):
         return node.func.attr == SPIN
     return isinstance(node.func, ast.Name) and node.func.id in {SPIN, *spinning}
+
+
+def _words(tree: ast.AST) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute | ast.Name):
+            yield node.attr if isinstance(node, ast.Attribute) else node.id
 
 
 def _file_of(tree: ast.Module) -> str:

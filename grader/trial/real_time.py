@@ -91,9 +91,10 @@ def run_live_trial(
             stage(submission, scenario, files=files) as staged,
             own_domain() as domain,
         ):
-            models = ModelService(scenario, simulation.seed, began=None)
+            recorder = Recorder()
+            models = ModelService(scenario, simulation.seed, recorder.delivered, began=None)
             hosts = LiveHosts(forkserver.live, staged, domain, simulation.seed, models)
-            trial = _LiveTrial(simulation, Recorder(), hosts, staged, models)
+            trial = _LiveTrial(simulation, recorder, hosts, staged, models)
             recording = located(trial.run(reason), submission)
         if not recording.live or not recording.live.stall:
             break

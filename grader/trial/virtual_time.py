@@ -155,7 +155,7 @@ class _Trial:
         self.interrupt = False  # at the end
         self._ending: Ending | None = None
         self._link = link
-        self._models = ModelService(simulation.scenario, simulation.seed)
+        self._models = ModelService(simulation.scenario, simulation.seed, recorder.delivered)
         self._at = 0.0  # [s] the time that the node has come to
         self._spun = False
         self._waited = 0.0  # [s] for a CPU, by the node or the judge

@@ -53,7 +53,8 @@ def extract_features(scan: LaserScan) -> np.ndarray | None:
     return np.array([row], dtype=np.float32)
     ### SKELETON
     # # TODO(task 1): paste extract_features from your exercise 2; it fits as it is.
-    # return None
+    # # Until then the model is asked about zeros, and only the checks of features fail.
+    # return np.zeros((1, 5), dtype=np.float32)
     ### END SOLUTION
 
 
@@ -77,7 +78,8 @@ def latency_statistics(latencies: list[float], deadline: float) -> dict[str, flo
     }
     ### SKELETON
     # # TODO(task 3): numpy.mean, numpy.percentile, max, and a count.
-    # return {}
+    # names = ("mean_ms", "p50_ms", "p95_ms", "p99_ms", "max_ms", "missed")
+    # return dict.fromkeys(names, 0.0)
     ### END SOLUTION
 
 

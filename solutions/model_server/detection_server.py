@@ -53,7 +53,8 @@ def extract_features(scan: LaserScan) -> np.ndarray | None:
     return np.array([row], dtype=np.float32)
     ### SKELETON
     # # TODO(task 3): paste extract_features from your exercise 2; it fits as it is.
-    # return None
+    # # Until then the model is asked about zeros, and only the checks of features fail.
+    # return np.zeros((1, 5), dtype=np.float32)
     ### END SOLUTION
 
 

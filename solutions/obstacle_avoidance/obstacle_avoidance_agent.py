@@ -51,7 +51,7 @@ def front_distance(scan: LaserScan) -> float | None:
     ### SKELETON
     # # TODO(task 2): look at each beam of scan.ranges. Is it ahead? Is its reading usable?
     # # Return the smallest of those that are.
-    # return None
+    # return 0.0
     ### END SOLUTION
 
 

@@ -1,14 +1,17 @@
 """A cell that would spin in the kernel is caught before it runs; nothing else is."""
 
 import ast
+import json
 from pathlib import Path
 
 import pytest
 from kernels import Kernel
 
+from grader.course.generated import ROOT
 from grader.notebook.guard import SpinGuard
 from grader.notebook.session import SESSION
 
+NOTEBOOKS = ROOT / "notebooks/source"
 NODE = """
 import rclpy
 from rclpy.node import Node
@@ -30,12 +33,15 @@ SPINS = {
     "imported": "from rclpy import spin\nspin(node)",
     "an executor": "executor.add_node(node)\nexecutor.spin()",
     "through another": "def run():\n    rclpy.spin(x)\ndef main():\n    run()\nmain()",
+    "in a loop of its own": "while rclpy.ok():\n    rclpy.spin_once(node, timeout_sec=1.0)",
+    "whatever its loop": NODE.replace("rclpy.spin(Agent())", "Agent().run_for_ever()"),
     "in a try": "try:\n    rclpy.spin(node)\nfinally:\n    pass",
 }
 FINE = {
     "only defined": NODE.partition("if __name__")[0],
     "in a thread": "Thread(target=executor.spin).start()",
     "once": "rclpy.spin_once(node, timeout_sec=0.1)",
+    "until it is done": "while not future.done():\n    rclpy.spin_once(node, timeout_sec=0.1)",
     "another main": "def main():\n    print(1)\nmain()",
     "later": "run = lambda: rclpy.spin(node)",
     "a word": "print('rclpy.spin(node)')",
@@ -60,6 +66,20 @@ def test_a_cell_that_would_spin_is_refused_and_no_other(how: str) -> None:
     said = refused(SpinGuard(), (SPINS | FINE)[how])
     assert ("Is its first line missing? With “%%node" in said) == (how in SPINS)
     assert bool(said) == (how in SPINS)
+
+
+def test_no_node_cell_that_is_handed_out_runs_without_its_first_line() -> None:
+    cells = [
+        "".join(cell["source"])
+        for path in sorted(NOTEBOOKS.glob("*/*.ipynb"))
+        for cell in json.loads(path.read_text("utf-8"))["cells"]
+        if cell["cell_type"] == "code"
+    ]
+    nodes = [cell for cell in cells if cell.startswith("%%node") and "import rclpy" in cell]
+    assert len(nodes) >= 10
+    for cell in nodes:
+        first, rest = cell.split("\n", 1)
+        assert refused(SpinGuard(), rest), first
 
 
 def test_a_function_of_an_earlier_cell_counts_until_it_is_another() -> None:

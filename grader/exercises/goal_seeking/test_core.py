@@ -33,7 +33,7 @@ def test_silent_until_ready(runs: Runs) -> None:
     follows(runs, "ready")
 
 
-@check(points=10, asks=TIMING, task=1, scenarios=(FIRST, "goal_changes"), hint="1.2")
+@check(points=10, asks=TIMING, task=4, scenarios=(FIRST, "goal_changes"), hint="1.2")
 def test_control_rate(runs: Runs) -> None:
     """On the way to a goal one command comes every 0.1 s."""
     follows(runs, "ready")
@@ -116,7 +116,7 @@ def test_near_goal(runs: Runs) -> None:
             announces(recording, quest)
 
 
-@check(points=5, asks=SAFETY, task=2, scenarios=("goal_bad_input",), hint="2.2")
+@check(points=5, asks=SAFETY, task=4, scenarios=("goal_bad_input",), hint="2.2")
 def test_bad_input(runs: Runs) -> None:
     """Goals and poses that are not finite are ignored, and the node goes on."""
     help = "Test x, y and yaw with math.isfinite before you keep them, each as it comes."

@@ -52,12 +52,19 @@ def test_clipped(runs: Runs) -> None:
     only_linear_x(runs, help="This robot only drives straight ahead.")
 
 
-@check(points=5, asks=SAFETY, task=1, scenarios=(SAYS_NAN, *NO_MODEL))
+@check(points=2, asks=SAFETY, task=1, scenarios=(SAYS_NAN,))
+def test_blind_sector(runs: Runs) -> None:
+    """A blind sector, or an empty scan: 0.0."""
+    predicts(runs, "blind")
+
+
+@check(points=3, asks=SAFETY, task=1, scenarios=(SAYS_NAN, *NO_MODEL))
 def test_fail_safe(runs: Runs) -> None:
-    """NaN, a blind sector, an empty scan, no model at all: 0.0, and the node goes on."""
+    """NaN or ±inf from the model, no model at all: 0.0, and the node goes on, blind or not."""
     held = runs.only(SAYS_NAN)
     help = "Without a usable prediction: 0.0, and still one Twist; then a good scan counts again."
-    predicts(held, help=help)
+    predicts(held, "good", "none", help=help)
+    answers_once(held)
     loads_once(held)
     stands(runs.only(*NO_MODEL))
 

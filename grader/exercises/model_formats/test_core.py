@@ -14,7 +14,7 @@ from grader.exercises.model_formats.contract import KERAS, ONNX, SKLEARN, TORCH,
 READINGS, LONG, BLIND = "format_readings", "format_hundred", "format_blind"
 PARAMETERS = ("format_parameters", "format_held", "format_defaults")
 STANDING = (BLIND, "format_no_file", "format_raises_pickle")
-FEATURES = "The model has five different weights: are the features right, and in their order?"
+SAYS = "The model says the same of whatever it is given, a float32 table (1, 5): publish that."
 SHAPES = "(n,) and (n, 1) both hold n numbers: np.ravel treats them alike."
 
 
@@ -57,13 +57,13 @@ def test_parameters(runs: Runs) -> None:
 @check(points=7, asks=DECISION, task=3, scenarios=("format_pickle",), requires=SKLEARN, hint="3.1")
 def test_pickle(runs: Runs) -> None:
     """Drives at the speed that a scikit-learn model predicts (.pkl)."""
-    predicts(runs, "features", help=FEATURES)
+    predicts(runs, "features", help=SAYS)
 
 
 @check(points=8, asks=DECISION, task=4, scenarios=("format_onnx",), requires=ONNX, hint="4.1")
 def test_onnx(runs: Runs) -> None:
     """Drives at the speed that an ONNX model predicts (.onnx, output (n, 1))."""
-    predicts(runs, "features", help=f"{FEATURES} The session wants float32.")
+    predicts(runs, "features", help=f"{SAYS} The session wants float32.")
 
 
 @check(
@@ -90,7 +90,7 @@ def test_torch_export(runs: Runs) -> None:
 @check(points=6, asks=DECISION, task=6, scenarios=("format_keras",), requires=KERAS, hint="6.1")
 def test_keras(runs: Runs) -> None:
     """Drives at the speed that a Keras model predicts (.keras)."""
-    predicts(runs, "features", help=f"{FEATURES} keras.saving.load_model(path) loads it.")
+    predicts(runs, "features", help=f"{SAYS} keras.saving.load_model(path) loads it.")
 
 
 @deep(points=3, asks=DECISION, task=7, scenarios=("format_other_torch", "format_other_keras"))

@@ -28,9 +28,11 @@ DEEP_SWAPPED = ("format_swap_torch", "format_swap_keras")
 KNOWN = "Only .pkl, .onnx, .pt2 and .keras are loaded: any other suffix means no model, and 0.0."
 LOAD_ONCE = "Load in __init__, keep the model in an attribute, and call that in the callback."
 LOAD_LATER = "Import a format's library in the function that loads that format, not at the top."
+BOTH = "Whatever the format: the number goes through the same checks."
 CUDA = ("format_cuda_pickle", "format_cuda_onnx")
-SAYS = ("format_says_pickle", "format_says_onnx")
-RAISES = ("format_raises_pickle", "format_raises_onnx", "format_long_raises")
+SAYS = "format_says_pickle"
+RAISES = ("format_raises_pickle", "format_long_raises")
+BOUNDS = ("format_says_onnx", "format_raises_onnx")
 DEEP = ("format_says_torch", "format_says_keras", "format_raises_torch", "format_raises_keras")
 
 
@@ -84,25 +86,31 @@ def test_deep_loads_once(runs: Runs) -> None:
     follows(runs, "loads", help=LOAD_ONCE)
 
 
-@check(points=3, asks=SAFETY, task=8, scenarios=SAYS, requires=ONNX)
+@check(points=2, asks=SAFETY, task=8, scenarios=(SAYS,))
 def test_clipped(runs: Runs) -> None:
     """The prediction is clipped to 0 … max_speed (0.5 m/s)."""
     predicts(runs, "clip")
 
 
-@check(points=3, asks=SAFETY, task=8, scenarios=(*SAYS, "format_long_nan"), requires=ONNX)
+@check(points=2, asks=SAFETY, task=8, scenarios=(SAYS, "format_long_nan"))
 def test_not_finite(runs: Runs) -> None:
     """A prediction that is not finite means 0.0, and the node goes on."""
     predicts(runs, "not_finite")
 
 
+@check(points=3, asks=SAFETY, task=8, scenarios=BOUNDS, needs=("onnx",), requires=ONNX)
+def test_onnx_bounds(runs: Runs) -> None:
+    """The same with .onnx: clipped; 0.0 if not finite, or if the session raises."""
+    predicts(runs, help=BOTH)
+
+
 @deep(points=3, asks=SAFETY, task=8, scenarios=DEEP)
 def test_deep_bounds(runs: Runs) -> None:
     """The same with .pt2 and .keras: clipped; 0.0 if not finite, or if the model raises."""
-    predicts(runs, help="Whatever the format: the number goes through the same checks.")
+    predicts(runs, help=BOTH)
 
 
-@check(points=3, asks=SAFETY, task=8, scenarios=RAISES, requires=ONNX)
+@check(points=2, asks=SAFETY, task=8, scenarios=RAISES)
 def test_model_raises(runs: Runs) -> None:
     """When the model raises, the command is 0.0 and the node goes on."""
     predicts(runs, "raises")

@@ -10,7 +10,7 @@ from grader.exercises.model_server.contract import keeps
 PLAIN, EARLY, LATE = "detect_answers", "detect_no_scan", "detect_late_scans"
 BLIND, FAILS, NO_MODEL = "detect_blind", "detect_failing_model", "detect_no_model"
 ANSWERS = (PLAIN, "detect_hundred", "detect_numbers")
-FEATURES = (PLAIN, EARLY, "detect_readings", "detect_limits")
+FEATURES = ("detect_features", EARLY, "detect_readings", "detect_limits")
 TOGETHER = "detect_together"
 LOADS = (TOGETHER, FAILS, BLIND, LATE, "detect_hundred")
 NEEDS = ("server_wiring",)

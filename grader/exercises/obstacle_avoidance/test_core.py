@@ -77,19 +77,19 @@ def test_sees_sides(runs: Runs) -> None:
     follows(runs, "side", "ahead", help=help)
 
 
-@check(points=5, asks=DECISION, task=2, scenarios=("avoid_infinity",), hint="2.4")
+@check(points=3, asks=DECISION, task=2, scenarios=("avoid_infinity",), hint="2.4")
 def test_infinite_readings(runs: Runs) -> None:
     """+inf means that nothing is within range: the way is free."""
     follows(runs, "infinite", help="Do not throw +inf away: it is a distance, a big one.")
 
 
-@check(points=5, asks=DECISION, task=2, scenarios=("avoid_invalid",), hint="2.3")
+@check(points=10, asks=DECISION, task=2, scenarios=("avoid_invalid",), hint="2.3")
 def test_invalid_readings(runs: Runs) -> None:
     """NaN, and finite readings outside range_min … range_max, are ignored; the others count."""
     follows(runs, "invalid", help="Drop NaN: every comparison with it is false.")
 
 
-@check(points=5, asks=SAFETY, task=2, scenarios=("avoid_too_close",), hint="2.4")
+@check(points=2, asks=SAFETY, task=2, scenarios=("avoid_too_close",), hint="2.4")
 def test_minus_infinity(runs: Runs) -> None:
     """-inf means closer than the sensor can measure: distance 0."""
     follows(runs, "minus_infinity", help="-inf is not free: it is as near as can be.")

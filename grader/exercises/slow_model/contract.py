@@ -82,7 +82,8 @@ def answers(recording: Recording) -> tuple[Answer, ...]:
         there = [(scan, right) for scan, right in said if scan.t <= asked]
         if there:
             fits = [scan for scan, right in there if among(speed, right, TOLERANCE)]
-            about, known = (fits or [there[-1][0]])[-1], bool(fits) or math.isnan(speed)
+            about = (fits or [there[-1][0]])[-1]
+            known = bool(fits) or (math.isnan(speed) and among(0.0, there[-1][1], TOLERANCE))
             found.append(Answer(about, asked, call.answered / 1e9, speed, known))
     return tuple(sorted(found, key=lambda answer: answer.asked))
 

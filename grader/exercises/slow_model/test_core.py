@@ -90,6 +90,13 @@ def test_features(runs: Runs) -> None:
     loads_once(runs)
 
 
+@check(points=2, asks=SAFETY, task=1, scenarios=(BLIND,))
+def test_blind_sector(runs: Runs) -> None:
+    """A sector without a usable reading: 0.0, until a scan has features again."""
+    help = f"Don't ask the model about such a scan; within 0.6 s it means 0.0. {NEXT_SCAN}"
+    heeds(runs, "tick", "idle", help=help)
+
+
 @check(points=5, asks=SAFETY, task=1, scenarios=(HELD, *CLIP))
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.8 m/s, or not set); the rest is 0."""
@@ -110,10 +117,10 @@ def test_raising_model(runs: Runs) -> None:
     loads_once(runs)
 
 
-@check(points=5, asks=SAFETY, task=3, scenarios=(NOT_FINITE, BLIND), hint="3.4")
+@check(points=3, asks=SAFETY, task=3, scenarios=(NOT_FINITE,), hint="3.4")
 def test_nan_model(runs: Runs) -> None:
-    """NaN or ±inf from the model, or a blind sector: 0.0, until there is a prediction again."""
-    help = f"NaN, ±inf and a blind sector are no prediction: 0.0 within 0.6 s. {NEXT_SCAN}"
+    """NaN or ±inf from the model: 0.0, until there is a prediction again."""
+    help = f"NaN and ±inf are no prediction: 0.0 within 0.6 s. {NEXT_SCAN}"
     heeds(runs, "tick", "idle", help=help)
 
 

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from ..frames import MAX_COLUMNS, MAX_ROWS, Question, Told
 from ..raises import RAISES
 
+WRONG_SHAPE = "expected features of shape (n, 5)"  # the judge says so, of a model that wants five
+
 Array = NDArray[Any]
 Ask = Callable[[Question], Told]
 
@@ -53,12 +55,13 @@ class Kept:
 
     def _ask(self, method: str, features: Any) -> Array:
         rows = np.array(features, dtype=float)  # as they are now
-        known = rows.ndim == 2 and 1 <= len(rows) <= MAX_ROWS and 1 <= rows.shape[1] <= MAX_COLUMNS
-        if not known:  # the model itself says if it wants five
-            raise ValueError(f"expected features of shape (n, 5), got {rows.shape}")
+        known = rows.ndim in (1, 2) and 1 <= len(rows) <= MAX_ROWS
+        if not known or not len(rows) <= rows.size <= len(rows) * MAX_COLUMNS:
+            raise ValueError(f"{WRONG_SHAPE}, got {rows.shape}")
         told = desk.ask(Question(0, method, self._file, self._load, len(rows), rows.tobytes()))
         if told.problem:
-            raise RAISES.get(told.error, RuntimeError)(told.problem)
+            got = f", got {rows.shape}" if told.problem == WRONG_SHAPE else ""
+            raise RAISES.get(told.error, RuntimeError)(told.problem + got)
         if told.labels:
             return np.array(told.labels)
         return np.frombuffer(told.numbers).reshape(told.shape).astype(told.dtype)

@@ -134,7 +134,9 @@ def test_the_references_have_one_text_which_the_skeletons_promise(path: str) -> 
     assert isinstance(theirs, ast.FunctionDef)
     assert isinstance(ours, ast.FunctionDef)
     assert ast.get_docstring(theirs) == ast.get_docstring(ours)
-    assert [ast.unparse(line) for line in theirs.body[1:]] == ["return None"]
+    zeros = "np.zeros((1, 5), dtype=np.float32)"  # another exercise's task is none of these
+    rest = "return None" if path in (CONTROLLER, TRAINING) else f"return {zeros}"
+    assert [ast.unparse(line) for line in theirs.body[1:]] == [rest]
 
 
 @pytest.mark.parametrize("path", NODES)

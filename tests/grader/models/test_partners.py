@@ -14,7 +14,7 @@ RESTART, LATE = load_scenario("detect_restart"), load_scenario("detect_late_scan
 
 
 def service(scenario: Scenario = LATE, began: int | None = 0) -> ModelService:
-    return ModelService(scenario, scenario.seed, began)
+    return ModelService(scenario, scenario.seed, began=began)
 
 
 def answer(turn: int, message: str = "box") -> Question:

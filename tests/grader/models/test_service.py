@@ -13,6 +13,7 @@ from grader.host.frames import MAX_ROWS, Question, Told
 from grader.host.supplied import kept
 from grader.models.files import is_kept, probe, write_models
 from grader.models.service import IN_START_UP, MOST, MOST_ROWS, ModelService, TooManyQuestions
+from sim.messages import Message, laser_scan
 from sim.scenario import Model, Scenario
 from sim.scenario_files import load_scenario
 
@@ -30,6 +31,18 @@ def question(method: str, number: int = 0, load: int = 1, rows: np.ndarray = ROW
 
 def service(scenario: Scenario = LEADER, seed: int | None = None) -> ModelService:
     return ModelService(scenario, scenario.seed if seed is None else seed)
+
+
+def scan(distance: float) -> Message:
+    """One reading all around."""
+    return laser_scan(
+        time=0,
+        ranges=np.full(360, distance, np.float32),
+        angle_min=-np.pi,
+        angle_increment=np.pi / 180,
+        range_min=0.15,
+        range_max=12.0,
+    )
 
 
 def said(told: Told) -> np.ndarray:
@@ -224,3 +237,37 @@ def test_every_probe_in_a_pickle_stays_with_the_judge(
     name: str, model: Model, is_ours: bool
 ) -> None:
     assert is_kept(name, model) == is_ours
+
+
+def test_features_that_are_no_scans_are_those_of_the_newest_if_any_will_do() -> None:
+    """A row of a scan that has come is about that scan; anything else about the newest."""
+    model = LEADER.node.models[FILE]
+    came: list[Message] = []
+    any_will_do, strict = (
+        ModelService(replace(LEADER, node=replace(LEADER.node, models={FILE: each})), 0, came)
+        for each in (model, replace(model, any_features=False))
+    )
+    near, far = ([d, d, 0.0, d, d] for d in (1.0, 3.0))
+    for models in (any_will_do, strict):
+        models.at_once(question("load"))
+
+    def asked(*row: float, rows: int = 1) -> tuple[float, ...]:
+        given = np.array(row)
+        about = Question(0, "predict", FILE, 1, rows, given.tobytes())
+        strict.at_once(about)
+        any_will_do.at_once(about)
+        return any_will_do.inferences[-1].said
+
+    assert asked(9.0, 0.0, 0.0, 0.0, 0.0) == pytest.approx((0.36,))  # before the first scan
+    for distance in (1.0, 3.0):
+        came.append(scan(distance))
+    assert asked(*near) == pytest.approx((0.04,))  # an older scan, and asked about
+    assert strict.inferences[-1].said == pytest.approx((0.04,))
+    assert asked(*far) == pytest.approx((0.12,))
+    assert asked(0.0, 0.0, 0.0, 0.0, 9.0) == pytest.approx((0.12,))
+    assert strict.inferences[-1].said == (0.0,)
+    assert asked(*far, rows=5) == pytest.approx((0.12,) * 5)  # a row in place of a table
+    assert strict.inferences[-1].failed
+
+    came.append(scan(np.nan))  # it has no features
+    assert asked(0.0, 0.0, 0.0, 0.0, 9.0) == pytest.approx((0.12,))
