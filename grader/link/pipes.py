@@ -158,14 +158,18 @@ class Pipes(Channel):
     def _receive(self, started: float, cpu: float, limit: float) -> bytes:
         """Wait for a frame, `limit` [s] from `started` on, when the host had used `cpu` [s].
 
-        On a busy machine longer: a host that is ready to run has the limit in CPU time.
+        On a busy machine longer: a host that gets on, or would, has the limit in CPU time.
         """
-        deadline, overdue = started + limit, False
+        deadline, overdue, seen = started + limit, False, cpu
         # At first output alone does not wake the judge: that would double the cost of an exchange.
         source = self._answers
         while (body := self._take_frame()) is None:
-            if overdue and not self._is_starved(started, cpu, limit):
-                raise HostHung(self.stacks())
+            if overdue:
+                before, seen = seen, self.cpu()
+                starved = seen > before or self._host.is_ready()
+                passed = real_clock.perf_counter() - started
+                if not starved or passed >= STARVED * limit or seen - cpu >= limit:
+                    raise HostHung(self.stacks())
             remaining = deadline - real_clock.perf_counter()
             overdue = remaining <= 0  # yet what has come meanwhile is read
             ready = source.poll((PATROL if overdue else min(remaining, PATROL)) * 1e3)
@@ -180,8 +184,3 @@ class Pipes(Channel):
                 else:  # closed by the host
                     self._all.unregister(fd)
         return body
-
-    def _is_starved(self, started: float, cpu: float, limit: float) -> bool:
-        """Return whether it is the machine that keeps the host from answering."""
-        passed, used = real_clock.perf_counter() - started, self.cpu() - cpu
-        return passed < STARVED * limit and not used >= limit and self._host.is_ready()

@@ -41,6 +41,9 @@ from sim.scenario import Scenario
 from sim.simulation import Simulation
 
 END_NS, END_LIMIT = 10**9, 2.0  # [ns], [s of CPU time] that programs have after a SIGINT
+# Without an event, time goes by in slices: a second of many timers may take a slow machine seconds.
+# No timer's period divides one, so that none ends where a timer is due.
+SLICE_NS = 997_331_071
 BUSY = 3  # times its limit of wall time that a trial may wait for a CPU in all
 
 
@@ -178,7 +181,8 @@ class _Trial:
                 began = simulation.now
                 self._at = began / 1e9
                 told = tuple(told for _, told in self._models.due(began))
-                until = min(simulation.next_event() or end, self._models.next_due or end, end)
+                events = (simulation.next_event(), self._models.next_due, began + SLICE_NS)
+                until = min(end, *(event for event in events if event))
                 frame = Run(until, tuple(Delivery(m.topic, m.data) for m in pending), told)
                 recorder.delivered += pending
                 said, cost = yield frame, limits.step

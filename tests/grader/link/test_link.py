@@ -119,8 +119,26 @@ def test_a_host_that_a_busy_machine_keeps_waiting_has_not_hung(
         yield True
 
     monkeypatch.setattr(pipes, "STARVED", 1e6)
+    monkeypatch.setattr(Pipes, "cpu", lambda _: 0.0)
     with linked(hang_up=False) as (link, host):
         host.ready = starved(host)
+        answer, _ = link.run(START, SOON)
+
+    assert isinstance(answer, Settled)
+
+
+def test_a_host_that_gets_on_has_not_hung_though_it_is_seen_waiting(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def getting_on(host: FakeHost) -> Iterator[float]:
+        yield from (0.0, 0.1 * SOON, 0.2 * SOON)
+        write_all(host.their_out, settled())
+        yield from repeat(0.3 * SOON)
+
+    monkeypatch.setattr(pipes, "STARVED", 1e6)
+    with linked(hang_up=False) as (link, host):
+        used = getting_on(host)
+        monkeypatch.setattr(Pipes, "cpu", lambda _: next(used))
         answer, _ = link.run(START, SOON)
 
     assert isinstance(answer, Settled)
