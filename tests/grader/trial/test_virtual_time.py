@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from node_runs import RunNode, short
 
 from grader.course.submission import Submission
@@ -136,3 +137,19 @@ def test_what_a_busy_machine_keeps_from_a_trial_does_not_count(
     monkeypatch.setattr(pipes.Pipes, "_queued", lambda _: 1e3)
 
     assert drive(run_node, "0.3", limits=NO_TIME).outcome.completed
+
+
+def test_time_without_an_event_goes_by_in_slices(run_node: RunNode) -> None:
+    """A machine that needs seconds for a minute of timers is not taken for a node that hangs."""
+    scenario = short(5.0)
+    scenario = replace(scenario, lidar=replace(scenario.lidar, rate=0.1))
+    source = """
+        rclpy.init()
+        node = rclpy.create_node("timers")
+        node.create_timer(0.5, lambda: None)
+        rclpy.spin(node)
+    """
+    recording = run_node(textwrap.dedent(source), scenario)
+    assert recording.outcome.completed
+    assert np.diff(recording.compute.time).size > 1
+    assert np.diff(recording.compute.time).max() < 1.0  # [s]
