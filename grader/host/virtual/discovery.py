@@ -142,10 +142,13 @@ class Discovery:
         return sum(mate is None or _compatible(mate, kind, end) for end in ends)
 
     def finds_server(self, client: Any) -> bool:
-        """Return whether a client's program has found a server of its service."""
-        return self.calm or any(
-            self._sees(client._course_party, end) for end in self._ends("service", _name(client))
-        )
+        """Return whether a client's program has found a server of its service.
+
+        Servers that rclpy makes in C, of actions and of lifecycle nodes, are not known here: where
+        there is no other, DDS says it.
+        """
+        ends = [] if self.calm else list(self._ends("service", _name(client)))
+        return not ends or any(self._sees(client._course_party, end) for end in ends)
 
     def strangers(self, context: Any) -> set[tuple[str, str]]:
         """Return name and namespace of each node that the running program has yet to find."""

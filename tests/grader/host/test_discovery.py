@@ -196,6 +196,25 @@ def test_a_request_is_lost_before_the_server_is_found(run: Run) -> None:
     assert told == ["answered False 0.3", "answered True 0.3", "True 0.3"]
 
 
+def test_a_server_that_rclpy_makes_in_c_is_found_in_its_own_program(run: Run) -> None:
+    """A lifecycle node's, which no `create_service` has made."""
+    program = """
+        from lifecycle_msgs.srv import GetState
+        from rclpy.lifecycle import LifecycleNode
+        managed, node = LifecycleNode('managed'), Node('manager')
+        executor = rclpy.executors.SingleThreadedExecutor()
+        executor.add_node(managed)
+        executor.add_node(node)
+        client = node.create_client(GetState, '/managed/get_state')
+        future = client.call_async(GetState.Request())
+        executor.spin_until_future_complete(future, timeout_sec=0.3)
+        tell(future.result() and future.result().current_state.label)
+        executor.spin()
+    """
+    (told,) = run(program, seconds=0.5)
+    assert told.startswith("unconfigured ")  # None where the request is lost
+
+
 def test_what_is_made_later_is_found_by_others_late(run: Run) -> None:
     making = """
         node = Node('making')
