@@ -21,7 +21,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +29,7 @@ from typing import Any, Literal, TypeVar
 import msgspec
 
 from grader.errors import DiskFull, GraderError, is_disk_full
+from grader.link import real_clock
 from grader.link.interpreter import with_needs
 from grader.link.scratch import open_regular_file
 
@@ -204,12 +204,12 @@ class _Servers:
 
     def _answer(self, pipe: int, limits: Limits) -> bytes:
         """Read to the end, at most as much and as long as may be."""
-        deadline = time.monotonic() + PATIENCE + SLOWNESS * limits.cpu
+        deadline = real_clock.monotonic() + PATIENCE + SLOWNESS * limits.cpu
         ready = select.poll()
         ready.register(pipe, select.POLLIN)
         said = bytearray()
         while len(said) <= limits.answer:
-            left = deadline - time.monotonic()
+            left = deadline - real_clock.monotonic()
             if left <= 0.0:
                 self.close()
                 raise Refused(f"reading it takes more than {PATIENCE + SLOWNESS * limits.cpu:g} s")

@@ -26,7 +26,7 @@ LINES = {
         import concurrent.futures, numpy as np
         from rclpy.node import Node
         from sensor_msgs.msg import LaserScan
-        concurrent.futures.ThreadPoolExecutor
+        pool = concurrent.futures.ThreadPoolExecutor
     """,
     "learning": "import sklearn, onnxruntime",
 }

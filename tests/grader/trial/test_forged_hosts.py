@@ -52,9 +52,11 @@ def forge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-u
     file = tmp_path / "node.py"
     file.write_text("pass")
 
-    def run(*answers: bytes, hang_up: bool = True, step: float = 20.0) -> Recording:
+    def run(
+        *answers: bytes, hang_up: bool = True, step: float = 20.0, most: int = recorder.MAX_BYTES
+    ) -> Recording:
         forkserver = FakeForkServer(*answers, hang_up=hang_up)
-        limits = Limits(start=20.0, step=step, total=30.0)
+        limits = Limits(start=20.0, step=step, total=30.0, published=most)
         return run_trial(Submission(file), short(1.0), forkserver, limits=limits)  # type: ignore[arg-type]
 
     return run
@@ -114,14 +116,11 @@ def test_a_host_that_says_nothing_hangs(forge) -> None:  # type: ignore[no-untyp
     assert outcome.detail.startswith("in the start-up\nagent.py, line 7, in on_scan\n\n")
 
 
-def test_a_forged_flood_is_a_flood(forge, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr(recorder, "MAX_BYTES", 1_000_000)
+def test_a_forged_flood_is_a_flood(forge) -> None:  # type: ignore[no-untyped-def]
     long = Published(FIRST, "/" * MAX_NAME, "x" * MAX_NAME, b"")
-    outcome = forge(
-        settled(), settled(FIRST, published=[long] * MAX_PUBLISHED), hang_up=False
-    ).outcome
+    flood = settled(FIRST, published=[long] * MAX_PUBLISHED)
 
-    assert outcome.kind == "flooded"
+    assert forge(settled(), flood, hang_up=False, most=10**6).outcome.kind == "flooded"
 
 
 def test_endpoints_without_end_are_a_flood(forge) -> None:  # type: ignore[no-untyped-def]

@@ -34,12 +34,13 @@ def test_floods_end_the_trial(run_node: RunNode, flood: str) -> None:
     assert recording.outcome.kind == kind
 
 
-@pytest.mark.parametrize("limit", [("MAX_BYTES", 10_000), ("MAX_MESSAGES", 50)])
+@pytest.mark.parametrize("most, published", [(50, 10**6), (10**6, 10_000)])  # messages, bytes
 def test_a_slow_flood_ends_the_trial(
-    run_node: RunNode, limit: tuple[str, int], monkeypatch: pytest.MonkeyPatch
+    run_node: RunNode, most: int, published: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(recorder, *limit)
-    recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(10.0))
+    monkeypatch.setattr(recorder, "MAX_MESSAGES", most)
+    limits = Limits(published=published)
+    recording = run_node("rclpy.init(); rclpy.spin(Echo())", short(10.0), limits=limits)
 
     assert recording.outcome.kind == "flooded"
     assert 0 < len(recording.published) < 60

@@ -177,7 +177,8 @@ def test_a_grading_notes_what_grows_and_what_fails_after_ctrl_c(
     with NodeTrials(Submission(file), forkserver) as trials:
         trials.prepare(["avoid_zones"])
         assert trials.get("avoid_zones").outcome.completed
-        grown, after = trials.notes()
+        lost, grown, after = trials.notes()
+    assert "7 messages on /cmd_vel" in lost
     assert re.search(r"In avoid_zones, .*publishers", grown)
     assert "avoid_zones" in after
     assert "the map could not be saved" in after
