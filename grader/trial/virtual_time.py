@@ -42,8 +42,8 @@ from sim.simulation import Simulation
 
 END_NS, END_LIMIT = 10**9, 2.0  # [ns], [s of CPU time] that programs have after a SIGINT
 # Without an event, time goes by in slices: a second of many timers may take a slow machine seconds.
-# No timer's period divides one, so that none ends where a timer is due.
-SLICE_NS = 997_331_071
+# A prime number of ns: hardly one ends where a timer is due.
+SLICE_NS = 997_331_087
 BUSY = 3  # times its limit of wall time that a trial may wait for a CPU in all
 
 

@@ -29,8 +29,10 @@ MODEL = {  # how it was asked: what is said of it
     OTHERWISE: "asked about other features than the scan's. Log the five, and compare each with "
     "its definition: which beams, which order, which unit?",
 }
-LOG = "Log what you decide on. Is it the same each time? Then look at where it is made from what "
-LOG += "comes in. If not: does the decision use it, and is the result published?"
+LOG = (
+    "Log what you decide on. Is it the same each time? Then look at where it is made from what "
+    "comes in. If not: does the decision use it, and is the result published?"
+)
 
 
 class _Row(NamedTuple):

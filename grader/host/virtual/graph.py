@@ -17,7 +17,7 @@ from rclpy.event_handler import QoSPublisherEventType, QoSSubscriptionEventType
 from rclpy.expand_topic_name import expand_topic_name
 
 from ..robot_ends import ROBOT_NODE, RobotEnds
-from .discovery import OURS, ROBOT_LISTENS, Arrival, Discovery
+from .discovery import ROBOT_LISTENS, Arrival, Discovery
 
 MATE = {"publisher": "subscription", "subscription": "publisher"}
 MATCHED = (
@@ -71,7 +71,7 @@ class _View:
         if ends is None or kind not in MATE:
             return 0
         is_robots = kind == "publisher" or topic in ROBOT_LISTENS
-        if topic.startswith(OURS) or (is_robots and self.discovery.knows_robot(context)):
+        if is_robots and self.discovery.knows_robot(context):
             return 0
         return int(ends.speaks(topic) if kind == "publisher" else ends.hears(topic))
 

@@ -11,6 +11,7 @@ from grader.checks.predictions import CALLED, PREDICT
 from grader.course.exercises import find_exercise
 from grader.exercises.goal_seeking import causes
 from grader.exercises.goal_seeking.contract import Pose, Quest
+from grader.grading.causes import several
 from grader.grading.causes.several import _rows, cause_of_several, in_common
 
 EXERCISE = find_exercise("trend_memory")
@@ -58,10 +59,16 @@ def test_that_check_may_fail_on_another_field() -> None:
     assert cause_of_several(EXERCISE, failed[::-1], {}) is None
 
 
-def test_checks_of_one_task_keep_their_help() -> None:
-    assert cause_of_several(EXERCISE, [_failed("looks_ahead", 2), _failed("x", 2)], {}) is None
-    other = _failed("blind", 4, "linear.x = 0.00 m/s")
-    assert cause_of_several(EXERCISE, [_failed("looks_ahead", 2), other], {}) is None
+def test_checks_of_one_task_keep_their_help(monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong = Case(1.0, "a scan", allowed={"data": exactly(0.3)}, said={"data": 0.1})
+    monkeypatch.setattr(several, "oracle_of", lambda exercise: lambda run: [wrong] * 8)
+    runs: Any = {"": None}
+    first, same_task = _failed("looks_ahead", 2), _failed("x", 2)
+    other_field = _failed("blind", 4, "linear.x = 0.00 m/s")
+
+    assert cause_of_several(EXERCISE, [first, same_task], runs) is None
+    assert cause_of_several(EXERCISE, [first, other_field], runs) is None
+    assert cause_of_several(EXERCISE, [first, _failed("x", 3)], runs) is not None
 
 
 GOALS = [Quest(0.0, 9.0, x, y) for x, y in ((2.0, 1.0), (-2.0, 1.0), (1.0, -2.0), (-1.0, -2.0))]

@@ -34,6 +34,16 @@ def say():
     for _ in range(3):
         publisher.publish(Twist())
 """
+SPINS = """
+other = Node('other')
+def tick():
+    timer.cancel()
+    for _ in range(12):
+        rclpy.spin_once(other, timeout_sec=0.1)
+timer = node.create_timer(0.5, tick)
+node.create_subscription(LaserScan, '/scan', print, 10)
+spin(node)
+"""
 ASKS = """
 node.create_service(Trigger, '/detect', yes)
 client = node.create_client(Trigger, '/detect'{client})
@@ -72,6 +82,7 @@ SAID = [
      r"tick \(node.py, line \d+\) took 1.2 s from 0.50 s on; meanwhile waited: /scan"),
     (SLEEPS.format(group=ALONE, threads=1), "meanwhile waited: /scan"),
     (SLEEPS.format(group=ALONE, threads=2), ""),
+    (SPINS, ""),
     (ASKS.format(client="", timer=""),
      r"ask \(node.py, line \d+\) awaits the answer of /detect from 0.30 s on, but its own"),
     (ASKS.format(client=f", callback_group={ALONE}", timer=""), "the answer of /detect from"),
