@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from grader.errors import InputError
+from grader.errors import GraderError, InputError
 
 ROOT = Path(__file__).resolve().parents[2]
 CHECK = "--check"
+TEXTS = {".md", ".py", ".toml"}
 
 
 def write_or_check(
@@ -47,7 +49,21 @@ def write_or_check(
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, "utf-8")
             print(f"wrote {name}")
-    except InputError as error:
+    except (InputError, GraderError) as error:
         print(error, file=sys.stderr)
         return 2
     return 1 if arguments and stale else 0
+
+
+def still_in(word: str, exercise: str) -> str:
+    """Return which files of an exercise still have a word that is no longer right, in words."""
+    places = ("exercises/{}/*", "grader/exercises/{}/**/*", "solutions/{}/**/*",
+              "lessons/exercises/{}/*", "notebooks/text/*/*.md")  # fmt: skip
+    files = {path for place in places for path in ROOT.glob(place.format(exercise))}
+    named = re.compile(rf"\b{re.escape(word)}\b")
+    found = [
+        path.relative_to(ROOT).as_posix()
+        for path in sorted(files)
+        if path.suffix in TEXTS and named.search(path.read_text("utf-8"))
+    ]
+    return f"; {word!r} is still in {', '.join(found)}" if found else ""

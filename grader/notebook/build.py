@@ -27,7 +27,7 @@ import nbformat
 from nbformat import NotebookNode, v4
 
 from grader.course.exercises import ROOT, all_exercises, find_exercise
-from grader.course.generated import write_or_check
+from grader.course.generated import still_in, write_or_check
 from grader.course.promises import without_promises
 from grader.errors import GraderError
 from grader.nbgrader.cells import Wanted, definition, wanted
@@ -185,7 +185,8 @@ def _graded(cell: NotebookNode) -> None:
         known = points_of(asked.exercise)
         lacking = [check for check in asked.checks if check not in known]
         if lacking:
-            raise GraderError(f"{asked.exercise} has no check {lacking[0]!r}")
+            still = still_in(lacking[0], asked.exercise)
+            raise GraderError(f"{asked.exercise} has no check {lacking[0]!r}{still}")
         name = f"{asked.exercise}-{asked.checks[0]}"
         points = sum(known[check] for check in asked.checks)
         cell.metadata["nbgrader"] = _about(name, grade=True, solution=False, points=points)

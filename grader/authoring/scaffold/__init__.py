@@ -23,6 +23,7 @@ from grader.errors import GraderError, InputError
 FILES = Path(__file__).resolve().parent / "files"
 SUFFIX = ".in"
 NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+DEVICE = re.compile(r"con|prn|aux|nul|(com|lpt)\d")
 LONGEST = 20  # [characters] of a name, so that lines stay within 100
 GENERATED = ("grader.course.skeletons", "grader.notebook.build")  # have to be in step with it
 NEEDS = {"grader.notebook.build": "jupytext"}  # module: what it is made with
@@ -71,6 +72,8 @@ def scaffold(name: str, root: Path = ROOT) -> Made:
 def _check(name: str, root: Path) -> None:
     if not (root / "solutions").is_dir() or not (root / "pyproject.toml").is_file():
         raise InputError(f"{root}: expected a checkout of the course, with solutions/ in it")
+    if DEVICE.fullmatch(name):
+        raise InputError(f"{name!r}: a device's name on Windows; expected another, {name}_1 say")
     if keyword.iskeyword(name):
         raise InputError(f"{name!r}: a word of Python's own; expected another name, {name}_1 say")
     if not NAME.fullmatch(name) or len(name) > LONGEST:

@@ -65,6 +65,7 @@ def test_a_new_exercise_is_in_all_its_places(root: Path, monkeypatch: pytest.Mon
         ("../evil", "expected a name"),
         ("a" * 21, "at most 20 characters"),
         ("class", "a word of Python's own"),
+        ("con", "a device's name on Windows"),
         ("goal_seeking", "too close to the exercise goal_seeking"),
         ("goal_seekings", "too close to the exercise goal_seeking"),
         ("random", "a module of Python's"),
