@@ -40,8 +40,13 @@ def submission_hash(
 
 
 def _sources(exercise: Exercise) -> Iterator[Path]:
-    rooms = [ROOT / "sim", *(ROOT / "grader" / room for room in VERDICT)]
+    """Yield what a verdict depends on; a new exercise or world changes no other exercise's."""
+    sim = ROOT / "sim"
+    rooms = [sim, *(ROOT / "grader" / room for room in VERDICT)]
     files = {path for room in rooms for path in room.rglob("*") if path.suffix in SUFFIXES}
-    judges = [folder for folder in JUDGE.iterdir() if folder.is_dir() and folder != exercise.judge]
-    mine = {path for path in files if not any(map(path.is_relative_to, judges))}
-    yield from sorted({*mine, exercise.folder / "exercise.toml"})
+    others = [folder for folder in JUDGE.iterdir() if folder.is_dir() and folder != exercise.judge]
+    others += [sim / each for each in ("live", "launch", "scenarios", "worlds")]
+    mine = {path for path in files if not any(map(path.is_relative_to, others))}
+    own = "".join(path.read_text("utf-8") for path in exercise.judge.glob("scenarios/*.toml"))
+    worlds = {path for path in (sim / "worlds").glob("*.toml") if f'"{path.stem}"' in own}
+    yield from sorted({*mine, *worlds, exercise.folder / "exercise.toml"})
