@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from types import TracebackType
 
 from rich.markup import escape
@@ -9,6 +10,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemaini
 from rich.progress import Progress as Bar
 
 from grader.report.terminal import Console, printable
+
+EVERY = 10  # units between two estimates
 
 
 def say(console: Console, text: str) -> None:
@@ -23,6 +26,8 @@ class Progress:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._total = 0
+        self._before = 0  # units that an earlier run has graded
+        self._begun = 0.0  # [s]
         self._over: set[tuple[str, str]] = set()  # each unit counts once
         self._bar = Bar(
             BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
@@ -42,9 +47,11 @@ class Progress:
     ) -> None:
         self._bar.stop()
 
-    def begin(self, total: int) -> None:
-        """Show the bar: `total` units are to be graded."""
-        self._total = total
+    def begin(self, total: int, before: int = 0) -> None:
+        """Show the bar: `total` units are to be graded, and `before` are, by an earlier run."""
+        self._total, self._before, self._begun = total, before, time.monotonic()
+        if total and before:
+            self.say(f"{before} are done, {total} are to be graded")
         if total:
             self._bar.start()
 
@@ -57,7 +64,8 @@ class Progress:
             self._over.add((student, exercise))
             self._total = max(self._total, len(self._over))  # with some of an earlier run
         shown = "".join(c if c.isprintable() else "?" for c in student)
-        line = f"{len(self._over):4}/{self._total}  {shown}  {exercise}  {outcome}"
+        done, total = self._before + len(self._over), self._before + self._total
+        line = f"{done:4}/{total}  {shown}  {exercise}  {outcome}{self._left()}"
         self.say(" ".join(line.split("\n")))
         self._bar.update(
             self._task,
@@ -65,6 +73,14 @@ class Progress:
             total=self._total,
             description=escape(exercise),
         )
+
+    def _left(self) -> str:
+        """Say, now and then, how long the rest will take at this pace; a terminal has the bar."""
+        done, left = len(self._over), self._total - len(self._over)
+        if self._console.is_terminal or not left or done % EVERY:
+            return ""
+        minutes = (time.monotonic() - self._begun) / max(done, 1) * left / 60
+        return f"  (about {max(1, round(minutes))} min left)"
 
     def say(self, text: str) -> None:
         """Print a line above the bar."""

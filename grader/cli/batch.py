@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 from pathlib import Path
 
 from grader.classroom.batch import GradedClass
@@ -22,6 +23,12 @@ def summary(graded_class: GradedClass, out: Path) -> tuple[str, int]:
     counts += f", {absent} not handed in" if absent else ""
     counts += f", {len(waiting)} not graded yet" if waiting else ""
     lines = [f"{counts}. Open {out / 'class.html'}"]
+    took = [result.wall_s for result in ours if result.state == GRADED and result.wall_s]
+    if took:
+        lines.append(
+            f"A grading took {statistics.median(took):.1f} s (median), all together "
+            f"{sum(took) / 60:.1f} min on one worker."
+        )
     if waiting:
         lines.append("  The same command without --regrade and --exercise grades the rest.")
     for one in held[:MOST_HELD]:
@@ -57,7 +64,8 @@ def listing(found: Class) -> tuple[str, int]:
     lines = []
     for student, slugs in sorted(by_student.items()):
         row = names.get(student)
-        about = ", ".join(filter(None, (row.person.label, row.person.section) if row else ()))
+        known = (row.person.label, row.person.section) if row else ()
+        about = ", ".join(each for each in known if each and each != student)
         lines.append(
             f"{student}{f' ({about})' if about else ''}: {', '.join(slugs) or 'nothing handed in'}"
         )

@@ -30,7 +30,7 @@ class Quiet:
     def __init__(self) -> None:
         self.lines: list[str] = []
 
-    def begin(self, total: int) -> None:
+    def begin(self, total: int, before: int = 0) -> None:
         self.lines.append(f"{total} to grade")
 
     def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
