@@ -13,9 +13,11 @@ import msgspec
 
 from grader.classroom.account import Account
 from grader.classroom.amendments.people import the_student
-from grader.classroom.candidates import Class, enter_candidates, find_class
+from grader.classroom.candidates import Class, find_class
+from grader.classroom.entering import enter_candidates, known_of
 from grader.classroom.folder import ALIKE, STORE, locked, write_class
 from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
+from grader.classroom.intake.whose import NOTHING_KNOWN
 from grader.classroom.options import Options, refuse_another
 from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import judge_again
@@ -44,13 +46,21 @@ class GradedClass:
 
 
 @contextlib.contextmanager
-def looked_at(submissions: Sequence[Path], options: Options) -> Iterator[Class]:
+def looked_at(
+    submissions: Sequence[Path], options: Options, out: Path | None = None
+) -> Iterator[Class]:
     """Return who handed in what; nothing is graded, and nothing is written.
+
+    Of a class that was graded into `out` it is known who is who.
 
     Raises InputError: the submissions can't be read.
     """
+    known = NOTHING_KNOWN
+    if out is not None and (out / STORE).is_file():
+        with Store(out / STORE) as store:
+            known = known_of(store)
     with tempfile.TemporaryDirectory(prefix="course-") as scratch:
-        yield find_class(submissions, Path(scratch), options)
+        yield find_class(submissions, Path(scratch), options, known)
 
 
 def autograde(
@@ -84,8 +94,8 @@ def _autograde(
         store.requeue_running()
         refuse_another(options, store)
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
-        if taken_in.gone:
-            progress.say(taken_in.gone)
+        for line in taken_in.said:
+            progress.say(line)
         only = _students(options.only if regrade else options.again, store, taken_in)
         if options.retry_held and not regrade:
             store.retry_held()
@@ -143,8 +153,11 @@ class _Writer:
         self._store.keep(OPTIONS, kept_text(wanted))
         if over:
             every = self._taken_in.candidates.items()
-            sources = {key: each.texts() for key, each in every if not each.absent}
-            self._store.keep(ALIKE, msgspec.json.encode(compared(sources)).decode())
+            sources = {
+                key: each.texts() for key, each in every if not each.absent and not each.leader
+            }
+            if not self._taken_in.kept:  # whose files are not here
+                self._store.keep(ALIKE, msgspec.json.encode(compared(sources)).decode())
         return write_class(self._store, self._out, wanted)
 
     def _wanted(self, notes: Sequence[str]) -> ResultOptions:

@@ -1,16 +1,17 @@
-"""Who handed in what: find every student's files and put into the queue what is new or changed."""
+"""Who handed in what: find every student's files, and give an account of them."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from grader.classroom.account import (
     CONTRARY,
     EXTRA,
     GRADED,
+    LEFT_OUT,
     OLDER,
     OTHER,
     STRANGER,
@@ -21,24 +22,32 @@ from grader.classroom.account import (
     set_aside_lines,
     student_lines,
 )  # fmt: skip
-from grader.classroom.conditions import HASHED, fingerprint, submission_hash
-from grader.classroom.intake.exercise_files import Found, find_files, left_over
+from grader.classroom.conditions import fingerprint, submission_hash
+from grader.classroom.intake.exercise_files import Found, find_files, left_over, sole_work
 from grader.classroom.intake.handed_in import Student
+from grader.classroom.intake.skeletons import is_handed_out
 from grader.classroom.intake.students import Intake, take_in
+from grader.classroom.intake.whose import NOTHING_KNOWN, Known
 from grader.classroom.options import Options
-from grader.classroom.row import ABSENT
-from grader.classroom.store import Key, Store
+from grader.classroom.store import Key
 from grader.course.beside import MAX_BYTES
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
-from grader.lms.book import Handed, StudentRow, named
-from grader.lms.people import NO_PERSON
+from grader.lms.book import Handed, StudentRow
+from grader.lms.people import NO_PERSON, Roster
+from grader.lms.times import times
 
-MOST_NAMED = 5  # students in a sentence
-OTHER_CLASS = (
-    "nobody in it handed in anything here: is it this class's roster, and exported in English?"
+OTHER_CLASS = "nobody in it handed in anything here: is it this class's roster?"
+NOBODY_SO = "nobody in the roster is called so or has this id"
+SKELETON = "still as it was handed out, so it was not handed in"
+SOLE = "the only file that may be work"
+ACCEPTED = "accepted by a person"
+ANOTHER = (
+    "Moodle's number is {}, and that of the earlier work is {}: a second student of this name? If "
+    "it is the same one: course marks assign FOLDER {!r} {!r}; if not, give the grading worksheet "
+    "as --roster"
 )
 
 
@@ -52,6 +61,8 @@ class Candidate:
     seed: Seed | None
     conditions: str  # fingerprint of the grader that would judge them
     absent: bool = False  # nothing was handed in for this exercise
+    whose: str = ""  # why it is nobody's yet; it is held then
+    leader: str = ""  # of a group: who is graded for all of it
 
     def read(self) -> tuple[dict[str, bytes], str]:
         """Return the files' contents by name, and why nothing can be graded.
@@ -65,7 +76,7 @@ class Candidate:
         except OSError as error:
             name = Path(str(error.filename)).name if error.filename else "a file"
             return {}, f"{name} can't be read ({error.strerror})"
-        return files, "" if self.absent else self.found.problem
+        return files, "" if self.absent else self.whose or self.found.problem
 
     def texts(self) -> dict[str, bytes]:
         """Return the student's Python, by its place; what can't be read is left out."""
@@ -90,67 +101,34 @@ class Class:
     candidates: dict[Key, Candidate]
     account: Account
     students: tuple[StudentRow, ...] = ()
-    gone: str = ""  # whose earlier results were dropped
+    said: tuple[str, ...] = ()  # of earlier results
+    kept: frozenset[Key] = frozenset()  # graded before, and not in these downloads
 
 
-def enter_candidates(
-    submissions: Sequence[Path], scratch: Path, store: Store, options: Options, *, regrade: bool
+def find_class(
+    submissions: Sequence[Path], scratch: Path, options: Options, known: Known = NOTHING_KNOWN
 ) -> Class:
-    """Find everybody's files and queue what is new or changed.
-
-    A changed grader counts as a change too, except where recordings are to be judged again.
-
-    Raises InputError: nobody handed in a file of any exercise, or `submissions` can't be read.
-    """
-    found = find_class(submissions, scratch, options)
-    slugs = {slug for _, slug in found.candidates}
-    stored = [r for r in store.results() if not r.canary and r.exercise in slugs]
-    before = {r.student for r in stored if r.state != ABSENT}
-    here = {student for (student, _), each in found.candidates.items() if not each.absent}
-    if before and not before & here:
-        raise InputError(
-            f"expected the class that was graded here: of its {len(before)} students "
-            f"({_some(before)}) nobody is in {', '.join(map(str, submissions))} "
-            f"({_some(here)}); give another --out for another class"
-        )
-    for key, candidate in found.candidates.items():
-        files, problem = candidate.read()
-        store.enter(
-            key,
-            candidate.input_hash(files, options),
-            problem=problem,
-            absent=candidate.absent,
-            compared=HASHED if regrade else None,
-        )
-    said = ""
-    gone = {r.student for r in stored} - {student for student, _ in found.candidates}
-    if store.keep_only(found.candidates, slugs):
-        said = (
-            "Earlier results were dropped, because their students are no longer there: "
-            f"{_some(gone)}. A run with all downloads of the class grades them again."
-        )
-        store.note(said)
-    store.know(found.students)
-    return replace(found, gone=said)
-
-
-def _some(students: Collection[str]) -> str:
-    return named(sorted(students), MOST_NAMED)
-
-
-def find_class(submissions: Sequence[Path], scratch: Path, options: Options) -> Class:
     """Find everybody's files of every exercise that counts.
 
     Raises InputError: nobody handed in a file of any exercise, or `submissions` can't be read.
     """
-    intake = take_in(submissions, scratch, options.roster)
+    intake = take_in(submissions, scratch, options.roster, known)
     everything = {exercise.slug: exercise for exercise in all_exercises()}
     found = {
-        (student.id, slug): find_files(student, exercise.files)
+        (student.id, slug): find_files(
+            student, exercise.files, known.accepted.get((student.id, slug), ""), ACCEPTED
+        )
         for student in intake.students
         for slug, exercise in everything.items()
     }
     exercises = _wanted(everything, found, options, submissions, intake.students)
+    if len(exercises) == 1:
+        ((slug, exercise),) = exercises.items()
+        for student in intake.students:
+            if not any(found[student.id, each].files for each in everything) and student.files:
+                sole = sole_work(student)
+                found[student.id, slug] = find_files(student, exercise.files, sole, SOLE)
+    leaders = _leaders(found)
     conditions = {slug: fingerprint(exercise) for slug, exercise in exercises.items()}
     candidates = {}
     for student in intake.students:
@@ -161,13 +139,44 @@ def find_class(submissions: Sequence[Path], scratch: Path, options: Options) -> 
                 student.id,
                 exercise,
                 each,
-                None if options.secret is None else student_key(options.secret, student.id, slug),
+                None
+                if options.secret is None
+                else student_key(options.secret, leaders.get((student.id, slug), student.id), slug),
                 conditions[slug],
                 absent=nothing and not each.files,
+                whose=student.whose or _another(student, slug, each, known),
+                leader=leaders.get((student.id, slug), ""),
             )
     account = _account(intake, found, list(exercises), options)
-    students = tuple(_row(student, found, list(exercises)) for student in intake.students)
+    students = tuple(
+        _row(student, found, list(exercises), options.roster, known) for student in intake.students
+    )
     return Class(candidates, account, students)
+
+
+def _leaders(found: Mapping[Key, Found]) -> dict[Key, str]:
+    """Return for each member of a group who is graded for all who handed in the same files."""
+    first: dict[object, str] = {}
+    leaders = {}
+    for student, slug in sorted(found):
+        used = found[student, slug].used
+        same = (slug, tuple((file.entry.path, file.name) for file in used))
+        if used and first.setdefault(same, student) != student:
+            leaders[student, slug] = first[same]
+    return leaders
+
+
+def _another(student: Student, slug: str, found: Found, known: Known) -> str:
+    """Say why work may be a namesake's: Moodle has another number for it, in the same exercise."""
+    row, entry = known.rows.get(student.id), found.entry
+    if student.person is not None or row is None or entry is None or slug not in row.handed:
+        return ""
+    before = row.handed[slug]
+    if {before.system, entry.who.system} != {"moodle"} or entry.word in known.words(student.id):
+        return ""
+    said = known.assigned.get(entry.word) or known.assigned.get(entry.path.name)
+    return "" if said or not before.id else ANOTHER.format(entry.who.id, before.id, entry.path.name,
+                                                           student.id)  # fmt: skip
 
 
 def _wanted(
@@ -198,10 +207,12 @@ def _handed_in_nothing(student: Student, found: Sequence[Found]) -> bool:
     It was perhaps, if a part can't be read, or if something is there and none of it has the name of
     an exercise's file. Then a person has to look.
     """
-    if student.problem:
+    if student.problem or student.whose:
         return False
     if any(each.files for each in found):
         return True
+    if any(each.untouched for each in found):  # the skeletons, and nothing else that may be work
+        return all(is_handed_out(file.path) for file in left_over(student, ()))
     return not student.files and not student.links
 
 
@@ -221,8 +232,9 @@ def _account(
         mine = {slug: found[student.id, slug] for slug in slugs}
         lines += student_lines(student, _fates(student, mine, wanted))
         if options.roster.people and student.person is None:
-            why = options.roster.why_not(student.who[0].name if student.who else student.id)
-            lines.append(Line(STRANGER, student=student.id, reason=why, fault=not unknown))
+            reason, held = student.whose or NOBODY_SO, bool(student.whose)
+            lines.append(Line(STRANGER, student=student.id, reason=reason,
+                              fault=not unknown and not held, held=held))  # fmt: skip
     return Account((*lines, *set_aside_lines(intake.set_aside)))
 
 
@@ -237,7 +249,9 @@ def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) 
             fates[id(file)] = Line(OLDER, exercise=slug, reason=reason, fault=is_other)
     for slug, each in sorted(found.items(), key=lambda pair: pair[0] in wanted):
         state = GRADED if slug in wanted else OTHER
-        fates |= {id(file): Line(state, exercise=slug) for file in each.used}
+        fates |= {id(file): Line(state, exercise=slug, reason=each.why) for file in each.used}
+        for file in each.untouched:
+            fates.setdefault(id(file), Line(LEFT_OUT, exercise=slug, reason=SKELETON))
         for file in each.beside.values():
             fates.setdefault(
                 id(file), Line(EXTRA, exercise=slug, reason=f"comes along with {slug}")
@@ -247,17 +261,33 @@ def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) 
         known = [f for f in student.files if id(f) in fates and fates[id(f)].state != EXTRA]
         known += [file for each in found.values() for file in each.needed]
         line = Line(UNKNOWN, reason=SUSPECT, fault=True)
-        fates |= {id(file): line for file in left_over(student, known)}
+        fates |= {
+            id(file): line for file in left_over(student, known) if not is_handed_out(file.path)
+        }
     return fates
 
 
-def _row(student: Student, found: Mapping[Key, Found], wanted: Sequence[str]) -> StudentRow:
+def _row(
+    student: Student, found: Mapping[Key, Found], wanted: Sequence[str], roster: Roster,
+    known: Known,
+) -> StudentRow:  # fmt: skip
     handed = {}
     for slug in wanted:
         entry = found[student.id, slug].entry
         if entry is not None:
+            who, own = entry.who, entry.path.name if entry.who.system == "github" else ""
+            told, more = (
+                times(roster, student.person, own or who.id) if student.person else ("", "")
+            )
+            upload = entry.version if who.system == "canvas" else 0
             handed[slug] = Handed(
-                entry.who.system, entry.who.name, entry.who.id, entry.who.email, entry.late,
-                entry.time,
+                who.system, who.name, who.id, who.email, entry.late, entry.time or told, more,
+                upload,
             )  # fmt: skip
-    return StudentRow(student.id, student.person or NO_PERSON, handed)
+    seen = {
+        each.word
+        for _, each in student.entries
+        if not {each.word, each.path.name} & known.assigned.keys()
+    }
+    person, unsure = student.person or NO_PERSON, bool(student.whose)
+    return StudentRow(student.id, person, handed, tuple(sorted(seen)), unsure)

@@ -57,7 +57,8 @@ class GradingRun:
         Raises InputError: code would run without isolation.
         """
         waiting = self._waiting()
-        self._progress.begin(len(waiting))
+        there = sum(not each.absent for each in self._candidates.values())
+        self._progress.begin(len(waiting), there - len(waiting))
         unverified = any(self._store.unverified(slug) for slug in self._exercises)
         if not waiting and not (self._options.canaries and unverified):
             return []
@@ -96,6 +97,8 @@ class GradingRun:
                 self._hold(key, f"{STALLS}; not judged again, since {MAX_IN_VAIN} others stalled "
                                "even with nothing beside them")  # fmt: skip
                 continue
+            if self._candidates[key].leader and self._left_to_leader(key):
+                continue
             counts = self._store.counts(key)
             alone = counts.deaths >= MAX_DEATHS - 1 or counts.unsure > 0
             if alone and busy:
@@ -104,6 +107,15 @@ class GradingRun:
             if unit is not None:
                 return unit
         return None
+
+    def _left_to_leader(self, key: Key) -> bool:
+        """Return whether a member of a group gets, or has got, what its leader gets."""
+        candidate, leader = self._candidates[key], (self._candidates[key].leader, key[1])
+        files, _ = candidate.read()
+        if self._store.share(leader, key, candidate.input_hash(files, self._options)):
+            self._progress.done(*key, f"as {leader[0]}, with whom they handed in")
+            return True
+        return leader in self._running or leader in self._store.waiting()
 
     def _unit(self, key: Key, *, alone: bool = False) -> Unit | None:
         candidate = self._candidates[key]

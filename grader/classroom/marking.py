@@ -13,14 +13,16 @@ from functools import cached_property
 from pathlib import Path
 
 from grader.classroom.amendments.apply import amended, version_of
-from grader.classroom.amendments.change import Change, Undo, Whom
+from grader.classroom.amendments.change import Accept, Assign, Change, Undo, Whom
 from grader.classroom.amendments.log import Entry, active, undone_by
 from grader.classroom.amendments.people import find_student, nearest, the_student
 from grader.classroom.folder import locked, opened, write_class
+from grader.classroom.intake.whose import Known
 from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
 from grader.classroom.results.options import OPTIONS, ResultOptions, kept_options
 from grader.classroom.row import StoredResult, as_graded
 from grader.classroom.store import Store
+from grader.course.exercises import find_exercise
 from grader.errors import InputError, naming_a_full_disk
 from grader.lms.book import StudentRow, Task
 
@@ -38,6 +40,7 @@ class Marked:
     shifts: list[str]  # a line for each student whose points change
     remarks: list[str]  # what a person should know
     missing: list[str]  # parts of the results that could not be written
+    lower: int = 0  # students who lose points
 
 
 @contextlib.contextmanager
@@ -129,6 +132,14 @@ class Marking:
                 return task
         raise nearest(name, slugs, "exercise of this class")
 
+    def any_exercise(self, name: str) -> Task:
+        """Return an exercise of the course, which nobody need have handed in yet.
+
+        Raises InputError: there is none.
+        """
+        each = find_exercise(name)
+        return Task(each.slug, each.number, each.title, float(each.max_points))
+
     def whom(
         self, words: Sequence[str], section: str, *, everybody: bool, task: Task | None = None
     ) -> Whom:
@@ -180,7 +191,53 @@ class Marking:
         entry = log.append(change, who, why)
         after, missing = self._written()
         remarks = [each for each in self._amended(log.entries())[1] if each not in known]
-        return Marked(entry, self._shifts(before, after), remarks, missing)
+        return Marked(entry, self._shifts(before, after), remarks, missing, _fewer(before, after))
+
+    def preview(self, change: Change) -> Marked:
+        """Return what a change would come to; nothing is written."""
+        entries = self.store.log.entries()
+        if isinstance(change, Undo):
+            _check_undo(change, entries)
+        before, known = self._amended(entries)
+        number = max((entry.number for entry in entries), default=0) + 1
+        after, remarks = self._amended([*entries, Entry(number, "", "", change, "")])
+        new = [each for each in remarks if each not in known]
+        return Marked(None, self._shifts(before, after), new, [], _fewer(before, after))
+
+    def assigned(self, word: str, people: Sequence[str]) -> Assign:
+        """Return the change by which an entry of a download is these students'.
+
+        Raises InputError: there is no such entry, or nobody is called so.
+        """
+        every = sorted({*self.students, *self.rows})
+        whom = tuple(dict.fromkeys(the_student(each, every, self.rows) for each in people))
+        lines = [each for each in self.options.account.lines if each.entry and word in
+                 (each.entry, each.student)]  # fmt: skip
+        if not lines and word not in self.rows:
+            entries = {each.entry for each in self.options.account.lines if each.entry}
+            raise nearest(word, entries, "entry of the downloads")
+        was = word if word in self.rows else next((each.student for each in lines), "")
+        if was in whom:  # a namesake's number, which is theirs indeed
+            return Assign((word,), "", Whom(whom))
+        mine = self.rows.get(was)
+        if mine is not None and mine.person.name and word == was:
+            raise InputError(
+                f"{was} is in the roster ({mine.person.key}); expected an entry of a download, "
+                "such as intake.csv lists them"
+            )
+        if mine is None or mine.person.name:  # a name in the download
+            return Assign((word,), "", Whom(whom))
+        return Assign(tuple(sorted(Known(self.rows).words(was))), was, Whom(whom))
+
+    def accepted(self, student: str, file: str, task: Task) -> Accept:
+        """Return the change by which a file counts as an exercise's.
+
+        Raises InputError: the student has handed in no such file.
+        """
+        files = {each.file for each in self.options.account.lines if each.student == student}
+        if file not in files:
+            raise nearest(file, files - {""}, f"file of {student}")
+        return Accept(task.slug, file, Whom((student,)))
 
     def write(self) -> Marked:
         """Write all results anew."""
@@ -206,6 +263,13 @@ class Marking:
             for was, one, now in words
             if was != now
         ]
+
+
+def _fewer(before: Sequence[StoredResult], after: Sequence[StoredResult]) -> int:
+    """Return how many have fewer points than before."""
+    tasks = {task.slug: task for task in tasks_of(after)}
+    points = [[points_of(each, tasks[each.exercise]) for each in side] for side in (before, after)]
+    return sum(a is not None and (b is None or b < a) for a, b in zip(*points, strict=False))
 
 
 def _shown(result: StoredResult, task: Task) -> str:

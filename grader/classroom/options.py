@@ -36,6 +36,8 @@ class Options:
     only: tuple[str, ...] = ()  # students whose recordings are judged again; (): all
     roster: Roster = NOBODY  # with it everybody in it has a row
     nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
+    add: bool = False  # to what is graded; who isn't in these downloads stays as they are
+    drop: bool = False  # who isn't in them
     columns: tuple[str, ...] = ()  # "EXERCISE=TITLE": the gradebook's column of an exercise
 
 

@@ -23,7 +23,8 @@ from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, WAITING, StoredR
 from grader.errors import InputError, is_disk_full
 from grader.lms.book import StudentRow
 
-SCHEMA = 4
+SCHEMA = 5
+READABLE = (0, 4, SCHEMA)  # 0: an empty file; 4: its rows say less of how students were called
 TABLES = """
 CREATE TABLE IF NOT EXISTS units (
     student TEXT NOT NULL, exercise TEXT NOT NULL, canary INTEGER NOT NULL DEFAULT 0,
@@ -40,6 +41,9 @@ CREATE TABLE IF NOT EXISTS units (
 CREATE TABLE IF NOT EXISTS kept (name TEXT PRIMARY KEY, text TEXT NOT NULL) STRICT;
 """
 
+SHARED = (
+    "file_names", "state", "verified", "grading", "recordings", "wall_s", "finished", "problem",
+)  # fmt: skip
 NOTES, STUDENTS = "notes", "students"  # what is kept
 Key = tuple[str, str]  # student, exercise
 
@@ -66,7 +70,7 @@ class Store:
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=FULL")
             version = self._db.execute("PRAGMA user_version").fetchone()[0]
-            if version not in (0, SCHEMA):  # 0: an empty file
+            if version not in READABLE:
                 raise InputError(
                     f"{path}: a store of schema {version}, expected {SCHEMA}; use the version of "
                     "the course that made it, or give another --out"
@@ -127,6 +131,19 @@ class Store:
     def requeue_running(self) -> None:
         """Put what is marked as running back into the queue: whoever ran it is gone."""
         self._set(self._keys(f"state='{RUNNING}'"), state=WAITING)
+
+    def share(self, leader: Key, key: Key, input_hash: str) -> bool:
+        """Give a member what their group's leader got for the same files; False: nothing yet."""
+        columns = ", ".join(SHARED)
+        with self._change():
+            done = self._db.execute(
+                f"UPDATE units SET attempts=1, input_hash=?, ({columns}) = (SELECT {columns} FROM"
+                " units WHERE student=? AND exercise=?) WHERE student=? AND exercise=? AND EXISTS"
+                f" (SELECT 1 FROM units WHERE student=? AND exercise=? AND state IN ('{GRADED}',"
+                f" '{HELD}') AND substr(input_hash, 1, {len(input_hash)})=?)",
+                (input_hash, *leader, *key, *leader, input_hash),
+            )
+        return done.rowcount > 0
 
     def retry_held(self) -> None:
         """Put what is held after an attempt back into the queue."""
@@ -221,9 +238,10 @@ class Store:
         return row[0] if row else ""
 
     def know(self, students: Iterable[StudentRow]) -> None:
-        """Keep what is known of the students, and of nobody else."""
+        """Keep what is known of these students; what is known of others stays."""
+        every = self.students() | {row.student: row for row in students}
         # as ASCII: names of files need not be UTF-8
-        self.keep(STUDENTS, json.dumps(msgspec.to_builtins(list(students))))
+        self.keep(STUDENTS, json.dumps(msgspec.to_builtins(list(every.values()))))
 
     def students(self) -> dict[str, StudentRow]:
         """Return what is known of the students."""

@@ -17,6 +17,7 @@ Examples:
   course autograde handed_in --out graded --regrade
   course autograde handed_in --out graded --regrade ann
   course autograde week1.zip week2.zip --roster gradebook.csv --out graded
+  course autograde late.zip --roster gradebook.csv --out graded --add
   course autograde submissions.zip --roster gradebook.csv --list
 """
 
@@ -98,6 +99,8 @@ def autograde(
         raise InputError(f"expected SUBMISSIONS, what the class has handed in{after}")
     if out is None and not only_list:
         raise InputError("expected --out FOLDER, where the results go (or --list)")
+    if options["add"] and options["drop"]:
+        raise InputError("--add keeps results and --drop forgets them: expected one of them")
     if regrade and options["again"]:
         raise InputError("--regrade runs no nodes and --again does: expected one of them")
     no_class = "" if regrade or options["dask"] else why_no_class(trust=options["trust"])
@@ -127,7 +130,7 @@ def autograde(
     )
     console = Console()
     if only_list or out is None:
-        with looked_at(submissions, chosen) as found:
+        with looked_at(submissions, chosen, out) as found:
             text, waiting = listing(found)
         say(console, text)
         return LESS if waiting else FULL

@@ -15,9 +15,11 @@ from grader.errors import InputError
 from grader.report.foreign import echo
 
 if TYPE_CHECKING:
-    from grader.classroom.marking import Marked
+    from grader.classroom.amendments.change import Change
+    from grader.classroom.marking import Marked, Marking
 
 MOST = 20  # lines
+AGAIN = "Now run `course autograde` again with the same downloads."
 EXAMPLES = """\b
 Examples:
   course marks waive graded blind --exercise 1 --all --why "the task was unclear"
@@ -27,6 +29,8 @@ Examples:
   course marks score graded 85 --exercise 1 --student ann --why "handed in by e-mail"
   course marks undo graded 3 --why "a mistake of mine"
   course marks publish graded --section A --why "looked at"
+  course marks assign graded "Ann Lee 71" s4711 --why "asked her"
+  course marks accept graded ann my_agent.py --exercise 1 --why "the file is hers"
   course report graded
 """
 
@@ -80,6 +84,10 @@ def _reason(command: Command) -> Command:
     return command
 
 
+preview = click.option("--preview", is_flag=True, help="Only say whose points would change.")
+may_lower = click.option("--may-lower", is_flag=True, help="Also where it costs points.")
+
+
 @click.group("marks", epilog=EXAMPLES)
 def marks() -> None:
     """Change the marks of a class that `course autograde` has graded into FOLDER.
@@ -94,13 +102,15 @@ def marks() -> None:
 @click.argument("check")
 @click.argument("points", type=_Number())
 @exercise
+@may_lower
+@preview
 @_whom
 @_reason
 def set_(
     folder: Path, check: str, points: float, exercise: str, students: tuple[str, ...],
-    section: str, everybody: bool, why: str, by: str,
+    section: str, everybody: bool, may_lower: bool, preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
-    """Give a CHECK these POINTS, whatever it came to."""
+    """Give a CHECK these POINTS, whatever it came to, where that costs nobody points."""
     from grader.classroom.amendments.change import SetCheck  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
@@ -110,20 +120,26 @@ def set_(
         most = class_.check(task, check, whom)
         if points > most:
             raise InputError(f"{points:g} points: {check} of {task.slug} gives 0 to {most:g}")
-        return _told(class_.add(SetCheck(task.slug, check, points, whom), _who(by), why))
+        change = SetCheck(task.slug, check, points, whom, may_lower=may_lower)
+        return _changed(class_, change, by, why, preview=preview)
 
 
 @marks.command()
 @folder
 @click.argument("check")
 @exercise
+@may_lower
+@preview
 @_whom
 @_reason
 def waive(
     folder: Path, check: str, exercise: str, students: tuple[str, ...], section: str,
-    everybody: bool, why: str, by: str,
+    everybody: bool, may_lower: bool, preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
-    """Leave a CHECK out of score and maximum; the others count for more."""
+    """Leave a CHECK out of score and maximum, where that costs nobody points.
+
+    The other checks count for more.
+    """
     from grader.classroom.amendments.change import Waive  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
@@ -131,18 +147,20 @@ def waive(
         task = class_.exercise(exercise)
         whom = class_.whom(students, section, everybody=everybody, task=task)
         class_.check(task, check, whom)
-        return _told(class_.add(Waive(task.slug, check, whom), _who(by), why))
+        change = Waive(task.slug, check, whom, may_lower=may_lower)
+        return _changed(class_, change, by, why, preview=preview)
 
 
 @marks.command()
 @folder
 @click.argument("points", type=_Number())
 @exercise
+@preview
 @_whom
 @_reason
 def score(
     folder: Path, points: float, exercise: str, students: tuple[str, ...], section: str,
-    everybody: bool, why: str, by: str,
+    everybody: bool, preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Give students these POINTS in an exercise, whatever was graded, or nothing handed in."""
     from grader.classroom.amendments.change import Score  # noqa: PLC0415
@@ -155,7 +173,7 @@ def score(
         whom = class_.whom(students, section, everybody=everybody, task=task)
         if points > task.points:
             raise InputError(f"{points:g} points: {task.slug} gives 0 to {task.points:g}")
-        return _told(class_.add(Score(task.slug, points, whom), _who(by), why))
+        return _changed(class_, Score(task.slug, points, whom), by, why, preview=preview)
 
 
 @marks.command()
@@ -170,11 +188,13 @@ def score(
               help="At most so much.")  # fmt: skip
 @click.option("--times", type=click.Path(path_type=Path), metavar="FILE",
               help="CSV with id and time, or Moodle's grading worksheet.")  # fmt: skip
+@preview
 @_whom
 @_reason
 def late(
     folder: Path, exercise: str, per_day: float, deadline: str, zone: str, grace: str, cap: float,
-    times: Path | None, students: tuple[str, ...], section: str, everybody: bool, why: str, by: str,
+    times: Path | None, students: tuple[str, ...], section: str, everybody: bool, preview: bool,
+    why: str, by: str,
 ) -> int:  # fmt: skip
     """Take points off what was handed in late. The newest rule that is about a student counts.
 
@@ -201,7 +221,7 @@ def late(
             known,
             whom,
         )
-        return _told(class_.add(rule, _who(by), why))
+        return _changed(class_, rule, by, why, preview=preview)
 
 
 @marks.command()
@@ -229,14 +249,54 @@ def publish(
 @marks.command()
 @folder
 @click.argument("entry", type=click.IntRange(1))
+@preview
 @_reason
-def undo(folder: Path, entry: int, why: str, by: str) -> int:
+def undo(folder: Path, entry: int, preview: bool, why: str, by: str) -> int:
     """Have an ENTRY of the log no longer count. To bring it back, undo that."""
     from grader.classroom.amendments.change import Undo  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
-        return _told(class_.add(Undo(entry), _who(by), why))
+        return _changed(class_, Undo(entry), by, why, preview=preview)
+
+
+@marks.command()
+@folder
+@click.argument("entry")
+@click.argument("people", nargs=-1, required=True, metavar="STUDENT...")
+@_reason
+def assign(folder: Path, entry: str, people: tuple[str, ...], why: str, by: str) -> int:
+    """Say that an ENTRY of a download is this STUDENT's, or a group's, for good.
+
+    The next `course autograde` grades it as theirs, in all later downloads, too.
+    """
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        code = _told(class_.add(class_.assigned(entry, people), _who(by), why))
+    echo(AGAIN)
+    return code
+
+
+@marks.command()
+@folder
+@click.argument("student")
+@click.argument("file")
+@click.option("--exercise", required=True, help="Its name or number.")
+@_reason
+def accept(folder: Path, student: str, file: str, exercise: str, why: str, by: str) -> int:
+    """Say that a STUDENT's FILE is an exercise's, whatever it is called, for good.
+
+    The next `course autograde` grades it; a newer file of that name counts, too.
+    """
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        who = class_.student(student)
+        change = class_.accepted(who, file, class_.any_exercise(exercise))
+        code = _told(class_.add(change, _who(by), why))
+    echo(AGAIN)
+    return code
 
 
 @marks.command()
@@ -249,6 +309,13 @@ def write(folder: Path) -> int:
         return _told(class_.write())
 
 
+def _changed(class_: Marking, change: Change, by: str, why: str, *, preview: bool) -> int:
+    """Make a change, or only say what it would come to."""
+    if not preview:
+        return _told(class_.add(change, _who(by), why))
+    return _told(class_.preview(change), "Nothing is written. ")
+
+
 def _who(by: str) -> str:
     if by.strip():
         return by
@@ -258,8 +325,8 @@ def _who(by: str) -> str:
         return "somebody"
 
 
-def _told(done: Marked) -> int:
-    """Say what a change came to, and return the exit code."""
+def _told(done: Marked, preview: str = "") -> int:
+    """Say what a change came to, or would come to, and return the exit code."""
     from grader.classroom.amendments.log import described  # noqa: PLC0415
     from grader.classroom.progress import say  # noqa: PLC0415
     from grader.report.terminal import Console  # noqa: PLC0415
@@ -267,7 +334,9 @@ def _told(done: Marked) -> int:
     lines = []
     if done.entry is not None:
         lines.append(f"Entry {done.entry.number}: {described(done.entry.change)}")
-        lines.append(f"Scores that change: {len(done.shifts)}")
+    if done.entry is not None or preview:
+        down = f", {done.lower} of them down" if done.lower else ""
+        lines.append(f"{preview}Scores that change: {len(done.shifts)}{down}")
     lines += [f"  {shift}" for shift in done.shifts[:MOST]]
     if len(done.shifts) > MOST:
         lines.append(f"  and {len(done.shifts) - MOST} more; scores.csv has all")

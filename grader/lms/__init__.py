@@ -15,6 +15,6 @@ PLATFORMS: tuple[Platform, ...] = (
     gradescope.PLATFORM, nbgrader.PLATFORM, moodle.PLATFORM, canvas.PLATFORM, github.PLATFORM,
     folders.PLATFORM,
 )  # fmt: skip
-TIMES = (*moodle.TIMES, *folders.TIMES)  # how times are written, but for ISO 8601
+TIMES = folders.TIMES  # how times are written, but for ISO 8601 and Moodle's words
 
 __all__ = ["PLATFORMS", "TIMES", "Platform"]

@@ -40,6 +40,8 @@ class Handed:
     email: str = ""
     late: bool = False  # says the platform
     time: str = ""  # when, as the platform writes it; "" if it doesn't say
+    extension: str = ""  # until when they had more time, as the platform writes it
+    upload: int = 0  # the platform's number of the file, if it has one
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ class StudentRow:
     student: str  # the name of the folder
     person: Person = NO_PERSON  # in the roster
     handed: dict[str, Handed] = field(default_factory=dict)  # by exercise
+    seen: tuple[str, ...] = ()  # how downloads have called them: "moodle:4711"
+    unsure: bool = False  # an entry of which nobody knows yet whose it is
 
 
 @dataclass(frozen=True)

@@ -12,29 +12,30 @@ Sources, in instructure/canvas-lms:
   (`no_change_to_value?`), a cell over "EX" ends the excuse, and a row "Points Possible" changes the
   assignment. So there is a file per exercise, which holds only students with points, and that row
   only where Canvas has to make the assignment.
+- app/models/assignment.rb, `infer_comment_context_from_filename`: of the parts of a file's name
+  between underscores, the first two that are numbers are the user's id and the attachment's, which
+  has to be of their submission. The comment's file is called as the attachment is.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import BinaryIO
 
 from grader.lms.book import Book, Mark, Task, scaled
-from grader.lms.people import Sheet, unquoted
-from grader.lms.platform import Entry, Files, Platform, Read, SetAside, Who
+from grader.lms.pack import pack
+from grader.lms.people import Sheet, squeezed, unquoted
+from grader.lms.platform import Entry, Files, Platform, Read, Who
 from grader.lms.tables import Cell, Verbatim, csv_text, number
 
 # From the left: what the student called the file can't reach the ids in front of it. But a name may
 # hold what looks like ids, and in some places students choose their own: UNCLEAR says when the file
-# might be another's. It has to be a look at Canvas then, for both would lose by a guess.
+# might be another's. The roster decides then, or a person, for both would lose by a guess.
 _WHO = r"(?:(?P<name>\w*?)_)??(?:(?P<late>LATE)_)?(?P<id>\d+|anon_[A-Za-z0-9]+)"
 UPLOAD = re.compile(rf"{_WHO}_(?P<attachment>\d+)_(?P<file>.+)", re.DOTALL)
 UNCLEAR = re.compile(r"(?:LATE_)?\d{3,}_.+", re.DOTALL)  # what seems to be the file's own name
-WHOSE = (
-    "its name begins with a number, or its student's name ends with one: whose it is can't be "
-    "told; look into Canvas, and rename the file"
-)
 TYPED = re.compile(rf"{_WHO}_(?P<kind>text|link)\.html")
 TYPED_IN = {"text": "text typed into Canvas.html", "link": "web address.html"}
 
@@ -53,7 +54,7 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
         if path.is_symlink() or not path.is_file():
             found.left.append(path)
         elif upload is not None and UNCLEAR.fullmatch(upload["file"]):
-            found.set_aside.append(SetAside(path.name, WHOSE))
+            found.unclear.append(list(_readings(path)))
         elif upload is not None:
             version, late = int(upload["attachment"][:18]), upload["late"] is not None
             found.entries.append(Entry(path, _who(upload), upload["file"], version, late=late))
@@ -65,6 +66,15 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
     return found
 
 
+def _readings(path: Path) -> Iterator[Entry]:
+    """Return all that an upload's name may mean: a number in it may be an id, or the file's own."""
+    for place in re.finditer(r"(?:^|_)(?=(?:LATE_)?\d+_\d+_.)", path.name):
+        rest = re.compile(r"(LATE_)?(\d+)_(\d+)_(.+)", re.DOTALL).match(path.name, place.end())
+        if rest is not None and not path.name[: place.start()].endswith("_LATE"):
+            who = Who(path.name[: place.start()] or rest[2], "canvas", rest[2])
+            yield Entry(path, who, rest[4], int(rest[3][:18]), late=rest[1] is not None)
+
+
 def _who(match: re.Match[str]) -> Who:
     name = match["name"] or ""
     anonymous = match["id"].startswith("anon_")
@@ -72,9 +82,9 @@ def _who(match: re.Match[str]) -> Who:
 
 
 def sheet(header: Sequence[str]) -> str:
-    """Return the kind of a gradebook's export."""
+    """Return the kind of a gradebook's export, or of the roster that comes with groups."""
     mine = header[:2] == ["student", "id"] or header[:3] == ["lastname", "firstname", "id"]
-    return "canvas" if mine else ""
+    return "canvas" if mine else "groups" if {"canvas_user_id", "group_name"} <= set(header) else ""
 
 
 def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
@@ -148,6 +158,17 @@ def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
     return csv_text([header, *possible, *rows]) if rows else None
 
 
+def feedback(target: BinaryIO, marks: Sequence[Mark], task: Task, pages: Path) -> None:
+    """Write one exercise's feedback pages as Canvas takes them back: named like the uploads.
+
+    Of a group there is one: Canvas makes it a comment for all of them.
+    """
+    once = {mark.handed.upload: mark for mark in reversed(marks) if mark.handed.upload}
+    pack(target, ((f"{squeezed(mark.handed.name)}_{mark.handed.id}_{upload}_{task.slug}.html",
+                   pages / mark.student / f"{task.slug}.html")
+                  for upload, mark in sorted(once.items())))  # fmt: skip
+
+
 def _assignments(sheet: Sheet) -> tuple[str, ...]:
     """Return the headings of assignments: those with an id at the end, else all."""
     return tuple(each for each in sheet.header if each.endswith(")")) or sheet.header
@@ -158,6 +179,7 @@ PLATFORM = Platform(
     read,
     sheet,
     gradebook,
+    feedback,
     folder="canvas",
-    what="Canvas gradebook, a file per exercise",
+    what="Canvas gradebook, a file per exercise; feedback files",
 )

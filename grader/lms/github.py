@@ -50,8 +50,12 @@ def is_clone(path: Path) -> bool:
 
 
 def sheet(header: Sequence[str]) -> str:
-    """Return the kind of GitHub Classroom's `classroom_roster.csv`."""
-    return "github" if {"github_username", "identifier"} <= set(header) else ""
+    """Return the kind of GitHub Classroom's `classroom_roster.csv`, or of an assignment's grades.
+
+    The latter's columns are those of cmd/gh-classroom/assignment-grades.
+    """
+    of_one = {"github_username", "roster_identifier"} <= set(header)
+    return "github" if of_one or {"github_username", "identifier"} <= set(header) else ""
 
 
 PLATFORM = Platform("GitHub Classroom", read, sheet)

@@ -18,31 +18,57 @@ Sources, in moodle/moodle:
 from __future__ import annotations
 
 import re
-import zipfile
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import BinaryIO
 
 from grader.lms.book import Book, Mark, Task, scaled
 from grader.lms.clean import one_line
 from grader.lms.names import student_id
-from grader.lms.people import Sheet
+from grader.lms.pack import pack
+from grader.lms.people import Sheet, trailing
 from grader.lms.platform import Entry, Files, Platform, Read, Who
 from grader.lms.tables import Cell, Verbatim, csv_text
 
-_WHO = r"(?P<name>[^_]+)_(?P<id>\d+)_assignsubmission_(?P<plugin>file|onlinetext)"
+_WHO = r"(?P<name>[^_]+)(?:_(?P<id>\d+))?_assignsubmission_(?P<plugin>file|onlinetext)"
 FOLDER = re.compile(rf"{_WHO}_?")
 FLAT = re.compile(rf"{_WHO}_(?P<file>.+)", re.DOTALL)
 
-TIMES = ("%A, %d %B %Y, %I:%M %p", "%A, %d %B %Y, %H:%M")  # as Moodle writes them in English
+# `strftimedaydatetime` in the language packs: "Monday, 4 May 2026, 9:12 AM",
+# "Montag, 4. Mai 2026, 09:12", "lundi 4 mai 2026, 09:12", "lunes, 4 de mayo de 2026, 09:12"
+MOMENT = re.compile(
+    r"(?:[^\W\d]+,? )?(\d{1,2})\.? (?:de )?([^\W\d]+)\.? (?:de )?(\d{4}),? "
+    r"(\d{1,2}):(\d\d)(?: ([AP]M))?",
+    re.IGNORECASE,
+)
+MONTHS = (
+    "january february march april may june july august september october november december",
+    "januar februar märz april mai juni juli august september oktober november dezember",
+    "janvier février mars avril mai juin juillet août septembre octobre novembre décembre",
+    "enero febrero marzo abril mayo junio julio agosto septiembre octubre noviembre diciembre",
+)
 
 DOWNLOADED = "Last downloaded from this course"
+# What identifies somebody in other languages, by lang/*/moodle.php of the language packs
+WORDS = {
+    "vorname": "first name", "nachname": "last name", "id-nummer": "id number",
+    "e-mail-adresse": "email address", "anmeldename": "username", "gruppe": "group",
+    "vollständiger name": "full name",
+    "prénom": "first name", "nom de famille": "last name", "numéro d'identification": "id number",
+    "adresse de courriel": "email address", "nom d'utilisateur": "username", "groupe": "group",
+    "nom complet": "full name",
+    "nombre": "first name", "apellido(s)": "last name", "número de id": "id number",
+    "dirección de correo": "email address", "nombre de usuario": "username", "grupo": "group",
+    "nombre completo": "full name", "gruppo": "group",
+}  # fmt: skip
+NO = {"no", "nein", "non", "não", "nee", "nej", "nei", "ne", "nie", "нет", "否", "いいえ"}
 IDENTIFIER, GRADE, MOST = "identifier", "grade", "maximum grade"
 CHANGEABLE, GRADED_AT = "grade can be changed", "last modified (grade)"
+SUBMITTED = "last modified (submission)"
 WORKSHEET = ("Identifier", "Full name", "Grade", "Maximum grade", "Last modified (grade)")
 LOCKED = "has a grade that can't be changed"
 KIND = "worksheet"  # of a roster's sheet
-EPOCH = (1980, 1, 1, 0, 0, 0)  # the same results make the same bytes
 
 
 def read(folder: Path, paths: Sequence[Path]) -> Read:
@@ -54,7 +80,8 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             found.left.append(path)
         else:
             called = "" if path.is_dir() else match["file"]
-            found.entries.append(Entry(path, Who(match["name"], "moodle", match["id"]), called))
+            who = Who(match["name"], "moodle", match["id"] or "")
+            found.entries.append(Entry(path, who, called))
     return found
 
 
@@ -65,6 +92,86 @@ def sheet(header: Sequence[str]) -> str:
     named = {"first name", "last name", "surname", "full name", "name"} & set(header)
     exported = DOWNLOADED.casefold() in header or ("id number" in header and named)
     return "moodle" if exported else ""
+
+
+def columns(header: Sequence[str], rows: Sequence[Sequence[str]]) -> tuple[str, ...]:
+    """Return the headings of a worksheet or an export as Moodle has them in English.
+
+    A worksheet's columns are told by what is in them, in the order of mod/assign/gradingtable.php;
+    () if this is none.
+    """
+    if IDENTIFIER in map(str.casefold, header):
+        return ()
+    found = [WORDS.get(each.casefold().replace("\u2019", "'"), each) for each in header]
+    if not rows or _participants(rows, 0) is None:
+        return tuple(found) if _is_stamped(found, rows) else ()
+    most = next((i for i in range(2, len(header) - 1) if _is_maximum(rows, i)), 0)
+    if not most:
+        return ()
+    found[0], found[most - 1], found[most] = IDENTIFIER, GRADE, MOST
+    found[1] = "full name" if _are_names(rows) else found[1]
+    for i in range(1, most - 1):
+        if all("@" in row[i] for row in rows if row[i].strip()) and any(row[i] for row in rows):
+            found[i] = "email address"
+    changeable = next(
+        (i for i in range(most + 1, len(header)) if len({row[i] for row in rows}) <= 2
+         and not any(re.search(r"\d", row[i]) for row in rows)), most + 1,
+    )  # fmt: skip
+    found[changeable] = CHANGEABLE
+    times = [i for i in range(changeable + 1, len(header)) if _are_times(rows, i)]
+    if len(times) > 1:
+        found[times[0]] = SUBMITTED
+    if times:
+        found[times[-1]] = GRADED_AT
+    return tuple(found)
+
+
+def _participants(rows: Sequence[Sequence[str]], column: int) -> str | None:
+    """Return the word in front of everybody's number, "Teilnehmer/in"; None if there is none."""
+    found = [re.fullmatch(r"(\D*?) ?(\d+)", row[column].strip()) for row in rows]
+    words = {match[1] if match else "" for match in found}
+    return words.pop() if len(words) == 1 and "" not in words else None
+
+
+def _is_maximum(rows: Sequence[Sequence[str]], column: int) -> bool:
+    """Return whether a column is the points of the assignment, the same for all, after a grade."""
+    points = re.compile(r"-?\d+([.,]\d+)?")
+    most = {row[column].strip() for row in rows}
+    before = {row[column - 1].strip() for row in rows} - {"", "-"}
+    return len(most) == 1 and bool(points.fullmatch(*most)) and all(map(points.fullmatch, before))
+
+
+def _are_names(rows: Sequence[Sequence[str]]) -> bool:
+    """Return whether the second column is names; of anonymous submissions it is their status."""
+    cells = [row[1].strip() for row in rows]
+    return len(set(cells)) > len(cells) / 2 and not any(map(MOMENT.search, cells))
+
+
+def _are_times(rows: Sequence[Sequence[str]], column: int) -> bool:
+    cells = {row[column].strip() for row in rows} - {"-"}
+    return not cells or ("" not in cells and all(map(MOMENT.search, cells)))
+
+
+def _is_stamped(header: Sequence[str], rows: Sequence[Sequence[str]]) -> bool:
+    """Return whether this is a gradebook's export, which ends with when it was made."""
+    ends = {row[-1].strip() for row in rows}
+    return len(ends) == 1 and bool(re.fullmatch(r"\d{10}", *ends)) and "email address" in header
+
+
+def moment(text: str) -> datetime | None:
+    """Return the time that Moodle has written in English, German, French or Spanish."""
+    match = MOMENT.fullmatch(text.strip())
+    word = match[2].casefold() if match else ""
+    month = next((names.split().index(word) for names in MONTHS if word in names.split()), None)
+    if match is None or month is None:
+        return None
+    day, year, hour, minute = (int(match[i]) for i in (1, 3, 4, 5))
+    if match[6]:
+        hour = hour % 12 + 12 * (match[6].upper() == "PM")
+    try:
+        return datetime(year, month + 1, day, hour, minute)
+    except ValueError:
+        return None
 
 
 def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
@@ -101,8 +208,8 @@ def worksheet_csv(book: Book, task: Task, *, alone: bool = True) -> str | None:
 
 
 def _by_participant(worksheet: Sheet) -> Mapping[str, Sequence[str]]:
-    rows = ((worksheet.cell(row, IDENTIFIER).rpartition(" ")[2], row) for row in worksheet.rows)
-    return {digits: row for digits, row in rows if digits.isdecimal()}
+    rows = ((trailing(worksheet.cell(row, IDENTIFIER)), row) for row in worksheet.rows)
+    return {digits: row for digits, row in rows if digits}
 
 
 def _is_scale(book: Book, task: Task, worksheet: Sheet) -> bool:
@@ -134,7 +241,7 @@ def _filled_in(
         row = rows.get(mark.handed.id) if is_moodles else book.row_of(worksheet, mark)
         if row is None:
             lost.append(mark)
-        elif worksheet.cell(row, CHANGEABLE).casefold() == "no":
+        elif worksheet.cell(row, CHANGEABLE).casefold() in NO:
             locked.append(mark)
         else:
             cells: list[Cell] = [
@@ -150,16 +257,13 @@ def _filled_in(
 
 def feedback(target: BinaryIO, marks: Sequence[Mark], task: Task, pages: Path) -> None:
     """Write one exercise's feedback pages as Moodle takes them back."""
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for mark in marks:
-            page = pages / mark.student / f"{task.slug}.html"
-            if not page.is_file():
-                continue
-            name = student_id(mark.handed.name).replace("_", " ")
-            folder = f"{name}_{mark.handed.id}_assignfeedback_file"
-            info = zipfile.ZipInfo(f"{folder}/{task.slug}.html", EPOCH)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(info, page.read_bytes())
+    pack(target, ((f"{_folder(mark)}/{task.slug}.html", pages / mark.student / f"{task.slug}.html")
+                  for mark in marks))  # fmt: skip
+
+
+def _folder(mark: Mark) -> str:
+    name = student_id(mark.handed.name).replace("_", " ")
+    return f"{name}_{mark.handed.id}_assignfeedback_file"
 
 
 PLATFORM = Platform(

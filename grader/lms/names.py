@@ -27,17 +27,17 @@ def student_id(name: str) -> str:
     return f"_{text}" if RESERVED.fullmatch(text) else text or "unnamed"
 
 
-def unique(name: str, original: str, taken: Container[str]) -> str:
+def marked(name: str, original: str, taken: Container[str], *, always: bool = False) -> str:
     """Return the name, marked if another student has it; the same mark in every run.
 
     Who hands in a name that looks marked gets a mark, too: nobody can choose another's.
     """
-    if not MARKED.search(name) and name.casefold() not in taken:
+    if not always and not MARKED.search(name) and name.casefold() not in taken:
         return name
     digest = hashlib.sha256(original.encode("utf-8", "surrogateescape")).hexdigest()
     lengths = range(MARK, len(digest) + 1)  # of two entries, the originals differ
-    marked = (f"{name}~{digest[:length]}" for length in lengths)
-    return next(each for each in marked if each.casefold() not in taken)
+    every = (f"{name}~{digest[:length]}" for length in lengths)
+    return next(each for each in every if each.casefold() not in taken)
 
 
 def may_enter(name: str) -> bool:

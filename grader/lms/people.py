@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +13,8 @@ from pathlib import Path
 CANVAS, SIS, LOGIN, EMAIL, NUMBER, GITHUB, OWN = (
     "canvas", "sis", "login", "email", "idnumber", "github", "id",
 )  # fmt: skip
-PARTICIPANT = "participant"  # Moodle's, of one assignment: a person has several
+# What is one assignment's, so that a person has several: Moodle's participant, GitHub's repository
+PARTICIPANT = "participant"
 STRONG = (CANVAS, SIS, LOGIN, EMAIL, NUMBER, GITHUB, OWN)
 
 
@@ -25,6 +26,7 @@ class Person:
     section: str = ""
     ids: Mapping[str, str] = field(default_factory=dict)  # kind: id
     participants: frozenset[str] = frozenset()
+    group: str = ""  # with which they hand in
 
     @property
     def key(self) -> str:
@@ -47,6 +49,15 @@ class Person:
 
 
 @dataclass(frozen=True)
+class Match:
+    """Whom an entry of a download means."""
+
+    people: tuple[Person, ...] = ()  # one, or all of a group
+    may_be: tuple[Person, ...] = ()  # if it can't be told
+    sure: bool = False  # by an id; not by a name alone
+
+
+@dataclass(frozen=True)
 class Sheet:
     """A file that a roster was read from, as it came."""
 
@@ -56,11 +67,12 @@ class Sheet:
     rows: tuple[tuple[str, ...], ...]  # as long as the header
     people: tuple[int, ...]  # of each row: its place in the roster
     points: Mapping[str, str] = field(default_factory=dict)  # Canvas's "Points Possible"
+    english: tuple[str, ...] = ()  # the headings that Moodle has in English; (): they are
 
     @property
     def small(self) -> list[str]:
-        """The headings in small letters."""
-        return [heading.casefold() for heading in self.header]
+        """The headings in English and small letters."""
+        return [heading.casefold() for heading in self.english or self.header]
 
     def cell(self, row: Sequence[str] | None, heading: str) -> str:
         """Return what a row has below a heading in small letters; "" if there is none."""
@@ -79,39 +91,65 @@ class Roster:
         return any(path.exists() and path.samefile(sheet.file) for sheet in self.sheets)
 
     def find(self, system: str, name: str, id_: str = "", email: str = "") -> Person | None:
-        """Return the person a download means; None if nobody or more than one can be meant.
+        """Return the person a download means; None if nobody or more than one can be meant."""
+        people = self.match(system, name, id_, email).people
+        return people[0] if len(people) == 1 else None
+
+    def match(
+        self, system: str, name: str, id_: str = "", email: str = "", place: str = ""
+    ) -> Match:
+        """Return whom a download means, by what it calls them, and the entry's own name.
 
         The platform's own key counts alone where the roster has it: students choose their names,
         on GitHub their logins, and on Gradescope they type their number. Else ids, then names.
         """
+        if system == "moodle":
+            return self._in_moodle(name, id_)
+        if system == "github" and (team := self._all(PARTICIPANT, place)):
+            return Match(team, sure=True)
         kind, key = {
             "canvas": (CANVAS, id_), "github": (GITHUB, id_), "gradescope": (EMAIL, email)
         }.get(system, ("", ""))  # fmt: skip
         if key and any(person.ids.get(kind) for person in self.people):
-            return self._one(kind, key)
-        named = self._one("name", folded(name))
-        if system == "moodle" and id_ and (found := self._one(PARTICIPANT, id_)) is not None:
-            same = folded(found.name) == folded(name) or name.casefold() == "participant"
-            return found if same or named is None else None  # renamed like another: who is it?
+            found = self._one(kind, key)
+            team = self._team(name, squeezed) if system != "gradescope" else ()
+            if team and (found in team if system == "canvas" else found is None):
+                own = found is not None and squeezed(found.name) == squeezed(name)
+                return Match((), team) if own else Match(team, sure=True)
+            return Match((found,), sure=True) if found else Match((), self._like(name, id_))
         words = [id_, email] if system in ("gradescope", "nbgrader", "github") else []
         words += [name] if system in ("folder", "nbgrader", "github") else []
         for word in filter(None, words):
             for kind in STRONG:
                 if (found := self._one(kind, word)) is not None:
-                    return found
-        if system == "canvas":
-            return self._one("squeezed", squeezed(name))
-        return named or (self._in_group(name) if system == "moodle" else None)
+                    return Match((found,), sure=True)
+        if team := self._team(name, folded):
+            return Match(team, sure=True)
+        kind, form = ("squeezed", squeezed) if system == "canvas" else ("name", folded)
+        return _only(self._all(kind, form(name)))
 
-    def why_not(self, name: str) -> str:
-        """Say why `find` found nobody."""
-        called = [person for person in self.people if folded(name) in person.names]
-        if len(called) > 1:
-            return (
-                f"{len(called)} people of the roster are called so; with Moodle, give the "
-                "assignment's grading worksheet as another --roster: it has the identifiers"
-            )
-        return "nobody in the roster is called so or has this id"
+    def _in_moodle(self, name: str, id_: str) -> Match:
+        """Return whom Moodle's prefix means: a participant, or a group whose number is its own."""
+        holder = self._one(PARTICIPANT, id_) if id_ else None
+        named, team = self._all("name", folded(name)), self._team(name, folded)
+        forms = map(squeezed, (holder.name, holder.label)) if holder else ()
+        in_group = self._in_group(name)
+        if holder and (is_blind(name) or squeezed(name) in forms or in_group == holder):
+            return Match((holder,), sure=True)
+        if team:
+            return Match((), (*named, *team)) if named else Match(team, sure=True)
+        if holder:  # renamed, or a group's number: who is it?
+            return Match((), _each_once((holder, *named)))
+        return Match((in_group,)) if in_group and not named else _only(named)
+
+    def participant(self, person: Person, group: str) -> str:
+        """Return the number by which Moodle knows a member in a group's assignment."""
+        for sheet in self.sheets:
+            for row, place in zip(sheet.rows, sheet.people, strict=True):
+                mine = self.people[place] == person and sheet.kind == "worksheet"
+                if mine and folded(sheet.cell(row, "group")) == folded(group):
+                    return trailing(sheet.cell(row, "identifier"))
+        return min(person.participants, default="")
 
     @cached_property
     def _index(self) -> Mapping[tuple[str, str], list[Person]]:
@@ -121,15 +159,30 @@ class Roster:
             words = [(kind, id_.casefold()) for kind, id_ in person.ids.items()]
             words += [(PARTICIPANT, participant) for participant in person.participants]
             words += [("name", name) for name in person.names]
-            for kind, word in [*words, ("squeezed", squeezed(person.name))]:
+            words += [("team", squeezed(person.group)), ("squeezed", squeezed(person.name))]
+            for kind, word in words:
                 if word:
                     found.setdefault((kind, word), []).append(person)
         return found
 
     def _one(self, kind: str, word: str) -> Person | None:
         """Return the person whom an id or a name means; None if it fits nobody or several."""
-        found = self._index.get((kind, word.casefold()), [])
+        found = self._all(kind, word)
         return found[0] if len(found) == 1 else None
+
+    def _all(self, kind: str, word: str) -> tuple[Person, ...]:
+        return tuple(self._index.get((kind, word.casefold()), ()))
+
+    def _team(self, name: str, form: Callable[[str], str]) -> tuple[Person, ...]:
+        """Return everybody in the group of that name, written in this form."""
+        found = self._all("team", squeezed(name))
+        return tuple(person for person in found if form(person.group) == form(name))
+
+    def _like(self, name: str, id_: str) -> tuple[Person, ...]:
+        """Return who is called so or has this id, where neither is what counts."""
+        found = [*self._all("name", folded(name)), *self._all("squeezed", squeezed(name))]
+        found += [person for kind in STRONG for person in self._all(kind, id_) if id_]
+        return _each_once(found)
 
     def _in_group(self, name: str) -> Person | None:
         """Find somebody by `GROUP-NAME`, as Moodle calls them where students work in groups."""
@@ -139,7 +192,32 @@ class Roster:
         return next(iter(people.values())) if len(people) == 1 else None
 
 
-APOSTROPHES = dict.fromkeys(map(ord, "'\u2019\u2018\u02bc\u0060\u00b4"))
+def _only(found: tuple[Person, ...]) -> Match:
+    """Return who is meant if it is one; none is guessed of several."""
+    return Match(found) if len(found) == 1 else Match((), found)
+
+
+def _each_once(people: Iterable[Person]) -> tuple[Person, ...]:
+    return tuple({person.key: person for person in people}.values())
+
+
+def is_blind(name: str) -> bool:
+    """Return whether Moodle calls everybody so: its anonymous submissions have only numbers."""
+    return name.strip().casefold() in BLIND
+
+
+def trailing(identifier: str) -> str:
+    """Return the number at the end of "Participant 4711", which is in the platform's language."""
+    match = re.search(r"\d+$", identifier.strip())
+    return match[0] if match else ""
+
+
+# "Participant", `participant` in the language packs of mod_assign
+BLIND = {
+    "participant", "teilnehmer/in", "teilnehmer in", "teilnehmerin", "participante", "partecipante",
+}  # fmt: skip
+# double ones, too: Moodle's names of files have none of them
+APOSTROPHES = dict.fromkeys(map(ord, "'\u2019\u2018\u02bc\u0060\u00b4\"\u201c\u201d"))
 
 
 def folded(name: str) -> str:

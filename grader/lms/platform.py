@@ -20,6 +20,11 @@ class Who:
     email: str = ""
 
 
+def word_of(system: str, id_: str) -> str:
+    """Return how a student of a platform is remembered; capitals don't count where it says so."""
+    return f"{system}:{id_.casefold() if system in ('gradescope', 'github') else id_}"
+
+
 @dataclass(frozen=True)
 class Entry:
     """A file, folder or archive of a download, and whose it is."""
@@ -30,6 +35,13 @@ class Entry:
     version: int = 0  # of two files with one name, the higher is newer
     late: bool = False  # says the platform
     time: str = ""  # when it was handed in, as the platform writes it
+
+    @property
+    def word(self) -> str:
+        """What is the same for this student's entries in every download, and for no other's."""
+        who = self.who
+        known = {"folder": self.path.name, "gradescope": who.email or who.id or who.name}
+        return word_of(who.system, known.get(who.system, who.id or who.name))
 
 
 @dataclass(frozen=True)
@@ -48,6 +60,8 @@ class Read:
     entries: list[Entry] = field(default_factory=list)
     set_aside: list[SetAside] = field(default_factory=list)
     left: list[Path] = field(default_factory=list)  # for the next platform
+    # the ways to read a name that has several; a roster may know which is right
+    unclear: list[list[Entry]] = field(default_factory=list)
 
 
 Files = Mapping[str, str]  # path below the class's folder: content

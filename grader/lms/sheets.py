@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import csv
 import io
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -20,6 +19,7 @@ from typing import IO
 from grader.errors import InputError
 from grader.link.cell import CLASS, Broken, Refused, read_in_cell
 from grader.lms import PLATFORMS
+from grader.lms.moodle import columns
 from grader.lms.people import (
     CANVAS,
     EMAIL,
@@ -32,6 +32,7 @@ from grader.lms.people import (
     Person,
     Roster,
     Sheet,
+    trailing,
     unquoted,
 )
 
@@ -45,7 +46,10 @@ IDS = {
     "username": LOGIN, "user name": LOGIN, "email": EMAIL, "email address": EMAIL,
     "e-mail": EMAIL, "id number": NUMBER, "idnumber": NUMBER, "sid": SIS, "student id": OWN,
     "github_username": GITHUB, "github": GITHUB, "identifier": OWN, "id": OWN,
+    "roster_identifier": OWN,
 }  # fmt: skip
+GROUP_IDS = {"canvas_user_id": CANVAS, "user_id": SIS, "login_id": LOGIN}  # with Canvas's groups
+GROUP = ("group", "group name", "group_name", "team")
 CANVAS_IDS = {"id": CANVAS, "sis user id": SIS, "sis login id": LOGIN}
 NAMES = ("student", "name", "full name", "student name")
 FIRST = ("first name", "firstname", "first_name")
@@ -67,10 +71,11 @@ def read_roster(files: Sequence[Path]) -> Roster:
     people: list[Person] = []
     sheets = []
     for file in files:
-        kind, header, every = _read(file)
+        kind, header, every, english = _read(file)
         rows = [row for row in every if _is_person(kind, header, row)]
-        places = _merge(people, [_person(kind, header, row) for row in rows], file)
-        sheets.append(Sheet(file, kind, header, tuple(rows), places, _possible(header, every)))
+        places = _merge(people, [_person(kind, english or header, row) for row in rows], file)
+        possible = _possible(header, every)
+        sheets.append(Sheet(file, kind, header, tuple(rows), places, possible, english))
     return Roster(tuple(people), tuple(sheets))
 
 
@@ -92,6 +97,7 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
                 section=old.section or person.section,
                 ids={**person.ids, **old.ids},
                 participants=old.participants | person.participants,
+                group=old.group or person.group,
             )
         if place in places or person.key in keys:
             raise InputError(
@@ -130,7 +136,11 @@ def _known(known: Roster, person: Person) -> int | None:
 # --- one file ------------------------------------------------------------------------------------
 
 
-def _read(file: Path) -> tuple[str, tuple[str, ...], list[tuple[str, ...]]]:
+Lines = list[tuple[str, ...]]
+
+
+def _read(file: Path) -> tuple[str, tuple[str, ...], Lines, tuple[str, ...]]:
+    """Return a file's kind, headings and rows, and the headings in English if they aren't."""
     try:
         lines = read_in_cell(
             lines_in, file=file.resolve(), returns=list[tuple[str, ...]], limits=CLASS
@@ -142,11 +152,12 @@ def _read(file: Path) -> tuple[str, tuple[str, ...], list[tuple[str, ...]]]:
     except Refused as error:
         raise InputError(f"{file}: {error}; {HELP}") from None
     header = tuple(heading.strip() for heading in lines[0])
-    kind = _kind(header)
+    rows = [(*line, *[""] * len(header))[: len(header)] for line in lines[1:]]
+    english = columns(header, rows)
+    kind = _kind(english or header)
     if not kind:
         raise InputError(f"{file}: the headings are {', '.join(header)[:200]!r}; {HELP}")
-    rows = [(*line, *[""] * len(header))[: len(header)] for line in lines[1:]]
-    return kind, header, rows
+    return kind, header, rows, english
 
 
 def lines_in(file: IO[bytes]) -> list[list[str]]:
@@ -213,15 +224,16 @@ def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
     participants: frozenset[str] = frozenset()
     identifier = ""
     ids: dict[str, str] = {}
-    for heading, id_kind in (CANVAS_IDS if kind == "canvas" else IDS).items():
+    for heading, id_kind in {"canvas": CANVAS_IDS, "groups": GROUP_IDS}.get(kind, IDS).items():
         if cells.get(heading):
             ids.setdefault(id_kind, cells[heading])
-    if kind == "canvas" and "@" in ids.get(LOGIN, ""):
+    if kind in ("canvas", "groups") and "@" in ids.get(LOGIN, ""):
         ids[EMAIL] = ids[LOGIN]
     if kind == "worksheet":  # "Participant 4711", in the platform's language
         identifier = ids.pop(OWN, "")
-        number = re.search(r"(\d+)$", identifier)
-        participants = frozenset({number[1]} if number else ())
+        participants = frozenset({trailing(identifier)} - {""})
+    if repository := cells.get("student_repository_name", ""):
+        participants = frozenset({repository.casefold()})
     name = _first(cells, NAMES)
     if not name:
         first, last = _first(cells, FIRST), _first(cells, LAST)
@@ -230,7 +242,7 @@ def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
     if kind == "github" and not name:
         name = ids.get(OWN, "")
     name = name or next(iter(ids.values()), "") or identifier  # anonymous submissions
-    return Person(name, _first(cells, SECTION), ids, participants)
+    return Person(name, _first(cells, SECTION), ids, participants, _first(cells, GROUP))
 
 
 def _first(cells: Mapping[str, str], headings: Sequence[str]) -> str:

@@ -8,7 +8,16 @@ from typing import Any
 
 from msgspec.structs import replace as replace_struct
 
-from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Undo, Waive, Whom
+from grader.classroom.amendments.change import (
+    Assign,
+    Late,
+    Publish,
+    Score,
+    SetCheck,
+    Undo,
+    Waive,
+    Whom,
+)
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import find_student
@@ -17,6 +26,8 @@ from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended
 from grader.course.exercises import find_exercise
 from grader.course.score import score_of
 from grader.lms.book import StudentRow, Task, about
+
+SPARED = "Entry {} of the log changes nothing where it would lower a score (--may-lower)"
 
 
 @dataclass(frozen=True)
@@ -59,10 +70,16 @@ def _of_this_class(
 ) -> list[Entry]:
     """Return the entries about the students as they are called now.
 
-    Who handed in nothing is called by the roster's name, and later as the platform calls them.
+    A folder is somebody's for good. But what was nobody's goes to whom it is assigned; and in a
+    store of schema 4 folders changed once a student had handed in.
     """
     students = sorted({result.student for result in results if not result.canary})
     here = set(students)
+    theirs = {
+        entry.change.was: entry.change.whom.students[0]
+        for entry in entries
+        if isinstance(entry.change, Assign) and len(entry.change.whom.students) == 1
+    }
     found = []
     for entry in entries:
         change = entry.change
@@ -70,7 +87,7 @@ def _of_this_class(
         if isinstance(change, Undo) or here.issuperset(whom.students):
             found.append(entry)
             continue
-        now = {old: old if old in here else find_student(old, students, known.rows)
+        now = {old: old if old in here else theirs.get(old) or _followed(old, students, known)
                for old in whom.students}  # fmt: skip
         for old, new in now.items():
             if new is None:
@@ -81,6 +98,11 @@ def _of_this_class(
         whom = replace_struct(whom, students=named, versions=versions)
         found.append(replace(entry, change=replace_struct(change, whom=whom)))
     return found
+
+
+def _followed(old: str, students: Sequence[str], known: _Known) -> str | None:
+    """Return who was called by a folder that the store doesn't know; never somebody's namesake."""
+    return None if old in known.rows else find_student(old, students, known.rows)
 
 
 def published(
@@ -116,9 +138,14 @@ def _amended(
     changed = result
     for entry in entries:
         if isinstance(change := entry.change, SetCheck | Waive):
-            after = _with_check(changed, change, steps)
+            said: list[str] = []
+            after = _with_check(changed, change, said)
+            if after is not None and not change.may_lower and _lowers(changed, after, result, task):
+                known.remark(SPARED.format(entry.number), result.student)
+                continue
             if after is not None:
                 changed = after
+                steps += said
                 counted.append(entry)
                 _note_version(entry, change.whom, result, known)
             elif change.whom.students:
@@ -149,6 +176,12 @@ def _amended(
     numbers = tuple(entry.number for entry in counted)
     amended_ = Amended(points, tuple(steps), numbers, by_hand=bool(scores), graded=result)
     return replace(changed, amended=amended_)
+
+
+def _lowers(before: StoredResult, after: StoredResult, graded: StoredResult, task: Task) -> bool:
+    """Return whether a changed check would cost points."""
+    had, has = (points_of(_judged(each, graded), task) for each in (before, after))
+    return had is not None and has is not None and has < had
 
 
 def _note_version(entry: Entry, whom: Whom, result: StoredResult, known: _Known) -> None:

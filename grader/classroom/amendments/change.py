@@ -44,6 +44,7 @@ class SetCheck(_Change, frozen=True, tag="set"):
     check: str
     points: float
     whom: Whom = Whom()
+    may_lower: bool = True  # as in logs that don't say
 
 
 class Waive(_Change, frozen=True, tag="waive"):
@@ -52,6 +53,7 @@ class Waive(_Change, frozen=True, tag="waive"):
     exercise: str
     check: str
     whom: Whom = Whom()
+    may_lower: bool = True  # as in logs that don't say
 
 
 class Late(_Change, frozen=True, tag="late"):
@@ -85,10 +87,26 @@ class Publish(_Change, frozen=True, tag="publish"):
     whom: Whom = Whom()
 
 
+class Assign(_Change, frozen=True, tag="assign"):
+    """Entries of a download are these students', in all later downloads, too."""
+
+    entries: tuple[str, ...]  # as `Entry.word` or its name has them
+    was: str = ""  # the folder that they had until then
+    whom: Whom = Whom()
+
+
+class Accept(_Change, frozen=True, tag="accept"):
+    """A file counts as an exercise's, whatever it is called."""
+
+    exercise: str
+    file: str  # as the student called it
+    whom: Whom = Whom()
+
+
 class Undo(_Change, frozen=True, tag="undo"):
     """An earlier entry no longer counts; undoing an undo brings it back."""
 
     number: int
 
 
-Change = SetCheck | Waive | Late | Score | Publish | Undo
+Change = SetCheck | Waive | Late | Score | Publish | Assign | Accept | Undo

@@ -1,7 +1,8 @@
 """How late a submission is: from a deadline and the times that platforms write.
 
-Platforms differ: nbgrader's times are UTC, Gradescope's have an offset, Canvas says only LATE, and
-Moodle's grading worksheet has "Last modified (submission)", in words and without a zone.
+Platforms differ: nbgrader's times are UTC, Gradescope's and GitHub Classroom's have an offset,
+Canvas says only LATE, and Moodle's grading worksheet has times and extensions in words, without a
+zone.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from grader.classroom.amendments.people import find_student
 from grader.errors import InputError
 from grader.lms import TIMES
 from grader.lms.book import Handed, StudentRow
+from grader.lms.moodle import moment
 from grader.lms.sheets import read_roster
 
 DAY = 86400  # [s]
@@ -39,9 +41,11 @@ def lateness(rule: Late, student: str, handed: Handed | None) -> tuple[int, str]
     told = rule.times.get(student, "")
     moment = parsed(told, _zone(rule.zone)) if told else None
     if moment is None and handed is not None and handed.time:
-        moment = parsed(handed.time, UTC)
+        moment = parsed(handed.time, _zone(rule.zone) if handed.system == "moodle" else UTC)
     if moment is not None and rule.deadline:
-        over = (moment - datetime.fromisoformat(rule.deadline)).total_seconds()
+        deadline = datetime.fromisoformat(rule.deadline)
+        more = parsed(handed.extension, _zone(rule.zone)) if handed else None
+        over = (moment - max(deadline, more or deadline)).total_seconds()
         return (math.ceil(over / DAY) if over > rule.grace else 0), ""
     if handed is not None and handed.late:
         why = "the platform says only that it is late; counted as one day (--times knows more)"
@@ -54,6 +58,8 @@ def lateness(rule: Late, student: str, handed: Handed | None) -> tuple[int, str]
 def parsed(text: str, zone: tzinfo) -> datetime | None:
     """Return the moment that a text means, in this zone if it names none; None if it is no time."""
     plain = re.sub(r"\s+UTC$", "+00:00", " ".join(text.split()))
+    if (words := moment(plain)) is not None:
+        return words.replace(tzinfo=zone)
     for pattern in ("", *TIMES):
         try:
             found = datetime.strptime(plain, pattern) if pattern else _iso(plain)

@@ -13,7 +13,17 @@ from datetime import UTC, datetime
 
 import msgspec
 
-from grader.classroom.amendments.change import Change, Late, Publish, Score, SetCheck, Undo, Waive
+from grader.classroom.amendments.change import (
+    Accept,
+    Assign,
+    Change,
+    Late,
+    Publish,
+    Score,
+    SetCheck,
+    Undo,
+    Waive,
+)
 from grader.errors import InputError
 
 TABLE = """
@@ -107,6 +117,10 @@ def described(change: Change) -> str:
             words = f"{change.exercise}: {change.points:g} points"
         case Publish():
             words = f"feedback published: {', '.join(change.exercises) or 'all exercises'}"
+        case Assign():
+            words = f"{change.was or ', '.join(change.entries)} is theirs"
+        case Accept():
+            words = f"{change.exercise}: {change.file} counts as its file"
         case Undo():
             return f"entry {change.number} is undone"
     return f"{words} ({change.whom})"

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import difflib
 import hashlib
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
 from grader.classroom.intake.handed_in import HandedIn, Student
+from grader.classroom.intake.skeletons import is_handed_out, is_skeleton, skeletons
 from grader.course.beside import MAX_BYTES, PYTHON, Lying
 from grader.course.beside import chosen as chosen_of
 from grader.course.submission import MANIFEST, SETUPS, read_regular_file
@@ -18,6 +21,9 @@ from grader.lms.platform import Entry
 from grader.lms.unpack import is_archive, is_unread_archive
 
 WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name
+NEAR = "taken for {}, since no other file has a name like it"
+ENOUGH = 0.88  # of `_nearness`; two files of the course's are at most 0.83 near
+PART = 0.75  # of a name's letters; "obstacle_avoidance" has as many of its file's
 IMPORTED = re.compile(rb"^[ \t]*(?:from|import)\b[^\n(]*(?:\([^)]*\))?", re.MULTILINE)
 
 
@@ -31,6 +37,8 @@ class Found:
     used: tuple[HandedIn, ...] = field(default=(), repr=False)
     contrary: tuple[HandedIn, ...] = ()  # of `older`: another work, from another download
     beside: dict[str, HandedIn] = field(default_factory=dict, repr=False)  # comes along, by place
+    untouched: tuple[HandedIn, ...] = ()  # as they were handed out
+    why: str = ""  # a file of another name counts; "" if it has the right one
 
     @property
     def python(self) -> dict[str, Path]:
@@ -62,24 +70,54 @@ class Found:
         return self.used[0].entry if self.used else None
 
 
-def find_files(student: Student, names: Sequence[str]) -> Found:
+def find_files(student: Student, names: Sequence[str], taken: str = "", why: str = "") -> Found:
     """Return a student's files called `names`; the first one is required.
 
-    Of several the newest counts: what the platform received last; else the one nearest to the top,
-    and there the highest number of a copy. Names may differ in case, and may have the suffix that a
-    browser gives a second copy.
+    What still is the skeleton was not handed in, unless another of the files is work. Of several
+    the newest counts: what the platform received last; else the one nearest to the top, and there
+    the highest number of a copy. Names may differ in case, and may have the suffix that a browser
+    gives a second copy. If none has the right name, the only one that is near to it counts.
+
+    Parameters
+    ----------
+    student
+        Whose files they are.
+    names
+        Of the exercise.
+    taken
+        A file that counts as the first, whatever it is called, as `HandedIn.name` has it.
+    why
+        It does.
     """
     first, *others = names
-    candidates = _called(first, student.files)
+    called = _called(first, student.files)
+    untouched = [file for file in called if is_skeleton(file.path, first)]
+    candidates = [file for file in called if file not in untouched]
+    if accepted := [file for file in student.files if _same_file(file.name, taken)]:
+        candidates = sorted(accepted, key=_age)
+    elif not candidates:
+        near = _near(first, student.files)
+        candidates, why = (near, NEAR.format(first)) if len(near) == 1 else ([], "")
+    else:
+        why = ""
+    if not candidates and any(
+        not is_skeleton(file.path, other)
+        for other in others
+        for file in _called(other, student.files)
+    ):
+        candidates, untouched = untouched, []
     if not candidates:
         problem = student.problem or f"expected a file {first}; {_inventory(student)}"
-        return Found({}, problem)
+        if untouched:
+            problem = student.problem or f"{first} is still the skeleton"
+        return Found({}, problem, untouched=tuple(untouched))
     chosen = candidates[0]
     used = [chosen]
     found = {first: chosen.path}
     older = list(candidates[1:])
     for other in others:
         same = _called(other, student.files)
+        same.sort(key=lambda file: is_skeleton(file.path, other))
         beside = [file for file in same if file.path.parent == chosen.path.parent]
         if same:
             used.append((beside or same)[0])
@@ -93,7 +131,56 @@ def find_files(student: Student, names: Sequence[str]) -> Found:
     if in_package:  # its files lie where it has them
         placed = {file.path: name for name, file in along.items()}
         found = {placed.get(path, name): path for name, path in found.items()}
-    return Found(found, "", tuple(older), tuple(used), tuple(contrary), along)
+    return Found(
+        found, "", tuple(older), tuple(used), tuple(contrary), along, tuple(untouched), why
+    )
+
+
+def sole_work(student: Student) -> str:
+    """Return the name of the only file that may be work, whatever it is called; "" if none is it.
+
+    What was handed out is no work.
+    """
+    files = [each for each in left_over(student, ()) if not is_handed_out(each.path)]
+    return files[0].name if len(files) == 1 and _is_python(files[0]) else ""
+
+
+def _is_python(file: HandedIn) -> bool:
+    return file.name.lower().endswith(WORK)
+
+
+def _same_file(name: str, other: str) -> bool:
+    """Return whether two names are one file's, but for the suffix of a second copy."""
+    mine, theirs = PurePosixPath(name), PurePosixPath(other)
+    return bool(other) and mine.parent == theirs.parent and plain(mine.name) == plain(theirs.name)
+
+
+def _near(name: str, files: Sequence[HandedIn]) -> list[HandedIn]:
+    """Return the work that is called nearly so, and nearer than any other exercise's file."""
+    found = []
+    for file in files:
+        nearness = {each: _nearness(each, _base(file)) for each in skeletons()}
+        best = max(nearness.values(), default=0.0)
+        right = best >= ENOUGH and nearness.get(name, 0.0) == best
+        if right and _is_python(file) and not is_handed_out(file.path):
+            found.append(file)
+    return found
+
+
+@lru_cache(100_000)
+def _nearness(name: str, other: str) -> float:
+    """Return from 0 to 1 how near a file's name is to the right one; only letters count."""
+    right, mine = _letters(name), _letters(other)
+    if right in mine:
+        return 1.0
+    if mine in right and len(mine) >= PART * len(right):
+        return ENOUGH
+    return difflib.SequenceMatcher(None, right, mine).ratio()
+
+
+def _letters(name: str) -> str:
+    stem = name.casefold().removesuffix(".txt").removesuffix(".pyw").removesuffix(".py")
+    return re.sub(r"[^a-z]", "", stem)
 
 
 def _beside(
@@ -190,7 +277,7 @@ def _inventory(student: Student) -> str:
     shown = ", ".join(ascii(name)[1:-1] if not name.isprintable() else name for name in python[:5])
     text = f"there is {shown}" + (" and more" if len(python) > 5 else "")
     if any(map(is_archive, names)):
-        text += " (archives inside are not unpacked)"
+        text += " (archives deeper inside are not unpacked)"
     if any(name.lower().endswith(".ipynb") for name in names):
         text += " (no %%node cell of a notebook writes it, or it is still the skeleton)"
     return text + links

@@ -31,7 +31,7 @@ class HandedIn:
 
 @dataclass
 class Student:
-    """One who handed something in, or who is in the roster."""
+    """One who handed something in, or who is in the roster; or an entry of nobody's yet."""
 
     id: str  # a safe name for a folder
     person: Person | None = None  # in the roster
@@ -39,7 +39,7 @@ class Student:
     files: list[HandedIn] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)  # why a part can't be read
     links: bool = False  # there are links, which are not followed
-    original: str = ""  # tells two of one name apart, the same in every run
+    whose: str = ""  # why nobody can tell whose it is; it is held then
 
     @property
     def problem(self) -> str:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from functools import cache
 from pathlib import Path
 from typing import IO
 
-from grader.course.exercises import all_exercises
+from grader.classroom.intake.skeletons import bare, skeletons
 from grader.link.cell import MIB, Limits, Refused, read_in_cell
 from grader.nbgrader.cells import last_definitions, modules
 from grader.nbgrader.intake import cells_in
 
 SUFFIX = ".ipynb"
+PLAIN = re.compile(r"cell_\d+\.py")
+NODE = re.compile(r"^(?:import|from) rclpy\b.*^class \w+\(.*^def main\b", re.DOTALL | re.MULTILINE)
 
 
 def node_files(notebook: Path, room: Path) -> list[Path]:
@@ -20,21 +22,23 @@ def node_files(notebook: Path, room: Path) -> list[Path]:
 
     Modules that other cells write come along with them.
     Of several cells for one file the last counts, as for nbgrader. What is still the skeleton was
-    not worked on, and is no file.
+    not worked on, and is no file. Where no cell says what it writes, each that looks like a node
+    is a file `cell_7.py`.
 
     Raises Refused: it is no notebook.
     """
-    skeletons = _skeletons()
+    known = skeletons()
     try:
         texts = read_in_cell(
-            texts_in, list(skeletons), file=notebook, returns=dict[str, str],
+            texts_in, list(known), file=notebook, returns=dict[str, str],
             limits=Limits(answer=64 * MIB),
         )  # fmt: skip
     except OSError as error:
         raise Refused(f"the file cannot be read ({error.strerror})") from None
-    worked = [name for name, text in texts.items() if _bare(text) != skeletons.get(name)]
+    plain = [name for name in texts if PLAIN.fullmatch(name)]
+    worked = [name for name, text in texts.items() if bare(text) != known.get(name)]
     made = []
-    for name in worked if any(name in skeletons for name in worked) else ():
+    for name in worked if plain or any(name in known for name in worked) else ():
         room.mkdir(parents=True, exist_ok=True)
         made.append(room / name)
         made[-1].write_text(texts[name], "utf-8")
@@ -48,19 +52,8 @@ def texts_in(notebook: IO[bytes], names: Sequence[str]) -> dict[str, str]:
     """
     cells = [(cell.kind, cell.source) for cell in cells_in(notebook)]
     texts, _ = last_definitions(cells, list(dict.fromkeys((*names, *modules(cells)))))
-    return texts
-
-
-@cache
-def _skeletons() -> dict[str, str]:
-    """Return the text of each exercise's file as students get it."""
-    return {
-        name: _bare((exercise.folder / name).read_text("utf-8"))
-        for exercise in all_exercises()
-        for name in exercise.files
-        if (exercise.folder / name).is_file()
-    }
-
-
-def _bare(text: str) -> str:
-    return "\n".join(line.rstrip() for line in text.strip().splitlines())
+    if not set(names).isdisjoint(texts):
+        return texts
+    code = {f"cell_{number}.py": text for number, (kind, text) in enumerate(cells, 1)
+            if kind == "code" and not text.lstrip().startswith("%%")}  # fmt: skip
+    return texts | {name: text for name, text in code.items() if NODE.search(text)}

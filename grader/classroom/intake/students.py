@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import os
 import stat
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.intake import notebooks
+from grader.classroom.intake import notebooks, whose
 from grader.classroom.intake.handed_in import HandedIn, Student
+from grader.classroom.intake.whose import NOTHING_KNOWN, Known
 from grader.course.beside import MADE
 from grader.errors import InputError, is_disk_full
 from grader.link.cell import Broken, Refused
 from grader.lms import PLATFORMS
 from grader.lms.gradescope import METADATA
-from grader.lms.names import may_enter, student_id, unique
-from grader.lms.people import NOBODY, Roster, folded
+from grader.lms.names import may_enter
+from grader.lms.people import NOBODY, Roster
 from grader.lms.platform import Entry, Read, SetAside, Who
 from grader.lms.unpack import (
     ARCHIVES,
@@ -33,11 +33,10 @@ from grader.lms.unpack import (
 
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NOTEBOOKS = 50  # of a student that are opened
+MAX_ARCHIVES = 10  # beside each other, of a student
 LINK = "a link, which is not followed; expected a folder or an archive"
 CLASS = "the work of several students, not of one; name it itself on the command line"
 UNREAD = f"an archive that is not read; ask for one of {', '.join(ARCHIVES)}"
-
-Key = tuple[object, ...]  # what makes two entries one student's
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,9 @@ class Intake:
     set_aside: list[SetAside]  # what is in the downloads and nobody's work
 
 
-def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> Intake:
+def take_in(
+    sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY, known: Known = NOTHING_KNOWN
+) -> Intake:
     """Return the students whose work lies in `sources`: folders, or a platform's archives.
 
     Archives are unpacked below `scratch`; a folder of a source that holds it is nobody's. Everybody
@@ -58,17 +59,20 @@ def take_in(sources: Sequence[Path], scratch: Path, roster: Roster = NOBODY) -> 
     """
     set_aside: list[SetAside] = []
     read: list[tuple[int, Entry]] = []
+    unclear: list[list[tuple[int, Entry]]] = []
     for number, source in enumerate(sources):
         folder = _opened(source, scratch / ".downloads" / str(number), set_aside)
         found = _entries(folder, roster, scratch)
         read += [(number, entry) for entry in found.entries]
+        unclear += [[(number, each) for each in readings] for readings in found.unclear]
         set_aside += found.set_aside
-    if not read and not roster.people:
+    found_students, nobodys = whose.students(read, unclear, roster, known)
+    set_aside += nobodys
+    if not found_students:
         raise InputError(_nothing(sources, set_aside))
-    students = _named(_students(read, roster), roster)
-    for student in students:
+    for student in found_students:
         _fill(student, scratch / student.id, set_aside)
-    return Intake(sorted(students, key=lambda student: student.id), set_aside)
+    return Intake(sorted(found_students, key=lambda student: student.id), set_aside)
 
 
 def take_in_one(folder: Path, scratch: Path) -> Student:
@@ -147,6 +151,7 @@ def _entries(folder: Path, roster: Roster = NOBODY, scratch: Path | None = None)
         found = platform.read(folder, left)
         total.entries.extend(found.entries)
         total.set_aside.extend(found.set_aside)
+        total.unclear.extend(found.unclear)
         left = found.left
     return total
 
@@ -159,70 +164,6 @@ def _nothing(sources: Sequence[Path], set_aside: Sequence[SetAside]) -> str:
         f"{where}: expected a folder or an archive ({', '.join(ARCHIVES)}) per student, or a "
         f"learning platform's download; found none{said}"
     )
-
-
-# --- whose is it ---------------------------------------------------------------------------------
-
-
-def _students(read: Sequence[tuple[int, Entry]], roster: Roster) -> list[Student]:
-    """Bring together the entries of each student."""
-    same_name = Counter(
-        (number, entry.who.name.casefold())
-        for number, entry in {(n, e.who.name, e.who.id): (n, e) for n, e in read}.values()
-    )
-    folders_called: Counter[tuple[int, str]] = Counter()
-    found: dict[Key, Student] = {}
-    for number, entry in read:
-        who = entry.who
-        person = roster.find(who.system, who.name, who.id, who.email)
-        nth = folders_called[number, who.name]
-        folders_called[number, who.name] += 1
-        key = _key(number, who, same_name[number, who.name.casefold()] > 1, nth)
-        original = entry.path.name if who.system == "folder" else f"{who.name}+{who.id}"
-        if person is not None:
-            key, original = ("person", person.key), person.key
-        student = found.setdefault(key, Student(_label(who), person, original=original))
-        student.entries.append((number, entry))
-    return list(found.values())
-
-
-def _key(number: int, who: Who, ambiguous: bool, nth: int) -> Key:
-    """Return what is the same for two entries of one student, and for no other's."""
-    if who.system == "folder":
-        return ("folder", who.name, nth)  # a folder and an archive of one name are two students
-    if who.system == "moodle":  # whose ids are an assignment's
-        apart = ambiguous or _is_blind(who)
-        return ("moodle", number, who.id) if apart else ("moodle", who.name)
-    if who.system == "gradescope":
-        return ("gradescope", who.email or who.id or who.name)
-    return (who.system, who.id or who.name)
-
-
-def _label(who: Who) -> str:
-    if _is_blind(who):
-        return f"{who.name} {who.id}"
-    return f"{who.name}_{who.id}" if who.system == "canvas" and who.id else who.name
-
-
-def _is_blind(who: Who) -> bool:
-    """Return whether Moodle calls everybody so: its anonymous submissions have only numbers."""
-    return who.system == "moodle" and who.name.casefold() == "participant"
-
-
-def _named(here: Sequence[Student], roster: Roster) -> list[Student]:
-    """Give each student an id of their own; those in the roster who handed in nothing come last."""
-    known = {student.person.key for student in here if student.person is not None}
-    unclear = {folded(student.id) for student in here if student.person is None}
-    absent = [
-        Student(person.label, person, original=person.key)
-        for person in roster.people
-        if person.key not in known and not unclear.intersection(person.names)
-    ]
-    taken: set[str] = set()
-    for student in [*here, *absent]:
-        student.id = unique(student_id(student.id), student.original, taken)
-        taken.add(student.id.casefold())
-    return [*here, *absent]
 
 
 # --- what is in it -------------------------------------------------------------------------------
@@ -254,43 +195,67 @@ def _collect(
     handed_in = [
         HandedIn(file, file.relative_to(entry.path).as_posix(), entry, number) for file in found
     ]
-    archives = [each for each in handed_in if is_archive(each.name) or is_unread_archive(each.name)]
-    alone = len(archives) == 1 and not any(file.suffix.lower() == ".py" for file in found)
-    student.files += [each for each in handed_in if not (alone and each is archives[0])]
-    if alone:  # a folder each, with the archive in it
-        _add_file(student, archives[0], room, set_aside)
+    _add_files(student, handed_in, room, set_aside)
+
+
+def _add_files(
+    student: Student, files: Sequence[HandedIn], room: Path, set_aside: list[SetAside]
+) -> None:
+    """Add files; where none is Python, what is in their archives counts."""
+    archives = [each for each in files if is_archive(each.name) or is_unread_archive(each.name)]
+    if len(archives) > MAX_ARCHIVES or any(each.name.lower().endswith(".py") for each in files):
+        archives = []
+    student.files += [each for each in files if each not in archives]
+    for number, archive in enumerate(archives):
+        _add_file(student, archive, room / f"{number}", set_aside)
 
 
 def _add_file(student: Student, file: HandedIn, room: Path, set_aside: list[SetAside]) -> None:
-    """Add a file, or what is in it if it is an archive."""
+    """Add a file, or what is in it if it is an archive, and in archives that are all it holds."""
+    found = _unpacked(student, file, room / "outer", set_aside)
+    archives = [each for each in found if is_archive(each.name)]
+    if (
+        file in found
+        or len(archives) > MAX_ARCHIVES
+        or any(each.name.lower().endswith(".py") for each in found)
+    ):
+        archives = []
+    student.files += [each for each in found if each not in archives]
+    for number, archive in enumerate(archives):
+        student.files += _unpacked(student, archive, room / f"inner{number}", set_aside)
+
+
+def _unpacked(
+    student: Student, file: HandedIn, room: Path, set_aside: list[SetAside]
+) -> list[HandedIn]:
+    """Return what is in an archive, or the file if it is none."""
     if is_unread_archive(file.name):
         student.problems.append(f"{file.name}: {UNREAD}")
-        return
+        return []
     if not is_archive(file.name):
-        student.files.append(file)
-        return
+        return [file]
     try:
         odd = unpack(file.path, room)
     except Broken as error:
         student.problems.append(f"{file.name}: a broken archive ({error}); ask for another copy")
-        return
+        return []
     except Refused as refused:
         student.problems.append(f"{file.name}: {refused}")
-        return
+        return []
     except OSError as error:
         if is_disk_full(error):
             raise
         student.problems.append(f"{file.name}: can't be read ({error.strerror})")
-        return
+        return []
     set_aside += [
         SetAside(f"{file.entry.path.name}: {name}", why, fault=False) for name, why in odd
     ]
     student.links |= any(why == NO_LINK for _, why in odd)
     if file.entry.who.system == "folder" and _is_class(room):
         student.problems.append(f"{file.name}: {CLASS}")
-        return
+        return []
     inner, *_ = _files(room)
-    student.files += [
+    return [
         HandedIn(path, path.relative_to(room).as_posix(), file.entry, file.source) for path in inner
     ]
 

@@ -112,6 +112,34 @@ class Canvas:
         self.changes[user, assignment] = new
 
 
+# The words of the language packs: lang/*/assign.php, grades.php and moodle.php
+MOODLE = {
+    "en": (
+        "Participant ", "Identifier", "Full name", "Email address", "Status", "Grade",
+        "Maximum grade", "Grade can be changed", "Last modified (submission)",
+        "Last modified (grade)", "Feedback comments", "Yes", "No", "Monday, 4 May 2026, 9:12 AM",
+    ),
+    "de": (
+        "Teilnehmer/in", "ID", "Vollständiger Name", "E-Mail-Adresse", "Status", "Bewertung",
+        "Beste Bewertung", "Bewertung kann geändert werden", "Zuletzt geändert (Abgabe)",
+        "Zuletzt geändert (Bewertung)", "Feedback als Kommentar", "Ja", "Nein",
+        "Montag, 4. Mai 2026, 09:12",
+    ),
+    "fr": (
+        "Participant", "Identifiant", "Nom complet", "Adresse de courriel", "Statut", "Note",
+        "Note maximale", "La note peut être modifiée", "Dernière modification (travail remis)",
+        "Dernière modification (note)", "Feedback par commentaires", "Oui", "Non",
+        "lundi 4 mai 2026, 09:12",
+    ),
+    "es": (
+        "Participante", "Identificador", "Nombre completo", "Dirección de correo", "Estado",
+        "Calificación", "Calificación máxima", "La calificación puede ser cambiada",
+        "Última modificación (entrega)", "Última modificación (calificación)",
+        "Comentarios de retroalimentación", "Sí", "No", "lunes, 4 de mayo de 2026, 09:12",
+    ),
+}  # fmt: skip
+
+
 @dataclass
 class MoodleAssignment:
     """One assignment. Sources: mod/assign/feedback/offline and mod/assign/feedback/file."""
@@ -121,34 +149,38 @@ class MoodleAssignment:
     grades: dict[str, tuple[float, int]] = field(default_factory=dict)  # grade, when
     files: dict[str, dict[str, bytes]] = field(default_factory=dict)
     skipped: list[str] = field(default_factory=list)
+    language: str = "en"
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What `get_string` says."""
+        return MOODLE[self.language]
 
     def worksheet(self, names: dict[str, str], locked: tuple[str, ...] = ()) -> str:
         """What "Download grading worksheet" writes."""
         target = io.StringIO()
         writer = csv.writer(target)
-        writer.writerow(
-            ["Identifier", "Full name", "Email address", "Status", "Grade", "Maximum grade",
-             "Grade can be changed", "Last modified (submission)", "Last modified (grade)",
-             "Feedback comments"]
-        )  # fmt: skip
+        hidden, *headings, yes, no, at = self.words
+        writer.writerow(headings)
         for id_, user in self.participants.items():
             grade, when = self.grades.get(user, ("", 0))
             writer.writerow(
-                [f"Participant {id_}", names[id_], f"{user}@uni.edu", "Submitted", grade,
-                 f"{self.maximum:.2f}", "No" if user in locked else "Yes",
-                 "Monday, 4 May 2026, 9:12 AM", f"Tuesday, {when}" if when else "-",
+                [f"{hidden}{id_}", names[id_], f"{user}@uni.edu", "Submitted", grade,
+                 f"{self.maximum:.2f}", no if user in locked else yes,
+                 at, f"{at} {when}" if when else "-",
                  "<p>well done</p>"]
             )  # fmt: skip
         return target.getvalue()
 
-    def load(self, text: str, *, feedback: str = "Feedback comments") -> None:
+    def load(self, text: str) -> None:
         """Upload a worksheet; grades that Moodle skips are noted."""
         header, *rows = csv.reader(io.StringIO(text, newline=""))
-        id_, grade = header.index("Identifier"), header.index("Grade")
-        modified = header.index("Last modified (grade)")
+        hidden, identifier, *_, changed, feedback, _, _, _ = self.words
+        id_, grade = header.index(identifier), header.index(self.words[5])
+        modified = header.index(changed)
         assert feedback not in header, "feedback would be replaced"
         for row in rows:
-            user = self.participants.get(row[id_][len("Participant ") :])
+            user = self.participants.get(row[id_][len(hidden) :])
             if user is None:
                 self.skipped.append(row[id_])
                 continue

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import zipfile
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -97,8 +98,8 @@ def test_canvas_changes_what_was_graded_and_nothing_else(canvas: Canvas, tmp_pat
     canvas.load(text)
     assert canvas.changes == {(11, 71): "60", (12, 71): "60", (13, 71): "60"}
     assert not (canvas.new_users or canvas.new_assignments or canvas.new_points)
-    assert any("excused in Canvas: excusedeve_15" in remark for remark in book.remarks)
-    assert any("not assigned to them in Canvas: unsigned_16" in r for r in book.remarks)
+    assert any("excused in Canvas: Eve Excused" in remark for remark in book.remarks)
+    assert any("not assigned to them in Canvas: Signed Un" in r for r in book.remarks)
     cells = list(csv.reader(io.StringIO(text)))
     assert cells[0] == [
         "Student", "ID", "SIS User ID", "SIS Login ID", "Section",
@@ -132,6 +133,19 @@ def test_canvas_ids_of_the_download_do_without_a_roster(canvas: Canvas, tmp_path
     canvas.load(canvas_csv(book_of(results, **about), TASK) or "")
     assert {user for user, _ in canvas.changes} == {11, 12, 13, 15}
     assert not (canvas.new_users or canvas.new_assignments or canvas.new_points)
+
+
+def test_canvas_takes_the_feedback_back(canvas: Canvas, tmp_path: Path) -> None:
+    """By the names of the uploads: the first two numbers are the user's and the file's."""
+    results, about = taken(tmp_path, UPLOADS, canvas.export())
+    write_results(results, tmp_path / "out", ResultOptions(**about))
+    with zipfile.ZipFile(tmp_path / "out" / "canvas" / f"{SLUG}-feedback.zip") as archive:
+        ids = [[int(part) for part in name.split("_") if part.isdecimal()][:2]
+               for name in archive.namelist()]  # fmt: skip
+        assert sorted(ids) == [[id_, int(f"90{id_}")] for id_ in NAMES]
+        (carla,) = (name for name in archive.namelist() if "_11_" in name)
+        (page,) = (tmp_path / "out" / "feedback").glob(f"Carla Lee~*/{SLUG}.html")
+        assert archive.read(carla) == page.read_bytes()
 
 
 def test_columns_are_named_as_given() -> None:
@@ -176,10 +190,14 @@ def test_a_class_from_elsewhere_gets_its_only_worksheet_filled_in(
     assert worksheet_csv(book, TASK, alone=False) is None  # it may be another exercise's
 
 
-@pytest.mark.parametrize("with_sheet", [True, False])
+@pytest.mark.parametrize(
+    ("language", "with_sheet"),
+    [("en", True), ("en", False), ("de", True), ("fr", True), ("es", True)],
+)
 def test_moodle_takes_its_worksheet_back(
-    tmp_path: Path, assignment: MoodleAssignment, with_sheet: bool
+    tmp_path: Path, assignment: MoodleAssignment, language: str, with_sheet: bool
 ) -> None:
+    assignment.language = language
     sheets = [assignment.worksheet(NAMED, locked=("cy",))] if with_sheet else []
     book = moodle_book(tmp_path, *sheets)
     text = worksheet_csv(book, TASK)

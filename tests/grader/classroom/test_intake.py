@@ -206,16 +206,19 @@ def test_locked_archive(handed_in: Path) -> None:
     assert "password" in the_one(handed_in).problem
 
 
-def test_an_archive_alone_in_a_folder_is_unpacked_and_no_deeper(handed_in: Path) -> None:
+def test_an_archive_in_an_archive_is_unpacked_and_no_deeper(handed_in: Path) -> None:
     inner = zipped(handed_in.parent / "inner.zip", **{AGENT: b"1"}).read_bytes()
+    deeper = zipped(handed_in.parent / "deeper.zip", **{"inner.zip": inner}).read_bytes()
     (handed_in / "ann_123_assignsubmission_file").mkdir()
     zipped(handed_in / "ann_123_assignsubmission_file" / "hw.zip", **{AGENT: b"1"})
     zipped(handed_in / "bob.zip", **{"inner.zip": inner})
+    zipped(handed_in / "cy.zip", **{"deeper.zip": deeper})
 
-    ann, bob = find_students(handed_in, handed_in.parent / "scratch")
+    ann, bob, cy = find_students(handed_in, handed_in.parent / "scratch")
 
     assert find_files(ann, [AGENT]).files
-    assert "archives inside are not unpacked" in find_files(bob, [AGENT]).problem
+    assert find_files(bob, [AGENT]).files
+    assert "archives deeper inside are not unpacked" in find_files(cy, [AGENT]).problem
 
 
 def test_the_file_nearest_to_the_top_counts(handed_in: Path) -> None:

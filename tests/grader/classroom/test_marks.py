@@ -26,6 +26,7 @@ from grader.classroom.store import Store
 from grader.errors import InputError
 from grader.lms.book import StudentRow
 from grader.lms.people import Person
+from grader.lms.sheets import read_roster
 
 # --- what changes come to --------------------------------------------------------------------
 
@@ -49,6 +50,21 @@ def test_a_check_is_waived_for_all_and_held_ones_count_again(
     assert scores(graded)["eve"]["state"] == GRADED
     page = (graded / "class.html").read_text("utf-8")
     assert "2 failed" in page  # the check is as hard as it was
+
+
+@pytest.mark.parametrize(
+    ("may_lower", "points_"),
+    [(False, {"ann": "70", "bob": "90"}), (True, {"ann": "25", "bob": "75"})],
+)
+def test_no_mark_is_lowered_unless_it_is_said(
+    mark: Callable[..., Any], may_lower: bool, points_: dict[str, str]
+) -> None:
+    """Without the zone of 60 points, ann has 10 of 40, and bob, whose other check was set, 30."""
+    mark(SetCheck(SLUG, "slow_zone", 20, Whom(("bob",)), may_lower=False))
+    found = mark(Waive(SLUG, "stop_zone", may_lower=may_lower))
+    assert found == points_ | {"eve": ""}
+    lower = SetCheck(SLUG, "slow_zone", 5, Whom(("bob",)), may_lower=False)
+    assert mark(lower) == found
 
 
 def test_a_waived_check_frees_nobody_who_is_held_for_something_else(
@@ -214,6 +230,29 @@ def test_more_time_for_one_and_nothing_below_zero(mark: Callable[..., Any], grad
     mark(Late(SLUG, 100, "2026-05-01T00:00+00:00"))
     page = (graded / "class.html").read_text()
     assert "no time is known of when it was handed in; not counted as late: ann, bob." in page
+
+
+def test_moodles_worksheet_knows_times_and_extensions(
+    grade_class: Any, handed_in: Path, tmp_path: Path
+) -> None:
+    """In German, and in the zone of the deadline."""
+    head = (
+        "ID,Vollständiger Name,Status,Bewertung,Beste Bewertung,Bewertung kann geändert werden,"
+        "Zuletzt geändert (Abgabe),Zuletzt geändert (Bewertung)\n"
+    )
+    more = "Abgegeben - Verlängertes Abgabeende bis: Donnerstag, 7. Mai 2026, 12:00"
+    time = '"Donnerstag, 7. Mai 2026, 00:30"'
+    for n, name in enumerate(("ann", "bob", "eve")):
+        (handed_in / name).rename(handed_in / f"{name}_{70 + n}_assignsubmission_file")
+        head += f'Teilnehmer/in{70 + n},{name},"{more if name == "bob" else "-"}",,"100,00",Ja,'
+        head += f"{time if name != 'eve' else '-'},-\n"
+    (tmp_path / "sheet.csv").write_text(head, "utf-8")
+    grade_class(judged, roster=read_roster([tmp_path / "sheet.csv"]))
+    out = tmp_path / "out"
+    with marking(out) as class_:
+        rule = Late(SLUG, 10, "2026-05-04T23:59+02:00", zone="Europe/Berlin")
+        class_.add(rule, "prof", WHY)
+    assert points(out) == {"ann": "40", "bob": "70", "eve": ""}
 
 
 def test_canvas_says_only_late(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:

@@ -45,7 +45,8 @@ def test_a_score_its_log_and_its_undo(course: Course, graded: Path) -> None:
     code, said = course("marks score", 85, "--student", "ann", "--why", "by e-mail", "--by", "Dr A")
     assert code == 0
     assert said.splitlines() == [
-        f"Entry 1: {SLUG}: 85 points (ann)", "Scores that change: 1", f"  ann  {SLUG}  100 → 85",
+        f"Entry 1: {SLUG}: 85 points (ann)", "Scores that change: 1, 1 of them down",
+        f"  ann  {SLUG}  100 → 85",
     ]  # fmt: skip
     code, said = course("report", "--student", "ann")
     assert code == 0
@@ -59,6 +60,15 @@ def test_a_score_its_log_and_its_undo(course: Course, graded: Path) -> None:
     first, second = json.loads(said)
     assert (first["what"]["kind"], second["what"]) == ("score", {"kind": "undo", "number": 1})
     assert points(graded) == dict.fromkeys(("ann", "bob", "eve"), "100")
+
+
+def test_a_preview_writes_nothing(course: Course, graded: Path) -> None:
+    said = course("marks score", 85, "--student", "ann", "--why", "x", "--preview")[1]
+    assert said.splitlines() == [
+        "Nothing is written. Scores that change: 1, 1 of them down", f"  ann  {SLUG}  100 → 85",
+    ]  # fmt: skip
+    assert points(graded)["ann"] == "100"
+    assert course("report")[1].endswith("Nobody has changed a mark.\n")
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from grader.errors import InputError
-from grader.lms.people import Roster
+from grader.lms.people import Match, Roster
 from grader.lms.sheets import read_roster
 
 CANVAS = (
@@ -108,8 +108,9 @@ def test_a_csv_of_ones_own(tmp_path: Path, text: bytes) -> None:
 def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     roster = read(tmp_path, "id,name\n1,Ann Lee\n2,Ann Lee\n3,Bob\n")
     assert name_of(roster, "moodle", "Ann Lee", "71") == ""
-    assert "2 people of the roster are called so" in roster.why_not("Ann Lee")
-    assert "nobody in the roster" in roster.why_not("Eve")
+    may_be = roster.match("moodle", "Ann Lee", "71").may_be
+    assert [person.ids["id"] for person in may_be] == ["1", "2"]
+    assert roster.match("moodle", "Eve", "71") == Match()
 
 
 @pytest.mark.parametrize(

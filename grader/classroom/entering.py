@@ -1,0 +1,138 @@
+"""Enter a class into its store: queue what is new or changed, and lose nothing without a word."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from grader.classroom.account import NOTHING, Account
+from grader.classroom.amendments.change import Accept, Assign
+from grader.classroom.amendments.log import active
+from grader.classroom.candidates import Candidate, Class, find_class
+from grader.classroom.conditions import HASHED
+from grader.classroom.intake.whose import Known
+from grader.classroom.options import Options
+from grader.classroom.results.options import OPTIONS, kept_options
+from grader.classroom.row import ABSENT, StoredResult
+from grader.classroom.store import Key, Store
+from grader.errors import InputError
+from grader.lms.book import StudentRow, named
+from grader.lms.people import NO_PERSON
+
+MOST_NAMED = 5  # students in a sentence
+
+
+def known_of(store: Store) -> Known:
+    """Return what a class's store knows of its students, and what people have said of them."""
+    assigned, accepted = {}, {}
+    for change in (entry.change for entry in active(store.log.entries())):
+        if isinstance(change, Assign):
+            assigned.update(dict.fromkeys(change.entries, change.whom.students))
+        elif isinstance(change, Accept):
+            accepted.update({(each, change.exercise): change.file for each in change.whom.students})
+    return Known(store.students(), assigned, accepted)
+
+
+def enter_candidates(
+    submissions: Sequence[Path], scratch: Path, store: Store, options: Options, *, regrade: bool
+) -> Class:
+    """Find everybody's files and queue what is new or changed.
+
+    A changed grader counts as a change too, except where recordings are to be judged again.
+
+    Raises InputError: nobody handed in a file of any exercise, or `submissions` can't be read; or
+    somebody who was graded is not in them, and nothing is said of that.
+    """
+    known = known_of(store)
+    found = find_class(submissions, scratch, options, known)
+    slugs = {slug for _, slug in found.candidates}
+    stored = {(r.student, r.exercise): r for r in store.results() if not r.canary}
+    moved = {student for student in known.rows if _is_moved(student, known)}
+    lost = {
+        key
+        for key, result in stored.items()
+        if result.grading is not None and key[1] in slugs and key[0] not in moved
+        and (key not in found.candidates or found.candidates[key].absent)
+    }  # fmt: skip
+    if lost and not (options.add or options.drop):
+        raise InputError(_lost(lost, stored, found.candidates, submissions))
+    kept = frozenset(lost if options.add else ())
+    for key, candidate in found.candidates.items():
+        if key in kept:
+            continue
+        files, problem = candidate.read()
+        store.enter(
+            key,
+            candidate.input_hash(files, options),
+            problem=problem,
+            absent=candidate.absent,
+            compared=HASHED if regrade else None,
+        )
+    store.keep_only({*found.candidates, *kept}, slugs)
+    said = []
+    if options.add and kept:
+        said = [f"Kept as they were, since they are not in these downloads: {_some(kept)}."]
+    elif lost:
+        said = [
+            f"Earlier results were dropped, because nothing of them is there: {_some(lost)}. A run "
+            "with all downloads of the class grades them again."
+        ]
+        store.note(said[0])
+    store.know(_known_rows(found.students, known, kept))
+    account = found.account
+    if options.add:
+        text = store.kept(OPTIONS)
+        earlier = kept_options(text, {}).account.lines if text else ()
+        new = {line.student for line in account.lines if line.state != NOTHING}
+        gone = {student for student, _ in kept} - new
+        lines = [line for line in earlier if line.student in gone]
+        account = Account((*lines, *(each for each in account.lines if each.student not in gone)))
+    return replace(found, said=tuple(said), kept=kept, account=account)
+
+
+def _is_moved(student: str, known: Known) -> bool:
+    """Return whether all that a student had handed in is assigned to others by now."""
+    words = known.words(student)
+    return bool(words) and all(student not in known.assigned.get(word, (student,))
+                               for word in words)  # fmt: skip
+
+
+def _known_rows(
+    rows: Sequence[StudentRow], known: Known, kept: Collection[Key]
+) -> Iterator[StudentRow]:
+    """Return what is known of students now, with what earlier downloads told."""
+    for row in rows:
+        old = known.rows.get(row.student, row)
+        handed = {slug: each for slug, each in old.handed.items() if (row.student, slug) in kept}
+        yield replace(
+            row,
+            person=old.person if row.person == NO_PERSON else row.person,
+            handed={**handed, **row.handed},
+            seen=tuple(sorted({*old.seen, *row.seen})),
+        )
+
+
+def _lost(
+    lost: Collection[Key], stored: Mapping[Key, StoredResult], candidates: Mapping[Key, Candidate],
+    submissions: Sequence[Path],
+) -> str:  # fmt: skip
+    """Return the refusal to forget who was graded."""
+    where = ", ".join(map(str, submissions))
+    before = {student for (student, _), result in stored.items() if result.state != ABSENT}
+    here = [key for key, each in candidates.items() if not each.absent]
+    if not any(student in before for student, _ in here):
+        return (
+            f"expected the class that was graded here: of its {len(before)} students "
+            f"({named(sorted(before), MOST_NAMED)}) nobody is in {where} ({_some(here)}); give "
+            "another --out for another class, or --add to put these beside it"
+        )
+    return (
+        f"{where}: nothing in it is of {len({student for student, _ in lost})} whose work is "
+        f"graded: {_some(lost)}. Give all downloads of the class together; or --add, and they stay "
+        "as they are; or --drop, and their results are forgotten"
+    )
+
+
+def _some(keys: Iterable[Key]) -> str:
+    return named(sorted({student for student, _ in keys}), MOST_NAMED)

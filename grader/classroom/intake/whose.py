@@ -1,0 +1,296 @@
+"""Whose is it: each entry of a download goes to one person, to all of a group, or is held.
+
+A student has one key, the name of a folder, which marks, worlds, feedback and exports hang on. It
+is bound to ids: those of the roster and of the platforms, as the class's store has seen them.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from grader.classroom.intake.handed_in import Student
+from grader.lms.book import StudentRow
+from grader.lms.names import marked, student_id
+from grader.lms.people import (
+    CANVAS,
+    EMAIL,
+    GITHUB,
+    LOGIN,
+    STRONG,
+    Match,
+    Person,
+    Roster,
+    folded,
+    is_blind,
+    squeezed,
+)
+from grader.lms.platform import Entry, SetAside, Who, word_of
+
+Read = Sequence[tuple[int, Entry]]  # entries, with the place of their download
+
+WORDS = {"canvas": CANVAS, "github": GITHUB, "gradescope": EMAIL, "nbgrader": LOGIN}
+ASSIGN = "say whose it is: course marks assign FOLDER {!r} STUDENT"
+UNCLEAR = (
+    "its name begins with a number, or its student's name ends with one, so it may be the file of "
+    "{}; {}"
+)
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the store of a class knows of its students."""
+
+    rows: Mapping[str, StudentRow] = field(default_factory=dict)  # by folder
+    # an entry's word or name: whose a person has said it is
+    assigned: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    # student and exercise: the file that a person has accepted
+    accepted: Mapping[tuple[str, str], str] = field(default_factory=dict)
+
+    def words(self, student: str) -> set[str]:
+        """Return how downloads have called a student."""
+        row = self.rows[student]
+        found = set(row.seen)
+        for each in row.handed.values():  # a store of schema 4 has no other
+            by_name = each.system != "folder" or student == student_id(each.name)
+            told = each.email or each.id if each.system == "gradescope" else each.id
+            found |= {word_of(each.system, told or each.name)} if by_name else set()
+        return found
+
+
+NOTHING_KNOWN = Known()
+
+
+def students(
+    read: Read, unclear: Sequence[Sequence[tuple[int, Entry]]], roster: Roster, known: Known
+) -> tuple[list[Student], list[SetAside]]:
+    """Return who is in the class with their entries, and what stays nobody's.
+
+    Everybody in the roster is a student; so is each entry of somebody unknown, or who can't be
+    told from another: that one is held.
+    """
+    found, set_aside = list(read), []
+    for readings in unclear:
+        right = _right(readings, roster, known)
+        if right is None:
+            people = " or ".join(f"{each.who.name} ({each.who.id})" for _, each in readings)
+            name = readings[0][1].path.name
+            set_aside.append(SetAside(name, UNCLEAR.format(people, ASSIGN.format(name))))
+        else:
+            found.append(right)
+    return _Class(found, roster, known).students(), set_aside
+
+
+def _right(
+    readings: Sequence[tuple[int, Entry]], roster: Roster, known: Known
+) -> tuple[int, Entry] | None:
+    """Return the reading of a name whose student is in the roster, if that is one."""
+    if readings and readings[0][1].path.name in known.assigned:
+        return readings[0]
+    fits = [
+        (number, each)
+        for number, each in readings
+        for person in roster.match("canvas", each.who.name, each.who.id).people[:1]
+        if squeezed(each.who.name) in (squeezed(person.name), squeezed(person.group))
+    ]
+    return fits[0] if len(fits) == 1 else None
+
+
+class _Class:
+    """The students as they are found, by folder."""
+
+    def __init__(self, read: Read, roster: Roster, known: Known) -> None:
+        self._read = read
+        self._roster = roster
+        self._known = known
+        self._seen = {word: row for row in known.rows for word in known.words(row)}
+        self._found: dict[str, Student] = {}
+        self._new: list[tuple[str, str, Any]] = []  # label, what tells it from others, its key
+        self._folders: dict[Any, str] = {}  # of people by key, of others by their entries' word
+
+    def students(self) -> list[Student]:
+        """Return everybody."""
+        matches = self._matched()
+        for person in self._roster.people:
+            row = self._row_of(person)
+            self._place(person.key, "" if row in self._folders.values() else row, person.label,
+                        person.key)  # fmt: skip
+        owners = [
+            self._owners(number, entry, match)
+            for (number, entry), match in zip(self._read, matches, strict=True)
+        ]
+        self._name_new()
+        for person in self._roster.people:
+            folder = self._folders[person.key]
+            self._found[folder] = Student(folder, person)
+        for (number, entry), mine in zip(self._read, owners, strict=True):
+            for key, who in mine:
+                folder = self._folders[key]
+                student = self._found.setdefault(folder, Student(folder))
+                student.entries.append((number, replace(entry, who=who)))
+        for (number, entry), match, mine in zip(self._read, matches, owners, strict=True):
+            student = self._found[self._folders[mine[0][0]]]
+            if student.person is None and mine[0][0][0] != "folder":
+                self._hold(number, entry.who, match, student)
+        return list(self._found.values())
+
+    # --- whom an entry means ---------------------------------------------------------------------
+
+    def _matched(self) -> list[Match]:
+        """Return whom the roster finds for each entry; two of one download are never one's by name.
+
+        Where a worksheet knows some of a download's participants, it knows them all.
+        """
+        found = [
+            self._roster.match(each.who.system, each.who.name, each.who.id, each.who.email,
+                               each.path.name)
+            for _, each in self._read
+        ]  # fmt: skip
+        claims: defaultdict[tuple[int, str], set[str]] = defaultdict(set)
+        numbered: set[int] = set()
+        for (number, entry), match in zip(self._read, found, strict=True):
+            for person in match.people:
+                claims[number, person.key].add(entry.word)
+            if match.sure and entry.who.system == "moodle":
+                numbered.add(number)
+        for i, ((number, _), match) in enumerate(zip(self._read, found, strict=True)):
+            if len(match.people) == 1 and not match.sure:
+                twice = len(claims[number, match.people[0].key]) > 1
+                if twice or number in numbered:
+                    found[i] = Match((), match.people)
+        return found
+
+    def _owners(self, number: int, entry: Entry, match: Match) -> list[tuple[Any, Who]]:
+        """Return the keys of those whose entry it is, with how the platform calls them."""
+        who, said = entry.who, self._known.assigned
+        folders = said.get(entry.word) or said.get(entry.path.name) or ()
+        for folder in folders:
+            self._folders["folder", folder] = folder
+        if folders:
+            return [(("folder", folder), who) for folder in folders]
+        if len(match.people) > 1:
+            return [(each.key, self._member(each, who)) for each in match.people]
+        if match.people and (match.sure or entry.word not in self._seen):
+            return [(match.people[0].key, who)]
+        row = self._seen.get(entry.word) or ("" if match.may_be else self._same_name(number, entry))
+        key: Any = entry.word
+        if not row and not match.may_be and self._alone(number, entry):
+            key = ("moodle", folded(who.name))  # whose numbers are an assignment's
+        is_folder, id_ = who.system == "folder", who.id or entry.word
+        original = entry.path.name if is_folder else f"{who.name}+{id_}"
+        self._place(key, row, _label(who, held=bool(match.may_be)), original)
+        return [(key, who)]
+
+    def _member(self, person: Person, who: Who) -> Who:
+        """Return how the platform knows one of a group."""
+        id_ = person.ids.get(WORDS.get(who.system, ""), "")
+        if who.system == "moodle":
+            id_ = self._roster.participant(person, who.name)
+        return Who(person.label, who.system, id_, person.ids.get(EMAIL, ""))
+
+    def _alone(self, number: int, entry: Entry) -> bool:
+        """Return whether nobody else in this download of Moodle's is called so."""
+        who = entry.who
+        same = {e.who.id for n, e in self._read if n == number and e.who.name == who.name}
+        return who.system == "moodle" and len(same) == 1 and not is_blind(who.name)
+
+    def _same_name(self, number: int, entry: Entry) -> str:
+        """Return the only one whom Moodle has called so under another number, if it tells."""
+        if not self._alone(number, entry):
+            return ""
+        name = folded(entry.who.name)
+        rows = self._known.rows.values()
+        same = [row.student for row in rows if name in row.person.names
+                or any(folded(each.name) == name for each in row.handed.values())]  # fmt: skip
+        return same[0] if len(same) == 1 else ""
+
+    # --- folders ---------------------------------------------------------------------------------
+
+    def _row_of(self, person: Person) -> str:
+        """Return the folder that a person of the roster has in the store; "" if there is none."""
+        words = [word_of(system, person.ids[kind]) for system, kind in WORDS.items()
+                 if person.ids.get(kind)]  # fmt: skip
+        words += [f"moodle:{participant}" for participant in sorted(person.participants)]
+        for kind in STRONG:
+            mine = person.ids.get(kind, "").casefold()
+            for row in self._known.rows.values() if mine else ():
+                if row.person.ids.get(kind, "").casefold() == mine:
+                    return row.student
+        for word in words:
+            row_of = self._seen.get(word, "")
+            if row_of and not self._contrary(person, self._known.rows[row_of].person):
+                return row_of
+        return next((row.student for row in self._known.rows.values() if self._fits(person, row)),
+                    "")  # fmt: skip
+
+    def _contrary(self, one: Person, other: Person) -> bool:
+        return any(one.ids.get(kind, "").casefold() != other.ids[kind].casefold()
+                   for kind in STRONG if other.ids.get(kind) and one.ids.get(kind))  # fmt: skip
+
+    def _fits(self, person: Person, row: StudentRow) -> bool:
+        """Return whether a row without ids is a person's, by the only name that both have."""
+        if row.person.ids:
+            return False
+        if row.person.name:
+            return row.person.key == person.key
+        each = next(iter(row.handed.values()), None)
+        if each is None:
+            return False
+        found = self._roster.match(each.system, each.name, each.id, each.email)
+        by_name = each.system != "moodle" or not person.participants
+        return found.people == (person,) and (found.sure or by_name)
+
+    def _place(self, key: Any, row: str, label: str, original: str) -> None:
+        """Give a student the folder that the store knows, or note that there is none yet."""
+        if row:
+            self._folders[key] = row
+        elif key not in self._folders and all(key != each for *_, each in self._new):
+            self._new.append((student_id(label), original, key))
+
+    def _name_new(self) -> None:
+        """Name those whom the store doesn't know; all of a name that several have are marked."""
+        taken = {each.casefold() for each in (*self._known.rows, *self._folders.values())}
+        called = Counter(label.casefold() for label, *_ in self._new)
+        for label, original, key in sorted(self._new, key=lambda each: each[:2]):
+            several = called[label.casefold()] > 1 or label.casefold() in taken
+            self._folders[key] = marked(label, original, taken, always=several)
+            taken.add(self._folders[key].casefold())
+
+    def _hold(self, number: int, who: Who, match: Match, student: Student) -> None:
+        """Say of what can't be told whom it may be."""
+        may_be = [self._named(person) for person in match.may_be]
+        row = self._known.rows.get(student.id)
+        if not match.people and (row is None or row.unsure):
+            may_be += self._namesakes(number, who, student)
+        if may_be:
+            told = ASSIGN.format(student.id)
+            student.whose = f"it may be {' or '.join(may_be[:5])}; {told}"
+
+    def _named(self, person: Person) -> str:
+        ids = [*person.ids.values(), *sorted(person.participants)]
+        return f"{self._folders[person.key]} ({', '.join(ids[:3])})"
+
+    def _namesakes(self, number: int, who: Who, student: Student) -> list[str]:
+        """Return whom Moodle has called so in an earlier download, where numbers are others."""
+        if who.system != "moodle" or is_blind(who.name):
+            return []
+        here = {each.id: [(n, e.who.name) for n, e in each.entries] for each in
+                self._found.values()}  # fmt: skip
+        stored = {id_: [(-1, each.name) for each in row.handed.values()]
+                  for id_, row in self._known.rows.items()}  # fmt: skip
+        every = {id_: here.get(id_) or stored.get(id_, []) for id_ in {**stored, **here}}
+        return sorted(
+            id_
+            for id_, names in every.items()
+            if id_ != student.id
+            and any(folded(name) == folded(who.name) for _, name in names)
+            and max(n for n, _ in names) < number
+        )
+
+
+def _label(who: Who, *, held: bool) -> str:
+    if (who.system == "moodle" and is_blind(who.name)) or (held and who.id):
+        return f"{who.name} {who.id}"
+    return f"{who.name}_{who.id}" if who.system == "canvas" and who.id else who.name
