@@ -25,7 +25,8 @@ MOST_NAMED = 5  # students in a sentence
 
 def known_of(store: Store) -> Known:
     """Return what a class's store knows of its students, and what people have said of them."""
-    assigned, accepted = {}, {}
+    assigned: dict[str, tuple[str, ...]] = {}
+    accepted: dict[Key, str] = {}
     for change in (entry.change for entry in active(store.log.entries())):
         if isinstance(change, Assign):
             assigned.update(dict.fromkeys(change.entries, change.whom.students))
@@ -70,7 +71,7 @@ def enter_candidates(
             compared=HASHED if regrade else None,
         )
     store.keep_only({*found.candidates, *kept}, slugs)
-    said = []
+    said: list[str] = []
     if options.add and kept:
         said = [f"Kept as they were, since they are not in these downloads: {_some(kept)}."]
     elif lost:

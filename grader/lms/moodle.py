@@ -138,7 +138,7 @@ def _is_maximum(rows: Sequence[Sequence[str]], column: int) -> bool:
     points = re.compile(r"-?\d+([.,]\d+)?")
     most = {row[column].strip() for row in rows}
     before = {row[column - 1].strip() for row in rows} - {"", "-"}
-    return len(most) == 1 and bool(points.fullmatch(*most)) and all(map(points.fullmatch, before))
+    return len(most) == 1 and all(map(points.fullmatch, most | before))
 
 
 def _are_names(rows: Sequence[Sequence[str]]) -> bool:
@@ -155,7 +155,7 @@ def _are_times(rows: Sequence[Sequence[str]], column: int) -> bool:
 def _is_stamped(header: Sequence[str], rows: Sequence[Sequence[str]]) -> bool:
     """Return whether this is a gradebook's export, which ends with when it was made."""
     ends = {row[-1].strip() for row in rows}
-    return len(ends) == 1 and bool(re.fullmatch(r"\d{10}", *ends)) and "email address" in header
+    return len(ends) == 1 and ends.pop().isdecimal() and "email address" in header
 
 
 def moment(text: str) -> datetime | None:

@@ -97,7 +97,8 @@ def find_files(student: Student, names: Sequence[str], taken: str = "", why: str
         candidates = sorted(accepted, key=_age)
     elif not candidates:
         near = _near(first, student.files)
-        candidates, why = (near, NEAR.format(first)) if len(near) == 1 else ([], "")
+        candidates = near if len(near) == 1 else []
+        why = NEAR.format(first) if candidates else ""
     else:
         why = ""
     if not candidates and any(

@@ -71,7 +71,8 @@ def students(
     Everybody in the roster is a student; so is each entry of somebody unknown, or who can't be
     told from another: that one is held.
     """
-    found, set_aside = list(read), []
+    found = list(read)
+    set_aside: list[SetAside] = []
     for readings in unclear:
         right = _right(readings, roster, known)
         if right is None:
