@@ -45,6 +45,8 @@ EVERYBODY = "\0everybody"  # no student is called so
     help="Write the points into this gradebook.db of nbgrader's, too.",
 )
 @click.option("--list", "only_list", is_flag=True, help="Say who handed in what; grade nothing.")
+@click.option("--add", is_flag=True, help="Keep who is graded and not in SUBMISSIONS.")
+@click.option("--drop", is_flag=True, help="Forget who is graded and not in SUBMISSIONS.")
 @click.option(
     "--workers", type=click.IntRange(1, 256), default=1, help="Processes on this machine."
 )

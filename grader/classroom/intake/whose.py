@@ -34,8 +34,8 @@ Read = Sequence[tuple[int, Entry]]  # entries, with the place of their download
 WORDS = {"canvas": CANVAS, "github": GITHUB, "gradescope": EMAIL, "nbgrader": LOGIN}
 ASSIGN = "say whose it is: course marks assign FOLDER {!r} STUDENT"
 UNCLEAR = (
-    "its name begins with a number, or its student's name ends with one, so it may be the file of "
-    "{}; {}"
+    "its name begins with a number, or its student's name ends with one: whose it is can't be "
+    "told, of {}; {}"
 )
 
 

@@ -149,6 +149,11 @@ def test_nobody_hands_in_for_another_by_a_name_with_ids(download: Path, chosen: 
     assert len(intake.students) == 1
     assert "evil" not in graded(intake)["leecarla_12345"]
     assert ["can't be told" in reason for reason in faults(intake).values()] == [True]
+    roster = download.parent / "gradebook.csv"  # which has both
+    roster.write_text('Student,ID\n"Lee, Carla",12345\n' + f"{chosen},777\n")
+    both = taken(download, roster=roster)
+    assert "evil" not in graded(both)["Carla Lee"]
+    assert len(faults(both)) == 1
 
 
 # --- nbgrader, GitHub Classroom, Gradescope ------------------------------------------------------
