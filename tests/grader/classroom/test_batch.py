@@ -33,7 +33,7 @@ def test_everybody_is_graded_once(grade_class: Any, handed_in: Path, tmp_path: P
     assert workers.students == ["bob", "new"]
 
     shutil.rmtree(handed_in / "bob")
-    results, workers, _ = grade_class()
+    results, workers, _ = grade_class(drop=True)
     assert workers.students == []
     assert sorted(results) == ["ann", "eve", "new"]
 
@@ -51,13 +51,14 @@ def test_settings_are_part_of_what_was_graded(grade_class: Any) -> None:
 
 def test_missing_and_unreadable_files_are_held(grade_class: Any, handed_in: Path) -> None:
     (handed_in / "lea").mkdir()
-    (handed_in / "lea" / "robot.py").write_text("# a wrong name\n")
+    for name in ("robot.py", "sensor.py"):  # one alone would be taken
+        (handed_in / "lea" / name).write_text("# a wrong name\n")
     (handed_in / "max").mkdir()
     (handed_in / "max" / "report.pdf").write_bytes(b"no program, but handed in")
     (handed_in / "kim.zip").write_bytes(b"broken")
     results, workers, _ = grade_class()
     assert workers.students == ["ann", "bob", "eve"]
-    assert results["lea"].problem == f"expected a file {FILE}; there is robot.py"
+    assert results["lea"].problem == f"expected a file {FILE}; there is robot.py, sensor.py"
     assert {results[student].state for student in ("lea", "kim", "max")} == {HELD}
 
 
