@@ -33,6 +33,7 @@ SAID = {  # slip: the sentence, with names for {}
     "unused": "{} defines {} here and neither calls nor returns it",  # W0612
     "misspelt": "self.{} gets a value here and is never read: is self.{} meant?",
     "once": "the default of {} is made once, when the file is read, and all calls share it",  # B008
+    "spins": "spin does not return: what stands below it in __init__ is never made",
     "any": "{} is True or False, and no number: put the comparison inside",  # W0143
     "bits": "& and | bind tighter than < and >: brackets belong around the comparison",
     "in_loop": "this returns in the loop's first round what the loop collects: indent it less",
@@ -191,6 +192,11 @@ def _classes(tree: ast.AST) -> Found:
                         if isinstance(n.ctx, ast.Store) and _dotted(n) == f"self.{n.attr}"]
             for part in _methods(each)
         }  # fmt: skip
+        for part in (part for part in each.body if getattr(part, "name", "") == "__init__"):
+            for node in part.body[:-1]:
+                called = getattr(getattr(node, "value", None), "func", None)
+                if isinstance(node, ast.Expr) and called and _dotted(called) == "rclpy.spin":
+                    yield _said(node, "spins")
         at_first = {node.attr for node in given.pop("__init__", ())}
         later = [node for nodes in given.values() for node in nodes]
         for node in _all(each, ast.Attribute):

@@ -30,6 +30,8 @@ class Failed(Protocol):
     @property
     def expected(self) -> str: ...
     @property
+    def actual(self) -> str: ...
+    @property
     def task(self) -> int: ...
     @property
     def help(self) -> str: ...
@@ -107,6 +109,12 @@ EXCEPTIONS = (
     ("ZeroDivisionError", "", ""),
     ("FileNotFoundError", "", ""),
 )
+
+
+def sentences(*texts: str) -> str:
+    """Return texts behind each other, each with its stop."""
+    said = [text if text[-1] in ".?!…" else f"{text}." for text in texts if text]
+    return " ".join(said)
 
 
 def hint_at(exercise: Exercise, place: Place | None) -> Hint | None:

@@ -143,8 +143,8 @@ def _cut(trials: ByName) -> str:
         return ""
     return (
         f"the model says {min(telling):.2f} to {max(telling):.2f} m/s, and each of these "
-        f"{len(telling)} times the command is 0.00 m/s. Is its answer cut to a whole number by "
-        "int(…) or //? Is it used at all? float(prediction[0]) keeps the decimals."
+        f"{len(telling)} times the command is 0.00 m/s. Is its answer used, or thrown away as "
+        "too old or invalid? Or do int(…), // or a clip with swapped limits make it 0?"
     )
 
 

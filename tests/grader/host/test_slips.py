@@ -34,6 +34,8 @@ SLIPS = {  # a program: what is said
     "    def tick(self): return self.e_stop": "is self.e_stop meant",
     "def f(start=time.monotonic()): pass": "default of start is made once",
     "def f(x, *, seen=[]): seen.append(x)": "default of seen is made once",
+    "class A(Node):\n    def __init__(self):\n        super().__init__('a')\n"
+    "        rclpy.spin(self)\n        self.x = 1": "below it in __init__",
     "if all(distances) < 0.5: pass": "all is True or False",
     "mask = usable & angles > 0.5": "bind tighter",
     "def f(y):\n    n = 0\n    for x in y:\n        n += x\n        return n / 2": "indent it less",
@@ -57,6 +59,7 @@ NONE = (  # what may be meant
     "    def g(self): self.time = 2\n    def h(self): return self.time",
     "def f(x=[], y=QoSProfile(depth=1)): return x",
     "if flags & MASK == MASK: pass",
+    "class A(Node):\n    def __init__(self):\n        rclpy.spin(self)",
     "def f(y):\n    for x in y:\n        if x: return x",
     "def f(y):\n    for x in y:\n        n.append(x)\n    return n",
     "def f(y):\n    for x in y:\n        n = 1\n        n += x\n        return n",
