@@ -100,13 +100,14 @@ def _nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
 
 
 def _statements(tree: ast.AST) -> Found:
+    given = _given(tree) | {each.arg for each in _all(tree, ast.arg)}
     tried = {id(each) for node in _all(tree, ast.Try) for each in node.body}
     for node in _all(tree, ast.Expr, ast.Assign):
         value = node.value
         if isinstance(node, ast.Expr) and id(node) not in tried:
             if isinstance(value, ast.Compare):
                 yield _said(node, "compares")
-            elif name := _dotted(value):
+            elif (name := _dotted(value)) and _last(value) not in given:  # else: to please a linter
                 yield _said(node, "bare", name)
         elif isinstance(value, ast.Tuple) and len(value.elts) == 1:
             bare = value.col_offset == value.elts[0].col_offset  # no bracket before it
@@ -138,9 +139,8 @@ def _conditions(tree: ast.AST) -> Found:
             if compared and (name in constants or (name == "it" and _is_true(each))):
                 yield _said(node, "or", name)
             compared = compared or isinstance(each, ast.Compare)
-    methods = {
-        (f"self.{part.name}") for each in _all(tree, ast.ClassDef) for part in _methods(each)
-    }
+    methods = {part.name for each in _all(tree, ast.ClassDef) for part in _methods(each)}
+    methods = {f"self.{name}" for name in methods - _given(tree)}
     known = methods | {f"{of}.{name}" for of, names in CALLABLE.items() for name in names}
     tests = [node.test for node in _all(tree, ast.If, ast.While, ast.IfExp)]
     while tests:
@@ -206,7 +206,8 @@ def _classes(tree: ast.AST) -> Found:
         only = sorted((at_first & read) - {node.attr for node in later})
         for node in later:
             if node.attr not in read | at_first:
-                for near in difflib.get_close_matches(node.attr, only, 1, ALIKE):
+                alike = [name for name in only if not _within(name, node.attr)]
+                for near in difflib.get_close_matches(node.attr, alike, 1, ALIKE):
                     yield _said(node, "misspelt", node.attr, near)
 
 
@@ -219,6 +220,18 @@ def _loops(tree: ast.AST) -> Found:
             anew = {each.id for each in names if isinstance(each.ctx, ast.Store)}
             if (_collected(node) - anew) & {each.id for each in _all(last.value, ast.Name)}:
                 yield _said(last, "in_loop")
+
+
+def _given(tree: ast.AST) -> set[str]:
+    """Return the names of variables and attributes that are given a value."""
+    named = _all(tree, ast.Name, ast.Attribute)
+    return {_last(node) for node in named if isinstance(node.ctx, ast.Store)}
+
+
+def _within(one: str, other: str) -> bool:
+    """Return whether a name is part of another, as speed of speed_ and last_speed: both meant."""
+    one, other = one.strip("_"), other.strip("_")
+    return one in other or other in one
 
 
 def _methods(node: ast.ClassDef) -> list[ast.FunctionDef]:

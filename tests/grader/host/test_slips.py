@@ -43,6 +43,12 @@ SLIPS = {  # a program: what is said
 NONE = (  # what may be meant
     "try:\n    unicode\nexcept NameError:\n    pass",
     "'a text'\n...\nself.f()",
+    "self.subscription = 1\nself.subscription  # as the tutorial has it",
+    "def main(args):\n    args",
+    "class A:\n    def ready(self): return 1\nclass B:\n    def __init__(self): self.ready = 1\n"
+    "    def f(self):\n        if self.ready: pass",
+    "class A:\n    def __init__(self): self.speed = 1\n    def f(self): return self.speed\n"
+    "    def g(self): self.speed_ = 2",
     "x = d or 5\nif a == 1 or b == 2 or DEBUG: pass",
     "DEBUG = False\nif a == 1 or DEBUG: pass",
     "if x is None or x is True or x is y: pass",
