@@ -11,7 +11,7 @@ REPORT ?= report.html
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench skeletons goldens constraints clean
+.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench profile skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -75,6 +75,10 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lockstep.py
 	$(BIN)/python benchmarks/runtimes.py
 	$(BIN)/python benchmarks/batch.py
+
+EXERCISES ?=
+profile: $(VENV)/.dev ## CPU time of a grading of each reference; EXERCISES="obstacle_avoidance …" of some
+	$(BIN)/python benchmarks/cpu.py $(EXERCISES)
 
 attacks: $(VENV)/.dev ## every attack with all checks; what opens without each layer (docs/attacks.md)
 	COURSE_ATTACKS=full $(PYTEST) tests/attacks tests/grader/host/test_kernel_filters.py tests/grader/host/test_landlock.py

@@ -92,7 +92,9 @@ class Runs(Sequence[Recording]):
     def cases(self, *tags: str) -> Iterator[tuple[Recording, Case]]:
         """Yield the occasions with one of these tags (all without), and their recordings."""
         for recording in self.recordings:
-            for case in self.oracle(recording):
+            if self.oracle not in recording.judged:
+                recording.judged[self.oracle] = self.oracle(recording)
+            for case in recording.judged[self.oracle]:
                 if not tags or not case.tags.isdisjoint(tags):
                     yield recording, case
 
