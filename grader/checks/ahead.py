@@ -33,7 +33,7 @@ def _distances(scan: Scan, half_angles: tuple[float, ...]) -> tuple[float | None
     usable = np.isinf(ranges) | ((ranges >= limits[0]) & (ranges <= limits[1]))
     ahead = _ahead(*layout, half_angles) & usable
     nearest = np.where(ahead, ranges, np.inf).min(axis=1, initial=np.inf).tolist()
-    seen = ahead.any(axis=1).tolist()
+    seen: list[bool] = [bool(row.any()) for row in ahead]
     return tuple(max(0.0, near) if sees else None for near, sees in zip(nearest, seen, strict=True))
 
 

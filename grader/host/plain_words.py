@@ -151,7 +151,8 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "TypeError",
         r"only length-1 arrays|only 0-dimensional arrays",
-        "this needs one number, and got an array: take one item of it, such as prediction[0]",
+        "this needs one number, and got an array: take one of it, such as x[0] of a row, x.item() "
+        "of a table with one number, x.max() of probabilities",
     ),
     (
         "AssertionError",

@@ -22,7 +22,7 @@ SAID = {  # slip: the sentence, with names for {}
     "twice": "{} defines {} in line {} and again here, and the second one counts",  # F811
     "bare": "{} is only named here: brackets call a function",  # B018
     "compares": "this compares, and nothing uses the answer: a single = gives a value",  # B015
-    "nan": "nothing equals NaN, not even NaN: math.isnan or math.isfinite asks",  # PLW0177
+    "nan": "nothing equals NaN, not even NaN: ask with math.isnan or math.isfinite",  # PLW0177
     "is": "`is` asks for the same object: numbers and texts are compared by ==",  # F632
     "tuple": "the comma at the end makes a tuple of the value: delete it",  # R1707
     "or": "{} stands behind `or` uncompared, and counts as true: compare it, too",  # R1726
@@ -36,7 +36,7 @@ SAID = {  # slip: the sentence, with names for {}
     "spins": "spin does not return: what stands below it in __init__ is never made",
     "any": "{} is True or False, and no number: put the comparison inside",  # W0143
     "bits": "& and | bind tighter than < and >: brackets belong around the comparison",
-    "in_loop": "this returns in the loop's first round what the loop collects: indent it less",
+    "in_loop": "this return ends the loop in its first round: indent it less",
 }
 SENTENCE = re.compile(
     r"line (?P<line>\d+): (?P<said>"

@@ -12,6 +12,7 @@ from sim.messages import decode
 
 OF_REPORTS = ("mean_and_max", "window", "raised_calls", "percentiles", "missed", "stale_at_first",
               "status_form", "levels")  # fmt: skip
+LEAST = 3  # reports
 TIMES = ("deadline_ms", "mean_ms", "max_ms", "p50_ms")
 
 
@@ -41,4 +42,13 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
         values = [case for case in cases(run) if "form" not in case.tags]
         for text in filter(None, (wrong_unit(values, field) for field in TIMES)):
             return Evidence(f"in the reports of {name} {text}", explains=explained)
+        told = [case.said["max_ms"] for case in values if case.said.get("count") and
+                "max_ms" in case.said]  # fmt: skip
+        if len(told) >= LEAST and not any(told):
+            return Evidence(
+                f"in the reports of {name} every latency is 0.00, whatever the calls took. Is it "
+                "measured around predict, and does nothing make whole seconds of it (int(…), // or "
+                "the seconds of a timedelta)?",
+                explains=explained,
+            )
     return None

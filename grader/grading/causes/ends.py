@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from grader.course.exercises import Exercise
-from grader.grading.causes.cause import ByName, Cause, Failed, hint_on, sentences
+from grader.grading.causes.cause import ByName, Cause, Failed, hint_on, sentences, shortened
 from grader.recording import Outcome, death_of
 
 WIRED = "wiring"  # in the names of the checks that every other one needs
@@ -39,7 +39,7 @@ def _cause_of(exercise: Exercise, outcome: Outcome, check: Failed) -> Cause:
     where = str(death.frames[0]) if death.frames else ""
     subject = "The node" if death.in_callback else "The program"
     if death.said:
-        text = f"{subject} dies in {death.place}: {death.said}"
+        text = f"{subject} dies in {death.place}: {shortened(death.said)}"
     else:
         known = not death.loop or death.loop in check.help
         loop = "" if known else f", in the loop of {death.loop}"

@@ -36,18 +36,20 @@ def kept_waiting(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
         where = f"{line} of {file}, in {note.about}"
         if note.kind == "waits":
             text = (
-                f"{note.about}, called at {since:.2f} s, waits to the end. What it waits for "
-                "never comes: is a lock kept by an early `return`, or does it wait for "
+                f"{note.about}, called at {since:.2f} s, never ends: what it "
+                "waits for never comes: is a lock kept by an early `return`, or does it wait for "
                 "something that only another callback could bring?"
             )
             return Cause.of(exercise, text, failed, where=where, all_of_it=True, own_hint=False)
-        if note.kind == "lasts" and failed[0].expected.startswith(EVERY) and lasted > (period or 0):
+        late = note.kind == "lasts" and "timer" in note.more and lasted > (period or 0)
+        if late and failed[0].expected.startswith(EVERY):
             text = f"{note.about} takes {lasted:.2f} s, as at {since:.2f} s, and " + (
                 "its timer can't call it again before that is over. Don't sleep or wait in it: "
                 "take what is there."
                 if note.more == OWN_TIMER
-                else f"meanwhile waits: {note.more}. Callbacks run side by side if they are of "
-                "different callback groups, and the executor that spins the node has two threads."
+                else f"meanwhile {note.more} can't be called. Callbacks run side by side if they "
+                "are of different callback groups, and the executor that spins the node has two "
+                "threads."
             )
             return Cause.of(exercise, text, failed, where=where, all_of_it=True, own_hint=False)
     return None

@@ -111,7 +111,7 @@ def in_common(rows: Sequence[_Row], field: str, reason: str = "") -> str:
     how, often = asked_of_model.most_common(1)[0]
     if how != CALLED and often >= MOST * len(wrong):
         return (
-            f"in {often} of {len(wrong)} answers that are wrong, of {len(rows)}, the model is "
+            f"{len(wrong)} of {len(rows)} answers are wrong, and for {often} of these the model is "
             f"{MODEL[how]}"
         )
     said = Counter(_shown(row.said) for row in rows)

@@ -310,6 +310,7 @@ def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> Non
     def virtual_is_ready(self: Any) -> bool:
         return bool(is_ready(self)) and discovery.finds_server(self)
 
+    @functools.wraps(call_async)
     def virtual_call_async(self: Any, request: Any) -> Any:
         if discovery.finds_server(self) or not isinstance(request, self.srv_type.Request):
             sent[_key(self)] += 1
