@@ -83,6 +83,7 @@ attacks: $(VENV)/.dev ## every attack with all checks; what opens without each l
 site: $(VENV)/.dev ## build the lesson as a site into build/site
 	$(BIN)/sphinx-build -q -W --keep-going -n -b html -d build/doctrees lessons build/site
 	$(BIN)/python -m grader.authoring.pitfalls build/site/pitfalls/replays
+	$(BIN)/python -m grader.authoring.lesson_replays build/site/replays
 	@echo "open build/site/index.html"
 
 notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seven students in all exercises
