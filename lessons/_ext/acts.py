@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from docutils import nodes
 from docutils.parsers.rst import directives
 from sphinx.transforms.post_transforms import SphinxPostTransform
+from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from sphinx.application import Sphinx
 
+LOG = logging.getLogger(__name__)
 MARK = re.compile(r"\[([ x])\] ")  # of an option: wrong, right
 
 
@@ -49,7 +51,7 @@ class Acting(SphinxDirective):
 class Question(Acting):
     """A question, its options as a list: `[x]` or `[ ]`, and below each what it teaches.
 
-    `:said:` quotes the beginning of the sentence on this page that answers it.
+    `:said:` quotes words, of one line, of the sentence on this page that answers it.
     """
 
     required_arguments = 1
@@ -178,13 +180,15 @@ class LinkWhatIsSaid(SphinxPostTransform):
     def run(self, **_: Any) -> None:
         """Go through the page."""
         for number, said in enumerate(list(self.document.findall(Said))):
-            words = r"\s+".join(map(re.escape, said["quote"].split()))
+            words = r"\s+".join(map(re.escape, said["quote"].split())).replace("'", "['‘’]")
             for text in self.document.findall(nodes.Text):
                 found = re.search(words, str(text))
                 if found is not None:
                     break
             else:
-                raise ValueError(f"{self.env.docname}: nobody says {said['quote']!r}")
+                LOG.warning("the page does not say %r", said["quote"], location=self.env.docname)
+                said.parent.remove(said)
+                continue
             before, after = str(text)[: found.start()], str(text)[found.end() :]
             spot = nodes.inline("", found[0], ids=[f"said-{number}"], classes=["said-here"])
             text.parent.replace(text, [nodes.Text(before), spot, nodes.Text(after)])
@@ -195,7 +199,7 @@ def add_scripts(app: Sphinx, _n: str, _t: str, _p: dict, doctree: nodes.document
     """Give a page the scripts of its figures."""
     made = "" if doctree is None else "".join(node.astext() for node in doctree.findall(nodes.raw))
     names = re.findall(r'data-play="(\w+)"', made)
-    for name in dict.fromkeys(["kit", *names] if names else []):
+    for name in dict.fromkeys(["kit", "data", *names] if names else []):
         app.add_js_file(f"play/{name}.js", loading_method="defer")
 
 

@@ -104,11 +104,12 @@
 
   for (const link of all('a.watch')) {
     const title = `Replay: ${link.closest('figure').querySelector('figcaption').textContent.trim().slice(0, 120)}`;
+    const figure = link.closest('figure');
     const show = (hash) => {
       const frame = make('iframe', { title, src: `${link.href}#${hash}` });
       const whole = make('a', { href: link.href, className: 'whole' }, 'Plot, log and keys: open it on its own page');
       play.replaceWith(frame);
-      link.closest('figure').append(whole);
+      figure.append(whole);
       follow(frame);
     };
     const play = button('Watch it drive', 'watch', () => show('small&play'));
