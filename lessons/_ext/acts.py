@@ -147,7 +147,7 @@ class Play(Acting):
     def run(self) -> list[nodes.Node]:
         """Return the place of the figure, and what stands below it."""
         name = self.arguments[0]
-        told = "<noscript><p>(A figure to play with stands here; it needs JavaScript.)</p></noscript>"
+        told = "<noscript>(A figure to play with; it needs JavaScript.)</noscript>"
         return [raw(f'<figure class="play" data-play="{html.escape(name)}">{told}<figcaption>'),
                 *self.parsed(), raw("</figcaption></figure>")]  # fmt: skip
 
@@ -180,7 +180,7 @@ class LinkWhatIsSaid(SphinxPostTransform):
     def run(self, **_: Any) -> None:
         """Go through the page."""
         for number, said in enumerate(list(self.document.findall(Said))):
-            words = r"\s+".join(map(re.escape, said["quote"].split())).replace("'", "['‘’]")
+            words = re.escape(said["quote"]).replace("'", ".")  # which became curly
             for text in self.document.findall(nodes.Text):
                 found = re.search(words, str(text))
                 if found is not None:

@@ -5,8 +5,8 @@ play.add('beams', {
   start: { lidar: 0, from: 135, to: 225 },
   controls: {
     lidar: { label: 'Lidar', options: window.playData.lidars.map(({ name }) => name) },
-    from: { label: 'Slice from', min: 0, max: 1440, step: 1, show: (i) => `ranges[${i}]` },
-    to: { label: 'to', min: 0, max: 1440, step: 1, show: (i) => `ranges[${i}]` },
+    from: { label: 'Slice from', min: 0, max: (it) => window.playData.lidars[it.lidar].ranges.length - 1, step: 1, show: (i) => `ranges[${i}]` },
+    to: { label: 'to', min: 0, max: (it) => window.playData.lidars[it.lidar].ranges.length - 1, step: 1, show: (i) => `ranges[${i}]` },
   },
   presets: {
     'ranges[135:226]': { lidar: 0, from: 135, to: 225 },

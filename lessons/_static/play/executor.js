@@ -15,6 +15,8 @@ play.add('executor', {
     both: { threads: 2, groups: 2 },
   },
 
+  phase: 13, // of the scans against the timer, as in the course's simulation
+
   /** What ran, where, from when to when; a scan every 100 ms, a command due every 50 ms. */
   compute({ takes, threads, groups, end = 4000 }) {
     const apart = threads > 1 && groups > 1;
@@ -27,9 +29,9 @@ play.add('executor', {
       commands.push(at);
       due = (Math.floor(at / 50) + 1) * 50;
     };
-    const newest = (at) => Math.floor(at / 100);
+    const newest = (at) => Math.floor((at - this.phase) / 100);
     while (now < end) {
-      const next = newest(now) > scan ? now : (scan + 1) * 100;
+      const next = newest(now) > scan ? now : (scan + 1) * 100 + this.phase;
       if (apart) {
         while (due <= next + takes) command(due);
       } else {

@@ -19,12 +19,13 @@ window.play = (() => {
     return made;
   };
 
-  function control(name, { label, options, show = String, ...range }, settings, change) {
+  function control(name, { label, options, show = String, max, ...range }, settings, change) {
     const output = element('output');
     const input = options
       ? element('select', {}, ...options.map((text, i) => element('option', { value: i }, text)))
       : element('input', { type: 'range', ...range });
     const update = () => {
+      if (max !== undefined) input.max = typeof max === 'function' ? max(settings) : max;
       input.value = settings[name];
       if (!options) {
         output.textContent = show(settings[name]);

@@ -24,25 +24,20 @@ play.add('stopping', {
   },
 
   draw(shape, { stop }, { rolling, braking, left }) {
-    const [wall, scale] = [600, 420];
+    const [wall, scale, y] = [600, 330, 92];
     const at = (distance) => wall - distance * scale; // distance of the robot's centre from the wall
     const radius = this.radius * scale;
-    const y = 80;
-    shape('rect', { x: wall, y: 10, width: 24, height: 140, class: 'fill-muted' });
-    shape('line', { x1: at(stop), x2: at(stop), y1: 10, y2: 150, class: 'line-muted', 'stroke-dasharray': '4 4' });
-    shape('text', { x: at(stop), y: 165, 'text-anchor': 'middle' }, 'it should stop');
-    shape('rect', { x: wall - 0.2 * scale, y: 10, width: 0.2 * scale, height: 140, class: 'fill-line', opacity: 0.45 });
     const rest = Math.max(stop - rolling - braking, this.radius);
+    shape('rect', { x: wall, y: 26, width: 20, height: 132, class: 'fill-muted' });
+    shape('rect', { x: wall - 0.2 * scale, y: 26, width: 0.2 * scale, height: 132, class: 'fill-line', opacity: 0.55 });
     shape('circle', { cx: at(stop), cy: y, r: radius, class: 'line-muted', 'stroke-dasharray': '3 3' });
     shape('circle', { cx: at(rest), cy: y, r: radius, class: left < 0 ? 'fill-bad' : 'fill-accent', opacity: 0.9 });
     shape('path', { d: `M${at(rest) + radius * 0.7} ${y} l${-radius * 1.15} ${-radius * 0.5} l${radius * 0.3} ${radius * 0.5} l${-radius * 0.3} ${radius * 0.5}z`, style: 'fill:var(--on-accent)' });
-    const part = (from, to, name, row) => {
-      if (to - from < 0.003) return;
-      shape('line', { x1: at(stop - from), x2: at(stop - to), y1: row, y2: row, class: name === 'braking' ? 'line-accent' : 'line-bad', 'stroke-width': 5 });
-      shape('text', { x: (at(stop - from) + at(stop - to)) / 2, y: row - 8, 'text-anchor': 'middle' }, name);
-    };
-    part(0, rolling, 'late', 24);
-    part(rolling, rolling + braking, 'braking', 24);
+    const part = (from, to, name) => shape('line', { x1: at(stop - from), x2: at(stop - to), y1: 30, y2: 30, class: name, 'stroke-width': 7 });
+    part(0, rolling, 'line-bad');
+    part(rolling, rolling + braking, 'line-accent');
+    shape('text', { x: 0, y: 14 }, 'red: until the command comes; blue: braking; grey: 0.2 m to stay free');
+    shape('text', { x: at(stop) - radius - 8, y: y + 4, 'text-anchor': 'end' }, 'here it should stop');
   },
 
   verdict(_, { rolling, braking, left }) {
