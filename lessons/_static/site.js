@@ -132,7 +132,7 @@
       for (let next = place.nextElementSibling; next; next = next.nextElementSibling) later.push(next);
     }
     const solve = (guess) => {
-      form.classList.add('is-done');
+      form.classList.add('is-solved');
       document.body.classList.remove('has-challenge');
       later.forEach((part) => { part.hidden = false; });
       const where = `line${wrong.length > 1 ? 's' : ''} ${form.dataset.lines.replaceAll('-', ' – ').replaceAll(',', ', ')}`;
