@@ -70,14 +70,15 @@ class Question(Acting):
         if sum("data-right" in str(part) for part in options) != 1:
             raise self.error("question: expected one option with [x], the others with [ ]")
         return [
-            raw(f'<section class="question" id="{name}" aria-label="Question"><p class="ask">'),
+            raw(f'<div class="question" role="group" aria-labelledby="{name}">'),
+            raw(f'<p class="ask" id="{name}">'),
             *asked,
             raw("</p><ol>"),
             *options,
             raw("</ol>"),
             raw('<p class="said">'),
             *([Said(quote=self.options["said"])] if "said" in self.options else []),
-            raw('</p><p class="status" role="status"></p></section>'),
+            raw('</p><p class="status" role="status"></p></div>'),
         ]
 
     def option(self, item: nodes.Element) -> Iterator[nodes.Node]:

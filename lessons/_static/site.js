@@ -45,7 +45,7 @@
 
   // --- questions -----------------------------------------------------------------------------
 
-  const questions = all('section.question');
+  const questions = all('.question');
   if (questions.length) remember({ of: questions.length });
   for (const [number, question] of questions.entries()) {
     const status = question.querySelector('.status');
