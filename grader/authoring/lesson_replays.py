@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import argparse
 import re
 import shlex
 import sys
@@ -13,7 +14,6 @@ import tempfile
 from pathlib import Path
 
 from grader.authoring.pitfalls import LIBRARIES
-from grader.cli.drive import drive as command
 from grader.course.exercises import ROOT
 from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, scenario_for
@@ -21,6 +21,14 @@ from grader.errors import InputError
 from grader.link.hosts import ForkServer
 from grader.report.page import page_html, page_payload
 from sim.messages import EPOCH_NS
+
+COMMAND = argparse.ArgumentParser("course drive")  # the options that a page has use for
+COMMAND.add_argument("file")
+COMMAND.add_argument("--scenario", required=True)
+COMMAND.add_argument("--lidar")
+COMMAND.add_argument("--duration", type=float)
+COMMAND.add_argument("--seed", type=int)
+COMMAND.add_argument("--param", action="append", default=[])
 
 LESSONS = ROOT / "lessons"
 WATCHED = re.compile(r"(?m)^```\{watch\} (?P<name>\w+)\n:drive: (?P<drive>.+)$")
@@ -54,21 +62,16 @@ def write(out: Path, forkserver: ForkServer) -> None:
 
 def driven(folder: Path, words: str, forkserver: ForkServer) -> str:
     """Return the replay of `course drive WORDS` in a folder, without what it computed on."""
-    given = command.make_context("drive", shlex.split(words)).params
-    file = folder / given["file"]
+    given = COMMAND.parse_args(shlex.split(words))
+    file = folder / given.file
     if not file.is_file():
-        raise InputError(f":drive: {words}: expected a listing with the caption {given['file']}")
+        raise InputError(f":drive: {words}: expected a listing with the caption {given.file}")
     recording = drive_node(
         find_submission(file),
-        scenario_for(
-            given["scenario"],
-            lidar=given["lidar"],
-            duration=given["duration"],
-            goals=given["goals"],
-        ),
+        scenario_for(given.scenario, lidar=given.lidar, duration=given.duration),
         forkserver,
-        seed=given["seed"],
-        arguments=arguments_of(given["params"], given["remappings"]),
+        seed=given.seed,
+        arguments=arguments_of(given.param),
     )
     payload = page_payload(None, [recording], f"Drive of {file.name}")
     (shown,) = payload["replays"]
