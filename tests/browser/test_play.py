@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from grader.authoring.lesson_replays import LESSONS, LISTING
-from grader.authoring.play_data import LIDARS, learned, made, scan
+from grader.authoring.play_data import LIDARS, latencies, learned, made, scan
 from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, scenario_for
 from grader.link.hosts import ForkServer
@@ -21,7 +21,7 @@ from sim.robot import STEP, Robot
 from sim.scenario import RobotSpec
 
 Compute = Callable[..., dict[str, Any]]
-FIGURES = ("beams", "executor", "knows", "queue", "stopping")
+FIGURES = ("beams", "executor", "knows", "queue", "stopping", "tail")
 PERIODS = {"wide": 25, "default": 100, "lds01": 200}  # [ms] of a scan
 QUEUES = [
     ("default", 200, 10), ("default", 200, 1), ("default", 200, 5), ("default", 230, 1),
@@ -148,3 +148,14 @@ def test_models_say_what_they_said(compute: Compute) -> None:
         row = np.array([[distance]])
         assert told["forest"] == pytest.approx(forest.predict(row)[0], abs=0.005)
         assert told["line"] == pytest.approx(line.predict(row)[0], abs=0.001)
+
+
+@pytest.mark.parametrize("slow", [0, 1, 2, 3, 5, 6, 7, 9, 10, 12, 17, 20])
+def test_percentiles_are_numpy_s(compute: Compute, slow: int) -> None:
+    told = compute("tail", slow=slow, more=120)
+    calls = np.array(told["calls"])
+    assert np.count_nonzero(calls > 100) == told["late"] == slow
+    assert np.sort(calls - 120 * (calls > 100)) == pytest.approx(np.sort(latencies()))
+    assert told["mean"] == pytest.approx(calls.mean())
+    shown = [told[name] for name in ("p50", "p95", "p99")]
+    assert shown == pytest.approx(np.percentile(calls, [50, 95, 99]).tolist())

@@ -1,6 +1,7 @@
 // Which beams look ahead? A scan of the store, and a slice of its list.
 play.add('beams', {
   title: 'A scan as a fan of beams, those of the slice in colour',
+  legend: 'Ahead is up, ±45° dashed. Blue: the beams of the slice. Dots: what they hit.',
   size: [640, 400],
   start: { lidar: 0, from: 135, to: 225 },
   controls: {

@@ -1,6 +1,7 @@
 // A model and a command every 50 ms in one node: beat.py, with any model. In ms.
 play.add('executor', {
   title: 'What each thread of the executor does over time',
+  legend: 'Blue: the model. Green: a command. Red: a gap of more than 75 ms.',
   size: [640, 190],
   start: { takes: 200, threads: 1, groups: 1 },
   controls: {
@@ -46,8 +47,8 @@ play.add('executor', {
     return { thoughts, commands, longest: Math.max(...gaps) };
   },
 
-  draw(shape, { threads, groups }, { thoughts, commands, longest }) {
-    const [left, right, end] = [64, 632, 1000];
+  draw(shape, { threads, groups }, { thoughts, commands }) {
+    const [left, right, end] = [96, 632, 1000];
     const x = (t) => left + (t / end) * (right - left);
     const lane = threads > 1 ? [30, 78] : [30, 30];
     for (let i = 0; i < threads; i += 1) {
@@ -68,7 +69,6 @@ play.add('executor', {
     });
     shape('text', { x: left, y: 184 }, '0 s');
     shape('text', { x: right, y: 184, 'text-anchor': 'end' }, '1 s');
-    shape('text', { x: (left + right) / 2, y: 16, 'text-anchor': 'middle' }, `blue: the model; green: a command; longest gap ${longest} ms`);
   },
 
   verdict({ threads, groups, takes }, { longest }) {

@@ -71,7 +71,11 @@ window.play = (() => {
       const press = () => { Object.assign(settings, values); change(); };
       return element('button', { type: 'button', onclick: press }, label);
     });
+    new ResizeObserver(() => { // words stay readable where the drawing is small
+      svg.style.fontSize = `${12 * Math.min(Math.max(width / svg.clientWidth, 1), 1.6)}px`;
+    }).observe(svg);
     place.prepend(element('div', { className: 'presets' }, ...presets), svg,
+      element('p', { className: 'hint' }, figure.legend),
       element('div', { className: 'controls' }, ...controls.map((made) => made.element)), verdict,
       element('details', {}, element('summary', {}, 'The numbers'), numbers));
     change();

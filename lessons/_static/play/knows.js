@@ -1,6 +1,7 @@
 // What two models say, and what they were shown: the forest and the line of this page. In m and m/s.
 play.add('knows', {
   title: 'Speed over distance: what the forest and the line say, and the data they learned from',
+  legend: 'Blue: the forest. Red: the line. Grey: the driver, who was seen only in the shaded part.',
   size: [640, 280],
   start: { distance: 0.35 },
   controls: {
@@ -22,7 +23,7 @@ play.add('knows', {
   },
 
   draw(shape, { distance }, { forest, line, driver }) {
-    const [left, right] = [50, 620];
+    const [left, right] = [70, 620];
     const end = distance > 2 ? 12 : 2;
     const top = end > 2 ? 3.4 : 1.2;
     const x = (d) => left + (d / end) * (right - left);
@@ -43,7 +44,6 @@ play.add('knows', {
     shape('line', { x1: x(distance), x2: x(distance), y1: 20, y2: 240, class: 'line-muted' });
     for (const [value, name] of [[driver, 'fill-muted'], [line, 'fill-bad'], [forest, 'fill-accent']]) shape('circle', { cx: x(distance), cy: y(value), r: 6, class: name });
     shape('text', { x: right, y: 272, 'text-anchor': 'end' }, `distance, up to ${end} m`);
-    shape('text', { x: left, y: 272 }, 'blue: forest; red: line; grey: the driver');
   },
 
   verdict(_, { forest, line, driver, away }) {

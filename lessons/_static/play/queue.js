@@ -1,6 +1,7 @@
 // How old a scan is when a slow callback is done with it: stale.py, with any lidar and queue. In ms.
 play.add('queue', {
   title: 'Scans, the callback that works on them, and how old each is when it is done',
+  legend: 'Each number is a scan. A dot says how old it is when the callback is done with it.',
   size: [640, 250],
   start: { period: 100, takes: 200, depth: 10 },
   controls: {
@@ -41,7 +42,7 @@ play.add('queue', {
   },
 
   draw(shape, { period, takes }, { done }) {
-    const [left, right] = [64, 632];
+    const [left, right] = [84, 632];
     const end = Math.max(2400, 9 * Math.max(period, takes));
     const x = (t) => left + (Math.min(t, end) / end) * (right - left);
     const top = 1.15 * Math.max(700, ...done.filter(({ to }) => to <= end).map(({ age }) => age));

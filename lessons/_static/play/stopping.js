@@ -1,6 +1,7 @@
 // Does the robot stop in time? v·t + v²/2a against the room that it has. In m and s.
 play.add('stopping', {
   title: 'A robot, the way that it drives before it stands, and a wall',
+  legend: 'Dashed: where it should stop. Red: until the command comes. Blue: braking. Grey: to stay free.',
   size: [640, 170],
   start: { speed: 0.5, late: 0.1, brake: 0.9, stop: 0.5 },
   controls: {
@@ -36,8 +37,6 @@ play.add('stopping', {
     const part = (from, to, name) => shape('line', { x1: at(stop - from), x2: at(stop - to), y1: 30, y2: 30, class: name, 'stroke-width': 7 });
     part(0, rolling, 'line-bad');
     part(rolling, rolling + braking, 'line-accent');
-    shape('text', { x: 0, y: 14 }, 'red: until the command comes; blue: braking; grey: 0.2 m to stay free');
-    shape('text', { x: at(stop) - radius - 8, y: y + 4, 'text-anchor': 'end' }, 'here it should stop');
   },
 
   verdict(_, { rolling, braking, left }) {
