@@ -8,10 +8,11 @@ PIP := $(BIN)/pip --disable-pip-version-check --quiet
 WORKERS ?= $(shell expr $$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN) + 1)
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 REPORT ?= report.html
+SITE ?=
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench skeletons goldens constraints clean
+.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site notebooks students bench profile skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -54,7 +55,7 @@ format: $(VENV)/.dev ## let ruff format and fix what it can
 prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which check kills which
 	$(BIN)/python -m grader.authoring.proof
 
-mutate: $(VENV)/.dev ## make thousands of mutants by machine, grade them, list the gaps (hours; goes on where it was)
+mutate: $(VENV)/.dev ## make thousands of mutants by machine, grade them, list the gaps (hours; resumes)
 	$(BIN)/python -m grader.authoring.mutate
 
 # A checkout of ros2/rclpy at the tag of the installed wheels
@@ -76,13 +77,18 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/runtimes.py
 	$(BIN)/python benchmarks/batch.py
 
+EXERCISES ?=
+profile: $(VENV)/.dev ## CPU time of a grading of each reference; EXERCISES="obstacle_avoidance …" of some
+	$(BIN)/python benchmarks/cpu.py $(EXERCISES)
+
 attacks: $(VENV)/.dev ## every attack with all checks; what opens without each layer (docs/attacks.md)
 	COURSE_ATTACKS=full $(PYTEST) tests/attacks tests/grader/host/test_kernel_filters.py tests/grader/host/test_landlock.py
 	$(BIN)/python tests/attacks/layers.py --write
 
 site: $(VENV)/.dev ## build the lesson as a site into build/site
-	$(BIN)/sphinx-build -q -W --keep-going -n -b html -d build/doctrees lessons build/site
+	$(BIN)/sphinx-build -q -W --keep-going -n $(SITE) -b html -d build/doctrees lessons build/site
 	$(BIN)/python -m grader.authoring.pitfalls build/site/pitfalls/replays
+	$(BIN)/python -m grader.authoring.lesson_replays build/site/replays
 	@echo "open build/site/index.html"
 
 notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seven students in all exercises

@@ -19,8 +19,9 @@ extensions = [
     "offline_math",
     "course_links",
     "accessible",
+    "acts",
 ]
-myst_enable_extensions = ["attrs_inline", "deflist", "dollarmath"]
+myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 nitpicky = True
 
@@ -29,6 +30,7 @@ exclude_patterns = ["quiz.md", "figures/**"]
 
 html_theme = "furo"
 html_static_path = ["_static"]
+html_favicon = "_static/favicon.svg"
 html_css_files = ["site.css"]
 html_js_files = [("site.js", {"defer": "defer"})]
 html_copy_source = False
@@ -61,10 +63,17 @@ html_theme_options = {
         "font-stack": "system-ui, sans-serif",
         "font-stack--monospace": "ui-monospace, monospace",
         "color-code-background": _LIGHT["shade"],
+        "color-brand-primary": "#0b66a8",
+        "color-brand-content": "#0b66a8",
         **{f"drawing-{name}": colour for name, colour in _LIGHT.items()},
     },
     "dark_css_variables": {
         "color-code-background": _DARK["shade"],
+        "color-background-primary": "#0f1419",
+        "color-background-secondary": "#171d24",
+        "color-background-border": "#2a333d",
+        "color-brand-primary": "#62b3ee",
+        "color-brand-content": "#62b3ee",
         **{f"drawing-{name}": colour for name, colour in _DARK.items()},
     },
     "footer_icons": [],

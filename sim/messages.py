@@ -1,7 +1,7 @@
 """ROS 2 messages as CDR bytes, without ROS: all that the robot and a node exchange.
 
-Every message is little-endian CDR with its 4-byte encapsulation header, serialised by rosbags from
-the definitions of ROS 2 Jazzy.
+Every message is little-endian CDR with its 4-byte encapsulation header. What the robot says is
+packed here; rosbags, which takes long to import, reads and writes any other message of Jazzy.
 
 Units and frames follow REP-103 and REP-105: metres, radians, x ahead, y to the left.
 """
@@ -55,6 +55,10 @@ BASE_FRAME = "base_link"
 
 _STAMP = struct.Struct("<iI")  # both headers begin with it, right after the encapsulation
 _STAMP_AT = 4
+_PLAIN = b"\0\1\0\0"  # little-endian CDR
+_SCAN = struct.Struct("<7fI")
+_POSE = struct.Struct("<7d")
+_COVARIANCE = bytes(36 * 8)  # zeros
 _SIX = struct.Struct("<6d")
 _SIX_BIG_ENDIAN = struct.Struct(">6d")
 _TWIST_BYTES = 4 + _SIX.size
@@ -162,19 +166,16 @@ def laser_scan(
     frame_id
         The frame in which its angles count.
     """
-    value = typestore().types[LASER_SCAN](
-        header=_header(time if stamp is None else stamp, frame_id),
-        angle_min=angle_min,
-        angle_max=angle_min + max(len(ranges) - 1, 0) * angle_increment,
-        angle_increment=angle_increment,
-        time_increment=0.0,  # the mock lidar measures all beams at once
-        scan_time=scan_time,
-        range_min=range_min,
-        range_max=range_max,
-        ranges=np.asarray(ranges, np.float32),
-        intensities=np.zeros(0, np.float32),
+    angle_max = angle_min + max(len(ranges) - 1, 0) * angle_increment
+    time_increment = 0.0  # the mock lidar measures all beams at once
+    numbers = (angle_min, angle_max, angle_increment, time_increment, scan_time)
+    data = (
+        _header(time if stamp is None else stamp, frame_id)
+        + _SCAN.pack(*numbers, range_min, range_max, len(ranges))
+        + np.asarray(ranges, "<f4").tobytes()
+        + bytes(4)  # no intensities
     )
-    return Message(SCAN_TOPIC, LASER_SCAN, time, encode(value, LASER_SCAN))
+    return Message(SCAN_TOPIC, LASER_SCAN, time, data)
 
 
 def odometry(
@@ -201,16 +202,14 @@ def odometry(
     v, w
         Forward and turning speed in base_link [m/s, rad/s].
     """
-    types = typestore().types
-    value = types[ODOMETRY](
-        header=_header(time if stamp is None else stamp, ODOM_FRAME),
-        child_frame_id=BASE_FRAME,
-        pose=types["geometry_msgs/msg/PoseWithCovariance"](_pose(x, y, yaw, qw), np.zeros(36)),
-        twist=types["geometry_msgs/msg/TwistWithCovariance"](
-            types[TWIST](linear=_vector(x=v), angular=_vector(z=w)), np.zeros(36)
-        ),
+    data = (
+        _header(time if stamp is None else stamp, ODOM_FRAME, BASE_FRAME, align=8)
+        + _POSE.pack(x, y, 0.0, *_quaternion(yaw, qw))
+        + _COVARIANCE
+        + _SIX.pack(v, 0.0, 0.0, 0.0, 0.0, w)
+        + _COVARIANCE
     )
-    return Message(topic, ODOMETRY, time, encode(value, ODOMETRY))
+    return Message(topic, ODOMETRY, time, data)
 
 
 def pose_stamped(
@@ -226,9 +225,9 @@ def pose_stamped(
 
     `time` and `stamp` are as in `odometry`; a stamp of -EPOCH_NS is 0, as nobody has set it.
     """
-    header = _header(time if stamp is None else stamp, ODOM_FRAME)
-    value = typestore().types[POSE_STAMPED](header=header, pose=_pose(x, y, yaw, w))
-    return Message(GOAL_TOPIC, POSE_STAMPED, time, encode(value, POSE_STAMPED))
+    header = _header(time if stamp is None else stamp, ODOM_FRAME, align=8)
+    data = header + _POSE.pack(x, y, 0.0, *_quaternion(yaw, w))
+    return Message(GOAL_TOPIC, POSE_STAMPED, time, data)
 
 
 def transform(
@@ -246,15 +245,9 @@ def transform(
 
     `time` and `stamp` are as in `odometry`.
     """
-    types = typestore().types
-    value = types["geometry_msgs/msg/TransformStamped"](
-        header=_header(time if stamp is None else stamp, parent),
-        child_frame_id=child,
-        transform=types["geometry_msgs/msg/Transform"](
-            translation=_vector(x=x, y=y), rotation=_quaternion(yaw)
-        ),
-    )
-    return Message(topic, TF_MESSAGE, time, encode(types[TF_MESSAGE]([value]), TF_MESSAGE))
+    one = struct.pack("<I", 1)  # transform
+    header = _header(time if stamp is None else stamp, parent, child, align=8, before=one)
+    return Message(topic, TF_MESSAGE, time, header + _POSE.pack(x, y, 0.0, *_quaternion(yaw)))
 
 
 def twist(
@@ -266,7 +259,7 @@ def twist(
     topic: str = CMD_VEL_TOPIC,
 ) -> Message:
     """Return a geometry_msgs/Twist; `others` are linear y, z [m/s] and angular x, y [rad/s]."""
-    data = b"\0\1\0\0" + _SIX.pack(linear_x, *others, angular_z)
+    data = _PLAIN + _SIX.pack(linear_x, *others, angular_z)
     return Message(topic, TWIST, time, data)
 
 
@@ -302,24 +295,49 @@ def twist_stamped_from_cdr(data: bytes) -> tuple[float, float, float, float, flo
     return twist_from_cdr(data[:4] + data[-_SIX.size :])
 
 
+def scan_from_cdr(data: bytes) -> tuple[int, tuple[float, ...], NDArray[np.float32]]:
+    """Return stamp [ns since 1970], numbers and (n,) ranges [m] of a sensor_msgs/LaserScan.
+
+    The numbers are angle_min, angle_max, angle_increment, time_increment, scan_time, range_min and
+    range_max. It raises ValueError as `odometry_from_cdr` does.
+    """
+    stamp, at, order = _after_header(data, names=1)
+    *numbers, count = _unpacked(f"{order}7fI", data, at)
+    return stamp, tuple(numbers), np.frombuffer(data, f"{order}f4", count, at + _SCAN.size)
+
+
+def odometry_from_cdr(data: bytes) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return pose (x, y, z and a quaternion) and twist (as `twist_from_cdr`) of an Odometry.
+
+    Raises
+    ------
+    ValueError
+        The bytes are too few, or not plain CDR.
+    """
+    _, at, order = _after_header(data, names=2)
+    at += (4 - at) % 8  # alignment counts from the end of the 4-byte encapsulation header
+    twist_at = at + _POSE.size + len(_COVARIANCE)
+    return _unpacked(f"{order}7d", data, at), _unpacked(f"{order}6d", data, twist_at)
+
+
 def float64(topic: str, time: int, value: float) -> Message:
     """Return a std_msgs/Float64."""
-    return _std(topic, FLOAT64, time, float(value))
+    return Message(topic, FLOAT64, time, _PLAIN + struct.pack("<d", value))
 
 
 def bool_(topic: str, time: int, value: bool) -> Message:
     """Return a std_msgs/Bool."""
-    return _std(topic, BOOL, time, bool(value))
+    return Message(topic, BOOL, time, _PLAIN + struct.pack("<?", value))
 
 
 def string(topic: str, time: int, value: str) -> Message:
     """Return a std_msgs/String."""
-    return _std(topic, STRING, time, value)
+    return Message(topic, STRING, time, _PLAIN + _strings(value))
 
 
 def uint32(topic: str, time: int, value: int) -> Message:
     """Return a std_msgs/UInt32."""
-    return _std(topic, UINT32, time, int(value))
+    return Message(topic, UINT32, time, _PLAIN + struct.pack("<I", value))
 
 
 def half_angle(yaw: float) -> tuple[float, float]:
@@ -329,28 +347,45 @@ def half_angle(yaw: float) -> tuple[float, float]:
     return math.sin(yaw / 2), math.cos(yaw / 2)
 
 
-def _std(topic: str, type: str, time: int, value: float | bool | int | str) -> Message:
-    return Message(topic, type, time, encode(typestore().types[type](data=value), type))
+def _header(time: int, *names: str, align: int = 4, before: bytes = b"") -> bytes:
+    """Return all up to the first number after a header, whose frame a child's may follow."""
+    stamp = before + _STAMP.pack(*divmod(EPOCH_NS + time, 10**9))
+    text = _strings(*names)
+    return _PLAIN + stamp + text + bytes(-(len(stamp) + len(text)) % align)
 
 
-def _header(time: int, frame_id: str) -> Any:
-    types = typestore().types
-    seconds, nanoseconds = divmod(EPOCH_NS + time, 10**9)
-    stamp = types["builtin_interfaces/msg/Time"](sec=seconds, nanosec=nanoseconds)
-    return types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame_id)
+@lru_cache(maxsize=64)
+def _strings(*texts: str) -> bytes:
+    """Return strings that begin at a multiple of 4."""
+    data = b""
+    for text in texts:
+        raw = text.encode() + b"\0"
+        data += bytes(-len(data) % 4) + struct.pack("<I", len(raw)) + raw
+    return data
 
 
-def _quaternion(yaw: float, w: float | None = None) -> Any:
+def _after_header(data: bytes, names: int) -> tuple[int, int, str]:
+    """Return the stamp [ns], where a header and its child's frame end, and the byte order."""
+    if data[:1] != b"\0" or data[1:2] not in (b"\0", b"\1"):
+        start = data[:4].hex() or "nothing"
+        raise ValueError(f"not plain CDR: {len(data)} bytes that begin with {start}")
+    order = "<" if data[1] else ">"
+    seconds, nanoseconds = _unpacked(f"{order}iI", data, _STAMP_AT)
+    at = _STAMP_AT + _STAMP.size
+    for _ in range(names):
+        (length,) = _unpacked(f"{order}I", data, at)
+        at += 4 + length
+        at += -at % 4
+    return seconds * 10**9 + nanoseconds, at, order
+
+
+def _unpacked(form: str, data: bytes, at: int) -> tuple[Any, ...]:
+    try:
+        return struct.unpack_from(form, data, at)
+    except struct.error as error:
+        raise ValueError(f"{len(data)} bytes are too few: {error}") from None
+
+
+def _quaternion(yaw: float, w: float | None = None) -> tuple[float, float, float, float]:
     z, own = half_angle(yaw)
-    w = own if w is None else w
-    return typestore().types["geometry_msgs/msg/Quaternion"](x=0.0, y=0.0, z=z, w=w)
-
-
-def _pose(x: float, y: float, yaw: float, w: float | None) -> Any:
-    types = typestore().types
-    point = types["geometry_msgs/msg/Point"](x=x, y=y, z=0.0)
-    return types["geometry_msgs/msg/Pose"](position=point, orientation=_quaternion(yaw, w))
-
-
-def _vector(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Any:
-    return typestore().types["geometry_msgs/msg/Vector3"](x=x, y=y, z=z)
+    return 0.0, 0.0, z, own if w is None else w

@@ -73,6 +73,7 @@ def site(work: Path, left_out: Collection[str] = ()) -> dict[str, bytes]:
         "-d", str(work / "doctrees"), str(ROOT / "lessons"), str(out),
     )  # fmt: skip
     _run("-m", "grader.authoring.pitfalls", str(out / "pitfalls" / "replays"))
+    _run("-m", "grader.authoring.lesson_replays", str(out / "replays"))
     return {f"{SITE}/{path.relative_to(out).as_posix()}": data for path, data in _files(out)}
 
 

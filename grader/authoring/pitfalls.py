@@ -15,7 +15,6 @@ from __future__ import annotations
 import difflib
 import html
 import re
-import shutil
 import sys
 import tempfile
 import tomllib
@@ -42,7 +41,6 @@ from sim.scenario_files import load_scenario
 FOLDER = ROOT / "lessons" / "pitfalls"
 NODES = FOLDER / "nodes"
 MADE = FOLDER / "made"
-FRAME = ("replay.css", "replay.js")  # of the pages: copied beside the replays
 MODES = ("--made", CHECK)
 REPLAYS = "replays"  # their folder, relative to a page
 WIDTH = 80  # [characters] of the grader's tables
@@ -117,10 +115,8 @@ def main(arguments: list[str]) -> int:
 
 
 def write_replays(out: Path, forkserver: ForkServer) -> None:
-    """Drive every node and write its replay; copy the style and script that frame replays."""
+    """Drive every node and write its replay."""
     out.mkdir(parents=True, exist_ok=True)
-    for name in FRAME:
-        shutil.copyfile(FOLDER / name, out / name)
     for pitfall in PITFALLS:
         for node in pitfall.nodes:
             recording = drive(pitfall, node, forkserver)

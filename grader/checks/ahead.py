@@ -17,20 +17,30 @@ HAIR = 0.001  # [m] distances this near to a threshold may fall on either side, 
 @lru_cache(maxsize=4096)  # many checks look at the same scan
 def front_distance(scan: Scan, half_angle: float = FRONT_HALF_ANGLE) -> float | None:
     """Return the smallest usable distance within ±half_angle [°] of ahead [m]; None: blind."""
-    layout = len(scan.ranges), scan.first_angle, scan.angle_increment
-    ranges = scan.ranges[_ahead(*layout, half_angle)].astype(np.float64)
-    limits = np.float32(scan.range_min), np.float32(scan.range_max)
-    usable = ranges[np.isinf(ranges) | ((ranges >= limits[0]) & (ranges <= limits[1]))]
-    return max(0.0, float(usable.min())) if usable.size else None
+    return _distances(scan, (half_angle,))[0]
 
 
+@lru_cache(maxsize=4096)
 def front_distances(scan: Scan) -> tuple[float | None, ...]:
     """Return all distances [m] that a right node may take for the front's; None: blind."""
-    return tuple(front_distance(scan, half_angle) for half_angle in HALF_ANGLES)
+    return _distances(scan, HALF_ANGLES)
+
+
+def _distances(scan: Scan, half_angles: tuple[float, ...]) -> tuple[float | None, ...]:
+    """Return the smallest usable distance within each half angle [m]; None: blind."""
+    layout = len(scan.ranges), scan.first_angle, scan.angle_increment
+    ranges, limits = scan.ranges, (np.float32(scan.range_min), np.float32(scan.range_max))
+    usable = np.isinf(ranges) | ((ranges >= limits[0]) & (ranges <= limits[1]))
+    ahead = _ahead(*layout, half_angles) & usable
+    nearest = np.where(ahead, ranges, np.inf).min(axis=1, initial=np.inf).tolist()
+    seen: list[bool] = [bool(row.any()) for row in ahead]
+    return tuple(max(0.0, near) if sees else None for near, sees in zip(nearest, seen, strict=True))
 
 
 @lru_cache(maxsize=256)
-def _ahead(beams: int, first: float, increment: float, half_angle: float) -> NDArray[np.bool_]:
-    """Return which beams of a lidar lie within ±half_angle [°] of ahead, (beams,)."""
+def _ahead(
+    beams: int, first: float, increment: float, half_angles: tuple[float, ...]
+) -> NDArray[np.bool_]:
+    """Return which beams of a lidar lie within each ±half angle [°] of ahead, (angles, beams)."""
     degrees = np.degrees(first + increment * np.arange(beams, dtype=float))
-    return np.abs((degrees + 180.0) % 360.0 - 180.0) <= half_angle
+    return np.abs((degrees + 180.0) % 360.0 - 180.0) <= np.array(half_angles)[:, None]

@@ -13,6 +13,9 @@ from grader.recording import Recording
 Interval = tuple[float, float]  # the least and the greatest
 Allowed = tuple[Interval, ...] | frozenset[str]  # any of these numbers, or of these words
 Said = float | str
+LEAST = 3  # answers, to see that they err alike
+NEAR_ZERO = 1e-3
+ROUNDED = 0.01  # of a factor
 
 
 @dataclass(frozen=True)
@@ -89,7 +92,9 @@ class Runs(Sequence[Recording]):
     def cases(self, *tags: str) -> Iterator[tuple[Recording, Case]]:
         """Yield the occasions with one of these tags (all without), and their recordings."""
         for recording in self.recordings:
-            for case in self.oracle(recording):
+            if self.oracle not in recording.judged:
+                recording.judged[self.oracle] = self.oracle(recording)
+            for case in recording.judged[self.oracle]:
                 if not tags or not case.tags.isdisjoint(tags):
                     yield recording, case
 
@@ -101,12 +106,35 @@ def exactly(*numbers: float) -> tuple[Interval, ...]:
 
 def spell_allowed(allowed: Allowed, unit: str = "") -> str:
     """Return an allowance in words: `0.00 m/s or 0.15 m/s`, `0.10 to 0.30 m/s`."""
+    if not allowed:
+        return "what predict says, and it was not asked"
     unit = f" {unit}" if unit else ""
     if isinstance(allowed, frozenset):
         return " or ".join(f"“{word}”" for word in sorted(allowed))
     spelled = ((spell(low), spell(high)) for low, high in sorted(allowed))
     spans = (low if low == high else f"{low} to {high}" for low, high in spelled)
     return " or ".join(f"{span}{unit}" for span in spans)
+
+
+def wrong_unit(cases: Sequence[Case], field: str) -> str:
+    """Say that a field is wrong by the same power of ten in all cases; "" if it is not."""
+    pairs = [(case.said.get(field), case.allowed[field]) for case in cases if field in case.allowed]
+    factors = [
+        said / right[0]
+        for said, allowed in pairs
+        for right in list(allowed)[:1]
+        if isinstance(said, float) and isinstance(right, tuple) and abs(right[0]) > NEAR_ZERO
+    ]
+    if len(factors) < max(LEAST, len(pairs) / 2) or min(factors) <= 0.0:
+        return ""
+    power = round(math.log10(factors[0]))
+    if not power or any(abs(each / 10.0**power - 1.0) > ROUNDED for each in factors):
+        return ""
+    size = f"{10 ** abs(power):,} times too {'big' if power > 0 else 'small'}"
+    return (
+        f"{field} is {size} in each of {len(factors)} answers. Is there a slip of units, such as "
+        "seconds, milliseconds and nanoseconds?"
+    )
 
 
 def among(said: Said | None, allowed: Allowed, tolerance: float) -> bool:

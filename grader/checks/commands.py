@@ -128,7 +128,7 @@ def spell(value: float) -> str:
 
 def garbage(value: float) -> str:
     """Return an explanation if a number can only be a wrongly typed field; else an empty text."""
-    if math.isnan(value) or 0.0 < abs(value) < 1e-300 or 1e6 < abs(value) < math.inf:
+    if math.isnan(value) or 0.0 < abs(value) < 1e-300 or 1e30 < abs(value) < math.inf:
         return (
             "This number is garbage: the field holds an int or a np.float32 where ROS wants a "
             "Python float. Write float(…) around what you assign."

@@ -185,10 +185,15 @@ class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
     mismatch: Text = ""  # why it and the robot's end of the topic can't talk; "" if they can
 
 
+OWN_TIMER = "its own timer"
+
+
 class Note(msgspec.Struct, array_like=True, frozen=True):
     """What a person should know of a run, and no message shows; nobody judges it."""
 
-    kind: Annotated[str, msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|threads)$")]
+    kind: Annotated[
+        str, msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads)$")
+    ]
     about: Name  # a topic, a node, or a function ...
     line: Name = ""  # ... and where: "node.py, line 12"
     count: Nanoseconds = 1

@@ -102,7 +102,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         "SystemError",
         r"publish\b.*exception set",
         "a field of the message holds another type than it should: an integer field takes an int, "
-        "not a float",
+        "neither a float nor a text",
     ),
     (
         "TypeError",
@@ -151,7 +151,8 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "TypeError",
         r"only length-1 arrays|only 0-dimensional arrays",
-        "this needs one number, and got an array: take one item of it, such as prediction[0]",
+        "this needs one number, and got an array: take one of it, such as x[0] of a row, x.item() "
+        "of a table with one number, x.max() of probabilities",
     ),
     (
         "AssertionError",
@@ -192,6 +193,18 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         r"truth value of an array",
         "an array is many answers: `is None` asks whether there is one, & and | combine two "
         "(each in brackets), .any() or .all() makes one of them",
+    ),
+    (
+        "ValueError",
+        r"\(n, 5\), got \(\d+, (?![15]\b)\d+\)",
+        "the model wants five features in each row: print what you hand it; is one missing, or are "
+        "they readings?",
+    ),
+    (
+        "ValueError",
+        r"got 1D array instead:\s*array=\[[^\]]*\.\.\.",
+        "a table is wanted and a column of many numbers came: fit takes the features, a row for "
+        "each sample, and then the labels",
     ),
     (
         "ValueError",

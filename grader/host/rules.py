@@ -103,8 +103,8 @@ RULES = (
     Rule("TypeError", r"Expected QoSProfile or int.*QoSPresetProfiles", "",
          "a preset is not yet a profile, its value is: QoSPresetProfiles.SENSOR_DATA.value", QOS),
     *(
-        Rule(kind, text, rf"\b{name}\s*\(", f"the arguments are, in this order: {ORDER[name]}, "
-             f"as in self.{call}; any others are named", NODES)
+        Rule(kind, text, rf"\b{name}\s*\(", f"these go by order: {ORDER[name]}, and any others "
+             f"by name (callback_group=…), as in self.{call}", NODES)
         for name, call in CREATE.items()
         for kind, text in WRONG_ORDER
     ),
@@ -163,7 +163,7 @@ RULES = (
     Rule("AttributeError", r"'Time' object has no attribute '(?:sec|nanosec)'", r"publish\(",
          "a stamp takes a message: self.get_clock().now().to_msg()", TIMES),
     Rule("AttributeError", r"'(Time|Duration)' object has no attribute '(?:to_n?secs?|secs|nsecs|"
-         r"toSec|seconds)' \(a message\)", "",
+         r"toSec|seconds|nanoseconds)' \(a message\)", "",
          "a stamp has the fields sec and nanosec: stamp.sec + stamp.nanosec / 1e9 are its seconds",
          TIMES),
     Rule("AttributeError", r"'(Time|Duration)' object has no attribute '(?:to_n?secs?|secs|nsecs|"
@@ -218,7 +218,7 @@ RULES = (
     Rule("AttributeError", r"'(?:float|int)' object has no attribute '[xyz]'", r"publish\(",
          "a number stands where a vector belongs: twist.linear.x = …, not twist.linear = …", NODES),
     Rule("TypeError", r"^expected a sequence in '(\w+)'", "",
-         "\\1 takes a list, also of one: \\1=[…]", NODES),
+         "`\\1` takes a list, also of one: \\1=[…]", NODES),
     Rule("TypeError", r"^dict is not a sequence", "", "a list of messages takes no dict: "
          "[KeyValue(key=key, value=text) for key, text in texts.items()]", NODES),
     Rule("TypeError", r"^'(\w+)' object is not (?:iterable|subscriptable)|"
@@ -259,7 +259,7 @@ RULES = (
     Rule("UnboundLocalError", rf"'({MODULES})'", "",
          "\\1 is given a value in this function, and so hides the module: rename one", PYTHON),
     Rule("UnboundLocalError", r"'(e|ex|exc|err|error|exception)'", "",
-         "\\1 is there only inside its `except … as \\1:`, and nothing was caught here", PYTHON),
+         "`\\1` is there only inside its `except … as \\1:`, and nothing was caught here", PYTHON),
     *(Rule(kind, rf"(?:cannot import name|module '[\w.]+' has no attribute) '({names})'", "",
            f"it is elsewhere: {line}", PYTHON)
       for names, line in FROM.items() for kind in ("ImportError", "AttributeError")),

@@ -22,7 +22,7 @@ SAID = {  # slip: the sentence, with names for {}
     "twice": "{} defines {} in line {} and again here, and the second one counts",  # F811
     "bare": "{} is only named here: brackets call a function",  # B018
     "compares": "this compares, and nothing uses the answer: a single = gives a value",  # B015
-    "nan": "nothing equals NaN, not even NaN: math.isnan or math.isfinite asks",  # PLW0177
+    "nan": "nothing equals NaN, not even NaN: ask with math.isnan or math.isfinite",  # PLW0177
     "is": "`is` asks for the same object: numbers and texts are compared by ==",  # F632
     "tuple": "the comma at the end makes a tuple of the value: delete it",  # R1707
     "or": "{} stands behind `or` uncompared, and counts as true: compare it, too",  # R1726
@@ -33,9 +33,10 @@ SAID = {  # slip: the sentence, with names for {}
     "unused": "{} defines {} here and neither calls nor returns it",  # W0612
     "misspelt": "self.{} gets a value here and is never read: is self.{} meant?",
     "once": "the default of {} is made once, when the file is read, and all calls share it",  # B008
+    "spins": "spin does not return: what stands below it in __init__ is never made",
     "any": "{} is True or False, and no number: put the comparison inside",  # W0143
     "bits": "& and | bind tighter than < and >: brackets belong around the comparison",
-    "in_loop": "this returns in the loop's first round what the loop collects: indent it less",
+    "in_loop": "this return ends the loop in its first round: indent it less",
 }
 SENTENCE = re.compile(
     r"line (?P<line>\d+): (?P<said>"
@@ -99,13 +100,14 @@ def _nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
 
 
 def _statements(tree: ast.AST) -> Found:
+    given = _given(tree) | {each.arg for each in _all(tree, ast.arg)}
     tried = {id(each) for node in _all(tree, ast.Try) for each in node.body}
     for node in _all(tree, ast.Expr, ast.Assign):
         value = node.value
         if isinstance(node, ast.Expr) and id(node) not in tried:
             if isinstance(value, ast.Compare):
                 yield _said(node, "compares")
-            elif name := _dotted(value):
+            elif (name := _dotted(value)) and _last(value) not in given:  # else: to please a linter
                 yield _said(node, "bare", name)
         elif isinstance(value, ast.Tuple) and len(value.elts) == 1:
             bare = value.col_offset == value.elts[0].col_offset  # no bracket before it
@@ -137,9 +139,8 @@ def _conditions(tree: ast.AST) -> Found:
             if compared and (name in constants or (name == "it" and _is_true(each))):
                 yield _said(node, "or", name)
             compared = compared or isinstance(each, ast.Compare)
-    methods = {
-        (f"self.{part.name}") for each in _all(tree, ast.ClassDef) for part in _methods(each)
-    }
+    methods = {part.name for each in _all(tree, ast.ClassDef) for part in _methods(each)}
+    methods = {f"self.{name}" for name in methods - _given(tree)}
     known = methods | {f"{of}.{name}" for of, names in CALLABLE.items() for name in names}
     tests = [node.test for node in _all(tree, ast.If, ast.While, ast.IfExp)]
     while tests:
@@ -191,6 +192,11 @@ def _classes(tree: ast.AST) -> Found:
                         if isinstance(n.ctx, ast.Store) and _dotted(n) == f"self.{n.attr}"]
             for part in _methods(each)
         }  # fmt: skip
+        for part in (part for part in each.body if getattr(part, "name", "") == "__init__"):
+            for node in part.body[:-1]:
+                called = getattr(getattr(node, "value", None), "func", None)
+                if isinstance(node, ast.Expr) and called and _dotted(called) == "rclpy.spin":
+                    yield _said(node, "spins")
         at_first = {node.attr for node in given.pop("__init__", ())}
         later = [node for nodes in given.values() for node in nodes]
         for node in _all(each, ast.Attribute):
@@ -200,7 +206,8 @@ def _classes(tree: ast.AST) -> Found:
         only = sorted((at_first & read) - {node.attr for node in later})
         for node in later:
             if node.attr not in read | at_first:
-                for near in difflib.get_close_matches(node.attr, only, 1, ALIKE):
+                alike = [name for name in only if not _within(name, node.attr)]
+                for near in difflib.get_close_matches(node.attr, alike, 1, ALIKE):
                     yield _said(node, "misspelt", node.attr, near)
 
 
@@ -213,6 +220,18 @@ def _loops(tree: ast.AST) -> Found:
             anew = {each.id for each in names if isinstance(each.ctx, ast.Store)}
             if (_collected(node) - anew) & {each.id for each in _all(last.value, ast.Name)}:
                 yield _said(last, "in_loop")
+
+
+def _given(tree: ast.AST) -> set[str]:
+    """Return the names of variables and attributes that are given a value."""
+    named = _all(tree, ast.Name, ast.Attribute)
+    return {_last(node) for node in named if isinstance(node.ctx, ast.Store)}
+
+
+def _within(one: str, other: str) -> bool:
+    """Return whether a name is part of another, as speed of speed_ and last_speed: both meant."""
+    one, other = one.strip("_"), other.strip("_")
+    return one in other or other in one
 
 
 def _methods(node: ast.ClassDef) -> list[ast.FunctionDef]:

@@ -98,6 +98,11 @@ def _said(note: Note, recording: Recording) -> str:
                 "group, which has to give or to take it, does nothing until the callback is over: "
                 "give the callback a group of its own, callback_group=MutuallyExclusive…()"
             )
+        case "waits":
+            return (
+                f"{place} waits there to the end, from {at:.2f} s on: what it waits for, a lock, "
+                "an event, an answer, never comes"
+            )
         case "threads" if many > ENDS:
             return (
                 f"{place} started {many} threads in {recording.duration_s:.0f} s: one that lives, "

@@ -12,6 +12,7 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -231,6 +232,11 @@ class Recording:
     def goals(self) -> Goals:
         """Return the goals that the node was sent."""
         return views.goals(self._delivered(GOAL_TOPIC))
+
+    @cached_property
+    def judged(self) -> dict[Any, Any]:
+        """What oracles say of it, each once for all checks."""
+        return {}
 
     def digest(self) -> str:
         """Return a fingerprint of all that must be the same in every run of the same node.

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.messages import LASER_SCAN, ODOMETRY, POSE_STAMPED, Message, decode, twist_from_cdr
+from sim.messages import (
+    POSE_STAMPED,
+    Message,
+    decode,
+    odometry_from_cdr,
+    scan_from_cdr,
+    twist_from_cdr,
+)
 
 Floats = NDArray[np.float64]
 
@@ -118,34 +125,21 @@ def goals(messages: Iterable[Message]) -> Goals:
 
 
 def _scan(message: Message, epoch: int, mount: float) -> Scan:
-    scan = decode(message.data, LASER_SCAN)
+    stamp, numbers, ranges = scan_from_cdr(message.data)
+    angle_min, _, angle_increment, _, _, range_min, range_max = numbers
     return Scan(
         t=message.time / 1e9,
-        stamp=_seconds(scan.header.stamp, epoch),
-        angle_min=scan.angle_min,
-        angle_increment=scan.angle_increment,
-        range_min=scan.range_min,
-        range_max=scan.range_max,
-        ranges=scan.ranges,
+        stamp=float(stamp - epoch) / 1e9,
+        angle_min=angle_min,
+        angle_increment=angle_increment,
+        range_min=range_min,
+        range_max=range_max,
+        ranges=ranges,
         mount=mount,
     )
 
 
 def _odometry_row(message: Message) -> tuple[float, ...]:
-    odometry = decode(message.data, ODOMETRY)
-    pose, twist = odometry.pose.pose, odometry.twist.twist
-    q = pose.orientation
-    yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
-    return (
-        message.time / 1e9,
-        pose.position.x,
-        pose.position.y,
-        yaw,
-        twist.linear.x,
-        twist.angular.z,
-    )
-
-
-def _seconds(stamp: object, epoch: int) -> float:
-    sec, nanosec = stamp.sec, stamp.nanosec  # type: ignore[attr-defined]
-    return float(sec * 10**9 + nanosec - epoch) / 1e9
+    (x, y, _, qx, qy, qz, qw), twist = odometry_from_cdr(message.data)
+    yaw = math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))
+    return message.time / 1e9, x, y, yaw, twist[0], twist[5]

@@ -11,7 +11,8 @@ from urllib.parse import unquote, urldefrag, urlparse
 import pytest
 from lesson_pages import LESSONS, PAGES, ROOT
 
-from grader.authoring.pitfalls import FRAME, PITFALLS
+from grader.authoring.lesson_replays import watched
+from grader.authoring.pitfalls import PITFALLS
 
 LOADS = {  # elements that fetch what an attribute names
     ("link", "href"), ("script", "src"), ("img", "src"), ("img", "srcset"), ("source", "src"),
@@ -20,7 +21,6 @@ LOADS = {  # elements that fetch what an attribute names
     ("use", "href"), ("use", "xlink:href"), ("image", "href"), ("image", "xlink:href"),
 }  # fmt: skip
 EXTERNAL = re.compile(r"(?i)^\s*(https?:)?//")
-REPLAYS = "pitfalls/replays/"  # `make site` writes them into the finished site
 EXERCISES = sorted(file.parent.name for file in ROOT.glob("exercises/*/exercise.toml"))
 
 
@@ -59,9 +59,9 @@ def css_loads(css: str) -> list[str]:
 
 @cache
 def replays() -> set[str]:
-    """Return the files that `python -m grader.authoring.pitfalls` writes."""
-    names = {f"{p.replay_of(node)}.html" for p in PITFALLS for node in p.nodes}
-    return names | set(FRAME)
+    """Return the replays that `make site` writes into the finished site."""
+    names = {f"pitfalls/replays/{p.replay_of(node)}.html" for p in PITFALLS for node in p.nodes}
+    return names | {f"replays/{name}.html" for name in watched()}
 
 
 def pages_of(site: Path) -> dict[str, Page]:
@@ -78,10 +78,9 @@ def dead_links(site: Path, pages: dict[str, Page]) -> list[str]:
                 continue
             file = (page.file.parent / unquote(target)).resolve() if target else page.file.resolve()
             place = file.relative_to(site.resolve()).as_posix()
-            if place.startswith(REPLAYS):
-                if place.removeprefix(REPLAYS) not in replays():
-                    dead.append(f"{name}: {link} (no such replay)")
-            elif not file.is_file():
+            if place in replays():
+                continue
+            if not file.is_file():
                 dead.append(f"{name}: {link}")
             elif anchor and place in pages and unquote(anchor) not in pages[place].anchors:
                 dead.append(f"{name}: {link} (no such place on the page)")
@@ -106,7 +105,7 @@ def wrong_loads(site: Path, pages: dict[str, Page]) -> list[tuple[str, str]]:
         (name, load)
         for name, load in loads_of(site, pages)
         if not load.startswith(("data:", "#"))
-        and load.removeprefix("replays/") not in replays()
+        and str(Path(name).parent / load) not in replays()
         and (
             EXTERNAL.match(load) or not (site / name).parent.joinpath(urlparse(load).path).exists()
         )

@@ -151,3 +151,39 @@ def test_padding_is_no_part_of_a_message():
 @pytest.mark.parametrize(("data", "type"), [(b"", "std_msgs/msg/String"), (b"x", "my/msg/Own")])
 def test_what_is_no_message_stays_as_it_is(data, type):
     assert messages.canonical(data, type) == data
+
+
+@pytest.mark.parametrize("frame", ["laser", "laser_frame", "", "lidär"])
+def test_what_is_packed_here_is_what_rosbags_writes_and_reads(frame):
+    made = [
+        scan([1.0, math.nan, math.inf], frame_id=frame),
+        scan([]),
+        messages.odometry(time=7, x=1.0, y=math.nan, yaw=2.0, v=0.3, w=0.4, qw=0.5),
+        messages.pose_stamped(time=7, x=1.0, y=2.0, yaw=0.3),
+        messages.transform(time=7, parent="odom", child=frame, x=1.0, y=2.0, yaw=0.3),
+        messages.float64("/a", 7, 0.1),
+        messages.bool_("/a", 7, True),
+        messages.string("/a", 7, frame),
+        messages.uint32("/a", 7, 2**32 - 1),
+    ]
+    for message in made:
+        assert encode(decode(message.data, message.type), message.type) == message.data
+    value = decode(made[0].data, made[0].type)
+    stamp, numbers, ranges = messages.scan_from_cdr(made[0].data)
+    assert stamp == value.header.stamp.sec * 10**9 + value.header.stamp.nanosec
+    fields = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time")
+    assert numbers == tuple(getattr(value, f) for f in (*fields, "range_min", "range_max"))
+    assert ranges.tobytes() == value.ranges.tobytes()
+    pose, speeds = messages.odometry_from_cdr(made[2].data)
+    assert np.array_equal(pose[:3], [1.0, math.nan, 0.0], equal_nan=True)
+    assert (pose[6], speeds) == (0.5, (0.3, 0.0, 0.0, 0.0, 0.0, 0.4))
+
+
+@pytest.mark.parametrize("read", [messages.scan_from_cdr, messages.odometry_from_cdr])
+def test_bytes_that_are_no_message_are_refused(read):
+    for whole in (scan([1.0, 2.0]), messages.odometry(time=7, x=1.0, y=2.0, yaw=2.0)):
+        for size in (0, 4, 12, 20, 50):
+            with pytest.raises(ValueError, match=r"bytes|buffer"):
+                read(whole.data[:size])
+        with pytest.raises(ValueError, match="CDR"):
+            read(b"\x07" + whole.data)

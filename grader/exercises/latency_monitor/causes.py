@@ -1,20 +1,23 @@
-"""What is odd about a report's values, for exercise 9: the same key again and again."""
+"""What is odd about reports, for exercise 9: a key again and again, or a slip of units."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
 
+from grader.checks.case import wrong_unit
 from grader.checks.verdict import Evidence, Trials
-from grader.exercises.latency_monitor.reports import DIAGNOSTICS, NAME, TOPIC
+from grader.exercises.latency_monitor.reports import DIAGNOSTICS, NAME, TOPIC, cases
 from sim.messages import decode
 
 OF_REPORTS = ("mean_and_max", "window", "raised_calls", "percentiles", "missed", "stale_at_first",
               "status_form", "levels")  # fmt: skip
+LEAST = 3  # reports
+TIMES = ("deadline_ms", "mean_ms", "max_ms", "p50_ms")
 
 
 def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
-    """Return that a status has several values of one name, with the first such report."""
+    """Return that a status has several values of one name, or that times are in another unit."""
     explained = [check for check in failed if check in OF_REPORTS]
     for run in trials.values() if explained else ():
         for message in run.published:
@@ -35,4 +38,17 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
                         explains=explained,
                     )
                 break
+    for name, run in trials.items() if explained else ():
+        values = [case for case in cases(run) if "form" not in case.tags]
+        for text in filter(None, (wrong_unit(values, field) for field in TIMES)):
+            return Evidence(f"in the reports of {name} {text}", explains=explained)
+        told = [case.said["max_ms"] for case in values if case.said.get("count") and
+                "max_ms" in case.said]  # fmt: skip
+        if len(told) >= LEAST and not any(told):
+            return Evidence(
+                f"in the reports of {name} every latency is 0.00, whatever the calls took. Is it "
+                "measured around predict, and does nothing make whole seconds of it (int(…), // or "
+                "the seconds of a timedelta)?",
+                explains=explained,
+            )
     return None

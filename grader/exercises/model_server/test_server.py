@@ -27,8 +27,9 @@ def test_server_wiring(runs: Runs) -> None:
 def test_answers(runs: Runs) -> None:
     """It answers with label, confidence and stamp of the newest scan, as JSON."""
     help = (
-        "success = True, and json.dumps({'label': str(…), 'confidence': float(…), 'stamp': …}) of "
-        "the newest scan. Without parameters model_path is detection_model.pkl."
+        "success = True, and json.dumps of the newest scan's label (what predict returns), "
+        "confidence (the greatest of predict_proba) and stamp. Without parameters model_path is "
+        "detection_model.pkl."
     )
     keeps(runs, "success", "detection", help=help)
 

@@ -139,6 +139,8 @@ def _cut(rows: Sequence[Row]) -> str:
         return ""
     if not all(abs(row.said - math.trunc(row.right)) <= NEAR for row in known):
         return ""
+    if len({math.trunc(row.right) for row in known}) < 2:  # always 0 has other reasons
+        return ""
     row = telling[0]
     return (
         f"each of {len(known)} answers is the right one without its decimals: at {row.case.at:.2f} "

@@ -12,6 +12,7 @@ from grader.course.exercises import Exercise
 from grader.recording import Recording
 
 HINTS = "hints.md"
+MAX_SAID = 200  # [characters]
 MAX_HINTS = 64 * 1024  # [characters]
 _HINT = re.compile(r"<details><summary>(?P<title>[^<]*)</summary>(?P<text>.*?)</details>", re.S)
 _SOFT_BREAK = re.compile(r"(?<=[^\n|])\n(?!\s|[|>#]|[-*] |\d+\. |$)")
@@ -29,6 +30,8 @@ class Failed(Protocol):
     def message(self) -> str: ...
     @property
     def expected(self) -> str: ...
+    @property
+    def actual(self) -> str: ...
     @property
     def task(self) -> int: ...
     @property
@@ -107,6 +110,18 @@ EXCEPTIONS = (
     ("ZeroDivisionError", "", ""),
     ("FileNotFoundError", "", ""),
 )
+
+
+def shortened(said: str) -> str:
+    """Return what an exception says, on one line and without what a library adds at length."""
+    line = " ".join(said.split())
+    return line if len(line) <= MAX_SAID else f"{line[:MAX_SAID]} …"
+
+
+def sentences(*texts: str) -> str:
+    """Return texts behind each other, each with its stop."""
+    said = [text if text[-1] in ".?!…" else f"{text}." for text in texts if text]
+    return " ".join(said)
 
 
 def hint_at(exercise: Exercise, place: Place | None) -> Hint | None:

@@ -123,8 +123,9 @@ def _unmoved(recording: Recording) -> str:
         return ""
     return (
         f"every command is {speeds[0]:.2f} m/s, and the model says {min(said):.2f} to "
-        f"{max(said):.2f} m/s. Is its answer used, is it clipped to both sides, "
-        "min(max(speed, 0.0), self.max_speed), and not cut by int(…)?"
+        f"{max(said):.2f} m/s. Is its answer used, or thrown away as too old or invalid? "
+        "Or do int(…), // or a clip with swapped limits, min(max(speed, 0.0), self.max_speed), "
+        "make it one number?"
     )
 
 
@@ -143,8 +144,8 @@ def _cut(trials: ByName) -> str:
         return ""
     return (
         f"the model says {min(telling):.2f} to {max(telling):.2f} m/s, and each of these "
-        f"{len(telling)} times the command is 0.00 m/s. Is its answer cut to a whole number by "
-        "int(…) or //? Is it used at all? float(prediction[0]) keeps the decimals."
+        f"{len(telling)} times the command is 0.00 m/s. Is its answer used, or thrown away as "
+        "too old or invalid? Or do int(…), // or a clip with swapped limits make it 0?"
     )
 
 
@@ -155,8 +156,9 @@ def _mute(exercise: Exercise, ran: Sequence[Recording]) -> str:
     if period is not None:
         return (
             "not one command comes on /cmd_vel, though the node has a publisher. Does its timer "
-            f"fire (its period is in seconds: {period:g}), does the callback return "
-            "before its publish(), and is what it waits for kept in attributes (self.… = …)?"
+            f"fire (its period is in seconds: {period:g}; has the executor that spins got the "
+            "node?), does the callback return before its publish(), and is what it waits for kept "
+            "in attributes (self.… = …)?"
         )
     return (
         "not one command comes on /cmd_vel, though the node has a publisher. Is there a publish() "

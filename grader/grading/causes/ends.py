@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from grader.course.exercises import Exercise
-from grader.grading.causes.cause import ByName, Cause, Failed, hint_on
+from grader.grading.causes.cause import ByName, Cause, Failed, hint_on, sentences, shortened
 from grader.recording import Outcome, death_of
 
 WIRED = "wiring"  # in the names of the checks that every other one needs
@@ -29,7 +29,7 @@ def _ended(check: Failed, trials: ByName) -> bool:
 
 
 def _said(check: Failed) -> str:
-    return f"{check.message.rstrip('.')}. {check.help}".strip()
+    return sentences(check.message, check.help)
 
 
 def _cause_of(exercise: Exercise, outcome: Outcome, check: Failed) -> Cause:
@@ -39,13 +39,13 @@ def _cause_of(exercise: Exercise, outcome: Outcome, check: Failed) -> Cause:
     where = str(death.frames[0]) if death.frames else ""
     subject = "The node" if death.in_callback else "The program"
     if death.said:
-        text = f"{subject} dies in {death.place}: {death.said}"
+        text = f"{subject} dies in {death.place}: {shortened(death.said)}"
     else:
         known = not death.loop or death.loop in check.help
         loop = "" if known else f", in the loop of {death.loop}"
         waits = outcome.kind == "stuck"
         text = f"{subject} {'waits for good' if waits else 'hangs'} in {death.place}{loop}"
     advice = "" if check.help.startswith("Look at line ") else check.help  # which stands beside it
-    said = f"{text.rstrip('.')}. {advice}".strip()
+    said = sentences(text, advice)
     hint = None if "slice" in check.help else hint_on(exercise, death.said)
     return Cause(said, check.kind, where, hint, check=check.id)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import msgspec
 
 from grader.course.exercises import Exercise
-from grader.grading.causes.cause import ByName, Cause, Failed
+from grader.grading.causes.cause import ByName, Cause, Failed, sentences
 from grader.host.plain_words import words_for
 from grader.host.slips import said_in
 from grader.link.log import LogLine
@@ -42,7 +42,7 @@ def slip_in_file(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
         if where and f"line {slip.line} " not in where and f"{slip.text.split()[0]}(" not in where:
             continue
         return Cause(
-            f"Line {slip.line}: {slip.text}.", failed[0].kind,
+            sentences(f"Line {slip.line}: {slip.text}"), failed[0].kind,
             explains=tuple(check.id for check in failed), check=failed[0].id,
         )  # fmt: skip
     return None
@@ -107,7 +107,7 @@ def _dead_thread(check: Failed, log: Sequence[LogLine]) -> Cause | None:
 
 def _advice(text: str) -> str:
     words = plain_words_on(text)
-    return f". Perhaps: {words}." if words else ""
+    return sentences(f". Perhaps: {words}") if words else ""
 
 
 def plain_words_on(line: str) -> str:

@@ -1,5 +1,7 @@
 """What a node does all the time: bursts of commands, early and late ones, two for each scan.
 
+And which callback keeps the others waiting, as its host noted it.
+
 What is said was seen; what may lie behind it is asked.
 """
 
@@ -10,7 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from grader.course.exercises import Exercise
+from grader.exercises import contract_of
 from grader.grading.causes.cause import ByName, Cause, Failed
+from grader.host.frames import OWN_TIMER
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
 
@@ -19,6 +23,36 @@ SILENT = ("one_command_per_scan", "silent_until_ready")  # nothing before the fi
 ONCE = "one_command_per_scan"
 FULL = 12  # readings; a memory of ten is full
 LATE = 0.005  # [s]
+EVERY = "one every "  # begins what a check of a rate expects
+
+
+def kept_waiting(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
+    """Return which callback waits for good, or takes as long as the commands are late."""
+    recording = trials.get(failed[0].scenario or "")
+    period = contract_of(exercise).period
+    for note in recording.notes if recording is not None else ():
+        since, lasted = note.time / 1e9, note.lasted / 1e9
+        file, _, line = note.line.rpartition(", ")
+        where = f"{line} of {file}, in {note.about}"
+        if note.kind == "waits":
+            text = (
+                f"{note.about}, called at {since:.2f} s, never ends: what it "
+                "waits for never comes: is a lock kept by an early `return`, or does it wait for "
+                "something that only another callback could bring?"
+            )
+            return Cause.of(exercise, text, failed, where=where, all_of_it=True, own_hint=False)
+        late = note.kind == "lasts" and "timer" in note.more and lasted > (period or 0)
+        if late and failed[0].expected.startswith(EVERY):
+            text = f"{note.about} takes {lasted:.2f} s, as at {since:.2f} s, and " + (
+                "its timer can't call it again before that is over. Don't sleep or wait in it: "
+                "take what is there."
+                if note.more == OWN_TIMER
+                else f"meanwhile {note.more} can't be called. Callbacks run side by side if they "
+                "are of different callback groups, and the executor that spins the node has two "
+                "threads."
+            )
+            return Cause.of(exercise, text, failed, where=where, all_of_it=True, own_hint=False)
+    return None
 
 
 def cause_of_rhythm(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:

@@ -13,16 +13,22 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from grader.checks.case import Case, Said, among, spell_allowed
+from grader.checks.case import Case, Said, among, spell_allowed, wrong_unit
 from grader.checks.commands import spell
 from grader.checks.predictions import CALLED, OTHERWISE, PREDICT
 from grader.course.exercises import Exercise
 from grader.exercises import oracle_of
-from grader.grading.causes.cause import ByName, Cause, Failed, hint_for
+from grader.grading.causes.cause import ByName, Cause, Failed, hint_for, sentences
+from grader.link.log import LogLine
 
+AT_ONCE = 0.05  # [s]
+MAX_LINE = 160  # [characters]
 TOLERANCE = 0.01  # of a factor
 NEAR = 2e-3  # [m/s] and the like
 LEAST = 6  # answers
+FEW = 3  # checks
+MOST = 0.9  # of the wrong ones
+NUMBER = re.compile(r"([\w.]+) = (-?\d+(?:\.\d+)?)(?![\w.])(?! [^ ]+ or| or| to)")
 TOPIC = re.compile(r"/(\w+)")
 MODEL = {  # how it was asked: what is said of it
     f"not {CALLED}": "not asked about the scan. Does the callback get as far as predict?",
@@ -49,26 +55,32 @@ class _Row(NamedTuple):
 
 def cause_of_several(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
     """Return what the checks of several tasks that fail on one field of the answers show."""
+    if text := _signs(failed):
+        return Cause.of(exercise, text, failed, all_of_it=True, own_hint=False)
     field = asked(failed[0])
     same = [check for check in failed if field and asked(check) == field]
+    if text := _units(exercise, failed[0], field, trials):
+        return Cause.of(exercise, text, same, all_of_it=True)
     names = {field, *TOPIC.findall(failed[0].message)}
     named = [c for c in failed if same and {c.id, c.id.removesuffix("s")} & names]
     if named and failed[0] not in named:
         check = named[0]
         return Cause.of(
-            exercise, f"{check.message}. {check.help}", [check, *same],
+            exercise, sentences(check.message, check.help), [check, *same],
             hint=hint_for(exercise, [check]), all_of_it=True,
         )  # fmt: skip
     if named or len({check.task for check in same}) < 2:
         return None
     names = {check.scenario or "" for check in same}
     rows: list[_Row] = []
-    for run in (run for name, run in trials.items() if name in names):
+    log: list[LogLine] = []
+    for name, run in ((name, run) for name, run in trials.items() if name in names):
+        log += run.log if name == failed[0].scenario else ()
         try:
             rows += _rows(oracle_of(exercise)(run), field)
         except Exception:  # what the node sent can't be read: the check says so
             continue
-    text = in_common(rows, field)
+    text = in_common(rows, field, reason_in(log, failed[0].time))
     return Cause.of(exercise, text, same, all_of_it=True, own_hint=False) if text else None
 
 
@@ -78,20 +90,37 @@ def asked(check: Failed) -> str:
     return field if equals else ""
 
 
-def in_common(rows: Sequence[_Row], field: str) -> str:
-    """Return what the wrong answers have in common, in a sentence or two."""
+def reason_in(log: Sequence[LogLine], time: float | None) -> str:
+    """Return what the node warned of when a check failed; "" if of nothing."""
+    for line in log:
+        at = time is not None and abs(line.t - time) <= AT_ONCE
+        if at and line.level in ("warn", "error", "fatal"):
+            return " ".join(line.text.split())[:MAX_LINE]
+    return ""
+
+
+def in_common(rows: Sequence[_Row], field: str, reason: str = "") -> str:
+    """Return what the wrong answers have in common, in a sentence or two.
+
+    `reason`: what the node's log says at the first of them.
+    """
     wrong = [row for row in rows if row.wrong]
     if len(rows) < LEAST or not wrong:
         return ""
-    asked_of_model = {str(row.case.said.get(PREDICT, CALLED)) for row in wrong}
-    if len(asked_of_model) == 1 and (how := asked_of_model.pop()) != CALLED:
+    asked_of_model = Counter(str(row.case.said.get(PREDICT, CALLED)) for row in wrong)
+    how, often = asked_of_model.most_common(1)[0]
+    if how != CALLED and often >= MOST * len(wrong):
         return (
-            f"in all {len(wrong)} answers that are wrong, of {len(rows)}, the model is {MODEL[how]}"
+            f"{len(wrong)} of {len(rows)} answers are wrong, and for {often} of these the model is "
+            f"{MODEL[how]}"
         )
     said = Counter(_shown(row.said) for row in rows)
     (usual, times), *others = said.most_common()
     if not others:
-        return f"{field} is {usual} in all {times} answers, whatever comes. {LOG}"
+        seen = f"{field} is {usual} in all {times} answers"
+        if reason:
+            return f"{seen}, and the node's log gives a reason: “{reason}”. Can that be right?"
+        return f"{seen}, whatever comes. {LOG}"
     if text := _scaled(rows, field):
         return text
     pairs = Counter(
@@ -104,6 +133,30 @@ def in_common(rows: Sequence[_Row], field: str) -> str:
         f"{len(wrong)} of {len(rows)} answers have a wrong {field}: {', '.join(kinds)}{rest}. The "
         f"first is at {first.at:.2f} s, to {first.what}."
     )
+
+
+def _signs(failed: Sequence[Failed]) -> str:
+    """Say that the numbers of several checks are right but for their sign."""
+    pairs = [(NUMBER.match(check.expected), NUMBER.match(check.actual)) for check in failed]
+    numbers = [(right, said) for right, said in pairs if right and said and right[1] == said[1]]
+    turned = [right for right, said in numbers if float(right[2]) == -float(said[2]) != 0.0]
+    if len(turned) < FEW or len(turned) < len(numbers):
+        return ""
+    negative = all(float(right[2]) < 0.0 for right in turned)
+    ask = "does abs(…) take the sign away?" if negative else "is a minus one too many or too few?"
+    return (
+        f"in {len(turned)} checks the number has the right size and the wrong sign, as where "
+        f"{turned[0][0]} is right: {ask}"
+    )
+
+
+def _units(exercise: Exercise, check: Failed, field: str, trials: ByName) -> str:
+    """Say that a field of all answers in one run is wrong by a power of ten."""
+    run = trials.get(check.scenario or "")
+    try:
+        return wrong_unit(oracle_of(exercise)(run), field) if run is not None and field else ""
+    except Exception:  # what the node sent can't be read: the check says so
+        return ""
 
 
 def _scaled(rows: Sequence[_Row], field: str) -> str:

@@ -24,6 +24,7 @@ from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Note, O
 from ..robot_ends import Heard, RobotEnds
 from . import discovery as found
 from . import graph, tasks
+from .kernel import Kernel
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
 
@@ -114,9 +115,9 @@ class Bridge:
         endpoints, self._endpoints = self._endpoints, []
         return endpoints
 
-    def notes(self, now: int) -> Iterator[Note]:
-        """Yield which callbacks wait at a time [ns], and the state of each lifecycle node."""
-        yield from tasks.waits(now)
+    def notes(self, kernel: Kernel) -> Iterator[Note]:
+        """Yield which callbacks wait, and the state of each lifecycle node."""
+        yield from tasks.waits(kernel)
         for node in self.discovery.nodes():
             machine = node.__dict__.get("_state_machine")
             if isinstance(machine, rclpy_implementation.LifecycleStateMachine):

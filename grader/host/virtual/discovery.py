@@ -14,13 +14,16 @@ from __future__ import annotations
 import functools
 import itertools
 import random
+import re
 import sys
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import rclpy.client
 import rclpy.publisher
+import rclpy.service
+from rclpy.exceptions import InvalidHandle
 from rclpy.qos import DurabilityPolicy, QoSCompatibility, qos_check_compatible
 from rclpy.task import Future
 
@@ -36,6 +39,7 @@ KINDS = {  # the list of a node that holds the ends of a kind
     "service": "_services",
 }
 MOST = 1000  # marks that an end keeps of what it has missed
+UNCOUNTED = re.compile(r"/_|/transition_event$")  # actions, introspection, lifecycle nodes
 ROBOT_LISTENS = frozenset({"/cmd_vel"})
 PORTABLE: Any = sys.modules.get("rclpy_portable.native.machine")
 
@@ -66,6 +70,7 @@ class Arrival(NamedTuple):
 
 
 arrivals: list[Arrival] = []
+sent: Counter[str] = Counter()  # messages, requests and answers in this process, by name
 
 
 class Discovery:
@@ -234,6 +239,24 @@ class Discovery:
         return other is party or met <= self._kernel.now
 
 
+def may_have_work(end: Any) -> bool:
+    """Return whether something may wait for a subscription, client or service.
+
+    All that is sent is counted, but for what rcl itself sends to names of its own.
+    """
+    try:
+        name = _key(end)
+    except InvalidHandle:  # it has been destroyed
+        return True
+    return end.__dict__.get("_course_seen", -1) < sent[name] or bool(UNCOUNTED.search(name))
+
+
+def has_no_work(end: Any) -> None:
+    """Note that nothing waits for an end; what is latched may come late."""
+    if not _latched(end):
+        end._course_seen = sent[_key(end)]
+
+
 def is_plain(subscription: Any) -> bool:
     """Return whether all that a subscription has got has reached it."""
     own = subscription.__dict__
@@ -271,10 +294,13 @@ def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> Non
     """Put it under publishers and clients; `unheard` holds what the robot misses, by context."""
     publisher: Any = rclpy.publisher.Publisher
     client: Any = rclpy.client.Client
+    service: Any = rclpy.service.Service
     publish, is_ready, call_async = publisher.publish, client.service_is_ready, client.call_async
+    send_response = service.send_response
     lost = itertools.count(1)
 
     def virtual_publish(self: Any, msg: Any) -> None:
+        sent[_key(self)] += 1
         if discovery.calm or "_course_party" not in self.__dict__:
             publish(self, msg)
         else:
@@ -284,8 +310,10 @@ def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> Non
     def virtual_is_ready(self: Any) -> bool:
         return bool(is_ready(self)) and discovery.finds_server(self)
 
+    @functools.wraps(call_async)
     def virtual_call_async(self: Any, request: Any) -> Any:
         if discovery.finds_server(self) or not isinstance(request, self.srv_type.Request):
+            sent[_key(self)] += 1
             return call_async(self, request)
         future = Future()
         with self._lock:
@@ -293,7 +321,11 @@ def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> Non
         future.add_done_callback(self.remove_pending_request)
         return future
 
-    publisher.publish = virtual_publish
+    def virtual_send_response(self: Any, response: Any, header: Any) -> None:
+        sent[_key(self)] += 1
+        send_response(self, response, header)
+
+    publisher.publish, service.send_response = virtual_publish, virtual_send_response
     client.service_is_ready, client.call_async = virtual_is_ready, virtual_call_async
 
 
@@ -310,6 +342,14 @@ def _missed_by(subscription: Any) -> deque[Missed]:
 
 def _name(end: Any) -> str:
     return str(end.__dict__.get("_course_name", ""))
+
+
+def _key(end: Any) -> str:
+    """Return the topic or service of any end, also of those that rclpy makes for itself."""
+    key = end.__dict__.get("_course_key")
+    if key is None:
+        key = end._course_key = end.topic_name if hasattr(end, "topic_name") else end.service_name
+    return str(key)
 
 
 def _latched(end: Any) -> bool:

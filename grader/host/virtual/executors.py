@@ -22,18 +22,23 @@ import rclpy.executors
 import rclpy.impl.rcutils_logger
 import rclpy.node
 import rclpy.wait_for_message
+from rclpy.client import Client
 from rclpy.clock_type import ClockType
 from rclpy.event_handler import EventHandler
 from rclpy.exceptions import InvalidHandle, NotInitializedException
 from rclpy.executors import ExternalShutdownException, TimeoutException, await_or_execute
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.service import Service
+from rclpy.subscription import Subscription
 from rclpy.time import Time
+from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
 
 from . import discovery, tasks
 from .clock import real_time_ns
 from .kernel import Kernel, Waiters
 
+SENT_TO = (Subscription, Client, Service)
 ONLY_CHANGES = rclpy.clock.JumpThreshold(min_forward=None, min_backward=None)
 
 
@@ -129,7 +134,30 @@ def refuse_real_time(leave: Callable[[str], None]) -> None:
 def _install_wait(kernel: Kernel, bridge: Graph) -> None:
     """Let executors wait in the kernel. They look with a timeout of zero, as often as needed."""
     cls: Any = rclpy.executors.Executor
-    wait = cls.wait_for_ready_callbacks
+    wait, can_execute = cls.wait_for_ready_callbacks, cls.can_execute
+
+    def may_execute(self: Any, entity: Any) -> bool:
+        """Leave out of the wait set what can't be ready."""
+        if isinstance(entity, Timer):
+            return _is_due(entity) and bool(can_execute(self, entity))
+        if not isinstance(entity, SENT_TO):
+            return bool(can_execute(self, entity))
+        if not (discovery.may_have_work(entity) and can_execute(self, entity)):
+            return False
+        self.__dict__.setdefault("_course_asked", []).append(entity)
+        return True
+
+    def is_idle(self: Any, nodes: Any) -> bool:
+        """Return whether a look can't find anything."""
+        running = self._cb_iter is not None and self._cb_iter.gi_frame is not None
+        if running or self._is_shutdown or not all(task.done() for task, _, _ in self._tasks):
+            return False
+        return not any(
+            self.can_execute(entity)
+            for node in nodes
+            for kind in ("subscriptions", "timers", "clients", "services", "guards", "waitables")
+            for entity in getattr(node, kind)
+        )
 
     def look(self: Any, nodes: Any, condition: Any) -> Any:
         while True:
@@ -137,12 +165,18 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
                 raise ExternalShutdownException  # a wait set can't be made any more
             if discovery.arrivals and (found := _arrived(self, nodes or self.get_nodes())):
                 return found
+            if not condition() and is_idle(self, nodes or self.get_nodes()):
+                return None
+            asked: list[Any] = []
+            self._course_asked = asked
             try:
                 found = wait(self, 0, nodes, condition)
             except TimeoutException:
                 # With a timeout of 0 rclpy says "timeout" also at the end of a look that gave
                 # work: only a fresh look that gives nothing means there is nothing.
                 if not self.__dict__.pop("_course_gave_work", False):
+                    for end in asked:
+                        discovery.has_no_work(end)
                     for node in nodes or self.get_nodes():
                         node._course_changes = bridge.changes  # their events have been seen
                     return None
@@ -172,8 +206,15 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
         """The executor keeps a set, whose order changes from run to run."""
         return sorted(self._nodes, key=_name_of)
 
-    cls.wait_for_ready_callbacks = virtual_wait
+    cls.wait_for_ready_callbacks, cls.can_execute = virtual_wait, may_execute
     cls.get_nodes = nodes_in_order
+
+
+def _is_due(timer: Any) -> bool:
+    try:
+        return bool(timer.is_ready())
+    except InvalidHandle:
+        return True  # rclpy says so
 
 
 def _name_of(node: Any) -> str:
@@ -226,7 +267,10 @@ def _install_takes(kernel: Kernel, clocks: RosClocks) -> None:
     def virtual_take(self: Any, subscription: Any) -> Any:
         alone = subscription._callback_type is subscription.CallbackType.MessageOnly
         if alone and discovery.is_plain(subscription):
-            return take(self, subscription)
+            taken = take(self, subscription)
+            if taken is not None and "_course_seen" in subscription.__dict__:
+                subscription._course_seen += 1
+            return taken
         try:
             with subscription.handle:
                 taken = discovery.take(kernel, subscription, raw=subscription.raw)

@@ -46,6 +46,7 @@ class VirtualThread:
         self.joiners: Waiters = collections.deque()
         self.interrupts: list[Callable[[], None]] = []  # to run before it goes on (see interrupt)
         self.parked = False  # nobody has woken it yet
+        self.until: int | None = None  # [ns] at which it will have been parked long enough
         self.goes_on_waiting = False  # it was woken for its interrupts only
 
 
@@ -174,7 +175,7 @@ class Kernel:
         """Do as `park`, but come back after an interrupt, too."""
         thread = self.me()
         thread.woken = thread.goes_on_waiting = False
-        thread.parked = True
+        thread.parked, thread.until = True, deadline
         self._limit = 0
         if waiters is not None:
             waiters.append((thread, thread.ticket))

@@ -227,7 +227,7 @@ class Session(kernel_module.World):
         return taken
 
     def _take_notes(self) -> list[Note]:
-        for note in self.bridge.notes(self.kernel.now):
+        for note in self.bridge.notes(self.kernel):
             self.note(note)
         taken, self._news = list(self._news.values()), {}
         return taken

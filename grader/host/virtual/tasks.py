@@ -5,6 +5,7 @@ Written against rclpy 7.1 (Jazzy).
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,13 +15,14 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.task import Future, Task
 from rclpy.timer import Timer
 
-from ..frames import Note
+from ..frames import OWN_TIMER, Note
 from ..imports import host, place_of
-from .kernel import IDLE_STEP, Kernel
+from .kernel import IDLE_STEP, Kernel, real_get_ident
 
 YIELDS = 10  # of a coroutine at one moment, after which it costs time to give way
 YIELDED = object()
 SHORT = 50_000_000  # [ns] that a callback may last without a word
+LONG = 1_000_000_000  # [ns] after which one that waits, with no time set, waits for good
 PENDING = (  # where rclpy's clients keep the futures of their answers
     "_pending_requests",
     "_pending_goal_requests",
@@ -29,6 +31,7 @@ PENDING = (  # where rclpy's clients keep the futures of their answers
 )
 
 _waiting: dict[Any, int] = {}  # coroutines, and since when [ns]
+_running: dict[int, tuple[int, int]] = {}  # by task: its thread, and when it began [ns]
 
 
 def install(kernel: Kernel) -> None:
@@ -42,7 +45,11 @@ def install(kernel: Kernel) -> None:
             kernel.world.note(note)
         thread, begin = kernel.me(), kernel.now
         seen = thread.seen
-        result = call(self)
+        _running[id(self)] = real_get_ident(), begin
+        try:
+            result = call(self)
+        finally:
+            del _running[id(self)]
         blocked = kernel.now - begin >= SHORT and thread.seen == seen  # nobody spun inside
         if blocked and (note := _block(self, begin, kernel.now)):
             kernel.world.note(note)
@@ -68,11 +75,19 @@ def install(kernel: Kernel) -> None:
     future._schedule_or_invoke_done_callbacks = virtual_notify
 
 
-def waits(now: int) -> Iterator[Note]:
-    """Yield which coroutines wait and keep others waiting, at a time [ns]."""
+def waits(kernel: Kernel) -> Iterator[Note]:
+    """Yield which coroutines wait now and keep others waiting, and which callbacks for good."""
     for task, since in _waiting.items():
-        if note := _wait(task, since, now):
+        if note := _wait(task, since, kernel.now):
             yield msgspec.structs.replace(note, count=0)
+    for ident, begin in _running.values():
+        thread, frame = kernel.threads[ident], sys._current_frames().get(ident)
+        while frame is not None and not host.is_beside(frame.f_code.co_filename):
+            frame = frame.f_back
+        lasted = kernel.now - begin
+        if frame is not None and thread.parked and thread.until is None and lasted >= LONG:
+            place = place_of(frame.f_code, frame.f_lineno)
+            yield Note("waits", frame.f_code.co_name, place, 0, max(0, begin), lasted)
 
 
 def _wait(task: Any, since: int, now: int) -> Note | None:
@@ -106,6 +121,8 @@ def _block(task: Any, begin: int, now: int) -> Note | None:
         return None
     group = entity.callback_group if isinstance(task._executor(), MultiThreadedExecutor) else None
     more = _kept_waiting(task, entity, group)
+    if isinstance(entity, Timer) and now - begin > entity.timer_period_ns:
+        more = more or OWN_TIMER
     place = place_of(code, code.co_firstlineno)
     return Note("lasts", code.co_name, place, 1, max(0, begin), now - begin, more) if more else None
 

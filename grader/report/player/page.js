@@ -245,6 +245,7 @@ function buildPage(page, payload) {
   const checks = grading ? toArray(grading.checks).filter(Boolean) : [];
   page.className = grading && replays.length ? 'page has-grading' : 'page'; // has-grading: two columns
   if (payload.embedded) page.classList.add('is-embedded'); // in a notebook, which says the rest
+  if (payload.small) page.classList.add('is-small');
   const hidden = payload.framed === undefined ? 'hidden-text' : 'framed-title';
   const name = payload.embedded ? el('h1', { class: hidden, dir: 'auto' }, text(payload.title) || 'Replay') : null;
   replaceChildren(page, payload.embedded ? null : buildTop(payload), grading ? buildCause(grading.cause) : null,
@@ -259,8 +260,17 @@ function buildPage(page, payload) {
   const failed = payload.framed || checks;
   if (window.replayPlayer) window.replayPlayer.open(failed, Boolean(payload.embedded), payload.opens_at);
   if (!payload.embedded) return;
+  if (payload.small) playSmall(payload.small);
   foldIfNarrow(page);
   window.addEventListener('message', followFrame);
+}
+
+/** Play from the start, and again with `loop`; those who want no motion see the middle of it. */
+function playSmall(asked) {
+  const player = window.replayPlayer;
+  if (!player || !asked.has('play')) return;
+  if (calmMotion()) player.seek(player.time || player.duration / 2);
+  else player.playAgain(asked.has('loop'));
 }
 
 /** On paper nothing is folded away, and a map is not black. */
@@ -286,9 +296,11 @@ function bringIntoView(root) {
   root.scrollIntoView({ behavior: calmMotion() ? 'auto' : 'smooth', block: 'start' });
 }
 
-/** With #check=ID the page is only the replay, at the moment of that check, for a frame. */
+/** For a frame: with #check=ID only the replay, at the moment of that check; with #small its map. */
 function framed(payload) {
-  const check = new URLSearchParams(location.hash.slice(1)).get('check');
+  const asked = new URLSearchParams(location.hash.slice(1));
+  const check = asked.get('check');
+  if (asked.has('small')) return { ...payload, grading: null, embedded: true, small: asked };
   if (check === null) return payload;
   const checks = payload.grading ? toArray(payload.grading.checks).filter(Boolean) : [];
   return { ...payload, grading: null, embedded: true, framed: checks.filter(({ id }) => id === check) };

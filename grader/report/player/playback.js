@@ -11,6 +11,7 @@ class Playback {
     this.rate = 1;
     this.playing = false;
     this.stopAt = null;
+    this.loop = false;
     this.frame = 0;
   }
 
@@ -64,7 +65,9 @@ class Playback {
   advance(dt) {
     const end = this.stopAt === null ? this.duration : Math.min(this.stopAt, this.duration);
     this.time = Math.min(this.time + dt, end);
-    if (this.time >= end) {
+    if (this.time >= end && this.loop && this.stopAt === null) {
+      this.time = 0;
+    } else if (this.time >= end) {
       this.playing = false;
       this.stopAt = null;
     }

@@ -328,6 +328,7 @@ function mountPlayer(root, payload) {
     get view() { return { x: player.world.camera.x, y: player.world.camera.y, scale: player.world.camera.scale }; },
     get state() { return stateAt(player.replay, playback.time); },
     play: () => playback.play(),
+    playAgain: (loop) => { playback.seek(0); playback.loop = loop; playback.play(); },
     pause: () => playback.pause(),
     seek: (t) => player.seek(t),
     step: (direction) => player.step(direction),

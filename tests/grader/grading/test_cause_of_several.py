@@ -1,18 +1,20 @@
 """Several tasks' checks that fail on one field: what the answers share is said, and no help."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from grader.checks.case import Case, exactly
+from grader.checks.case import Case, exactly, wrong_unit
 from grader.checks.predictions import CALLED, PREDICT
 from grader.course.exercises import find_exercise
 from grader.exercises.goal_seeking import causes
 from grader.exercises.goal_seeking.contract import Pose, Quest
 from grader.grading.causes import several
-from grader.grading.causes.several import _rows, cause_of_several, in_common
+from grader.grading.causes.several import _rows, cause_of_several, in_common, reason_in
+from grader.link.log import LogLine
 
 EXERCISE = find_exercise("trend_memory")
 RIGHT = (0.5, 0.15, 0.0, 0.5, 0.3, -0.2, 0.15, 0.0)
@@ -40,13 +42,52 @@ def test_what_wrong_answers_share_is_said(answer: Any, said: str) -> None:
     assert bool(said) == bool(text)
 
 
+def test_a_sign_that_is_lost_is_seen_in_several_checks() -> None:
+    texts = [
+        ("linear.x = -0.50 m/s", "linear.x = 0.50 m/s"),
+        ("angular.z = -1.90", "angular.z = 1.90"),
+    ]
+    failed = [_failed("a", 1, *texts[0]), _failed("b", 2, *texts[1]), _failed("c", 2, *texts[1])]
+
+    cause = cause_of_several(EXERCISE, failed, {})
+
+    assert cause is not None
+    assert "in 3 checks the number has the right size and the wrong sign" in cause.text.lower()
+    assert "abs(…)" in cause.text
+    assert (
+        cause_of_several(EXERCISE, [*failed, _failed("d", 3, "x = 1.00", "x = 2.00")], {}) is None
+    )
+    assert cause_of_several(EXERCISE, failed[:2], {}) is None
+
+
+def test_units_that_are_wrong_are_seen_in_each_answer() -> None:
+    cases = [Case(float(i), "", allowed={"ms": exactly(i + 1.0)}, said={"ms": (i + 1) / 1000})
+             for i in range(4)]  # fmt: skip
+
+    assert wrong_unit(cases, "ms").startswith("ms is 1,000 times too small in each of 4 answers")
+    assert not wrong_unit([*cases, replace(cases[0], said={"ms": 0.002})], "ms")
+    assert not wrong_unit(cases[:2], "ms")
+
+
+def test_the_reason_that_the_node_logs_is_given() -> None:
+    case = Case(1.0, "a scan", allowed={"data": exactly(0.3)}, said={"data": 0.0})
+    lines = [LogLine(500_000_000, "warn", "too soon"), LogLine(10**9, "info", "here"),
+             LogLine(1_020_000_000, "warn", "the scan is\n37 s old")]  # fmt: skip
+    reason = reason_in(lines, 1.0)
+
+    text = in_common(_rows([case] * 8, "data"), "data", reason)
+
+    assert "is 0.00 in all 8 answers, and the node's log gives a reason: “the scan is 37 s" in text
+    assert reason_in(lines[:2], 1.0) == reason_in(lines, None) == ""
+
+
 def test_the_check_that_is_named_after_the_field_gives_its_help() -> None:
     failed = [_failed("looks_ahead", 2), _failed("forgets_old", 2), _failed("closing_speed", 3)]
 
     cause = cause_of_several(EXERCISE, failed, {})
 
     assert cause is not None
-    assert (cause.check, cause.text) == ("closing_speed", "Wrong data on /closing_speed. help 3")
+    assert (cause.check, cause.text) == ("closing_speed", "Wrong data on /closing_speed. help 3.")
     assert set(cause.explains) == {check.id for check in failed}
 
 
@@ -130,9 +171,9 @@ def _said(value: float | None) -> dict[str, float]:
     return {} if value is None else {"data": value}
 
 
-def _failed(name: str, task: int, expected: str = "data = 0.50") -> Any:
+def _failed(name: str, task: int, expected: str = "data = 0.50", actual: str = "none") -> Any:
     message = "wrong data on /closing_speed"
     return SimpleNamespace(
-        id=name, task=task, kind="core", message=message, expected=expected, help=f"help {task}",
-        where="", scenario=None, hint="", time=None,
+        id=name, task=task, kind="core", message=message, expected=expected, actual=actual,
+        help=f"help {task}", where="", scenario=None, hint="", time=None,
     )  # fmt: skip

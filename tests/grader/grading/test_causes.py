@@ -12,6 +12,7 @@ from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.grading.causes import find_cause
 from grader.grading.causes.cause import hint_for
 from grader.grading.causes.own_words import slip_in_file
+from grader.grading.causes.rhythm import kept_waiting
 from grader.grading.grading import grade
 from grader.recording import Outcome, Recording
 from grader.trial.trials import SavedTrials
@@ -214,3 +215,34 @@ def test_a_hang_names_its_loop_once(help_: str) -> None:
 
     assert cause is not None
     assert cause.text.count("line 5, `while True:`") == 1
+
+
+LOCK = "LOCK.acquire()"  # which the first call gets
+
+
+@pytest.mark.parametrize(
+    ("in_callback", "said"),
+    [
+        (LOCK, r"on_scan, called at 0.1\d s, never ends"),
+        (
+            "time.sleep(0.3)",
+            r"on_scan takes 0.30 s, as at \d.\d\d s, and meanwhile /scan, a timer of 0.2 s ",
+        ),
+        ("time.sleep(0.04)", ""),
+    ],
+)
+def test_a_callback_that_keeps_the_others_waiting_is_named(
+    run_node: RunNode, in_callback: str, said: str
+) -> None:
+    node = NODE.format(beams="beams[90:271]", slow="0.15", publish=f"{PUBLISH}; {in_callback}")
+    source = f"LOCK = threading.Lock()\n{node}".replace(
+        "rclpy.spin(Agent())",
+        "executor = MultiThreadedExecutor(2)\nagent = Agent()\n"
+        "agent.create_timer(0.2, lambda: None)\nexecutor.add_node(agent)\nexecutor.spin()",
+    )
+    recording = run_node(source, load_scenario("avoid_zones"))
+    check = Check("control_period", scenario="avoid_zones", expected="one every 50 ms ± 10 ms")
+    cause = kept_waiting(EXERCISE, [check], {"avoid_zones": recording})
+    assert bool(cause) == bool(said)
+    assert cause is None or re.match(said, cause.text)
+    assert cause is None or re.match(r"line \d+ of \w+\.py, in on_scan$", cause.where)

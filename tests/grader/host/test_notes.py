@@ -81,7 +81,8 @@ SAID = [
     (SLEEPS.format(group="None", threads=1),
      r"tick \(node.py, line \d+\) took 1.2 s from 0.50 s on; meanwhile waited: /scan"),
     (SLEEPS.format(group=ALONE, threads=1), "meanwhile waited: /scan"),
-    (SLEEPS.format(group=ALONE, threads=2), ""),
+    (SLEEPS.format(group=ALONE, threads=2), "meanwhile waited: its own timer"),
+    (SLEEPS.format(group=ALONE, threads=2).replace("0.5,", "1.5,"), ""),
     (SPINS, ""),
     (ASKS.format(client="", timer=""),
      r"ask \(node.py, line \d+\) awaits the answer of /detect from 0.30 s on, but its own"),
@@ -90,6 +91,10 @@ SAID = [
     ("async def on_scan(scan): await rclpy.task.Future()\n"
      "node.create_subscription(LaserScan, '/scan', on_scan, 10)\nspin(node)",
      r"on_scan \(node.py, line \d+\) has awaited something for 2.0 s from .*: /scan$"),
+    ("lock = threading.Lock()\n"
+     "def keep(scan): lock.acquire()\n"
+     "node.create_subscription(LaserScan, '/scan', keep, 10)\nspin(node, threads=2)",
+     r"keep \(node.py, line \d+\) waits there to the end, from 0.\d+ s on"),
     (THREADS.format(start="threading.Thread(target=work).start()"),
      r"tick \(node.py, line \d+\) started 1\d threads in 2 s"),
     (THREADS.format(start="pass"), ""),

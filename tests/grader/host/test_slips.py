@@ -10,9 +10,9 @@ SLIPS = {  # a program: what is said
     "for x in y:\n    memory.popleft": "memory.popleft is only named",
     "if a:\n    main": "main is only named",
     "self.state == 'stop'": "a single = gives a value",
-    "if reading == float('nan'): pass": "math.isfinite asks",
-    "ok = all(x is not np.nan for x in y)": "math.isfinite asks",
-    "if math.nan in pose: pass": "math.isfinite asks",
+    "if reading == float('nan'): pass": "math.isnan or math.isfinite",
+    "ok = all(x is not np.nan for x in y)": "math.isnan or math.isfinite",
+    "if math.nan in pose: pass": "math.isnan or math.isfinite",
     "if speed is 0.5: pass": "compared by ==",
     "while distance is not -math.inf: pass": "compared by ==",
     "twist.angular.z = turn(error),": "makes a tuple",
@@ -34,6 +34,8 @@ SLIPS = {  # a program: what is said
     "    def tick(self): return self.e_stop": "is self.e_stop meant",
     "def f(start=time.monotonic()): pass": "default of start is made once",
     "def f(x, *, seen=[]): seen.append(x)": "default of seen is made once",
+    "class A(Node):\n    def __init__(self):\n        super().__init__('a')\n"
+    "        rclpy.spin(self)\n        self.x = 1": "below it in __init__",
     "if all(distances) < 0.5: pass": "all is True or False",
     "mask = usable & angles > 0.5": "bind tighter",
     "def f(y):\n    n = 0\n    for x in y:\n        n += x\n        return n / 2": "indent it less",
@@ -41,6 +43,12 @@ SLIPS = {  # a program: what is said
 NONE = (  # what may be meant
     "try:\n    unicode\nexcept NameError:\n    pass",
     "'a text'\n...\nself.f()",
+    "self.subscription = 1\nself.subscription  # as the tutorial has it",
+    "def main(args):\n    args",
+    "class A:\n    def ready(self): return 1\nclass B:\n    def __init__(self): self.ready = 1\n"
+    "    def f(self):\n        if self.ready: pass",
+    "class A:\n    def __init__(self): self.speed = 1\n    def f(self): return self.speed\n"
+    "    def g(self): self.speed_ = 2",
     "x = d or 5\nif a == 1 or b == 2 or DEBUG: pass",
     "DEBUG = False\nif a == 1 or DEBUG: pass",
     "if x is None or x is True or x is y: pass",
@@ -57,6 +65,7 @@ NONE = (  # what may be meant
     "    def g(self): self.time = 2\n    def h(self): return self.time",
     "def f(x=[], y=QoSProfile(depth=1)): return x",
     "if flags & MASK == MASK: pass",
+    "class A(Node):\n    def __init__(self):\n        rclpy.spin(self)",
     "def f(y):\n    for x in y:\n        if x: return x",
     "def f(y):\n    for x in y:\n        n.append(x)\n    return n",
     "def f(y):\n    for x in y:\n        n = 1\n        n += x\n        return n",

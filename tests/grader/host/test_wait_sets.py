@@ -1,0 +1,92 @@
+"""Executors build a wait set only where something may be ready, and then miss nothing."""
+
+import pytest
+from node_runs import RunNode, short
+
+COUNTED = """
+import rclpy.executors
+native, made = rclpy.executors._rclpy, []
+real = native.WaitSet
+native.WaitSet = lambda *counts: made.append(counts) or real(*counts)
+
+class Counting(Echo):
+    def on_scan(self, scan):
+        print(len(made))
+        super().on_scan(scan)
+rclpy.init(); rclpy.spin(Counting())
+"""
+# Each prints "came" for what is sent in another way, while its end has been found empty.
+WAYS = {
+    "an answer of a service in C": """
+        from lifecycle_msgs.srv import GetState
+        from rclpy.lifecycle import LifecycleNode
+        class Asking(Echo):
+            def on_scan(self, scan):
+                future = self.create_client(GetState, '/cycle/get_state').call_async(
+                    GetState.Request())
+                future.add_done_callback(lambda done: print('came'))
+        rclpy.init(); other = SingleThreadedExecutor(); other.add_node(LifecycleNode('cycle'))
+        threading.Thread(target=other.spin, daemon=True).start()
+        rclpy.spin(Asking())
+    """,
+    "an event of a lifecycle node": """
+        from lifecycle_msgs.msg import TransitionEvent
+        from rclpy.lifecycle import LifecycleNode
+        class Watching(Echo):
+            def __init__(self):
+                super().__init__()
+                self.cycle, self.scans = LifecycleNode('cycle'), 0
+                self.create_subscription(
+                    TransitionEvent, '/cycle/transition_event', lambda event: print('came'), 10)
+            def on_scan(self, scan):
+                self.scans += 1
+                if self.scans == 5:
+                    self.cycle.trigger_configure()
+        rclpy.init(); rclpy.spin(Watching())
+    """,
+    "three messages at once": """
+        class Talking(Echo):
+            def __init__(self):
+                super().__init__()
+                self.talk, self.heard = self.create_publisher(String, 'talk', 10), 0
+                self.create_subscription(String, 'talk', self.on_talk, 10)
+            def on_talk(self, said):
+                self.heard += 1
+                if self.heard % 3 == 0:
+                    print('came')
+            def on_scan(self, scan):
+                for _ in range(3):
+                    self.talk.publish(String())
+        rclpy.init(); rclpy.spin(Talking())
+    """,
+    "a timer, a guard condition and what was taken by hand": """
+        class Mixed(Echo):
+            def __init__(self):
+                super().__init__()
+                self.guard = self.create_guard_condition(lambda: self.talk.publish(String()))
+                self.talk = self.create_publisher(String, 'talk', 10)
+                self.listener = self.create_subscription(String, 'talk', self.on_talk, 10)
+                self.create_timer(0.25, self.guard.trigger)
+            def on_talk(self, said):
+                print('came')
+            def on_scan(self, scan):
+                self.talk.publish(String())
+                with self.listener.handle:
+                    self.listener.handle.take_message(String, False)
+        rclpy.init(); rclpy.spin(Mixed())
+    """,
+}
+
+
+def test_a_message_costs_one_wait_set(run_node: RunNode) -> None:
+    recording = run_node(COUNTED, short(2.0))
+    counts = [int(line.text) for line in recording.log]
+    assert len(counts) == len(recording.delivered) > 15
+    assert counts[-1] - counts[5] == len(counts) - 6
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_nothing_is_missed(way: str, run_node: RunNode) -> None:
+    recording = run_node(WAYS[way], short(1.0))
+    assert recording.outcome.completed, recording.outcome
+    assert [line.text for line in recording.log].count("came") >= (1 if "event" in way else 3)
