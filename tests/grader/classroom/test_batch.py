@@ -76,7 +76,9 @@ def test_what_was_not_handed_in_is_neither_queued_nor_held(
     assert workers.students == ["lea"]
     (handed_in / "lea" / FILE).unlink()
     (handed_in / "ann" / FILE).unlink()
-    results, workers, _ = grade_class(regrade=True)
+    with pytest.raises(InputError, match="ann, lea"):
+        grade_class(regrade=True)
+    results, workers, _ = grade_class(regrade=True, drop=True)
     assert results["lea"].state == results["ann"].state == ABSENT
     assert workers.students == ["bob", "eve"]
 
@@ -85,7 +87,7 @@ def test_a_class_with_a_roster(grade_class: Any, handed_in: Path, tmp_path: Path
     (tmp_path / "class.csv").write_text("id,name,section\n1,ann,A\n2,Bob,B\n3,Zoë Ünal,B\n")
     results, _, _ = grade_class(roster=read_roster([tmp_path / "class.csv"]))
     assert {s: r.state for s, r in results.items()} == {
-        "ann": GRADED, "bob": GRADED, "eve": GRADED, "Zoë Ünal": ABSENT,
+        "ann": GRADED, "Bob": GRADED, "eve": GRADED, "Zoë Ünal": ABSENT,
     }  # fmt: skip
     page = (tmp_path / "out" / "class.html").read_text()
     assert "not in the roster: eve" in page
@@ -93,7 +95,7 @@ def test_a_class_with_a_roster(grade_class: Any, handed_in: Path, tmp_path: Path
     table = csv.DictReader((tmp_path / "out" / "scores.csv").read_text("utf-8-sig").splitlines())
     assert {row["student"]: (row["id"], row["section"], row["state"]) for row in table} == {
         "ann": ("1", "A", "graded"),
-        "bob": ("2", "B", "graded"),
+        "Bob": ("2", "B", "graded"),
         "eve": ("", "", "graded"),
         "Zoë Ünal": ("3", "B", "not handed in"),
     }
