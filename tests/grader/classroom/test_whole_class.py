@@ -35,6 +35,7 @@ ODD = (
     "Ann Lee", "Ann Lee", "Jörg Müller", "Jörg Müller", "Seán O'Brien", 'Anne "Nan" Ray',
     "Bo Ray-Lee", "Al Sum", "Li Lei", "Zoë Ünal", "Max Con", "Eva 2 Roe",
 )  # fmt: skip
+MOST = 101  # points of these files; a mark is at most 100
 LATE, AGAIN, MISNAMED, FINAL, PACKED, UNTOUCHED, ABSENT = 0, 4, 5, 6, 7, 8, 9  # by number
 
 
@@ -176,7 +177,7 @@ PLATFORMS: dict[str, tuple[Put, Callable[..., str]]] = {
 
 def judge(unit: Unit) -> UnitResult:
     told = unit.files[FILE].decode().split()[1]
-    return UnitResult(grading(score=int(told)))
+    return UnitResult(grading(score=int(told) % MOST))
 
 
 @pytest.fixture
@@ -214,7 +215,7 @@ def test_everybody_is_themselves(
 
     here = [each for each in everybody if each.number not in (LATE, ABSENT)]
     hand_in(here, 0)
-    expected = {each.number: str(each.number) for each in here} | {
+    expected = {each.number: str(each.number % MOST) for each in here} | {
         UNTOUCHED: "", LATE: "", ABSENT: "",
     }  # fmt: skip
     assert graded_as(out, roster) == expected
@@ -385,7 +386,7 @@ def test_a_misnamed_file_is_accepted_for_good(
 ) -> None:
     for name in ("robot.py", "old/mine.py"):
         (handed_in / "ann" / name).parent.mkdir(exist_ok=True)
-        (handed_in / "ann" / name).write_text(f"# {len(name)}\n")
+        (handed_in / "ann" / name).write_text(f"# {len(name)}\nprint()\n")
     (handed_in / "ann" / FILE).write_text(f"{SKELETON}\n\n# later")
     (handed_in / "bob" / FILE).write_text("# 7\n")
     (handed_in / "eve" / FILE).write_text("# 9\n")
@@ -406,7 +407,7 @@ def test_a_misnamed_file_is_accepted_for_good(
     grade_class(judge)
     assert points(out) == {"ann": "8", "bob": "7", "eve": "9"}
     (handed_in / "ann" / "robot.py").rename(handed_in / "ann" / "robot (1).py")
-    (handed_in / "ann" / "robot (1).py").write_text("# 12\n")
+    (handed_in / "ann" / "robot (1).py").write_text("# 12\nprint()\n")
     grade_class(judge)
     assert points(out)["ann"] == "12"
     assert "accepted by a person" in (out / "intake.csv").read_text()
