@@ -151,8 +151,8 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "TypeError",
         r"only length-1 arrays|only 0-dimensional arrays",
-        "this needs one number, and got an array: take one of it, such as x[0] of a row, x.item() "
-        "of a table with one number, x.max() of probabilities",
+        "this needs one number, and got an array: take one number of it, such as x.item() of "
+        "a table with just one, x.max() of probabilities, x[0] of a row",
     ),
     (
         "AssertionError",

@@ -24,15 +24,15 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
     if not found:
         return Evidence(
             f"not one message comes on {TOPIC}: the memory never seems to hold ten readings. Is it "
-            "emptied with each scan, because stamps seem to jump? Log the difference of two "
-            "stamps: it is 0.1, in seconds.",
+            "emptied at each scan, as if stamps jumped? Log the difference of two stamps: it "
+            "should be 0.1, in seconds (sec + nanosec / 1e9).",
             explains=explained,
         )
     if len(found) >= LEAST and not any(found):
         return Evidence(
             f"all {len(found)} closing speeds are exactly 0. Are the ten stamps different numbers, "
             "and the ten distances? A float32 keeps seven digits and a stamp has ten before the "
-            "point, so that it takes a Python float.",
+            "point: use Python's float.",
             explains=explained,
         )
     return None
