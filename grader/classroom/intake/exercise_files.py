@@ -23,7 +23,7 @@ from grader.lms.unpack import is_archive, is_unread_archive
 WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name
 NEAR = "taken for {}, since no other file has a name like it"
 ENOUGH = 0.88  # of `_nearness`; two files of the course's are at most 0.83 near
-PART = 0.75  # of a name's letters; "obstacle_avoidance" has as many of its file's
+PART = 0.75  # of a name's letters; an exercise's own has as many of its file's
 IMPORTED = re.compile(rb"^[ \t]*(?:from|import)\b[^\n(]*(?:\([^)]*\))?", re.MULTILINE)
 
 

@@ -70,7 +70,7 @@ def test_where_a_prediction_may_be_missing_zero_is_right_too() -> None:
 def fake(scans: tuple[Scan, ...], **settings: float) -> SimpleNamespace:
     models = {"velocity_model.pkl": Model("slow", dict(settings))}
     node = NodeSpec(parameters={"max_speed": 0.15}, models=models)
-    return SimpleNamespace(scenario=SimpleNamespace(node=node), scans=lambda: scans)
+    return SimpleNamespace(scenario=SimpleNamespace(node=node), scans=lambda: scans, judged={})
 
 
 def test_each_scan_has_its_prediction() -> None:
@@ -116,6 +116,7 @@ def recorded(
         duration_s=3.0,
         inferences=[question(i + 0.01, said) for i, said in enumerate(asked)],
         outcome=SimpleNamespace(completed=True),
+        judged={},
         times=lambda _: np.arange(3.0),
     )
 

@@ -18,7 +18,7 @@ FREE = Case(2.0, "3.00 m ahead", frozenset({"clear"}), {"linear.x": exactly(0.5)
 def recording(**parts: Any) -> Any:
     whole = {
         "name": "trial", "outcome": Outcome("completed"), "duration_s": 3.0, "log": (),
-        "scenario": SimpleNamespace(bench_scans=[1]), "slack": 0.0, "delivered": (),
+        "scenario": SimpleNamespace(bench_scans=[1]), "slack": 0.0, "delivered": (), "judged": {},
     }  # fmt: skip
     return SimpleNamespace(**{**whole, **parts})
 
