@@ -107,7 +107,7 @@ def exactly(*numbers: float) -> tuple[Interval, ...]:
 def spell_allowed(allowed: Allowed, unit: str = "") -> str:
     """Return an allowance in words: `0.00 m/s or 0.15 m/s`, `0.10 to 0.30 m/s`."""
     if not allowed:
-        return "what predict says, and it was not asked"
+        return "something else"
     unit = f" {unit}" if unit else ""
     if isinstance(allowed, frozenset):
         return " or ".join(f"“{word}”" for word in sorted(allowed))

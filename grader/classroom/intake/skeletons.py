@@ -37,7 +37,7 @@ def is_skeleton(path: Path, name: str) -> bool:
 
 
 def is_handed_out(path: Path) -> bool:
-    """Return whether a file is any Python of the course's, but for comments."""
+    """Return whether a file is any Python of the course's, but for comments, or comments alone."""
     return _bare_of(path) in _course()
 
 

@@ -153,7 +153,11 @@ def _detection(ask: Ask, predict: Sequence[Inference], proba: Sequence[Inference
     if isinstance(found, Detection):
         label = found.label[:QUOTED]
         said |= {"label": label, "confidence": found.confidence, "stamp": found.stamp}
-    return Case(ask.at, ask.what, frozenset({"detection"}), allowed, said)
+    missing = [
+        name for name, asked in (("predict", predict), ("predict_proba", proba)) if not asked
+    ]
+    what = f"{ask.what}, and {missing[0]} was not asked" if missing else ask.what
+    return Case(ask.at, what, frozenset({"detection"}), allowed, said)
 
 
 def _features(ask: Ask, scan: Scan, asked: Sequence[Inference]) -> Iterator[Case]:

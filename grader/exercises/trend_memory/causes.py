@@ -23,9 +23,9 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
         return None
     if not found:
         return Evidence(
-            f"not one message comes on {TOPIC}: the memory never seems to hold ten readings. Is it "
-            "emptied at each scan, as if stamps jumped? Log the difference of two stamps: it "
-            "should be 0.1, in seconds (sec + nanosec / 1e9).",
+            f"not one message comes on {TOPIC}. Does the callback get as far as its publish()? If "
+            "so, does the memory ever hold ten readings, or is it emptied at each scan, as if "
+            "stamps jumped? Two stamps differ by 0.1, in seconds (sec + nanosec / 1e9).",
             explains=explained,
         )
     if len(found) >= LEAST and not any(found):

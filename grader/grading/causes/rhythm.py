@@ -7,12 +7,12 @@ What is said was seen; what may lie behind it is asked.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
 
 from grader.course.exercises import Exercise
-from grader.exercises import contract_of
 from grader.grading.causes.cause import ByName, Cause, Failed
 from grader.host.frames import OWN_TIMER
 from grader.recording import Recording
@@ -23,26 +23,26 @@ SILENT = ("one_command_per_scan", "silent_until_ready")  # nothing before the fi
 ONCE = "one_command_per_scan"
 FULL = 12  # readings; a memory of ten is full
 LATE = 0.005  # [s]
-EVERY = "one every "  # begins what a check of a rate expects
+EVERY = re.compile(r"one every (\d+) ms")  # what a check of a rate expects
 
 
 def kept_waiting(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
     """Return which callback waits for good, or takes as long as the commands are late."""
     recording = trials.get(failed[0].scenario or "")
-    period = contract_of(exercise).period
+    every = EVERY.match(failed[0].expected)
     for note in recording.notes if recording is not None else ():
         since, lasted = note.time / 1e9, note.lasted / 1e9
         file, _, line = note.line.rpartition(", ")
         where = f"{line} of {file}, in {note.about}"
         if note.kind == "waits":
             text = (
-                f"{note.about}, called at {since:.2f} s, never ends: what it "
-                "waits for never comes: is a lock kept by an early `return`, or does it wait for "
-                "something that only another callback could bring?"
+                f"{note.about}, called at {since:.2f} s, waits in vain to the end. Is a lock kept "
+                "by an early `return`, or does it wait for something that only another callback "
+                "could bring?"
             )
             return Cause.of(exercise, text, failed, where=where, all_of_it=True, own_hint=False)
-        late = note.kind == "lasts" and "timer" in note.more and lasted > (period or 0)
-        if late and failed[0].expected.startswith(EVERY):
+        late = every is not None and lasted > float(every[1]) / 1000
+        if late and note.kind == "lasts" and "timer" in note.more:
             text = f"{note.about} takes {lasted:.2f} s, as at {since:.2f} s, and " + (
                 "its timer can't call it again before that is over. Don't sleep or wait in it: "
                 "take what is there."

@@ -31,7 +31,8 @@ PENDING = (  # where rclpy's clients keep the futures of their answers
 )
 
 _waiting: dict[Any, int] = {}  # coroutines, and since when [ns]
-_running: dict[int, tuple[int, int]] = {}  # by task: its thread, and when it began [ns]
+# by task: its thread, when it began [ns], and the epoch of the thread's last look for work then
+_running: dict[int, tuple[int, int, int]] = {}
 
 
 def install(kernel: Kernel) -> None:
@@ -45,7 +46,7 @@ def install(kernel: Kernel) -> None:
             kernel.world.note(note)
         thread, begin = kernel.me(), kernel.now
         seen = thread.seen
-        _running[id(self)] = real_get_ident(), begin
+        _running[id(self)] = real_get_ident(), begin, seen
         try:
             result = call(self)
         finally:
@@ -80,12 +81,12 @@ def waits(kernel: Kernel) -> Iterator[Note]:
     for task, since in _waiting.items():
         if note := _wait(task, since, kernel.now):
             yield msgspec.structs.replace(note, count=0)
-    for ident, begin in _running.values():
+    for ident, begin, seen in _running.values():
         thread, frame = kernel.threads[ident], sys._current_frames().get(ident)
         while frame is not None and not host.is_beside(frame.f_code.co_filename):
             frame = frame.f_back
-        lasted = kernel.now - begin
-        if frame is not None and thread.parked and thread.until is None and lasted >= LONG:
+        lasted, in_vain = kernel.now - begin, thread.parked and thread.until is None
+        if frame is not None and in_vain and thread.seen == seen and lasted >= LONG:
             place = place_of(frame.f_code, frame.f_lineno)
             yield Note("waits", frame.f_code.co_name, place, 0, max(0, begin), lasted)
 

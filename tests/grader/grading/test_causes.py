@@ -223,7 +223,7 @@ LOCK = "LOCK.acquire()"  # which the first call gets
 @pytest.mark.parametrize(
     ("in_callback", "said"),
     [
-        (LOCK, r"on_scan, called at 0.1\d s, never ends"),
+        (LOCK, r"on_scan, called at 0.1\d s, waits in vain"),
         (
             "time.sleep(0.3)",
             r"on_scan takes 0.30 s, as at \d.\d\d s, and meanwhile /scan, a timer of 0.2 s ",

@@ -84,6 +84,8 @@ SAID = [
     (SLEEPS.format(group=ALONE, threads=2), "meanwhile waited: its own timer"),
     (SLEEPS.format(group=ALONE, threads=2).replace("0.5,", "1.5,"), ""),
     (SPINS, ""),
+    (SPINS.replace("for _ in range(12):", "while rclpy.ok():").replace(
+        "timeout_sec=0.1", ""), ""),
     (ASKS.format(client="", timer=""),
      r"ask \(node.py, line \d+\) awaits the answer of /detect from 0.30 s on, but its own"),
     (ASKS.format(client=f", callback_group={ALONE}", timer=""), "the answer of /detect from"),
