@@ -117,7 +117,8 @@ def grade_claim(
 def cover(exercise: Exercise, *, field: bool = False) -> list[tuple[Claim, frozenset[str]]]:
     """Return few mutants that together fail every check that any fails, and what each is for.
 
-    Greedy: the next one is always that which fails most checks that none before it did.
+    Greedy: the next one is always that which fails most checks that none before it did; it is for
+    those, so that no check is judged twice.
 
     Parameters
     ----------
@@ -133,7 +134,7 @@ def cover(exercise: Exercise, *, field: bool = False) -> list[tuple[Claim, froze
     chosen = []
     while left:
         best = max(provable, key=lambda each: (len(named[each.stem] & left), each.stem))
-        chosen.append((best, named[best.stem]))
+        chosen.append((best, named[best.stem] & left))
         left -= named[best.stem]
     return chosen
 
