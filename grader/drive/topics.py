@@ -26,6 +26,7 @@ OURS = "/from_node"  # before topics on which the node speaks in the robot's nam
 ALIKE = 0.75  # two names
 RATED = 1.0  # [s] that a node has to be there for a rate of its messages, and for missing ones
 TINY = 1e-6  # [m/s], [rad/s]
+LIFECYCLE = "lifecycle_msgs/"  # the ends of such a node that rclpy makes in C: nobody sees them
 PARAMETER_SERVICES = (
     "describe_parameters",
     "get_parameter_types",
@@ -99,6 +100,9 @@ def _of_subscription(recording: Recording, end: Endpoint, sent: Counter[str]) ->
     ends = recording.endpoints
     if _own_publishers(end, ends, connected=True) or (sent[end.topic] and not end.mismatch):
         return ""
+    node = end.topic.rpartition("/")[0]
+    if end.type.startswith(LIFECYCLE) and any(other.node == node for other in ends):
+        return ""  # the node tells of its own states
     if end.mismatch:
         return f"nothing arrives: {end.mismatch}"
     for other in _own_publishers(end, ends):
@@ -163,7 +167,7 @@ def _qos_mismatch(publisher: Endpoint, subscription: Endpoint) -> str:
 
 def _served(recording: Recording, client: Endpoint) -> bool:
     node, _, service = client.topic.rpartition("/")
-    if service in PARAMETER_SERVICES:  # every node has them
+    if service in PARAMETER_SERVICES or client.type.startswith(LIFECYCLE):  # in each such node
         return any(end.node == node for end in recording.endpoints)
     return any(
         (end.kind, end.topic, end.type) == ("service", client.topic, client.type)

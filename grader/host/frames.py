@@ -192,7 +192,7 @@ class Note(msgspec.Struct, array_like=True, frozen=True):
     """What a person should know of a run, and no message shows; nobody judges it."""
 
     kind: Annotated[
-        str, msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads)$")
+        str, msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads|sim_time)$")
     ]
     about: Name  # a topic, a node, or a function ...
     line: Name = ""  # ... and where: "node.py, line 12"

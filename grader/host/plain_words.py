@@ -40,7 +40,8 @@ LIBRARIES = ("rclpy", "numpy", "sklearn", "onnxruntime", "onnx", "skl2onnx", "jo
              "math", "time", "random", "threading", "collections", "statistics")  # fmt: skip
 SOMETIMES = ("sklearn", "onnxruntime", "torch", "keras")
 INSTEAD = {  # module: what does the same here
-    "cv2": "a scan is numbers, which NumPy takes", "pandas": "np.genfromtxt reads a CSV file",
+    "cv2": "it is for images, and the robot here has no camera; for a scan NumPy does",
+    "pandas": "np.genfromtxt reads a CSV file",
     "matplotlib": "`course drive FILE --report drive.html` shows the run",
     "seaborn": "`course drive FILE --report drive.html` shows the run",
     "tensorflow": "train elsewhere, export the model to ONNX and run it with onnxruntime",

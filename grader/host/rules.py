@@ -240,6 +240,10 @@ RULES = (
     Rule("TypeError", r"type (Time|Duration) is not JSON", "",
          "JSON has no \\1: make seconds of it, stamp.sec + stamp.nanosec / 1e9",
          "https://docs.python.org/3/library/json.html"),
+    Rule("ValueError", r"^generator already executing$", "",
+         "two threads spin one executor, for rclpy.spin has one for the whole program: let each "
+         "thread make its own, SingleThreadedExecutor(), add its node, and spin that",
+         "https://github.com/ros2/rclpy/issues/1008"),
     # Python
     Rule("TypeError", r"must be integer, not 'slice'", "", "a deque has no slices: "
          "list(memory)[-10:], or let deque(maxlen=10) keep the last ten by itself",

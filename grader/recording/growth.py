@@ -103,6 +103,11 @@ def _said(note: Note, recording: Recording) -> str:
                 f"{place} waits there to the end, from {at:.2f} s on: what it waits for, a lock, "
                 "an event, an answer, never comes"
             )
+        case "sim_time":
+            return (
+                f"{note.about} has use_sim_time, and nothing publishes /clock: on a robot its time "
+                "would stand at 0 and its timers never fire; here both go on"
+            )
         case "threads" if many > ENDS:
             return (
                 f"{place} started {many} threads in {recording.duration_s:.0f} s: one that lives, "
@@ -132,7 +137,7 @@ def growth_of(recording: Recording) -> list[str]:
     if len(recording.log) > FLOOD * max(recording.duration_s, 1.0):
         rate = len(recording.log) / max(recording.duration_s, 1.0)
         said.append(
-            f"the node says {rate:.0f} lines a second: in place of print, "
+            f"the node says {rate:.0f} lines a second; "
             "get_logger().info(…, throttle_duration_sec=1.0) says one"
         )
     return said

@@ -55,7 +55,7 @@ class Bridge:
     def install(self) -> None:
         """Watch the student's nodes create their endpoints."""
         EndpointWatch(self._on_endpoint).install()
-        graph.install(self.discovery, self._ends.get)
+        graph.install(self.discovery, self._ends.get, self._offers)
         found.install(self.discovery, lambda context: self._ends_in(context).unheard)
         node_cls: Any = rclpy.node.Node
         node_cls.create_timer = self._counting_timers(node_cls.create_timer)
@@ -116,9 +116,12 @@ class Bridge:
         return endpoints
 
     def notes(self, kernel: Kernel) -> Iterator[Note]:
-        """Yield which callbacks wait, and the state of each lifecycle node."""
+        """Yield which callbacks wait, lifecycle nodes' states, and which nodes lack a /clock."""
         yield from tasks.waits(kernel)
         for node in self.discovery.nodes():
+            with contextlib.suppress(InvalidHandle):
+                if node.get_clock().ros_time_is_active and not node.count_publishers("/clock"):
+                    yield Note("sim_time", node.get_fully_qualified_name())
             machine = node.__dict__.get("_state_machine")
             if isinstance(machine, rclpy_implementation.LifecycleStateMachine):
                 with contextlib.suppress(InvalidHandle):

@@ -40,7 +40,7 @@ KINDS = {  # the list of a node that holds the ends of a kind
 }
 MOST = 1000  # marks that an end keeps of what it has missed
 UNCOUNTED = re.compile(r"/_|/transition_event$")  # actions, introspection, lifecycle nodes
-ROBOT_LISTENS = frozenset({"/cmd_vel"})
+ROBOT_LISTENS = {"/cmd_vel": "geometry_msgs/msg/Twist"}
 PORTABLE: Any = sys.modules.get("rclpy_portable.native.machine")
 
 

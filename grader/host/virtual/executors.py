@@ -190,13 +190,20 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
     ) -> Any:
         seconds = getattr(timeout_sec, "timeout", timeout_sec)
         deadline = None if seconds is None or seconds < 0 else kernel.after(seconds)
+        asked = timeout_sec, nodes, condition
+        if self.__dict__.get("_course_waits") == asked:  # by another thread, in one generator
+            raise ValueError("generator already executing")
         bridge.waits()
-        found = kernel.poll(
-            self,
-            lambda: look(self, nodes, condition),
-            deadline,
-            lambda: _next_timer(kernel, nodes or self.get_nodes()),
-        )
+        self._course_waits = asked
+        try:
+            found = kernel.poll(
+                self,
+                lambda: look(self, nodes, condition),
+                deadline,
+                lambda: _next_timer(kernel, nodes or self.get_nodes()),
+            )
+        finally:
+            self._course_waits = None
         if found is None:
             raise TimeoutException
         found[0]._course_entity = found[1]

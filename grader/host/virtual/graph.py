@@ -1,12 +1,13 @@
 """What a node sees of the graph: a robot and the programs that it has found, and no judge.
 
 The judge hears every topic. On a robot nobody subscribes to a topic of a student's own, so these
-subscriptions are left out of all that rclpy tells of the graph.
+subscriptions are left out of all that rclpy tells of the graph. And the robot's ends are only made
+with those of a program; names and counts have them from when the robot is found, as on a robot.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,6 +17,7 @@ import rclpy.subscription
 from rclpy.event_handler import QoSPublisherEventType, QoSSubscriptionEventType
 from rclpy.expand_topic_name import expand_topic_name
 
+from ..frames import Offer
 from ..robot_ends import ROBOT_NODE, RobotEnds
 from .discovery import ROBOT_LISTENS, Arrival, Discovery
 
@@ -44,9 +46,9 @@ OF_NODE = {
 Ends = Callable[[Any], RobotEnds | None]  # the robot's in a context
 
 
-def install(discovery: Discovery, ends_in: Ends) -> None:
+def install(discovery: Discovery, ends_in: Ends, offers: Mapping[str, Offer]) -> None:
     """Take the judge's subscriptions, and what is not found yet, out of the answers of rclpy."""
-    view = _View(discovery, ends_in)
+    view = _View(discovery, ends_in, offers)
     for name, kind in COUNTS.items():
         _install_count(view, name, kind)
     _install_peers(view, rclpy.publisher.Publisher, "get_subscription_count", "subscription")
@@ -61,9 +63,10 @@ def install(discovery: Discovery, ends_in: Ends) -> None:
 class _View:
     """What there really is, and is not to be seen."""
 
-    def __init__(self, discovery: Discovery, ends_in: Ends) -> None:
+    def __init__(self, discovery: Discovery, ends_in: Ends, offers: Mapping[str, Offer]) -> None:
         self.discovery = discovery
         self._ends_in = ends_in
+        self._offers = offers
 
     def judge(self, kind: str, context: Any, topic: str) -> int:
         """Return how many ends of a topic the judge has of which a program knows nothing."""
@@ -74,6 +77,17 @@ class _View:
         if is_robots and self.discovery.knows_robot(context):
             return 0
         return int(ends.speaks(topic) if kind == "publisher" else ends.hears(topic))
+
+    def unmade(self, kind: str, context: Any) -> dict[str, str]:
+        """Return topics and types of the robot's ends that no program's has called for yet."""
+        if kind not in MATE or not self._offers or not self.discovery.knows_robot(context):
+            return {}  # without offers there is no robot
+        ends = self._ends_in(context)
+        if kind == "publisher":
+            every, made = {o.topic: o.type for o in self._offers.values()}, ends and ends.speaks
+        else:
+            every, made = ROBOT_LISTENS, ends and ends.hears
+        return {topic: type_ for topic, type_ in every.items() if not (made and made(topic))}
 
     def strangers(self, context: Any) -> set[tuple[str, str]]:
         """Return name and namespace of each node that is not found yet."""
@@ -134,7 +148,8 @@ def _install_count(view: _View, name: str, kind: str) -> None:
     def count(self: Any, topic_name: str) -> int:
         topic = expand_topic_name(topic_name, self.get_name(), self.get_namespace())
         unseen = view.discovery.unseen(kind, topic, self.context)
-        return int(real(self, topic_name)) - unseen - view.judge(kind, self.context, topic)
+        unseen += view.judge(kind, self.context, topic)
+        return int(real(self, topic_name)) - unseen + (topic in view.unmade(kind, self.context))
 
     setattr(rclpy.node.Node, name, count)
 
@@ -198,7 +213,11 @@ def _install_names(view: _View) -> None:
     def found_names(real: Any, *kinds: str) -> Any:
         def names(self: Any, *args: Any, **kwargs: Any) -> Any:
             hidden = view.discovery.of_strangers(kinds, self.context)
-            return [e for e in real(self, *args, **kwargs) if e[0] not in hidden]
+            found = {e[0]: e for e in real(self, *args, **kwargs) if e[0] not in hidden}
+            for kind in kinds:
+                for topic, type_ in view.unmade(kind, self.context).items():
+                    found.setdefault(topic, (topic, [type_]))
+            return [found[topic] for topic in sorted(found)]
 
         return names
 

@@ -150,6 +150,14 @@ def test_what_is_wrong_with_the_topics(
             node.create_subscription(String, '/scan', print, 10)
             node.create_subscription(LaserScan, '/laser', print, 10)
             node.create_publisher(Twist, '/cmd_vel', 10)
+            from lifecycle_msgs.msg import TransitionEvent
+            from lifecycle_msgs.srv import GetState
+            from rclpy.lifecycle import LifecycleNode
+            managed = LifecycleNode('managed')
+            managed.create_publisher(String, '/said', 10)
+            node.create_subscription(TransitionEvent, '/managed/transition_event', print, 10)
+            node.create_client(GetState, '/managed/get_state')
+            node.create_client(GetState, '/missing/get_state')
             rclpy.spin(node)
             """,
             short(0.5),
@@ -157,6 +165,8 @@ def test_what_is_wrong_with_the_topics(
         capsys,
     )
 
+    assert said.count("WARNING: nobody offers this service") == 1
+    assert said.count("WARNING: nobody publishes this topic") == 1
     assert "WARNING: nothing arrives: the robot publishes sensor_msgs/msg/LaserScan" in said
     assert "WARNING: nobody publishes this topic; the robot publishes /scan" in said
     assert "the robot got no command" in said

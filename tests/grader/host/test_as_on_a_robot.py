@@ -122,6 +122,24 @@ PROGRAMS = {
         node.create_subscription(String, 'my_topic', print, 10)
         print(mine.get_subscription_count(), node.count_subscribers('my_topic'))
     """, "returned", ["echo mock_robot", "0 0 0", "1 1 mock_robot", "/cmd_vel", "1 1"]),
+    "the robot's topics are there before anybody asks for them": ("""
+        rclpy.init(); node = rclpy.create_node('n')
+        while not node.count_publishers('/scan'): rclpy.spin_once(node, timeout_sec=0.01)
+        print(dict(node.get_topic_names_and_types())['/scan'], node.count_subscribers('/cmd_vel'))
+        node.create_subscription(LaserScan, '/scan', print, 10)
+        node.create_publisher(Twist, '/cmd_vel', 10)
+        print(node.count_publishers('/scan'), node.count_subscribers('/cmd_vel'))
+    """, "returned", ["['sensor_msgs/msg/LaserScan'] 1", "1 1"]),
+    "two threads can't spin one executor": ("""
+        def beat(): print("beat")
+        def spin(node):
+            try: rclpy.spin(node)
+            except ValueError as error: print(error)
+        rclpy.init(); nodes = [rclpy.create_node(name) for name in 'ab']
+        nodes[0].create_timer(0.4, beat)
+        for node in nodes: threading.Thread(target=spin, args=(node,), daemon=True).start()
+        time.sleep(1)
+    """, "returned", ["generator already executing", "beat", "beat"]),
     "matched events are of others only": ("""
         from rclpy.event_handler import PublisherEventCallbacks
         def on_match(topic):

@@ -133,6 +133,7 @@ def test_what_can_not_be_had_raises_as_in_tf2(packages: Any) -> None:
     late = "the latest data is at time 2.000000, when looking up transform from frame [base] to"
     for target, source, when, error, said in [
         ("odom", "nobody", 0, tf2.LookupException, '"nobody" passed to lookupTransform argument s'),
+        ("no", "where", 0, tf2.LookupException, '"no" passed to lookupTransform argument target_'),
         ("odom", "other", 0, tf2.ConnectivityException, "not part of the same tree"),
         ("odom", "base", SECOND // 2, tf2.ExtrapolationException, "past.  Requested time 0.500000"),
         ("odom", "base", 3 * SECOND, tf2.ExtrapolationException, late),

@@ -352,7 +352,7 @@ class Buffer(BufferInterface):
 
     def _path(self, target: str, source: str, stamp: int) -> tuple[int, list[str], list[str]]:
         """Return the time, and the frames from source and from target up to what they share."""
-        up, down = self._to_root(source, "source"), self._to_root(target, "target")
+        down, up = self._to_root(target, "target"), self._to_root(source, "source")
         if up[-1] != down[-1]:
             raise ConnectivityException(
                 f"Could not find a connection between '{target}' and '{source}' because they are "
