@@ -103,6 +103,11 @@ def _said(note: Note, recording: Recording) -> str:
                 f"{place} waits there to the end, from {at:.2f} s on: what it waits for, a lock, "
                 "an event, an answer, never comes"
             )
+        case "params":
+            return (
+                f"{note.line} has parameters for {note.about}, and none for {more}, which runs "
+                "here: rclpy passes over sections whose key is not the node's name"
+            )
         case "threads" if many > ENDS:
             return (
                 f"{place} started {many} threads in {recording.duration_s:.0f} s: one that lives, "

@@ -23,7 +23,7 @@ from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, repo
 from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Note, Offer, Published
 from ..robot_ends import Heard, RobotEnds
 from . import discovery as found
-from . import graph, tasks
+from . import graph, parameter_files, tasks
 from .kernel import Kernel
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
@@ -116,8 +116,13 @@ class Bridge:
         return endpoints
 
     def notes(self, kernel: Kernel) -> Iterator[Note]:
-        """Yield which callbacks wait, and the state of each lifecycle node."""
+        """Yield which callbacks wait, parameters for nobody, the state of each lifecycle node."""
         yield from tasks.waits(kernel)
+        for party in self.discovery.newcomers():
+            start: Any = getattr(party.program, "start", None)  # of one program among several
+            own = start.arguments if start else getattr(party.context, "_course_arguments", ())
+            names = [node.get_fully_qualified_name() for node in party.nodes]
+            yield from parameter_files.unread(own, names)
         for node in self.discovery.nodes():
             machine = node.__dict__.get("_state_machine")
             if isinstance(machine, rclpy_implementation.LifecycleStateMachine):
