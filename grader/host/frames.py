@@ -192,7 +192,8 @@ class Note(msgspec.Struct, array_like=True, frozen=True):
     """What a person should know of a run, and no message shows; nobody judges it."""
 
     kind: Annotated[
-        str, msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads|params)$")
+        str,
+        msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads|params|imports)$"),
     ]
     about: Name  # a topic, a node, a function, sections ...
     line: Name = ""  # ... and where: "node.py, line 12"

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import sys
 import weakref
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import rclpy.context
@@ -22,6 +24,7 @@ from rclpy.qos import DurabilityPolicy
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
 from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Note, Offer, Published
 from ..robot_ends import Heard, RobotEnds
+from ..slips import unused_imports
 from . import discovery as found
 from . import graph, parameter_files, tasks
 from .kernel import Kernel
@@ -116,13 +119,17 @@ class Bridge:
         return endpoints
 
     def notes(self, kernel: Kernel) -> Iterator[Note]:
-        """Yield which callbacks wait, parameters for nobody, the state of each lifecycle node."""
+        """Yield which callbacks wait, the state of lifecycle nodes; once what a file has unread."""
         yield from tasks.waits(kernel)
         for party in self.discovery.newcomers():
             start: Any = getattr(party.program, "start", None)  # of one program among several
             own = start.arguments if start else getattr(party.context, "_course_arguments", ())
             names = [node.get_fully_qualified_name() for node in party.nodes]
             yield from parameter_files.unread(own, names)
+            file = Path(start.file if start else getattr(sys.modules["__main__"], "__file__", ""))
+            with contextlib.suppress(OSError, SyntaxError, ValueError):
+                if unused := unused_imports(file.read_bytes()):
+                    yield Note("imports", ", ".join(unused), file.name)
         for node in self.discovery.nodes():
             machine = node.__dict__.get("_state_machine")
             if isinstance(machine, rclpy_implementation.LifecycleStateMachine):
