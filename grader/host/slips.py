@@ -82,7 +82,7 @@ def unused_imports(source: bytes) -> list[str]:
         Python does not accept it.
     """
     tree = ast.parse(source)
-    found = {}
+    found: dict[str, None] = {}
     for node in tree.body:
         if isinstance(node, ast.Import | ast.ImportFrom):
             for each in node.names:
