@@ -105,6 +105,12 @@ class Grading:
         return _passed([check for check in self.checks if check.kind == "core"])
 
     @property
+    def whole(self) -> bool:
+        """The full core score, and no check was left out by `only`."""
+        points = sum(check.max_points for check in self.checks if check.kind == "core")
+        return self.full and points == self.exercise.max_points
+
+    @property
     def faulty(self) -> bool:
         """The grader or the machine failed somewhere."""
         return any(check.outcome in (ERROR, INCONCLUSIVE) for check in self.checks)
@@ -127,8 +133,7 @@ class Grading:
 
     def _praise(self) -> list[str]:
         """Return what was good of a program with all points, and what a reader would remark."""
-        points = sum(check.max_points for check in self.checks if check.kind == "core")
-        if not self.full or points < self.exercise.max_points or not self.recordings:
+        if not self.whole or not self.recordings:
             return []
         return [praise_of(self.recordings), *remarks_on(self.recordings)]
 
