@@ -122,14 +122,8 @@ class Bridge:
         """Yield which callbacks wait, the state of lifecycle nodes; once what a file has unread."""
         yield from tasks.waits(kernel)
         for party in self.discovery.newcomers():
-            start: Any = getattr(party.program, "start", None)  # of one program among several
-            own = start.arguments if start else getattr(party.context, "_course_arguments", ())
-            names = [node.get_fully_qualified_name() for node in party.nodes]
-            yield from parameter_files.unread(own, names)
-            file = Path(start.file if start else getattr(sys.modules["__main__"], "__file__", ""))
-            with contextlib.suppress(OSError, SyntaxError, ValueError):
-                if unused := unused_imports(file.read_bytes()):
-                    yield Note("imports", ", ".join(unused), file.name)
+            with contextlib.suppress(Exception):  # files and names are the student's: anything
+                yield from list(_unread(party))
         for node in self.discovery.nodes():
             machine = node.__dict__.get("_state_machine")
             if isinstance(machine, rclpy_implementation.LifecycleStateMachine):
@@ -224,3 +218,13 @@ class Bridge:
             shutdown(context)
 
         return leave_and_shutdown
+
+
+def _unread(party: found.Party) -> Iterator[Note]:
+    """Yield what a program's command line or file has, and nothing reads."""
+    start: Any = getattr(party.program, "start", None)  # of one program among several
+    own = start.arguments if start else getattr(party.context, "_course_arguments", ())
+    yield from parameter_files.unread(own, [n.get_fully_qualified_name() for n in party.nodes])
+    file = Path(start.file if start else getattr(sys.modules["__main__"], "__file__", ""))
+    if unused := unused_imports(file.read_bytes()):
+        yield Note("imports", ", ".join(unused), file.name)

@@ -27,11 +27,7 @@ def unread(arguments: Sequence[str], nodes: Collection[str]) -> Iterator[Note]:
     """
     files = [file for flag, file in pairwise(arguments) if flag == "--params-file"]
     for file in dict.fromkeys(files if nodes else ()):
-        try:
-            tree = yaml.safe_load(Path(file).read_text("utf-8"))
-        except (OSError, ValueError, yaml.YAMLError):  # rclpy has said what is wrong
-            continue
-        sections = list(_sections(tree))
+        sections = list(_sections(yaml.safe_load(Path(file).read_text("utf-8"))))
         if sections and not any(_is_for(section, node) for section in sections for node in nodes):
             yield Note("params", ", ".join(sections), Path(file).name, more=", ".join(nodes))
 
